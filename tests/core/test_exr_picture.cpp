@@ -38,7 +38,7 @@ void check_pixel(const Picture& picture, const std::vector<float>& expected) {
 
 }  // namespace
 
-TEST_CASE("exr picture: red and green and blue are found by all their names and in layers and later parts") {
+TEST_CASE("exr image: red and green and blue are found by all their names and in layers and later parts") {
   const std::vector<float> expected{0.25f, 0.5f, 0.75f};
   const std::map<std::string, float> junk{{"N.X", 9}, {"N.Y", 9}, {"N.Z", 9}, {"Z", 9}, {"albedo.R", 9}};
   const std::array<std::array<const char*, 3>, 6> names{
@@ -60,7 +60,7 @@ TEST_CASE("exr picture: red and green and blue are found by all their names and 
   }
 }
 
-TEST_CASE("exr picture: root channels precede layers and the layer of the image precedes others") {
+TEST_CASE("exr image: root channels precede layers and the layer of the image precedes others") {
   std::map<std::string, float> values;
   for (const char* layer : {"a.", "b.", "Combined."})
     for (const char* channel : {"R", "G", "B"}) values[std::string(layer) + channel] = layer[0] == 'C' ? 0.5f : 9;
@@ -72,7 +72,7 @@ TEST_CASE("exr picture: root channels precede layers and the layer of the image 
               {1, 1, 1});
 }
 
-TEST_CASE("exr picture: alpha belongs to the layer of the colours and is not converted") {
+TEST_CASE("exr image: alpha belongs to the layer of the colours and is not converted") {
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
   const std::map<std::string, float> values{{"a.R", 0.2f}, {"a.G", 0.5f}, {"a.B", 0.3f}, {"a.A", 0.125f}, {"A", 9}};
   const Picture picture = read({exr_part(2, 1, values, xyz)});
@@ -84,7 +84,7 @@ TEST_CASE("exr picture: alpha belongs to the layer of the colours and is not con
   }
 }
 
-TEST_CASE("exr picture: a luminance channel becomes grey") {
+TEST_CASE("exr image: a luminance channel becomes grey") {
   check_pixel(read({exr_part(1, 1, {{"Y", 0.5f}})}), {0.5f});
   check_pixel(read({exr_part(1, 1, {{"y", 0.5f}, {"a", 0.25f}})}), {0.5f, 0.25f});
   check_pixel(read({exr_part(1, 1, {{"height", 0.5f}, {"A", 1}})}), {0.5f, 1});
@@ -92,7 +92,7 @@ TEST_CASE("exr picture: a luminance channel becomes grey") {
   check_pixel(read({exr_part(1, 1, {{"bump.V", 0.5f}})}), {0.5f});
 }
 
-TEST_CASE("exr picture: unknown channels are an error that lists them and never become grey") {
+TEST_CASE("exr image: unknown channels are an error that lists them and never become grey") {
   const std::string expected = "(expected R, G and B, or X, Y and Z, or one channel, and perhaps A)";
   for (const std::map<std::string, float>& values :
        {std::map<std::string, float>{{"R", 1}, {"G", 1}},
@@ -117,7 +117,7 @@ TEST_CASE("exr picture: unknown channels are an error that lists them and never 
   CHECK(message.size() < 1000);
 }
 
-TEST_CASE("exr picture: chromaticities and XYZ are converted to Rec.709 unless the image is raw") {
+TEST_CASE("exr image: chromaticities and XYZ are converted to Rec.709 unless the image is raw") {
   const std::vector<float> p3{0.680f, 0.320f, 0.265f, 0.690f, 0.150f, 0.060f, 0.3127f, 0.3290f};
   const std::vector<float> aces{0.7347f, 0.2653f, 0, 1, 0.0001f, -0.0770f, 0.32168f, 0.33767f};
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
@@ -140,7 +140,7 @@ TEST_CASE("exr picture: chromaticities and XYZ are converted to Rec.709 unless t
   CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, nan))}), "no colour space"));
 }
 
-TEST_CASE("exr picture: the image is the display window wherever the data window lies") {
+TEST_CASE("exr image: the image is the display window wherever the data window lies") {
   ExrTestPart part = exr_part(2, 2, {{"Y", 0}});
   part.values["Y"] = {1, 2, 3, 4};
   const auto with_windows = [&](std::array<int, 4> window, std::array<int, 4> frame) {
@@ -163,7 +163,7 @@ TEST_CASE("exr picture: the image is the display window wherever the data window
   CHECK(contains(error_in({part}), "the header claims 60001 x 60001 pixels"));
 }
 
-TEST_CASE("exr picture: a crop rendered by Sheaf keeps its position in the frame") {
+TEST_CASE("exr image: a crop rendered by Sheaf keeps its position in the frame") {
   const TemporaryFolder folder;
   Image crop(2, 1, {"A", "B", "G", "R", "Z"});
   for (int x = 0; x < 2; ++x)
@@ -183,7 +183,7 @@ TEST_CASE("exr picture: a crop rendered by Sheaf keeps its position in the frame
   CHECK(picture.floats == expected);
 }
 
-TEST_CASE("exr picture: non-finite values are unchanged") {
+TEST_CASE("exr image: non-finite values are unchanged") {
   const float infinity = std::numeric_limits<float>::infinity();
   const Picture picture = read({exr_part(1, 1, {{"R", infinity}, {"G", 2}, {"B", 3}}, {1, 0, 0, 1, 0, 0, 0.3f, 0.3f})});
   CHECK(picture.floats == std::vector<float>{infinity, 2, 3});

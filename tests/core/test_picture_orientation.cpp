@@ -102,7 +102,7 @@ std::vector<TiffEntry> bilevel(std::uint32_t photometric, std::uint32_t compress
 
 }  // namespace
 
-TEST_CASE("picture orientation: Radiance files are read upright in all eight orders") {
+TEST_CASE("image orientation: Radiance files are read upright in all eight orders") {
   const TemporaryFolder folder;
   for (const auto& order : kOrders) {
     const std::string &first = order.first, &second = order.second;
@@ -119,7 +119,7 @@ TEST_CASE("picture orientation: Radiance files are read upright in all eight ord
   }
 }
 
-TEST_CASE("picture orientation: TIFF files are read upright in all eight orders and in tiles and in either byte order") {
+TEST_CASE("image orientation: TIFF files are read upright in all eight orders and in tiles and in either byte order") {
   const TemporaryFolder folder;
   for (std::uint32_t orientation = 1; orientation <= 8; ++orientation) {
     CAPTURE(orientation);
@@ -168,13 +168,13 @@ TEST_CASE("picture orientation: TIFF files are read upright in all eight orders 
   }
 }
 
-TEST_CASE("picture orientation: channels of a pixel stay together") {
+TEST_CASE("image orientation: channels of a pixel stay together") {
   const std::vector<int> pixels{1, 10, 2, 20, 3, 30, 4, 40, 5, 50, 6, 60};
   CHECK(oriented(pixels, 3, 2, 2, 3) == std::vector<int>{6, 60, 5, 50, 4, 40, 3, 30, 2, 20, 1, 10});
   CHECK(oriented(pixels, 3, 2, 2, 6) == std::vector<int>{4, 40, 1, 10, 5, 50, 2, 20, 6, 60, 3, 30});
 }
 
-TEST_CASE("pictures: bilevel TIFF files without BitsPerSample have one bit in both photometric interpretations") {
+TEST_CASE("images: bilevel TIFF files without BitsPerSample have one bit in both photometric interpretations") {
   const TemporaryFolder folder;
   // Two rows of 12 pixels: 1 1 1 1 0 0 0 0 1 0 1 0 and 0 0 0 0 0 0 0 1 1 1 1 1.
   const std::string rows("\xf0\xa0\x01\xf0", 4);
@@ -201,7 +201,7 @@ TEST_CASE("pictures: bilevel TIFF files without BitsPerSample have one bit in bo
       }
 }
 
-TEST_CASE("pictures: a wrong or truncated TIFF directory is reported or left to the library") {
+TEST_CASE("images: a wrong or truncated TIFF directory is reported or left to the library") {
   const TemporaryFolder folder;
   const std::string whole = TiffBytes(false).finish("\xf0\xa0\x01\xf0", bilevel(1, 1, 4));
   for (std::size_t size = 4; size < whole.size(); ++size) {
@@ -216,7 +216,7 @@ TEST_CASE("pictures: a wrong or truncated TIFF directory is reported or left to 
   }
 }
 
-TEST_CASE("pictures: Radiance files of CIE XYZ are converted to Rec.709 unless raw") {
+TEST_CASE("images: Radiance files of CIE XYZ are converted to Rec.709 unless raw") {
   const TemporaryFolder folder;
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n";
   for (const int byte : {102, 204, 51, 128}) bytes += static_cast<char>(byte);

@@ -109,8 +109,7 @@ void check_same(const Image& a, const Image& b, double allowed) {
 
 }  // namespace
 
-TEST_CASE(
-    "splats: filter weights normalised by the sampled pixels reproduce the image of camera samples") {
+TEST_CASE("splats: filter weights normalised by the sampled pixels reproduce the image of camera samples") {
   for (const PixelFilter& filter : kFilters)
     for (const bool border : {false, true})
       for (const PixelRect crop : {kFrame, PixelRect{0, 1, 3, 5}}) {

@@ -14,7 +14,8 @@
 
 namespace sheaf::test_stages {
 
-TEST_CASE_TEMPLATE("camera rays: every sample of the task starts once in order and inside its pixel", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("camera rays: every sample of the task starts once in order and inside its pixel", L,
+                   SHEAF_STAGE_LANES) {
   Description d = empty_scene(40, 30);
   look_at(d, {1, 2, 3}, {-1, 0, 4});
   const auto scene = compile_scene(d);
@@ -160,8 +161,8 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
   CHECK(behind.words[0] == 0.7f);
 }
 
-TEST_CASE_TEMPLATE("intersect: non-finite rays are dropped and counted and reported while their neighbours are traced", L,
-                   SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("intersect: non-finite rays are dropped and counted and reported while their neighbours are traced",
+                   L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<std::pair<Vec3f, Vec3f>> bad = {
@@ -260,8 +261,8 @@ TEST_CASE_TEMPLATE("stages: empty queues do no work", L, SHEAF_STAGE_LANES) {
   CHECK(wave.shadow_count == 0);
 }
 
-TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are empty afterwards",
-                   L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are empty afterwards", L,
+                   SHEAF_STAGE_LANES) {
   Description d = mixed_scene();
   add_media_and_masks(d);
   Photon photon;
@@ -367,7 +368,8 @@ TEST_CASE_TEMPLATE("debug view: normals and depth of the first surface are shown
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: finished paths add their weighted radiance to their own samples", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("accumulate: finished paths add their weighted radiance to their own samples", L,
+                   SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   for (const int paths : kTailSizes) {
     TestWave test(paths);
@@ -396,8 +398,7 @@ TEST_CASE_TEMPLATE("accumulate: finished paths add their weighted radiance to th
   }
 }
 
-TEST_CASE_TEMPLATE("accumulate: non-finite and negative samples are dropped and reported", L,
-                   SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("accumulate: non-finite and negative samples are dropped and reported", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(empty_scene(4, 4));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Spectrum4> bad = {{nan, 0, 0, 0}, {0, nan, 0, 0},    {0, 0, nan, 0}, {kInfinity, 0, 0, 0},

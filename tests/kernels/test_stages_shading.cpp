@@ -146,7 +146,8 @@ template <class L> void sample_lights(const StageContext& context, Wave& wave) {
   }
 }
 
-TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and specular surfaces get none", L, SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and specular surfaces get none", L,
+                   SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
   const Vec3f light{0, 0, -1};
   for (const int paths : kTailSizes) {

@@ -360,8 +360,8 @@ TEST_CASE_TEMPLATE("scatter: dispersed paths keep the pdf of their wavelength an
   }
 }
 
-TEST_CASE_TEMPLATE("photon rays: stored photons sample distances by any wavelength and others by the hero wavelength", L,
-                   SHEAF_STAGE_LANES) {
+TEST_CASE_TEMPLATE("photon rays: stored photons sample distances by any wavelength and others by the hero wavelength",
+                   L, SHEAF_STAGE_LANES) {
   const auto lanes_of = [](ColorMode color, bool stored) {
     const auto scene = compile_scene(colored_box(MediumPhotons::kPoints), {.color = color});
     TestWave test(1200, 0);

@@ -59,7 +59,7 @@ bool same_bits(const Image& a, const Image& b) {
 
 }  // namespace
 
-TEST_CASE("adaptive sampling: pictures are right on average, however few pixels judge when to end" *
+TEST_CASE("adaptive sampling: images are unbiased even if few pixels decide when to stop" *
           doctest::test_suite("slow")) {
   // Sixteen pixels, whose light comes in rare bright samples: a tile that ended by its own noise would be too dark.
   for (const auto filter : {PixelFilter::Kind::kBox, PixelFilter::Kind::kGaussian}) {
@@ -88,7 +88,7 @@ TEST_CASE("adaptive sampling: pictures are right on average, however few pixels 
   }
 }
 
-TEST_CASE("adaptive sampling: where no tile ends early, the picture is that of four replicates") {
+TEST_CASE("adaptive sampling: the image equals that of four replicates if no tile stops early") {
   Description d = lamp_scene(70, 50, false);
   d.film.filter.kind = PixelFilter::Kind::kMitchell;
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
@@ -120,7 +120,7 @@ TEST_CASE("adaptive sampling: where no tile ends early, the picture is that of f
   }
 }
 
-TEST_CASE("adaptive sampling: variances are those of the means over many seeds, on either side of tiles" *
+TEST_CASE("adaptive sampling: variances match the spread of means over seeds on both sides of tiles" *
           doctest::test_suite("slow")) {
   constexpr int kSide = 40, kSeeds = 60;
   Description d = lamp_scene(kSide, kSide, false);
@@ -157,7 +157,8 @@ TEST_CASE("adaptive sampling: variances are those of the means over many seeds, 
   }
 }
 
-TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most samples" * doctest::test_suite("slow")) {
+TEST_CASE("adaptive sampling: tiles stop at the noise target or at the maximum sample count" *
+          doctest::test_suite("slow")) {
   constexpr int kColumns = 96, kRows = 64;
   Description d = lamp_scene(kColumns, kRows, false);
   d.integrator.max_depth = 2;
@@ -191,7 +192,7 @@ TEST_CASE("adaptive sampling: tiles end at the noise asked for, or at the most s
   CHECK(most.report.adaptive->mean_samples == 40);
 }
 
-TEST_CASE("adaptive sampling: the same bits for any number of threads and wave size, and after checkpoints") {
+TEST_CASE("adaptive sampling: the bits do not depend on threads or wave size or checkpoints") {
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   Description d = lamp_scene(70, 50, false);
@@ -228,7 +229,7 @@ TEST_CASE("adaptive sampling: the same bits for any number of threads and wave s
   }
 }
 
-TEST_CASE("adaptive sampling: a time limit ends it with a picture") {
+TEST_CASE("adaptive sampling: a time limit ends the render with an image") {
   Description d = lamp_scene(64, 64, false);
   const auto scene = compile_scene(d);
   RenderOptions options;
@@ -242,7 +243,7 @@ TEST_CASE("adaptive sampling: a time limit ends it with a picture") {
   CHECK(mean_of(result.film.to_image(), "A") > 0);
 }
 
-TEST_CASE("adaptive sampling: what it cannot do is refused") {
+TEST_CASE("adaptive sampling: unsupported combinations are rejected") {
   Description d = lamp_scene(8, 8, false);
   const auto fails = [&](RenderOptions options) {
     try {

@@ -66,7 +66,7 @@ void check_wall(const Image& image, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("layers: a wall at a known place, in both colour modes and both ways of filtering") {
+TEST_CASE("layers: a wall has the known values in both colour modes and both filter modes") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
       for (const bool wide : {false, true}) {
@@ -88,7 +88,7 @@ TEST_CASE("layers: a wall at a known place, in both colour modes and both ways o
       }
 }
 
-TEST_CASE("layers: depth runs along the camera's axis, wherever that is and however it is scaled") {
+TEST_CASE("layers: depth is measured along the camera axis for every camera transform") {
   Description d = wall(coloured);
   d.camera.to_world = Transform::translate({1, 0.5f, -2}) * Transform::scale({3, 3, 3});
   const Image image = picture(d, with(kSurfaces));
@@ -104,7 +104,7 @@ TEST_CASE("layers: depth runs along the camera's axis, wherever that is and howe
   }
 }
 
-TEST_CASE("layers: what meets nothing is zero, and counts as such in means") {
+TEST_CASE("layers: samples without a hit are zero and count in the mean") {
   Description d = wall(coloured);
   // Half of every pixel's samples at x = 4 pass by.
   d.shapes[0].to_world =
@@ -116,7 +116,7 @@ TEST_CASE("layers: what meets nothing is zero, and counts as such in means") {
   CHECK(value(image, 4, 2, "Z") == doctest::Approx(2).epsilon(0.01));
 }
 
-TEST_CASE("layers: normals are those of maps, and face the camera") {
+TEST_CASE("layers: normals include normal maps and face the camera") {
   Description d = empty_scene(4, 4);
   const Vec3f n = normalize(Vec3f{0.3f, 0.2f, 0.9f});
   Image normals(1, 1, {"R", "G", "B"});
@@ -139,7 +139,7 @@ TEST_CASE("layers: normals are those of maps, and face the camera") {
   check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
 }
 
-TEST_CASE("layers: the albedo is what an even surrounding makes surfaces send back") {
+TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
   struct Variant {
     const char* name;
     MaterialId (*add)(Description&);
@@ -185,7 +185,7 @@ TEST_CASE("layers: the albedo of glass is one") {
   check_vector(vector(image, 4, 4, "albedo", "RGB"), {1, 1, 1});
 }
 
-TEST_CASE("layers: the first half is the picture of half the samples, and features have variances") {
+TEST_CASE("layers: the first half is the image of half the samples and features have variances") {
   Description d = wall(coloured);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
   add_point_light(d, {1, 2, 0}, 10);
@@ -216,7 +216,7 @@ TEST_CASE("layers: the first half is the picture of half the samples, and featur
   CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
 }
 
-TEST_CASE("layers: of a batch of cameras each has the depth along its own axis") {
+TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   Description d = empty_scene(8, 4);
   const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
   // Walls across the axes of both, at different distances, which each camera sees all over.
@@ -236,7 +236,7 @@ TEST_CASE("layers: of a batch of cameras each has the depth along its own axis")
   }
 }
 
-TEST_CASE("layers: of an odd number of sets the first half is the smaller one") {
+TEST_CASE("layers: the first half is the smaller one for an odd number of replicates") {
   Description d = wall(coloured);
   add_point_light(d, {1, 2, 0}, 10);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_two_sided(d, add_diffuse(d, 0.7f)));
@@ -259,7 +259,7 @@ TEST_CASE("layers: of an odd number of sets the first half is the smaller one") 
   }
 }
 
-TEST_CASE("layers: media and masks are no surfaces, what is behind them is") {
+TEST_CASE("layers: media and masks do not count as surfaces and the surfaces behind them do") {
   Description d = wall(coloured);
   MediumDescription thin = fog(0.1f, 0.9f);
   fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
@@ -274,7 +274,7 @@ TEST_CASE("layers: media and masks are no surfaces, what is behind them is") {
   CHECK(value(image, 4, 4, "Z") == doctest::Approx(0.25 * 2 + 0.75 * 4).epsilon(0.02));
 }
 
-TEST_CASE("layers: errors for what there are no layers of") {
+TEST_CASE("layers: layers without data are errors") {
   Description d = wall(coloured);
   const auto fails = [&](const RenderOptions& options) {
     try {

@@ -113,14 +113,14 @@ Description lit_floor(const AddMaterial& add, bool open) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("blends: light sampling sees all parts, without the noise of a choice") {
+TEST_CASE("blends: light sampling evaluates all parts without the noise of a choice") {
   check_sum(blend_of(kGrey, kMetal, 0.4f), {{0.6, kGrey}, {0.4, kMetal}});
   check_sum(blend_of(kMirror, kGrey, 0.4f), {{0.4, kGrey}});
   check_sum(blend_of(kGrey, kMeasured, 0.4f), {{0.6, kGrey}, {0.4, kMeasured}});
   check_sum(blend_of(kGrey, blend_of(kCoated, kMetal, 0.3f), 0.5f), {{0.5, kGrey}, {0.35, kCoated}, {0.15, kMetal}});
 }
 
-TEST_CASE("blends: parts by textures, turned by maps and seen from behind") {
+TEST_CASE("blends: parts may be textured and have normal maps and be seen from behind") {
   const TemporaryFolder folder;
   const AddMaterial tilted = [&](Description& d) { return add_tilted(d, folder, kMetal(d)); };
   const AddMaterial textured = [&](Description& d) {
@@ -139,7 +139,7 @@ TEST_CASE("blends: parts by textures, turned by maps and seen from behind") {
   check_sum(blend_of(both_sides(kGrey), kMetal, 0.4f), {{0.6, both_sides(kGrey)}}, -1);
 }
 
-TEST_CASE("blends: scattering has the colour of all parts") {
+TEST_CASE("blends: scattered light has the colours of all parts") {
   Description d = floor_of(blend_of(
                                kGrey, [](Description& e) { return add_diffuse(e, 0.9f); }, 0.4f),
                            4);
@@ -165,7 +165,7 @@ TEST_CASE("blends: all strategies agree") {
   check_strategies_agree(lit_floor(blend_of(kGrey, kGlass, 0.5f), true), kLevel, ColorMode::kSpectral);
 }
 
-TEST_CASE("blends: lights are chosen alike for parts whose normals differ") {
+TEST_CASE("blends: the light selection is the same for parts with different normals") {
   const TemporaryFolder folder;
   const AddMaterial shiny = [](Description& d) { return add_metal(d, 0.08f, 0.08f); };
   const AddMaterial steep = [&](Description& d) {
@@ -180,7 +180,7 @@ TEST_CASE("blends: lights are chosen alike for parts whose normals differ") {
   check_strategies_agree(d, kLevel);
 }
 
-TEST_CASE("blends: photons are stored by the light that comes, whatever part they meet") {
+TEST_CASE("blends: photons are stored with their incident power whatever part scatters them") {
   const AddMaterial sides = [](Description& d) { return add_two_sided(d, kGrey(d)); };
   const AddMaterial masked = [&](Description& d) {
     const MaterialId nested = sides(d);
@@ -205,7 +205,7 @@ TEST_CASE("blends: photons are stored by the light that comes, whatever part the
   }
 }
 
-TEST_CASE("blends: a mask around one lets through what it does not cover") {
+TEST_CASE("blends: a mask around a blend transmits the uncovered share") {
   const AddMaterial masked = [](Description& d) {
     const MaterialId blend = blend_of(kGrey, kMetal, 0.4f)(d);
     return add_material(d, MaskDescription{0.25f, blend});

@@ -78,7 +78,7 @@ TEST_CASE("compile materials: two-sided blends choose between the sides of their
   CHECK(&out.rows.at(alone.back) == &alone);
 }
 
-TEST_CASE("compile materials: textures become bindings of the right words") {
+TEST_CASE("compile materials: textures are bound to the right parameters") {
   Description d;
   RoughnessDescription roughness{RoughnessDescription::Distribution::kGgx, TextureId{3}, 0.2f};
   ConductorDescription metal;
@@ -102,7 +102,7 @@ TEST_CASE("compile materials: textures become bindings of the right words") {
   CHECK(row.words[13] == 0.2f);
 }
 
-TEST_CASE("compile materials: what cannot be combined is refused") {
+TEST_CASE("compile materials: invalid combinations are rejected") {
   const auto fails = [](auto&& build, const char* what) {
     Description d;
     build(d);
@@ -132,7 +132,7 @@ TEST_CASE("compile materials: what cannot be combined is refused") {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("composites: a mask lets through what it does not cover") {
+TEST_CASE("composites: a mask transmits the uncovered share") {
   for (const float opacity : {0.0f, 0.3f, 1.0f}) {
     CAPTURE(opacity);
     Description d = picture();
@@ -146,7 +146,7 @@ TEST_CASE("composites: a mask lets through what it does not cover") {
   }
 }
 
-TEST_CASE("composites: null boundaries change nothing, and cost no depth") {
+TEST_CASE("composites: null interfaces change nothing and do not cost depth") {
   Description d = picture();
   add_rectangle(d, Transform::scale({20, 20, 1}), add_diffuse(d, 0.6f));
   aim_at_floor(d);
@@ -167,7 +167,7 @@ TEST_CASE("composites: a blend is the mixture of its parts") {
   check_mean(d, 0.75 * 0.5 + 0.25 * 0.8);
 }
 
-TEST_CASE("textures: a picture's colours are the surface's") {
+TEST_CASE("textures: the colours of an image are those of the surface") {
   const TemporaryFolder folder;
   // Lower row 0.1 and 0.2, upper row 0.3 and 0.4; files begin with the upper row.
   for (int quarter = 0; quarter < 4; ++quarter) {
@@ -186,7 +186,7 @@ TEST_CASE("textures: a picture's colours are the surface's") {
   }
 }
 
-TEST_CASE("textures: opacity may be a picture, different from place to place") {
+TEST_CASE("textures: opacity may vary with a texture") {
   const TemporaryFolder folder;
   Description d = picture();
   const TextureId opacity = add_uniform(d, folder, "opacity.exr", 0.25f, 0.25f, 0.25f);
@@ -197,7 +197,7 @@ TEST_CASE("textures: opacity may be a picture, different from place to place") {
   check_mean(d, 0.75);
 }
 
-TEST_CASE("normal maps: turned normals catch the light of where they point") {
+TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
   const TemporaryFolder folder;
   // A normal 20 degrees off the floor's towards +x, under a distant point light at 60 degrees off the normal.
   const float tilt = 20 * static_cast<float>(kPiD) / 180;
@@ -231,7 +231,7 @@ TEST_CASE("normal maps: turned normals catch the light of where they point") {
   for (const bool flip_green : {false, true}) check_mean(scene(false, flip_green, 70, true), lit);
 }
 
-TEST_CASE("normal maps: a map that says straight up changes nothing, nor does a level bump map") {
+TEST_CASE("normal maps: flat normal maps and bump maps change nothing") {
   const TemporaryFolder folder;
   for (const bool bump : {false, true}) {
     Description d = picture();
@@ -263,7 +263,7 @@ TEST_CASE("bump maps: the normal is that of the displaced surface") {
   check_mean(d, 0.5 / kPiD * cosine);
 }
 
-TEST_CASE("normal maps: normals that face away from the viewer are turned back") {
+TEST_CASE("normal maps: normals that face away from the viewer are flipped") {
   const TemporaryFolder folder;
   Description d = picture();
   // The camera looks from 30 degrees off the normal towards +x; the map points 80 degrees off towards -x.

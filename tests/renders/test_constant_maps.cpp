@@ -60,7 +60,7 @@ std::string map_of(const std::string& plugin, const std::string& texture) {
 
 }  // namespace
 
-TEST_CASE("constant maps: normal maps of one colour turn the normal as a picture of it does") {
+TEST_CASE("constant maps: constant normal maps act like images of one colour") {
   const std::string constants[] = {
       "<texture type='rawconstant' name='x'><vector name='value' value='0.8, 0.5, 0.9'/></texture>",
       "<texture type='srgb' name='x'><rgb name='color' value='0.8, 0.5, 0.9'/></texture>",
@@ -77,7 +77,7 @@ TEST_CASE("constant maps: normal maps of one colour turn the normal as a picture
   }
 }
 
-TEST_CASE("constant maps: a bump map of one height changes nothing") {
+TEST_CASE("constant maps: constant bump maps change nothing") {
   const Image plain = picture_of(kDiffuse, kSun);
   for (const std::string& constant :
        {std::string("<texture type='rawconstant' name='x'><float name='value' value='0.7'/></texture>"),
@@ -86,7 +86,7 @@ TEST_CASE("constant maps: a bump map of one height changes nothing") {
     CHECK(largest_difference(picture_of(map_of("bumpmap", constant), kSun), plain) < 1e-5);
 }
 
-TEST_CASE("constant maps: spots, reflectances, opacities and area lights") {
+TEST_CASE("constant maps: spot lights and reflectances and opacities and area lights accept constant textures") {
   const auto spot = [](const std::string& texture) {
     return "<emitter type='spot'><transform name='to_world'><lookat origin='0,0,2' target='0,0,0' up='0,1,0'/>"
            "</transform><float name='cutoff_angle' value='60'/>" +

@@ -55,7 +55,7 @@ Image picture(const Description& d, const RenderOptions& options) {
 
 }  // namespace
 
-TEST_CASE("cryptomatte: hashes and ids of names are the published ones") {
+TEST_CASE("cryptomatte: hashes and ids match published ones") {
   CHECK(murmur_hash3_32("") == 0);
   CHECK(murmur_hash3_32("hello") == 0x248bfa47u);
   CHECK(murmur_hash3_32("hello, world") == 0x149bbb7fu);
@@ -68,7 +68,7 @@ TEST_CASE("cryptomatte: hashes and ids of names are the published ones") {
   CHECK(cryptomatte_id("name_241") == 0x808b95c9u);
 }
 
-TEST_CASE("cryptomatte: coverage adds up to what objects cover, with any filter") {
+TEST_CASE("cryptomatte: coverage adds up to the visible area of objects with any filter") {
   for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
     for (const auto kind : {PixelFilter::Kind::kBox, PixelFilter::Kind::kGaussian, PixelFilter::Kind::kMitchell}) {
       Description d = scene_of_two();
@@ -101,7 +101,7 @@ TEST_CASE("cryptomatte: coverage adds up to what objects cover, with any filter"
     }
 }
 
-TEST_CASE("cryptomatte: samples placed by a filter with negative lobes count against what they see") {
+TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the coverage") {
   // A wall that covers all to one side of an edge; of a pixel it covers the filter's integral up to there.
   for (const auto kind : {PixelFilter::Kind::kLanczos, PixelFilter::Kind::kCatmullRom, PixelFilter::Kind::kMitchell}) {
     CAPTURE(static_cast<int>(kind));
@@ -143,7 +143,7 @@ TEST_CASE("cryptomatte: samples placed by a filter with negative lobes count aga
   }
 }
 
-TEST_CASE("cryptomatte: the header tells the layers and all names") {
+TEST_CASE("cryptomatte: the header lists the layers and all names") {
   const auto scene = compile_scene(scene_of_two());
   const auto attributes = cryptomatte_attributes({Aov::kCryptomatteObject}, scene->names());
   REQUIRE(attributes.size() == 4);
@@ -160,7 +160,7 @@ TEST_CASE("cryptomatte: the header tells the layers and all names") {
   CHECK(cryptomatte_attributes({Aov::kCryptomatteObject}, odd)[3].second.starts_with("{\"a \\\"b\\\"\\\\\\u000a\":"));
 }
 
-TEST_CASE("layers of all kinds: the same bits for all threads, wave sizes and crops") {
+TEST_CASE("layers of all kinds: the bits do not depend on threads or wave size or crop") {
   Description d = scene_of_two();
   add_point_light(d, {1, 2, 0}, 10);
   add_constant_light(d, 0.5f);

@@ -64,7 +64,7 @@ HairDescription dyed_hair() {
 
 }  // namespace
 
-TEST_CASE("curves: pictures of them have Mitsuba's mean") {
+TEST_CASE("curves: images have the mean of Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb, `path`, 4 x 1024 samples per pixel; standard errors 1.5e-5 and 2.8e-5.
   const auto check = [](Curves::Basis basis, double expected) {
     const double mean = pixel_means(tuft(basis))[1].mean();
@@ -74,7 +74,7 @@ TEST_CASE("curves: pictures of them have Mitsuba's mean") {
   check(Curves::Basis::kLinear, 0.172356);
 }
 
-TEST_CASE("curves: pictures of hair have Mitsuba's mean") {
+TEST_CASE("curves: images of hair have the mean of Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb, `path`, 4 x 512 samples per pixel; standard errors 1e-5 and 3e-5.
   const auto check = [](const HairDescription& hair, Vec3f expected) {
     Description d = hairy_tuft(Curves::Basis::kBspline, hair);
@@ -90,7 +90,7 @@ TEST_CASE("curves: pictures of hair have Mitsuba's mean") {
   check(dyed_hair(), {0.195737f, 0.185930f, 0.170230f});
 }
 
-TEST_CASE("curves: hair that absorbs nothing cannot be told from the sky") {
+TEST_CASE("curves: hair without absorption is invisible in a constant environment") {
   HairDescription white;
   white.color = HairDescription::Absorption{};
   for (const Curves::Basis basis : {Curves::Basis::kBspline, Curves::Basis::kLinear}) {
@@ -101,7 +101,7 @@ TEST_CASE("curves: hair that absorbs nothing cannot be told from the sky") {
   }
 }
 
-TEST_CASE("curves: photons off hair make the picture that paths make") {
+TEST_CASE("curves: photons scattered by hair give the image of paths") {
   Description d = hairy_tuft(Curves::Basis::kBspline, dyed_hair());
   add_point_light(d, 5);
   add_point_light(d, 0);
@@ -111,7 +111,7 @@ TEST_CASE("curves: photons off hair make the picture that paths make") {
   CHECK(pixel_means(d)[1].mean() == doctest::Approx(expected).epsilon(1e-2));
 }
 
-TEST_CASE("curves: off a lone fibre, photons bring what paths bring, from every side of it") {
+TEST_CASE("curves: photons and paths agree around a single fibre") {
   // Parallel light and parallel rays: then it makes no difference that paths are scattered where the camera sees them,
   // and photons where they enter. Light that passes off the middle must come out on the side where paths find it.
   constexpr int kRepeats = 8;

@@ -72,7 +72,7 @@ TEST_CASE("an empty scene is black and transparent") {
   CHECK(outcome.report.stats.samples == 20);
 }
 
-TEST_CASE("an empty scene in an environment shows that alone") {
+TEST_CASE("an empty scene in an environment shows the environment") {
   Description d = empty_scene(5, 4);
   add_constant_light(d, 2);
   const Outcome outcome = render_all(d);
@@ -80,13 +80,13 @@ TEST_CASE("an empty scene in an environment shows that alone") {
   CHECK(mean(outcome.image, 3) == 1);
 }
 
-TEST_CASE("nothing but a point light") {
+TEST_CASE("a point light without surfaces gives a black image") {
   Description d = empty_scene(5, 4);
   add_point_light(d, {0, 0, 0}, 2);  // where the camera is
   CHECK(mean(render_all(d).image, 0) == 0);
 }
 
-TEST_CASE("triangles without area, or with vertices that are no numbers, are left out with a warning") {
+TEST_CASE("degenerate triangles and NaN vertices are dropped with a warning") {
   const std::vector<float> expected = pixels(base_scene());
   for (const bool emits : {false, true}) {
     CAPTURE(emits);
@@ -105,7 +105,7 @@ TEST_CASE("triangles without area, or with vertices that are no numbers, are lef
   }
 }
 
-TEST_CASE("bad triangles leave the good ones of their mesh alone") {
+TEST_CASE("invalid triangles do not affect the others of their mesh") {
   Mesh mesh = one_triangle({-1, 0.1f, -1}, {0, 0.1f, 1}, {1, 0.1f, -1});
   Description good = base_scene(), bad = good;
   add_shape(good, mesh, Transform(), add_diffuse(good, 0.9f));
@@ -118,7 +118,7 @@ TEST_CASE("bad triangles leave the good ones of their mesh alone") {
   CHECK(pixels(bad) == pixels(good));
 }
 
-TEST_CASE("normals that are no numbers do not spoil the picture") {
+TEST_CASE("NaN normals do not affect the image") {
   Description d = base_scene();
   Mesh mesh = one_triangle({-1, 0.1f, -1}, {0, 0.1f, 1}, {1, 0.1f, -1});
   for (const Vec3f normal : {Vec3f{kNan, 0, 0}, Vec3f{0, 0, 0}, Vec3f{kInf, 1, 0}}) mesh.normals.push_back(normal);
@@ -126,7 +126,7 @@ TEST_CASE("normals that are no numbers do not spoil the picture") {
   CHECK(render_all(d).report.stats.dropped.rays == 0);
 }
 
-TEST_CASE("lights without power") {
+TEST_CASE("lights without power are accepted") {
   Description d = base_scene();
   const std::vector<float> expected = pixels(d);
   SUBCASE("no radiance") {
@@ -140,7 +140,7 @@ TEST_CASE("lights without power") {
     add_point_light(d, {0, 1, 0}, 0);
     CHECK(mean(render_all(d).image, 0) == 0);
   }
-  SUBCASE("hardly any") {
+  SUBCASE("almost no radiance") {
     d.lights.clear();
     add_point_light(d, {0, 1, 0}, 1e-38f);
     emit(add_sphere(d, {0, 1, 0}, 1e-6f), 1e-30f);
@@ -148,7 +148,7 @@ TEST_CASE("lights without power") {
   }
 }
 
-TEST_CASE("radiance up to the largest numbers") {
+TEST_CASE("radiance may reach the largest floats") {
   for (const float radiance : {1e10f, 1e20f, 1e30f, 3e38f}) {
     CAPTURE(radiance);
     Description d = base_scene();
@@ -159,7 +159,7 @@ TEST_CASE("radiance up to the largest numbers") {
   }
 }
 
-TEST_CASE("shapes of extreme size and place") {
+TEST_CASE("shapes of extreme size and position are rendered") {
   for (const float size : {1e-38f, 1e-30f, 1e-20f, 1e-12f, 1e6f, 1e12f, 1e18f, 1e30f, 3e38f}) {
     CAPTURE(size);
     Description d = base_scene();
@@ -188,7 +188,7 @@ TEST_CASE("shapes of extreme size and place") {
   }
 }
 
-TEST_CASE("a mesh of 1e30 units beside an ordinary scene") {
+TEST_CASE("a mesh of 1e30 units beside an ordinary scene is rendered") {
   Description d = base_scene();
   const std::vector<float> expected = pixels(d);
   add_shape(d, CubeShape{}, Transform::scale({1e30f, 1e30f, 1e30f}), add_diffuse(d, 0.5f));
@@ -197,7 +197,7 @@ TEST_CASE("a mesh of 1e30 units beside an ordinary scene") {
   CHECK(outcome.image.data == expected);
 }
 
-TEST_CASE("a camera inside of shapes and on their surfaces") {
+TEST_CASE("cameras inside shapes and on surfaces give finite images") {
   const auto check_places = [](const std::function<void(Description&)>& add) {
     for (const Vec3f at : {Vec3f{0, 0, 0}, Vec3f{0, 0, 1}, Vec3f{1, 0, 0}, Vec3f{0.5f, 0.5f, 0.5f}}) {
       Description d = empty_scene(8, 8);
@@ -228,7 +228,7 @@ TEST_CASE("a camera inside of shapes and on their surfaces") {
   }
 }
 
-TEST_CASE("the smallest pictures") {
+TEST_CASE("images of one pixel are rendered") {
   Description d = base_scene();
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 9}, {9, 1}}) {
     d.film.width = width;
@@ -244,7 +244,7 @@ TEST_CASE("the smallest pictures") {
   }
 }
 
-TEST_CASE("wrong options are errors") {
+TEST_CASE("invalid options are errors") {
   const auto scene = compile_scene(base_scene());
   RenderOptions options;
   options.samples_per_pixel = 0;
@@ -259,7 +259,7 @@ TEST_CASE("wrong options are errors") {
   }
 }
 
-TEST_CASE("more materials than there are sorting buckets") {
+TEST_CASE("scenes may have more materials than sorting buckets") {
   constexpr int kSide = 24;  // 576 materials
   Description d = empty_scene(kSide, kSide);
   d.sampler.sample_count = 2;
@@ -282,7 +282,7 @@ TEST_CASE("more materials than there are sorting buckets") {
       REQUIRE(image.at(x, y, 0) == doctest::Approx(double(y * kSide + x + 1) / (kSide * kSide + 1)).epsilon(1e-5));
 }
 
-TEST_CASE("paths that never leave end") {
+TEST_CASE("paths trapped in glass end") {
   Description d = empty_scene(4, 4);
   d.sampler.sample_count = 2;
   add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d)));
@@ -290,7 +290,7 @@ TEST_CASE("paths that never leave end") {
   CHECK(mean(render_all(d).image, 0) == 0);
 }
 
-TEST_CASE("a render that is stopped says so") {
+TEST_CASE("a stopped render reports the interruption") {
   const auto scene = compile_scene(base_scene());
   const std::atomic<bool> stop{true};
   RenderOptions options;

@@ -176,7 +176,7 @@ int run_sheaf(const TemporaryFolder& folder, const std::string& arguments) {
 
 }  // namespace
 
-TEST_CASE("the same bits for all thread counts and wave sizes" * doctest::test_suite("slow")) {
+TEST_CASE("the bits do not depend on threads or wave size" * doctest::test_suite("slow")) {
   const auto scene = compile_scene(room(70, 50));
   RenderOptions options;
   options.threads = 1;
@@ -198,8 +198,7 @@ TEST_CASE("the same bits for all thread counts and wave sizes" * doctest::test_s
   }
 }
 
-TEST_CASE("the same bits where textured and plain materials share registers, and in media" *
-          doctest::test_suite("slow")) {
+TEST_CASE("the bits do not depend on which materials and media share registers" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   for (const bool media : {false, true})
     for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
@@ -221,7 +220,7 @@ TEST_CASE("the same bits where textured and plain materials share registers, and
     }
 }
 
-TEST_CASE("more samples than one pass holds: the same bits") {
+TEST_CASE("the bits are the same for more samples than one pass can hold") {
   const auto scene = compile_scene(room(6, 5));
   RenderOptions options;
   options.samples_per_pixel = 600;
@@ -232,7 +231,7 @@ TEST_CASE("more samples than one pass holds: the same bits") {
   CHECK(same_bytes(pixels(*scene, options), expected));
 }
 
-TEST_CASE("a crop is the crop of the whole") {
+TEST_CASE("a crop equals that part of the whole image") {
   const auto scene = compile_scene(room(70, 50));
   const Image whole = render(*scene, {}).film.to_image();
   for (const PixelRect crop : {PixelRect{0, 0, 70, 50}, {69, 49, 70, 50}, {13, 7, 30, 41}, {0, 20, 70, 21}}) {
@@ -257,7 +256,7 @@ TEST_CASE("a crop is the crop of the whole") {
   }
 }
 
-TEST_CASE("the same bits for all threads, wave sizes and crops, with every sampler") {
+TEST_CASE("the bits do not depend on threads or wave size or crop with any sampler") {
   for (const SamplerKind kind : {SamplerKind::kIndependent, SamplerKind::kStratified, SamplerKind::kMultijitter,
                                  SamplerKind::kSobol, SamplerKind::kZSobol}) {
     CAPTURE(static_cast<int>(kind));
@@ -280,7 +279,7 @@ TEST_CASE("the same bits for all threads, wave sizes and crops, with every sampl
   }
 }
 
-TEST_CASE("another seed gives another picture, the same seed the same") {
+TEST_CASE("another seed gives another image and the same seed the same") {
   const auto scene = compile_scene(room(20, 20));
   RenderOptions options;
   options.seed = 1;
@@ -292,7 +291,7 @@ TEST_CASE("another seed gives another picture, the same seed the same") {
   }
 }
 
-TEST_CASE("equal distances are told apart the same way in every build") {
+TEST_CASE("equal hit distances are resolved the same way in every build of the BVH") {
   const Description d = ties(64, 0.125f);
   const std::vector<float> expected = build_and_render(d, 1, 1024);
   REQUIRE(is_picture(expected));
@@ -303,7 +302,7 @@ TEST_CASE("equal distances are told apart the same way in every build") {
   CHECK(same_bytes(build_and_render(d, 7, 1), expected));
 }
 
-TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in every build" *
+TEST_CASE("rays through vertices and edges hit the same triangles in every build of the BVH" *
           doctest::test_suite("slow")) {
   Description d = ties(193, 0);
   d.film.filter.radius = 1e-6f;  // through the pixels' centres, which are half a cell of the grid apart
@@ -312,7 +311,7 @@ TEST_CASE("rays aimed exactly at vertices and edges meet the same triangles in e
   for (const int threads : {2, 7}) CHECK(same_bytes(build_and_render(d, threads, 1), expected));
 }
 
-TEST_CASE("files without time stamps are the same bytes") {
+TEST_CASE("files without time stamps have the same bytes") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", R"(<scene version="3.0.0">
     <sensor type="perspective"><transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>

@@ -42,7 +42,7 @@ double irradiance(const EnvmapView& map, Vec3f n) {
 
 }  // namespace
 
-TEST_CASE("environment map: the same bits whoever shares the registers in which directions are drawn ahead") {
+TEST_CASE("environment map: the bits do not depend on which paths share registers for light sampling") {
   const TemporaryFolder folder;
   write_map(folder / "map.exr", uneven_picture());
   Description d = empty_scene(40, 30);
@@ -69,7 +69,7 @@ TEST_CASE("environment map: the same bits whoever shares the registers in which 
   }
 }
 
-TEST_CASE("environment map: every strategy finds the light of a diffuse floor" * doctest::test_suite("slow")) {
+TEST_CASE("environment map: all strategies agree on a diffuse floor" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "map.exr", uneven_picture());
   for (const bool compensated : {false, true}) {
@@ -158,7 +158,7 @@ TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" *
               floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
 }
 
-TEST_CASE("environment map: spectral mode, every strategy finds the same light" * doctest::test_suite("slow")) {
+TEST_CASE("environment map: all strategies agree in spectral mode" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "uneven.exr", uneven_picture());
   const auto found = floor_means(folder / "uneven.exr", ColorMode::kSpectral, LightStrategy::kLightOnly);
@@ -184,7 +184,7 @@ Description foggy_scene(const std::filesystem::path& map, bool compensated) {
 
 }  // namespace
 
-TEST_CASE("environment map: compensation leaves the light of surfaces and fog as it is") {
+TEST_CASE("environment map: MIS compensation is unbiased on surfaces and in fog") {
   const TemporaryFolder folder;
   write_map(folder / "uneven.exr", uneven_picture());
   const auto plain = compile_scene(foggy_scene(folder / "uneven.exr", false));
@@ -198,7 +198,7 @@ TEST_CASE("environment map: compensation leaves the light of surfaces and fog as
   }
 }
 
-TEST_CASE("environment map: compensation is for integrators in which something else finds the dark parts") {
+TEST_CASE("environment map: MIS compensation is used only where BSDF sampling covers dark texels") {
   const TemporaryFolder folder;
   write_map(folder / "uneven.exr", uneven_picture());
   const auto is_compensated = [&](auto&& change) {

@@ -119,7 +119,7 @@ double fresnel(double cos_incident, std::complex<double> eta) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("a disk light on a facing floor") {
+TEST_CASE("a disk light above a parallel floor matches the closed form") {
   for (const auto& [radius, height] : {std::pair{1.0, 1.0}, {0.3, 2.0}, {4.0, 1.0}}) {
     CAPTURE_BINDING(radius);
     Description d = receiver();
@@ -129,7 +129,7 @@ TEST_CASE("a disk light on a facing floor") {
   }
 }
 
-TEST_CASE("a blocker takes its share of a disk light") {
+TEST_CASE("an occluder removes its share of a disk light") {
   Description d = receiver();
   add_disk_light(d, {0, 0, 2}, 1.5f, 3);
   const MaterialId black = add_diffuse(d, 0);
@@ -137,13 +137,13 @@ TEST_CASE("a blocker takes its share of a disk light") {
   check_strategies(d, reflected(kPiD * 3 * (2.25 / 6.25 - 0.25 / 1.25)));
 }
 
-TEST_CASE("a sphere light") {
+TEST_CASE("a sphere light matches the closed form") {
   Description d = receiver();
   SUBCASE("overhead") {
     add_area_light_sphere(d, {0, 0, 1}, 0.5f, 2);
     check_strategies(d, reflected(kPiD * 2 * 0.25));
   }
-  SUBCASE("aside, by a transform") {
+  SUBCASE("beside the point by a transform") {
     const MaterialId black = add_diffuse(d, 0);
     const Transform t =
         Transform::translate({-2, 1, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({0.5f, 0.5f, 0.5f});
@@ -157,7 +157,7 @@ TEST_CASE("a sphere light") {
   }
 }
 
-TEST_CASE("a cylinder light, against quadrature over its surface") {
+TEST_CASE("a cylinder light matches quadrature over its surface") {
   constexpr double kRadius = 0.4, kHeight = 1.2, kHalfLength = 0.8;
   Description d = receiver();
   const MaterialId black = add_diffuse(d, 0);
@@ -176,7 +176,7 @@ TEST_CASE("a cylinder light, against quadrature over its surface") {
   check_strategies(d, reflected(irradiance));
 }
 
-TEST_CASE("a rectangle light, and a mesh light of unequal triangles") {
+TEST_CASE("rectangle lights and mesh lights of unequal triangles match the closed form") {
   Description d = receiver();
   SUBCASE("rectangle") {
     add_area_light_rectangle(d, facing_down({0.5f, 0, 1}) * Transform::scale({1, 0.5f, 1}), 4);
@@ -195,13 +195,13 @@ TEST_CASE("a rectangle light, and a mesh light of unequal triangles") {
   }
 }
 
-TEST_CASE("a point light") {
+TEST_CASE("a point light matches the closed form") {
   Description d = receiver();
   add_point_light(d, {-1, 2, 2}, 10);
   check_strategies(d, reflected(10 * (2.0 / 3) / 9), false);
 }
 
-TEST_CASE("lights of all kinds add up, however unequal") {
+TEST_CASE("lights of all kinds add up whatever their power") {
   Description d = receiver();
   add_area_light_sphere(d, {0, 0, 2}, 0.5f, 2);
   add_area_light_rectangle(d, facing_down({-4, 0, 2}) * Transform::scale({1, 1, 1}), 30);
@@ -217,7 +217,7 @@ TEST_CASE("lights of all kinds add up, however unequal") {
   }
 }
 
-TEST_CASE("a convex object in a constant environment") {
+TEST_CASE("a convex object in a constant environment has the closed-form radiance") {
   Description d = picture();
   const MaterialId material = add_diffuse_rgb(d, 0.2f, 0.5f, 0.9f);
   d.lights.push_back({ConstantLightDescription{SpectrumDescription::rgb(3, 2, 1)}, {}});
@@ -237,7 +237,7 @@ TEST_CASE("a convex object in a constant environment") {
   check_rgb();
 }
 
-TEST_CASE("lossless objects vanish in a constant environment") {
+TEST_CASE("lossless objects are invisible in a constant environment") {
   Description d = picture();
   look_at(d, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 45);
   add_constant_light(d, 2);
@@ -245,11 +245,11 @@ TEST_CASE("lossless objects vanish in a constant environment") {
   SUBCASE("mirror") { add_sphere(d, {0, 0, 0}, 1, add_mirror(d)); }
   SUBCASE("glass") { add_sphere(d, {0, 0, 0}, 1, add_glass(d)); }
   SUBCASE("glass cube") { add_shape(d, CubeShape{}, Transform::rotate({1, 2, 3}, 30), add_glass(d, 1.3f)); }
-  SUBCASE("bubble in water") { add_sphere(d, {0, 0, 0}, 1, add_glass(d, 1, 1.33f)); }
+  SUBCASE("a bubble in water") { add_sphere(d, {0, 0, 0}, 1, add_glass(d, 1, 1.33f)); }
   check_strategies(d, 2);
 }
 
-TEST_CASE("inside a closed emitting and reflecting shape") {
+TEST_CASE("the radiance inside a closed emissive and reflective shape is a geometric series") {
   Description d = picture();
   look_at(d, {0.2f, -0.3f, 0.1f}, {1, 0.4f, 0.3f});
   const auto enclose = [&d](float albedo) {
@@ -258,7 +258,7 @@ TEST_CASE("inside a closed emitting and reflecting shape") {
     shape.flip_normals = true;
     emit(shape, 1.5f);
   };
-  SUBCASE("sphere, by depth") {
+  SUBCASE("sphere with limited depth") {
     add_sphere(d, {0, 0, 0}, 1);
     enclose(0.7f);
     for (int depth : {1, 2, 3, 6}) {
@@ -267,7 +267,7 @@ TEST_CASE("inside a closed emitting and reflecting shape") {
       check_strategies(d, 1.5 * geometric_sum(0.7, depth));
     }
   }
-  SUBCASE("sphere, by the start of roulette") {
+  SUBCASE("sphere with different start of Russian roulette") {
     add_sphere(d, {0, 0, 0}, 1);
     enclose(0.7f);
     for (int depth : {1, 2, 5, 40}) {
@@ -288,7 +288,7 @@ TEST_CASE("inside a closed emitting and reflecting shape") {
   }
 }
 
-TEST_CASE("a point light in an integrating sphere") {
+TEST_CASE("a point light in an integrating sphere matches the closed form") {
   Description d = picture();
   look_at(d, {0.2f, -0.3f, 0.1f}, {1, 0.4f, 0.3f});
   add_sphere(d, {0, 0, 0}, 2, add_diffuse(d, 0.75f)).flip_normals = true;
@@ -301,7 +301,7 @@ TEST_CASE("a point light in an integrating sphere") {
   }
 }
 
-TEST_CASE("a glass slab in front of a light") {
+TEST_CASE("a glass slab in front of a light has the closed-form transmittance") {
   for (const double cosine : {1.0, 0.6}) {
     CAPTURE(cosine);
     Description d = picture();
@@ -319,7 +319,7 @@ TEST_CASE("a glass slab in front of a light") {
   }
 }
 
-TEST_CASE("one interface compresses radiance; matched indices do nothing") {
+TEST_CASE("an interface scales radiance by the squared index and matched indices change nothing") {
   Description d = picture();
   add_area_light_rectangle(d, Transform::translate({0, 0, -3}) * Transform::scale({100, 100, 1}), 2);
   aim(d, {3, 0, 4}, {0, 0, 0}, {0, 1, 0});
@@ -338,7 +338,7 @@ TEST_CASE("one interface compresses radiance; matched indices do nothing") {
   }
 }
 
-TEST_CASE("mirrors and metals") {
+TEST_CASE("mirrors and metals reflect by their reflectance") {
   Description d = picture();
   add_area_light_rectangle(
       d, Transform::translate({-4, 0, 4}) * Transform::rotate({0, 1, 0}, 135) * Transform::scale({3, 3, 1}), 2);
@@ -360,7 +360,7 @@ TEST_CASE("mirrors and metals") {
   }
 }
 
-TEST_CASE("the two sides of a material") {
+TEST_CASE("each side of a surface has its own material") {
   const auto check_sides = [](double front, double back, const std::function<void(Description&)>& add) {
     for (const float side : {1.0f, -1.0f}) {
       CAPTURE(side);
@@ -389,12 +389,12 @@ TEST_CASE("the two sides of a material") {
   }
 }
 
-TEST_CASE("hidden lights") {
+TEST_CASE("hidden lights are invisible to the camera but illuminate and are reflected") {
   Description d = picture();
   d.integrator.hide_emitters = true;
   d.integrator.max_depth = 2;
   double value = 0, alpha = 0;
-  SUBCASE("an area light before nothing") {
+  SUBCASE("an area light before a black background") {
     add_area_light_rectangle(d, facing_down({0, 0, 2}), 3);
     aim(d, {0, 0.1f, 0}, {0, 0, 2}, {0, 1, 0});
   }
@@ -459,7 +459,7 @@ double filter_share(const PixelFilter& filter, double x) {
 
 }  // namespace
 
-TEST_CASE("a constant picture stays constant under every filter") {
+TEST_CASE("a constant image stays constant under every filter") {
   for (const PixelFilter& filter : all_filters()) {
     CAPTURE(static_cast<int>(filter.kind));
     Description d = picture();

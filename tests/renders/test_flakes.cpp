@@ -79,7 +79,7 @@ std::filesystem::path write_matrices(const std::filesystem::path& file, const Ma
 
 }  // namespace
 
-TEST_CASE("flakes: light passes by the area that they turn to it, whatever the estimator") {
+TEST_CASE("flakes: transmittance follows the projected area with every estimator") {
   const TemporaryFolder folder;
   const auto grid = write_matrices(folder / "flakes.vol", kOblique, kOblique);
   const Vec3f along = normalize(Vec3f{1, 0.4f, 0.3f});
@@ -109,7 +109,7 @@ TEST_CASE("flakes: light passes by the area that they turn to it, whatever the e
     }
 }
 
-TEST_CASE("flakes: between voxels matrices are mixed, and the extinction follows") {
+TEST_CASE("flakes: matrices are interpolated between voxels and extinction follows") {
   const TemporaryFolder folder;
   const Matrix low{0.2f, 1, 1, 0, 0, 0}, high{1, 0.5f, 0.5f, 0, 0, 0};
   const auto grid = write_matrices(folder / "flakes.vol", low, high);
@@ -128,7 +128,7 @@ TEST_CASE("flakes: between voxels matrices are mixed, and the extinction follows
   }
 }
 
-TEST_CASE("flakes: without absorption a white sky is white through them") {
+TEST_CASE("flakes: flakes without absorption are invisible in a white environment") {
   Description d = picture(16, 64);
   look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 20);
   add_constant_light(d, 1);
@@ -137,7 +137,7 @@ TEST_CASE("flakes: without absorption a white sky is white through them") {
   check_mean(statistics_of(d), 1, 1e-3);
 }
 
-TEST_CASE("flakes: turned to all sides alike they are a medium that scatters alike") {
+TEST_CASE("flakes: isotropic flakes equal an isotropic medium") {
   const auto scene = [](bool flakes) {
     Description d = picture(16, 128);
     look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 20);
@@ -150,7 +150,7 @@ TEST_CASE("flakes: turned to all sides alike they are a medium that scatters ali
   check_equal(scene(true), scene(false), 256);
 }
 
-TEST_CASE("flakes: paths from the lights make the same picture as paths from the camera, all estimators too") {
+TEST_CASE("flakes: light tracing and all path estimators agree") {
   const TemporaryFolder folder;
   const auto grid = write_matrices(folder / "flakes.vol", kOblique, {0.9f, 0.1f, 0.1f, 0, 0, 0});
   const auto scene = [&](IntegratorKind kind, MediumEstimator estimator, LightStrategy strategy) {

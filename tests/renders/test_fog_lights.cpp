@@ -42,14 +42,14 @@ Description ball_between_lights(const MediumDescription& medium, float g, int sa
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("fog lights: several area lights around a homogeneous medium") {
+TEST_CASE("fog lights: all strategies agree on area lights around a homogeneous medium") {
   for (const float g : {0.0f, 0.5f}) {
     CAPTURE(g);
     check_strategies_agree(ball_between_lights(fog(1, 0.9f), g), kLevel);
   }
 }
 
-TEST_CASE("fog lights: several area lights around a medium on a grid, colour by colour") {
+TEST_CASE("fog lights: all strategies agree on area lights around a coloured grid medium") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 12, 1, [](Vec3f p, int) {
     return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
@@ -63,13 +63,13 @@ TEST_CASE("fog lights: several area lights around a medium on a grid, colour by 
   }
 }
 
-TEST_CASE("fog lights: a resampled one of several candidates") {
+TEST_CASE("fog lights: all strategies agree with several candidates") {
   Description d = ball_between_lights(fog(1, 0.9f), 0.3f);
   d.integrator.candidates = 3;
   check_strategies_agree(d, kLevel);
 }
 
-TEST_CASE("fog lights: a medium that glows between other lights, seen and on a floor") {
+TEST_CASE("fog lights: all strategies agree on an emissive medium among other lights") {
   MediumDescription m = fog(1.5f, 0.5f);
   m.emission = VolumeInput(SpectrumDescription::rgb(8, 5, 3));
   for (const bool seen : {true, false}) {
@@ -81,7 +81,7 @@ TEST_CASE("fog lights: a medium that glows between other lights, seen and on a f
   }
 }
 
-TEST_CASE("fog lights: a medium behind a mask and a pane") {
+TEST_CASE("fog lights: all strategies agree on a medium behind a mask and a thin dielectric") {
   Description d = ball_between_lights(fog(1, 0.9f), 0);
   d.integrator.thin_dielectrics_are_free = true;
   // Between the medium and the lights above and behind it.

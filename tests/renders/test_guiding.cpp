@@ -71,7 +71,7 @@ MaterialId add_rough_glass(Description& d) {
 
 }  // namespace
 
-TEST_CASE("guiding: the mean is that of unguided paths, with less noise") {
+TEST_CASE("guiding: guided paths have the mean of unguided ones and less noise") {
   for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kLightOnly}) {
     Description d = two_rooms(64);
     d.integrator.strategy = strategy;
@@ -81,7 +81,7 @@ TEST_CASE("guiding: the mean is that of unguided paths, with less noise") {
   }
 }
 
-TEST_CASE("guiding: without light sampling, with several candidates, and in both colour modes") {
+TEST_CASE("guiding: the mean is kept without light sampling and with several candidates in both colour modes") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     Description d = two_rooms(64);
     d.integrator.candidates = 4;
@@ -98,7 +98,7 @@ TEST_CASE("guiding: without light sampling, with several candidates, and in both
   }
 }
 
-TEST_CASE("guiding: light sampling and the guide share what both find") {
+TEST_CASE("guiding: light sampling and guided sampling are combined by MIS") {
   // A wall that shines, as likely to be found by one as by the other.
   Description d = picture_of_one_point(64);
   d.film.width = d.film.height = 16;
@@ -114,7 +114,7 @@ TEST_CASE("guiding: light sampling and the guide share what both find") {
   check_means(d);
 }
 
-TEST_CASE("guiding: blends, coats, glass, two sides and roulette") {
+TEST_CASE("guiding: the mean is kept with blends and coats and glass and two-sided surfaces and roulette") {
   Description d = two_rooms(64);
   d.integrator.max_depth = -1;
   d.integrator.rr_depth = 3;
@@ -132,7 +132,7 @@ TEST_CASE("guiding: blends, coats, glass, two sides and roulette") {
   check_means(d);
 }
 
-TEST_CASE("guiding: roulette by what is expected spares the paths that reach the light") {
+TEST_CASE("guiding: Russian roulette by expected contribution keeps paths that reach the light") {
   // By throughput, most paths would end in the dark room: walls that reflect little make it fall below a half at once.
   Description d = two_rooms(64, 0.4f);
   d.integrator.max_depth = -1;
@@ -144,7 +144,7 @@ TEST_CASE("guiding: roulette by what is expected spares the paths that reach the
   }
 }
 
-TEST_CASE("guiding: surfaces that send all light back do so through every lobe") {
+TEST_CASE("guiding: lossless surfaces keep the energy of every lobe") {
   // Under an even sky every direction brings the same: a white plastic shows 1, a diffuse base under a mirror.
   const auto furnace = [](MaterialId (*material)(Description&), ColorMode color) {
     Description d = picture_of_one_point(64);
@@ -175,7 +175,7 @@ TEST_CASE("guiding: surfaces that send all light back do so through every lobe")
   }
 }
 
-TEST_CASE("guiding: glossy, layered and dispersive surfaces that fill the image keep their mean") {
+TEST_CASE("guiding: glossy and layered and dispersive surfaces that fill the image keep their mean") {
   const std::vector<std::pair<const char*, MaterialId (*)(Description&)>> materials = {
       {"plastic",
        [](Description& d) {
@@ -241,7 +241,7 @@ class NearestRays : public RayRecorder {
 
 }  // namespace
 
-TEST_CASE("guiding: training paths use other random numbers than the image's") {
+TEST_CASE("guiding: training paths and image paths use different random numbers") {
   // The image's samples would not be independent of what guides them.
   for (const SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
     Description d = two_rooms(16);
@@ -260,7 +260,7 @@ TEST_CASE("guiding: training paths use other random numbers than the image's") {
   }
 }
 
-TEST_CASE("guiding: media") {
+TEST_CASE("guiding: the mean is kept in media") {
   const TemporaryFolder folder;
   for (const bool grid : {false, true}) {
     CAPTURE(grid);
@@ -276,7 +276,7 @@ TEST_CASE("guiding: media") {
   }
 }
 
-TEST_CASE("guiding: the same bits for all threads, waves and crops") {
+TEST_CASE("guiding: the bits do not depend on threads or wave size or crop") {
   Description d = two_rooms(32);
   d.film.width = 40, d.film.height = 30;
   look_at(d, {-0.6f, 0.1f, 0.8f}, {-0.9f, 0, -1}, {0, 1, 0}, 70);
@@ -309,7 +309,7 @@ TEST_CASE("guiding: the same bits for all threads, waves and crops") {
   CHECK(std::memcmp(unguided.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) != 0);
 }
 
-TEST_CASE("guiding: integrators without paths to be guided are a usage error") {
+TEST_CASE("guiding: integrators without guided paths are a usage error") {
   RenderOptions options;
   options.guiding = true;
   for (const IntegratorKind kind : {IntegratorKind::kPhotonMapper, IntegratorKind::kLightTracer,

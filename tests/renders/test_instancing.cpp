@@ -34,7 +34,7 @@ std::string message_of(const Description& d) {
 
 }  // namespace
 
-TEST_CASE("instancing: rays see the same as of shapes placed one by one") {
+TEST_CASE("instancing: rays hit instances as they hit individually placed shapes") {
   for (const NamedTransform& placement : kPlacements) {
     CAPTURE(placement.name);
     Description instanced = empty_scene(1, 1), copied = empty_scene(1, 1);
@@ -87,7 +87,7 @@ TEST_CASE("instancing: rays see the same as of shapes placed one by one") {
   }
 }
 
-TEST_CASE("instancing: normals under a mirroring transform are those of Mitsuba") {
+TEST_CASE("instancing: normals under mirroring transforms match Mitsuba") {
   Description d = empty_scene(1, 1);
   Description shapes;
   add_shape(shapes, SphereShape{}, Transform());
@@ -108,7 +108,7 @@ TEST_CASE("instancing: normals under a mirroring transform are those of Mitsuba"
   check({-3.2f, 0.1f, -5}, {0, 0, 1}, {-2, 0, 0}, {0, 4, 0});
 }
 
-TEST_CASE("instancing: registers equal single values, plain shapes and instances mixed") {
+TEST_CASE("instancing: SIMD results of mixed shapes and instances equal scalar ones") {
   Description d = empty_scene(4, 4);
   add_shape(d, SphereShape{}, Transform());
   add_shape(d, smooth_mesh(), Transform());
@@ -140,7 +140,7 @@ TEST_CASE("instancing: registers equal single values, plain shapes and instances
   CHECK(worst < 3e-5);
 }
 
-TEST_CASE("instancing: thousands of instances, each found where it is") {
+TEST_CASE("instancing: each of thousands of instances is hit at its position") {
   constexpr std::uint32_t kSide = 14, kCount = kSide * kSide * kSide;
   Description d = empty_scene(1, 1);
   add_sphere(d, {-10, -10, -10}, 1);
@@ -185,7 +185,7 @@ TEST_CASE("instancing: thousands of instances, each found where it is") {
   CHECK(plain->instance == kNone);
 }
 
-TEST_CASE("instancing: bounds, groups of nothing, and what cannot be") {
+TEST_CASE("instancing: bounds include instances and empty groups are accepted and invalid ones rejected") {
   Description d = empty_scene(1, 1), ball, flat;
   add_sphere(ball, {1, 0, 0}, 1);
   Mesh line;

@@ -51,7 +51,7 @@ Tally shoot(const SceneView& scene, const Transform& to_world, bool closed) {
 
 }  // namespace
 
-TEST_CASE("instancing: sides of surfaces get their materials") {
+TEST_CASE("instancing: both sides of surfaces have their materials") {
   for (const NamedTransform& placement : kPlacements) {
     CAPTURE(placement.name);
     const auto make = [&](bool instances) {
@@ -92,7 +92,7 @@ TEST_CASE("instancing: sides of surfaces get their materials") {
   }
 }
 
-TEST_CASE("instancing: the same bits for any number of threads and wave size, and in every build") {
+TEST_CASE("instancing: the bits do not depend on threads or wave size or BVH build") {
   Description d = empty_scene(40, 40);
   d.sampler.sample_count = 4;
   look_at(d, {0, 2, -14}, {0, 0, 0}, {0, 1, 0}, 60);
@@ -116,7 +116,7 @@ TEST_CASE("instancing: the same bits for any number of threads and wave size, an
   }
 }
 
-TEST_CASE("instancing: a ray that leaves a convex shape does not meet it again") {
+TEST_CASE("instancing: a ray that leaves a convex shape does not hit it again") {
   Mesh triangle;
   triangle.positions = {{-1, -0.9f, 0.3f}, {1, -0.7f, -0.2f}, {0.1f, 0.9f, 0.1f}};
   triangle.triangles = {{{0, 1, 2}}};
@@ -156,7 +156,7 @@ TEST_CASE("instancing: a ray that leaves a convex shape does not meet it again")
           }
 }
 
-TEST_CASE("instancing: no path is lost in a closed room that is an instance") {
+TEST_CASE("instancing: no path escapes from a closed room that is an instance") {
   constexpr int kDepth = 6;
   for (const bool box : {false, true})
     for (const float scale : {1e-3f, 1.0f, 1e5f}) {

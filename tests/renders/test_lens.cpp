@@ -56,7 +56,7 @@ double expected_white(int i, double distance) {
 
 }  // namespace
 
-TEST_CASE("lens: an edge is sharp in the plane of focus, and blurred by the lens's disk before and behind it") {
+TEST_CASE("lens: an edge is sharp in the focal plane and blurred by the lens disk before and behind it") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const bool upright : {true, false})
       for (const float distance : {0.5f, 1.0f, kFocus, 8.0f}) {
@@ -77,7 +77,7 @@ TEST_CASE("lens: an edge is sharp in the plane of focus, and blurred by the lens
       }
 }
 
-TEST_CASE("lens: a small white light out of focus is a round disk without colour") {
+TEST_CASE("lens: a small defocused white light is a round white disk") {
   constexpr int kSide = 16;
   constexpr float kDistance = 0.5f;
   Description d = edge_at(kDistance, true);

@@ -168,7 +168,7 @@ double least_p_value(const BlockMeans& a, const BlockMeans& b, double degrees) {
 }  // namespace
 
 TEST_SUITE("slow") {
-  TEST_CASE("light estimators: every emitter by every choice with any number of candidates has the same mean") {
+  TEST_CASE("light estimators: every emitter has the same mean for every selector and number of candidates") {
     constexpr std::uint32_t kSamples = 128, kReferenceSamples = 4096;
     constexpr LightSelector kSelectors[] = {LightSelector::kUniform, LightSelector::kPower, LightSelector::kBvh};
     constexpr int kCandidateCounts[] = {1, 4, 32};

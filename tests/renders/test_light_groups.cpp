@@ -76,7 +76,7 @@ double sum_of(const Image& image, const char* channel) {
 
 }  // namespace
 
-TEST_CASE("light groups: they add up to the picture, in both colour modes, with any filter, and with photon maps") {
+TEST_CASE("light groups: groups add up to the image in both colour modes with any filter and with photon maps") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance}) {
       const Image image = picture(lit_scene(), color, mode);
@@ -98,7 +98,7 @@ TEST_CASE("light groups: they add up to the picture, in both colour modes, with 
   CHECK(sum_of(image, "light_other.G") > 0);
 }
 
-TEST_CASE("light groups: layers have names of their own, and add up, whatever lights are called") {
+TEST_CASE("light groups: layers have unique names whatever the names of lights") {
   const std::vector<std::string> hostile = {"a.b",
                                             "a_b",
                                             "a_b_2",
@@ -159,7 +159,7 @@ TEST_CASE("light groups: layers have names of their own, and add up, whatever li
   CHECK(difference_of_sum(mapped) < 2e-5);
 }
 
-TEST_CASE("light groups: each holds the light of its own lamp alone") {
+TEST_CASE("light groups: each group contains the light of its own lamp only") {
   // Two rooms with a lamp each.
   Description d = empty_scene(8, 8);
   d.sampler.sample_count = 16;
@@ -182,7 +182,7 @@ TEST_CASE("light groups: each holds the light of its own lamp alone") {
   }
 }
 
-TEST_CASE("light groups: too many are refused, those without names are one") {
+TEST_CASE("light groups: too many groups are rejected and unnamed lights form one group") {
   Description d = empty_scene(2, 2);
   for (std::size_t i = 0; i <= kMaxLightGroups; ++i) add_point_light(d, {0, 0, 1}, 1);
   CHECK(groups_of(picture(d)).size() == 1);

@@ -302,7 +302,7 @@ const std::vector<Named>& balls() {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("light tracing: every emitter with every BSDF has the path tracer's mean") {
+TEST_CASE("light tracing: every emitter with every BSDF has the mean of path tracing") {
   for (const Named& emitter : emitters())
     for (const Named& ball : balls()) {
       CAPTURE(emitter.name);
@@ -314,7 +314,7 @@ TEST_CASE("light tracing: every emitter with every BSDF has the path tracer's me
     }
 }
 
-TEST_CASE("light tracing: every emitter in and around media has the path tracer's mean") {
+TEST_CASE("light tracing: every emitter in and around media has the mean of path tracing") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 8, 1, [](Vec3f p, int) {
     return 1 + 0.9f * std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
@@ -375,7 +375,7 @@ TEST_CASE("light tracing: every emitter in and around media has the path tracer'
     }
 }
 
-TEST_CASE("light tracing: light from outside on its way through fog without end, far from the middle of the scene") {
+TEST_CASE("light tracing: distant light through unbounded fog is unbiased far from the centre of the scene") {
   for (const std::size_t emitter : {emitters().size() - 2, emitters().size() - 1}) {
     CAPTURE(emitters()[emitter].name);
     Description d = room(100);
@@ -386,7 +386,7 @@ TEST_CASE("light tracing: light from outside on its way through fog without end,
   }
 }
 
-TEST_CASE("light tracing: media that glow, by every estimator of media") {
+TEST_CASE("light tracing: emissive media have the mean of path tracing for every medium estimator") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 8, 1, [](Vec3f p, int) { return 1 + 0.9f * std::sin(17 * p.x); });
   for (const MediumEstimator estimator : {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio})
@@ -405,7 +405,7 @@ TEST_CASE("light tracing: media that glow, by every estimator of media") {
       }
 }
 
-TEST_CASE("light tracing: lenses, cameras without perspective, clip planes, depths, filters and hidden lights") {
+TEST_CASE("light tracing: all camera types and clip planes and depths and filters have the mean of path tracing") {
   const std::vector<Named> changes = {
       {"lens", [](Description& d) { d.camera.aperture_radius = 0.2f, d.camera.focus_distance = 3.5f; }},
       {"lens, inside fog",
@@ -448,7 +448,7 @@ TEST_CASE("light tracing: lenses, cameras without perspective, clip planes, dept
   }
 }
 
-TEST_CASE("light tracing: spectral mode, with dispersion") {
+TEST_CASE("light tracing: spectral mode with dispersion has the mean of path tracing") {
   for (const bool dispersion : {false, true}) {
     CAPTURE(dispersion);
     Description d = room(128);
@@ -471,7 +471,7 @@ TEST_CASE("light tracing: spectral mode, with dispersion") {
 
 TEST_SUITE_END();
 
-TEST_CASE("light tracing: the same bits for all thread counts and wave sizes, and in a crop") {
+TEST_CASE("light tracing: the bits do not depend on threads or wave size or crop") {
   Description d = room(8);
   d.sampler.kind = SamplerKind::kSobol;
   d.camera.medium = add_medium(d, fog(0.1f, 0.8f));
@@ -500,7 +500,7 @@ TEST_CASE("light tracing: the same bits for all thread counts and wave sizes, an
   CHECK(same);
 }
 
-TEST_CASE("light tracing: the variance channels say how far pictures of other seeds lie") {
+TEST_CASE("light tracing: the variance channels match the spread over seeds") {
   Description d = room(32);
   emitters()[0].add(d);
   d.integrator.kind = IntegratorKind::kLightTracer;
@@ -524,7 +524,7 @@ TEST_CASE("light tracing: the variance channels say how far pictures of other se
   CHECK(claimed / found == doctest::Approx(1).epsilon(0.06));
 }
 
-TEST_CASE("light tracing: hidden lights and what they reflect do not show, unless behind a pane") {
+TEST_CASE("light tracing: hidden lights and their reflections are invisible except through thin dielectrics") {
   // A wall, lit by a point light and by two lights that reflect and stand before it.
   const auto wall = [] {
     Description d = empty_scene(12, 12);
@@ -564,7 +564,7 @@ TEST_CASE("light tracing: hidden lights and what they reflect do not show, unles
   check_agree(veiled);
 }
 
-TEST_CASE("light tracing: pixels at the frame's edge, also where geometry ends in them") {
+TEST_CASE("light tracing: pixels at the edge of the frame are unbiased even where geometry ends") {
   using Kind = PixelFilter::Kind;
   PixelFilter wide;
   wide.kind = Kind::kGaussian;
@@ -622,7 +622,7 @@ TEST_CASE("light tracing: pixels at the frame's edge, also where geometry ends i
       }
 }
 
-TEST_CASE("light tracing: at the sides of a panorama, filters reach around it") {
+TEST_CASE("light tracing: filters wrap around the sides of a panorama") {
   for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
     for (const bool border : {false, true}) {
       CAPTURE(static_cast<int>(mode));
@@ -668,7 +668,7 @@ TEST_CASE("light tracing: at the sides of a panorama, filters reach around it") 
     }
 }
 
-TEST_CASE("camera: the view of a point is the ray that meets it, and its importance the film area of a patch there") {
+TEST_CASE("camera: the view of a point is the ray that hits it and its importance the area of a patch on the film") {
   for (int kind = 0; kind < 3; ++kind) {
     CAPTURE(kind);
     CameraDescription description;

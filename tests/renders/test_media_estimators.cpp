@@ -134,7 +134,7 @@ Description furnace(const MediumDescription& medium, float g) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow rays, colour by colour") {
+TEST_CASE("media: paths and shadow rays match the transmittance of a homogeneous slab in each colour") {
   for (const MediumEstimator estimator :
        {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio, MediumEstimator::kMarching})
     for (const float albedo : {0.0f, 0.6f}) {
@@ -156,7 +156,7 @@ TEST_CASE("media: transmittance of a homogeneous slab, by paths and by shadow ra
     }
 }
 
-TEST_CASE("media: transmittance of a linear density ramp") {
+TEST_CASE("media: the transmittance of a linear density ramp matches the closed form") {
   const TemporaryFolder folder;
   // Clamped beyond the outermost voxels' centres, linear in between.
   constexpr int kVoxels = 32;
@@ -175,7 +175,7 @@ TEST_CASE("media: transmittance of a linear density ramp") {
   }
 }
 
-TEST_CASE("media: ray marching converges to the ramp's transmittance, at first order or better") {
+TEST_CASE("media: ray marching converges to the transmittance of a ramp with first order or better") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder / "ramp.vol", 32, 1, [](Vec3f p, int) { return 12 * p.x * p.x; });
   double error[3];
@@ -229,7 +229,7 @@ double reflected_glow(double sigma, double emission) {
 
 }  // namespace
 
-TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
+TEST_CASE("media: an emissive sphere matches the closed form directly and as illumination of a floor") {
   const TemporaryFolder folder;
   const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
   const Transform around = Transform::translate({-4, -4, -4}) * Transform::scale({8, 8, 8});
@@ -264,7 +264,7 @@ TEST_CASE("media: a glowing sphere of gas, seen and lighting a floor") {
       }
 }
 
-TEST_CASE("media: a gas of one temperature glows as the black body does, in both colour modes") {
+TEST_CASE("media: an isothermal gas emits as a black body in both colour modes") {
   const TemporaryFolder folder;
   const auto half = write_vol(folder / "half.vol", 3, 1, [](Vec3f, int) { return 0.5f; });
   const Transform around = Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4});
@@ -296,7 +296,7 @@ TEST_CASE("media: a gas of one temperature glows as the black body does, in both
   }
 }
 
-TEST_CASE("media: light and path sampling together find a glow with less variance than either alone") {
+TEST_CASE("media: combined light and path sampling of emission has less variance than either alone") {
   MediumDescription m = glowing(1.5f, 0, 3);
   double variance[3];
   for (int i = 0; i < 3; ++i) {
@@ -314,7 +314,7 @@ TEST_CASE("media: light and path sampling together find a glow with less varianc
   CHECK(variance[0] < 0.9 * variance[2]);
 }
 
-TEST_CASE("media: a sphere that only scatters cannot be seen in a white environment") {
+TEST_CASE("media: a sphere without absorption is invisible in a white environment") {
   const TemporaryFolder folder;
   const auto one = write_vol(folder / "one.vol", 4, 1, [](Vec3f, int) { return 1.0f; });
   const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
@@ -343,7 +343,7 @@ TEST_CASE("media: a sphere that only scatters cannot be seen in a white environm
       }
 }
 
-TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours the means are the same") {
+TEST_CASE("media: homogeneous media and grids have the same mean for every estimator and colour") {
   const TemporaryFolder folder;
   const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
   const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) {
@@ -386,9 +386,7 @@ TEST_CASE("media: homogeneous, as a grid, by every estimator and with colours th
     }
 }
 
-TEST_CASE(
-    "media: what glows and scatters has the same mean by every strategy and estimator, "
-    "colours and grids alike") {
+TEST_CASE("media: emissive scattering media have the same mean for every strategy and estimator") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 16, 1, [](Vec3f p, int) {
     return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);

@@ -103,7 +103,7 @@ Description floor_below_slab(const MediumDescription& medium) {
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE(
-    "media: grey absorption with coloured scattering on a grid, where minorants are used up for the densest colour") {
+    "media: grey absorption with coloured scattering is unbiased where minorants of the densest colour are used") {
   const TemporaryFolder folder;
   // Minorants count up to an optical thickness of 2.3: the last colour exceeds it, whichever colour is the hero.
   const float scattering[] = {0.1f, 0.8f, 2.5f};
@@ -133,7 +133,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("media: light and BSDF sampling through a medium of unequal colours share the light as their pdfs say") {
+TEST_CASE("media: the MIS weights through a coloured medium add up by their pdfs") {
   const TemporaryFolder folder;
   const Transform slab = Transform::translate({-100, 0, -100}) * Transform::scale({200, 1, 200});
   const float extinction[] = {0.4f, 1.5f, 3};

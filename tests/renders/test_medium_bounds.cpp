@@ -78,7 +78,7 @@ const std::string kTurned =
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("medium bounds: constants fill their unit cube, moved or stretched, within the shape") {
+TEST_CASE("medium bounds: transformed constant volumes fill their unit cube inside the shape") {
   const TemporaryFolder folder;
   const auto check = [&](const std::string& sigma_t, Vec3f low, Vec3f high) {
     CAPTURE(sigma_t);
@@ -97,7 +97,7 @@ TEST_CASE("medium bounds: constants fill their unit cube, moved or stretched, wi
   check(constant(kHalf, placed("<scale value='4, 4, 2'/><translate value='1, -6, 0'/>")), {1, -6, 0}, {5, -2, 2});
 }
 
-TEST_CASE("medium bounds: turned volumes go on up to the box around them") {
+TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
   const TemporaryFolder folder;
   write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
   write_vol(folder / "halves.vol", 64, 1, [](Vec3f p, int) { return p.x < 0.5f ? 0.25f : 1.0f; });
@@ -125,7 +125,7 @@ TEST_CASE("medium bounds: turned volumes go on up to the box around them") {
   check_beyond("mirror", 1);
 }
 
-TEST_CASE("medium bounds: the spectrum of a bounded constant is what absorbs, in both colour modes") {
+TEST_CASE("medium bounds: a bounded constant absorbs by its spectrum in both colour modes") {
   const TemporaryFolder folder;
   const std::string sigma_t =
       constant("<spectrum name='value' value='300:0.5, 900:0.5'/>", placed("<scale value='2'/>"));

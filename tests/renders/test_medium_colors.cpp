@@ -19,8 +19,7 @@ const double kLevel = significance_of_each(50);
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE(
-    "media on grids: grey absorption and coloured scattering, or the other way round, weaken each colour by both") {
+TEST_CASE("media on grids: every mix of grey and coloured coefficients attenuates each colour by both") {
   const TemporaryFolder folder;
   const auto ones = write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
   const SpectrumDescription grey = SpectrumDescription::constant(0.4f),

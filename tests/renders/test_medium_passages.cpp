@@ -22,7 +22,7 @@ void add_cloud(Description& d, const std::filesystem::path& ones, Vec3f at, floa
 
 }  // namespace
 
-TEST_CASE("medium passages: one cloud behind another weakens light by what is left") {
+TEST_CASE("medium passages: a cloud behind another attenuates the remaining light") {
   const TemporaryFolder folder;
   const auto ones = write_vol(folder / "ones.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
   constexpr float kSigma[] = {0.7f, 0.9f};
@@ -54,7 +54,7 @@ TEST_CASE("medium passages: one cloud behind another weakens light by what is le
     }
 }
 
-TEST_CASE("medium passages: light behind a rough surface that bounds a medium, by every strategy") {
+TEST_CASE("medium passages: all strategies agree behind a rough boundary of a medium") {
   Description d = picture_of_one_point(64);
   look_at_point(d, {1, 0, 3}, {0, 0, 0});
   d.integrator.max_depth = 2;
@@ -65,8 +65,8 @@ TEST_CASE("medium passages: light behind a rough surface that bounds a medium, b
   const MaterialId rough = add_material(d, glass);
   MediumDescription m = fog(1, 0);
   std::get<ExtinctionAlbedoDescription>(m.coefficients).sigma_t = SpectrumDescription::rgb(0.3f, 1, 2);
-  SUBCASE("that absorbs") {}
-  SUBCASE("that scatters") {
+  SUBCASE("an absorbing medium") {}
+  SUBCASE("a scattering medium") {
     std::get<ExtinctionAlbedoDescription>(m.coefficients).albedo = SpectrumDescription::constant(0.8f);
     d.integrator.max_depth = 3;
   }
@@ -76,7 +76,7 @@ TEST_CASE("medium passages: light behind a rough surface that bounds a medium, b
   check_strategies_agree(d, significance_of_each(2 * 9));
 }
 
-TEST_CASE("medium passages: glass that hardly disperses shows what is behind a coloured fog as glass that does not") {
+TEST_CASE("medium passages: coloured fog seen through weakly dispersive glass looks as through ordinary glass") {
   PixelMeans means[2];
   for (const bool disperses : {false, true}) {
     Description d = picture_of_one_point(64);
@@ -106,7 +106,7 @@ TEST_CASE("medium passages: glass that hardly disperses shows what is behind a c
   }
 }
 
-TEST_CASE("medium passages: a common factor taken out of a path's weights means nothing") {
+TEST_CASE("medium passages: rescaling the weights of a path by a common factor changes nothing") {
   PathWeights path{Float4(Spectrum4{8e6f, 4e6f, 2e6f, 0}), Float4(Spectrum4{4e6f, 2e6f, 1e6f, 3e6f}),
                    Float4(Spectrum4{2e6f, 1e6f, 8e6f, 1e6f})};
   const PathWeights before = path;

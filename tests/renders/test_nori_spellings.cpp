@@ -131,7 +131,7 @@ void check_parameters(const std::string& plugin, const std::vector<Spellings>& g
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("Nori spellings: plugins of materials") {
+TEST_CASE("Nori spellings: material plugins render equally in all spellings") {
   check_groups(
       {{of_type("bsdf", "mirror"), of_type("bsdf", "conductor", text("material", "none"))},
        {of_type("bsdf", "transparent"), of_type("bsdf", "null")},
@@ -147,7 +147,7 @@ TEST_CASE("Nori spellings: plugins of materials") {
       });
 }
 
-TEST_CASE("Nori spellings: parameters of materials") {
+TEST_CASE("Nori spellings: material parameters render equally in all spellings") {
   check_parameters("microfacet", {{number("intIOR", "1.9"), number("int_ior", "1.9")},
                                   {number("extIOR", "1.3"), number("ext_ior", "1.3")},
                                   {number("alpha", "0.4"), number("m_alpha", "0.4")},
@@ -177,7 +177,7 @@ TEST_CASE("Nori spellings: parameters of materials") {
   check_parameters("microfacet", {{normals}});
 }
 
-TEST_CASE("Nori spellings: textures") {
+TEST_CASE("Nori spellings: textures render equally in all spellings") {
   const auto texture = [](const std::string& type, const std::string& inside) {
     return "<texture name='albedo' type='" + type + "'>" + inside + "</texture>";
   };
@@ -225,7 +225,7 @@ TEST_CASE("Nori spellings: textures") {
       });
 }
 
-TEST_CASE("Nori spellings: emitters") {
+TEST_CASE("Nori spellings: emitters render equally in all spellings") {
   const auto replaced = [](Scene& scene, const std::string& s) {
     scene.emitters = s.empty() ? of_type("emitter", "constant") : s;
   };
@@ -265,7 +265,7 @@ TEST_CASE("Nori spellings: emitters") {
       [](Scene& scene, const std::string& s) { scene.inside = s; });
 }
 
-TEST_CASE("Nori spellings: shapes") {
+TEST_CASE("Nori spellings: shapes render equally in all spellings") {
   const auto mesh = [](const std::string& type, const std::string& inside) {
     return "<mesh type='" + type + "'>" + inside;
   };
@@ -295,7 +295,7 @@ TEST_CASE("Nori spellings: shapes") {
       [](Scene& scene, const std::string& s) { scene.more = s; });
 }
 
-TEST_CASE("Nori spellings: cameras, filters, samplers") {
+TEST_CASE("Nori spellings: cameras and filters and samplers render equally in all spellings") {
   check_groups({{number("fov", "60"), whole("fov", "60")},
                 {text("fovAxis", "y"), text("fov_axis", "y")},
                 {number("nearClip", "3.2"), number("near_clip", "3.2")},
@@ -326,7 +326,7 @@ TEST_CASE("Nori spellings: cameras, filters, samplers") {
                });
 }
 
-TEST_CASE("Nori spellings: integrators") {
+TEST_CASE("Nori spellings: integrators render equally in all spellings") {
   const auto place = [](Scene& scene, const std::string& s) {
     scene.bsdf = of_type("bsdf", "microfacet", number("alpha", "0.2"));
     scene.emitters = "<emitter type='constant'><color name='radiance' value='0.2,0.3,0.4'/></emitter>";
@@ -377,7 +377,7 @@ TEST_CASE("Nori spellings: integrators") {
       place);
 }
 
-TEST_CASE("Nori spellings: photon maps") {
+TEST_CASE("Nori spellings: photon maps render equally in all spellings") {
   const auto place = [](const std::string& type, const std::string& rest) {
     return [type, rest](Scene& scene, const std::string& s) {
       scene.integrator = of_type("integrator", type, rest + s);
@@ -408,7 +408,7 @@ TEST_CASE("Nori spellings: photon maps") {
   CHECK(difference(picture("photonmapper"), picture("photonmap")) == 0);
 }
 
-TEST_CASE("Nori spellings: media") {
+TEST_CASE("Nori spellings: media render equally in all spellings") {
   const auto medium = [](const std::string& type, const std::string& inside) {
     return of_type("medium", type, inside);
   };

@@ -52,7 +52,7 @@ Transform facing_back(float z) { return Transform::translate({0, 0, z}) * Transf
 
 }  // namespace
 
-TEST_CASE("passing: behind a hidden light in a medium rays scatter as if it were not there") {
+TEST_CASE("pass-through: paths scatter behind a hidden light in a medium as if it were absent") {
   // What scatters sees the environment's radiance in every direction, and the light's, which is the same; what does not
   // sees nothing, nor does what scatters within the light, which is dark inside.
   Description d = picture({0, 0, 0}, {0, 0, 1}, 32);
@@ -65,7 +65,7 @@ TEST_CASE("passing: behind a hidden light in a medium rays scatter as if it were
   check_mean(means_of(render_image(d)), 1 - std::exp(-1.8) - (std::exp(-0.3 * 2.89) - std::exp(-0.3 * 3.11)));
 }
 
-TEST_CASE("passing: the far plane stays where it is") {
+TEST_CASE("pass-through: the far plane keeps its distance") {
   for (const bool behind : {false, true})
     for (int what = 0; what < 3; ++what) {
       CAPTURE(behind);
@@ -89,7 +89,7 @@ TEST_CASE("passing: the far plane stays where it is") {
     }
 }
 
-TEST_CASE("passing: views for debugging pass what is not there, and count the distance from the camera") {
+TEST_CASE("pass-through: debug views skip invisible surfaces and measure the distance from the camera") {
   for (const IntegratorKind kind : {IntegratorKind::kNormals, IntegratorKind::kDepth})
     for (const bool media : {false, true}) {
       CAPTURE(static_cast<int>(kind));
@@ -121,7 +121,7 @@ TEST_CASE("passing: views for debugging pass what is not there, and count the di
     }
 }
 
-TEST_CASE_TEMPLATE("passing: views for debugging lose no paths behind hidden lights", L, Wide, Scalar) {
+TEST_CASE_TEMPLATE("pass-through: debug views lose no paths behind hidden lights", L, Wide, Scalar) {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kDepth;
   d.integrator.hide_emitters = true;
@@ -134,7 +134,7 @@ TEST_CASE_TEMPLATE("passing: views for debugging lose no paths behind hidden lig
   CHECK(test.wave.free.size() == test.wave.capacity);
 }
 
-TEST_CASE("passing: a hidden light stays the boundary of its media") {
+TEST_CASE("pass-through: a hidden light still bounds its media") {
   // Two metres of glowing gas before a black wall, in a cube that is a light and does not show.
   MediumDescription gas = fog(1, 0);
   gas.emission = VolumeInput(SpectrumDescription::constant(1));
@@ -165,7 +165,7 @@ const double kMediumRadius = 1.01 * std::sqrt(18.0);
 
 }  // namespace
 
-TEST_CASE("passing: light from outside enters a medium without an end at the sphere around the scene") {
+TEST_CASE("pass-through: distant light enters an unbounded medium at the bounding sphere of the scene") {
   for (const LightStrategy strategy : kStrategies) {
     CAPTURE(static_cast<int>(strategy));
     Description d = foggy_floor(fog(0.2f, 0), 16);
@@ -177,7 +177,7 @@ TEST_CASE("passing: light from outside enters a medium without an end at the sph
   }
 }
 
-TEST_CASE("passing: a medium without an end has the same mean by every strategy") {
+TEST_CASE("pass-through: an unbounded medium has the same mean for every strategy") {
   MeanVariance found[3];
   for (int i = 0; i < 3; ++i) {
     Description d = foggy_floor(fog(0.2f, 0.8f), 32);
@@ -192,7 +192,7 @@ TEST_CASE("passing: a medium without an end has the same mean by every strategy"
   MESSAGE("means " << found[0].mean() << ", " << found[1].mean() << ", " << found[2].mean());
 }
 
-TEST_CASE("passing: what loses nothing vanishes in a medium without an end") {
+TEST_CASE("pass-through: lossless surfaces are invisible in an unbounded lossless medium") {
   for (const LightStrategy strategy : kStrategies) {
     CAPTURE(static_cast<int>(strategy));
     Description d = foggy_floor(fog(0.2f, 1), 16);

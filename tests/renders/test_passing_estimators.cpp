@@ -129,22 +129,22 @@ void check_screens(const std::vector<std::vector<Screen>>& sets) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("passing estimators: lights behind one and two open panes") {
+TEST_CASE("pass-through: all strategies agree on lights behind one and two thin dielectrics") {
   check_screens({{{Screen::kPane, 0.6f}}, {{Screen::kPane, 0.3f}, {Screen::kPane, 0.7f}}});
 }
 
-TEST_CASE("passing estimators: lights behind masks and null boundaries, near and far ones") {
+TEST_CASE("pass-through: all strategies agree on near and far lights behind masks and null interfaces") {
   check_screens({{{Screen::kMask, 0.9f}},
                  {{Screen::kNull, 0.2f}, {Screen::kMask, 0.8f}},
                  {{Screen::kMask, 0.4f}, {Screen::kMask, 0.7f}}});
 }
 
-TEST_CASE("passing estimators: lights behind a mask, a pane and a null boundary") {
+TEST_CASE("pass-through: all strategies agree on lights behind a mask and a thin dielectric and a null interface") {
   check_screens({{{Screen::kPane, 0.25f}, {Screen::kNull, 0.5f}, {Screen::kMask, 0.9f}},
                  {{Screen::kMask, 0.15f}, {Screen::kPane, 0.8f}}});
 }
 
-TEST_CASE("passing estimators: several lights of unequal power are found through screens as they are chosen") {
+TEST_CASE("pass-through: all strategies agree on several unequal lights behind screens") {
   for (const std::vector<Screen>& screens : {std::vector<Screen>{{Screen::kPane, 0.3f}, {Screen::kPane, 0.7f}},
                                              std::vector<Screen>{{Screen::kNull, 0.2f}, {Screen::kMask, 0.8f}}}) {
     CAPTURE(static_cast<int>(screens[0].kind));
@@ -157,7 +157,7 @@ TEST_CASE("passing estimators: several lights of unequal power are found through
   }
 }
 
-TEST_CASE("passing estimators: a mask whose opacity is a grid in the world") {
+TEST_CASE("pass-through: all strategies agree on a mask whose opacity is a volume texture") {
   const TemporaryFolder folder;
   TextureDescription opacity;
   opacity.model = VolumeTextureDescription{

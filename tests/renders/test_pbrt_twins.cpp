@@ -73,7 +73,7 @@ void check_twins(const std::string& name, ColorMode color = ColorMode::kRgb) {
 }  // namespace
 
 TEST_SUITE("pbrt twins") {
-  TEST_CASE("Pictures of pbrt scenes are those of the same scenes in Mitsuba's format") {
+  TEST_CASE("pbrt scenes render like the same scenes in the format of Mitsuba") {
     std::size_t count = 0;
     for (const auto& entry : fs::directory_iterator(kTwins)) {
       if (entry.path().extension() != ".pbrt") continue;
@@ -83,13 +83,13 @@ TEST_SUITE("pbrt twins") {
     CHECK(count == 11);
   }
 
-  TEST_CASE("The same by wavelengths") {
+  TEST_CASE("pbrt scenes render equally in spectral mode") {
     check_twins("materials", ColorMode::kSpectral);
     check_twins("lights", ColorMode::kSpectral);
     check_twins("textures", ColorMode::kSpectral);
   }
 
-  TEST_CASE("A picture that is mirrored is no twin") {
+  TEST_CASE("the comparison detects a mirrored image") {
     Description mirrored = read_scene(kTwins / "camera.pbrt");
     mirrored.camera.to_world = mirrored.camera.to_world * Transform::scale({-1, 1, 1});
     const Image twin = picture(read_scene(kTwins / "camera.xml"), ColorMode::kRgb);

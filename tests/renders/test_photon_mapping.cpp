@@ -45,7 +45,7 @@ double total_power(const PhotonMap& map) {
 
 }  // namespace
 
-TEST_CASE("photon mapping: in a closed box photons leave the light's power over the share that is absorbed") {
+TEST_CASE("photon mapping: photons in a closed box store the power of the light over the absorbed share") {
   for (const float reflectance : {0.0f, 0.5f, 0.8f}) {
     CAPTURE(reflectance);
     Description d = empty_scene(4, 4);
@@ -62,7 +62,7 @@ TEST_CASE("photon mapping: in a closed box photons leave the light's power over 
   }
 }
 
-TEST_CASE("photon mapping: the caustics map holds what specular surfaces alone have sent") {
+TEST_CASE("photon mapping: the caustic map contains light from specular surfaces only") {
   Description d = empty_scene(4, 4);
   // A mirror on the floor of a closed box sends a known share of the light to the walls.
   d.integrator.max_depth = -1;
@@ -80,9 +80,7 @@ TEST_CASE("photon mapping: the caustics map holds what specular surfaces alone h
   CHECK(mean.p_value(expected) >= kLevel);
 }
 
-TEST_CASE(
-    "photon mapping: a map that no light reaches is said to be empty, and the picture is what the camera sees of "
-    "lights") {
+TEST_CASE("photon mapping: an empty map is reported and the image shows only visible lights") {
   Description d = empty_scene(8, 8);
   add_sphere(d, {0, 0, 4}, 1, add_mirror(d, 0.5f));
   add_point_light(d, {0, 2, 0}, 5);
@@ -97,7 +95,7 @@ TEST_CASE(
   CHECK(result.warnings.size() == 1);
 }
 
-TEST_CASE("photon mapping: the same bits for all thread counts and wave sizes, and in a crop") {
+TEST_CASE("photon mapping: the bits do not depend on threads or wave size or crop") {
   Description d = room(true, 2);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global = {5000, 0.1f, 0};
@@ -139,7 +137,7 @@ TEST_CASE("photon mapping: the same bits for all thread counts and wave sizes, a
   }
 }
 
-TEST_CASE("photon mapping: about as many photons as asked for are stored") {
+TEST_CASE("photon mapping: the number of stored photons is close to the requested one") {
   Description d = room(true, 1);
   const auto scene = compile_scene(d);
   for (const std::uint64_t count : {500u, 20'000u}) {
@@ -154,7 +152,7 @@ TEST_CASE("photon mapping: about as many photons as asked for are stored") {
   }
 }
 
-TEST_CASE("photon mapping: the power of small maps is that of large ones") {
+TEST_CASE("photon mapping: small maps have the power of large ones") {
   // Counting until enough are stored, and dividing by the number emitted, is 1 / 64 too bright.
   Description d = empty_scene(4, 4);
   d.integrator.max_depth = 2;
@@ -187,7 +185,7 @@ TEST_CASE("photon mapping: the power of small maps is that of large ones") {
   CHECK(mean.p_value(expected) >= kLevel);
 }
 
-TEST_CASE("photon mapping: where few photons arrive, pictures do not depend on threads, waves, pauses and parts") {
+TEST_CASE("photon mapping: sparse maps do not depend on threads or wave size or pauses or parts") {
   const TemporaryFolder folder;
   const RenderSettings settings{{"--spp", "6"}, {"scene.xml", "1 bytes"}};
   Description d = empty_scene(8, 8);
@@ -244,7 +242,7 @@ TEST_CASE("photon mapping: where few photons arrive, pictures do not depend on t
   }
 }
 
-TEST_CASE("photon mapping: passes have radii of their own, photons of their own, and wavelengths spread over all") {
+TEST_CASE("photon mapping: each pass has its own radius and photons and wavelengths") {
   Description d = room(false, 4);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global = {500, 0.3f, 0};
@@ -299,7 +297,7 @@ TEST_CASE("photon mapping: passes have radii of their own, photons of their own,
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("photon mapping: maps, final gathering and the caustics map have the path tracer's mean") {
+TEST_CASE("photon mapping: maps and final gathering and caustic maps have the mean of path tracing") {
   for (const bool glass : {false, true}) {
     CAPTURE(glass);
     Description d = room(glass, 36);
@@ -329,7 +327,7 @@ TEST_CASE("photon mapping: maps, final gathering and the caustics map have the p
   }
 }
 
-TEST_CASE("photon mapping: depth is limited as it is for paths") {
+TEST_CASE("photon mapping: depth is limited as for paths") {
   for (const int depth : {2, 3, 4}) {
     CAPTURE(depth);
     Description d = room(true, 36);
@@ -346,7 +344,7 @@ TEST_CASE("photon mapping: depth is limited as it is for paths") {
   }
 }
 
-TEST_CASE("photon mapping: surfaces in fog, behind panes and with plastic's coat") {
+TEST_CASE("photon mapping: surfaces in fog and behind thin dielectrics and plastics have the mean of path tracing") {
   for (int what = 0; what < 3; ++what) {
     CAPTURE(what);
     Description d = room(true, 36);
@@ -376,7 +374,7 @@ TEST_CASE("photon mapping: surfaces in fog, behind panes and with plastic's coat
   }
 }
 
-TEST_CASE("progressive photon mapping: the mean comes to the path tracer's as radii shrink") {
+TEST_CASE("progressive photon mapping: the mean converges to path tracing as radii shrink") {
   for (const bool glass : {false, true}) {
     CAPTURE(glass);
     Description d = room(glass, 1);
@@ -406,7 +404,7 @@ TEST_CASE("progressive photon mapping: the mean comes to the path tracer's as ra
   }
 }
 
-TEST_CASE("photon mapping: spectral maps agree with spectral paths, dispersion included") {
+TEST_CASE("photon mapping: spectral maps agree with spectral paths with dispersion included") {
   for (const bool disperses : {false, true}) {
     CAPTURE(disperses);
     Description d = room(true, 400);

@@ -33,7 +33,8 @@ VolumePhotonMap volume_map(const Scene& scene, std::uint32_t seed) {
 
 }  // namespace
 
-TEST_CASE("volume photons: in a wide medium photons leave the light's power times the mean number of scatterings") {
+TEST_CASE(
+    "volume photons: photons in a large medium store the power of the light times the mean number of scatterings") {
   for (const float albedo : {0.3f, 0.8f}) {
     CAPTURE(albedo);
     Description d = empty_scene(4, 4);
@@ -55,7 +56,7 @@ TEST_CASE("volume photons: in a wide medium photons leave the light's power time
   }
 }
 
-TEST_CASE("volume photons: the first wavelength alone has the power that all have together") {
+TEST_CASE("volume photons: the hero wavelength alone carries the same power as all together") {
   // Rays of one wavelength ask for the first alone: its mean over sets is that of the others, dispersion or not.
   MeanVariance total[2], first[2];
   for (const bool disperses : {false, true}) {
@@ -94,7 +95,7 @@ TEST_CASE("volume photons: the first wavelength alone has the power that all hav
   for (int i = 0; i < 2; ++i) CHECK(first[i].mean() == doctest::Approx(total[i].mean()).epsilon(0.03));
 }
 
-TEST_CASE("photons from outside reach all of a medium that has no end") {
+TEST_CASE("photons from distant light reach all of an unbounded medium") {
   // The medium ends at 1.01 of the scene's radius. What scatters first beyond the radius, in closed form.
   constexpr double kSigma = 2, kPiD = 3.14159265358979;
   Description d = empty_scene(4, 4);
@@ -147,7 +148,7 @@ TEST_CASE("photons from outside reach all of a medium that has no end") {
   }
 }
 
-TEST_CASE("volume photons: a medium that glows without an end is warned of, one that ends is not") {
+TEST_CASE("volume photons: an unbounded emissive medium gives a warning and a bounded one does not") {
   for (const bool ends : {false, true}) {
     Description d = room(false, 1);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -162,7 +163,7 @@ TEST_CASE("volume photons: a medium that glows without an end is warned of, one 
   }
 }
 
-TEST_CASE("photon beams: in a wide medium power times length is the light's power over what absorbs it") {
+TEST_CASE("photon beams: power times length is the power of the light over the absorption coefficient") {
   Description d = empty_scene(4, 4);
   d.integrator.rr_depth = 3;
   MediumDescription medium;
@@ -211,7 +212,7 @@ TEST_CASE("photon beams: in a wide medium power times length is the light's powe
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("volume photons: what media scatter has the path tracer's mean, however surfaces are lit") {
+TEST_CASE("volume photons: light scattered in media has the mean of path tracing for every surface estimate") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder.path() / "ramp.vol", 8, 1, [](Vec3f p, int) { return 0.3f + p.z * p.x; });
   enum What { kFog, kForward, kGrid, kGlowing, kCount };
@@ -253,7 +254,7 @@ TEST_CASE("volume photons: what media scatter has the path tracer's mean, howeve
   }
 }
 
-TEST_CASE("photon beams: what media scatter has the path tracer's mean, in homogeneous media and beside grids") {
+TEST_CASE("photon beams: light scattered in media has the mean of path tracing beside grids as well") {
   const TemporaryFolder folder;
   const auto file = write_vol(folder.path() / "ramp.vol", 8, 1, [](Vec3f p, int) { return 0.3f + p.z * p.x; });
   enum What { kClear, kColored, kGlowing, kBesideGrid, kCount };
@@ -294,7 +295,7 @@ TEST_CASE("photon beams: what media scatter has the path tracer's mean, in homog
   }
 }
 
-TEST_CASE("photon beams: what glass has focused, media in glass and dispersed light are as points bring them") {
+TEST_CASE("photon beams: caustics and media in glass and dispersed light agree with points") {
   enum What { kCaustic, kInGlass, kDispersed, kCount };
   for (int what = 0; what < kCount; ++what) {
     CAPTURE(what);
@@ -347,7 +348,7 @@ TEST_CASE("photon beams: what glass has focused, media in glass and dispersed li
   }
 }
 
-TEST_CASE("photon beams: in spectral mode, seen directly and through a slab that disperses, against the path tracer") {
+TEST_CASE("photon beams: spectral mode agrees with path tracing directly and through a dispersive slab") {
   Description d = empty_scene(16, 16);
   look_at(d, {0, -1.9f, 1}, {0, 0, 1}, {0, 0, 1}, 60);
   d.integrator.max_depth = 6;

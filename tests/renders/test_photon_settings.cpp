@@ -84,7 +84,7 @@ Picture picture(const std::string& properties, const std::string& type = "photon
 
 }  // namespace
 
-TEST_CASE("course photon mapping: numbers of photons and radii") {
+TEST_CASE("photon settings: counts and radii are read") {
   const Picture plain = picture(kFew);
   const Picture more = picture(integer("photonCount", "16000") + number("photonRadius", "0.15"));
   CHECK(more.stored == doctest::Approx(4 * plain.stored).epsilon(0.1));
@@ -102,7 +102,7 @@ TEST_CASE("course photon mapping: numbers of photons and radii") {
   CHECK(picture(kFew + word("kernel", "disc")).data == plain.data);
 }
 
-TEST_CASE("course photon mapping: numGatherRays alone means final gathering") {
+TEST_CASE("photon settings: numGatherRays enables final gathering") {
   const Picture plain = picture(kFew), path = picture("", "path_mis");
   const Picture gathered = picture(kFew + integer("numGatherRays", "4"));
   CHECK(gathered.data == picture(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
@@ -115,7 +115,7 @@ TEST_CASE("course photon mapping: numGatherRays alone means final gathering") {
         plain.data);
 }
 
-TEST_CASE("course photon mapping: causticPhotonCount alone means a caustics map, of causticRadius") {
+TEST_CASE("photon settings: causticPhotonCount enables a caustic map with causticRadius") {
   const Picture plain = picture(kFew), path = picture("", "path_mis");
   const std::string caustics = integer("causticPhotonCount", "4000");
   const Picture sharp = picture(kFew + caustics + number("causticRadius", "0.04"));
@@ -135,7 +135,7 @@ TEST_CASE("course photon mapping: causticPhotonCount alone means a caustics map,
   CHECK(picture(kFew + flag("sampleDirect") + caustics).data != sampled.data);
 }
 
-TEST_CASE("course photon mapping: photons in media") {
+TEST_CASE("photon settings: photons in media are read") {
   const auto in_fog = [](const std::string& properties, const std::string& type = "photonmapper") {
     return picture(properties, type, true);
   };
@@ -158,7 +158,7 @@ TEST_CASE("course photon mapping: photons in media") {
         in_fog(kFew + integer("volumePhotonCount", "4000") + number("volumeRadius", "0.3")).data);
 }
 
-TEST_CASE("course photon mapping: names and progressive maps") {
+TEST_CASE("photon settings: all integrator names and progressive maps are read") {
   const Picture plain = picture(kFew);
   CHECK(picture(kFew, "photonmap").data == plain.data);
   const std::string all = "<boolean name='sampleDirect' value='false'/>";

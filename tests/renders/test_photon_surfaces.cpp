@@ -76,7 +76,7 @@ AddMaterial blend_of(const AddMaterial& first, const AddMaterial& second, float 
 
 }  // namespace
 
-TEST_CASE("photon mapping: masks, blends and blends with conductors have the path tracer's mean") {
+TEST_CASE("photon mapping: masks and blends have the mean of path tracing with conductors as well") {
   const std::pair<const char*, AddMaterial> cases[] = {
       {"mask", mask_of(kGreen, 0.4f)},
       {"mask that is nearly open", mask_of(kGreen, 0.1f)},
@@ -98,7 +98,7 @@ TEST_CASE("photon mapping: masks, blends and blends with conductors have the pat
   }
 }
 
-TEST_CASE("photon mapping: shares of masks and blends that textures say") {
+TEST_CASE("photon mapping: textured masks and blends have the mean of path tracing") {
   const TemporaryFolder folder;
   check([&](Description& d) {
     const TextureId weight = add_picture(d, folder, "mask.exr", {0.2f, 0.2f, 0.2f}, {0.9f, 0.9f, 0.9f});
@@ -111,7 +111,7 @@ TEST_CASE("photon mapping: shares of masks and blends that textures say") {
   });
 }
 
-TEST_CASE("photon mapping: normal and bump maps have the path tracer's mean") {
+TEST_CASE("photon mapping: normal and bump maps have the mean of path tracing") {
   const TemporaryFolder folder;
   const auto tilted = [&](const AddMaterial& nested, bool soften) {
     return AddMaterial([&folder, nested, soften](Description& d) {

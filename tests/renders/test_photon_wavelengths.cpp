@@ -64,7 +64,7 @@ std::array<MeanVariance, 3> spectral_path(Description d, int samples) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("spectral photon maps: rough glass that disperses, gathered in every way") {
+TEST_CASE("spectral photon maps: rough dispersive glass agrees with paths for every kind of gathering") {
   Description d = lit_through(Between::kRoughBall, 0);
   const auto path = spectral_path(d, 256);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -84,7 +84,7 @@ TEST_CASE("spectral photon maps: rough glass that disperses, gathered in every w
   check_spectral(spectral_mean_of(d), path, 0.02);
 }
 
-TEST_CASE("spectral photon maps: light that rough glass disperses twice, and nothing else") {
+TEST_CASE("spectral photon maps: light dispersed twice by rough glass agrees with paths") {
   Description d = empty_scene(6, 6);
   look_at(d, {0, 0, 3.2f}, {0, 0, 0}, {0, 1, 0}, 30);
   d.integrator.max_depth = 3;
@@ -99,7 +99,7 @@ TEST_CASE("spectral photon maps: light that rough glass disperses twice, and not
   check_spectral(spectral_mean_of(d), path, 0.03);
 }
 
-TEST_CASE("spectral photon maps: coloured fog that scatters paths and photons") {
+TEST_CASE("spectral photon maps: coloured fog that scatters paths and photons agrees with paths") {
   for (const Between what : {Between::kNothing, Between::kRoughSheet, Between::kSmoothSlab}) {
     CAPTURE(static_cast<int>(what));
     Description d = lit_through(what, 1);
@@ -111,7 +111,7 @@ TEST_CASE("spectral photon maps: coloured fog that scatters paths and photons") 
   }
 }
 
-TEST_CASE("spectral volume photons: points and beams in coloured fog, through glass that disperses") {
+TEST_CASE("spectral volume photons: points and beams in coloured fog seen through dispersive glass agree with paths") {
   for (const Between what : {Between::kNothing, Between::kRoughSheet, Between::kSmoothSlab})
     for (const MediumPhotons kept : {MediumPhotons::kPoints, MediumPhotons::kBeams}) {
       CAPTURE(static_cast<int>(what));
@@ -129,7 +129,9 @@ TEST_CASE("spectral volume photons: points and beams in coloured fog, through gl
 
 TEST_SUITE_END();
 
-TEST_CASE("spectral light sampling: in coloured fog, through rough glass that disperses, as BSDF sampling finds it") {
+TEST_CASE(
+    "spectral light sampling: light sampling through rough dispersive glass in coloured fog agrees with BSDF "
+    "sampling") {
   Description d = lit_through(Between::kRoughSheet, 1);
   d.integrator.max_depth = 3;
   d.integrator.strategy = LightStrategy::kBsdfOnly;
@@ -145,7 +147,7 @@ TEST_CASE("spectral light sampling: in coloured fog, through rough glass that di
   }
 }
 
-TEST_CASE("spectral light tracing: in coloured fog, through rough glass that disperses") {
+TEST_CASE("spectral light tracing: coloured fog and rough dispersive glass agree with paths") {
   Description d = lit_through(Between::kRoughSheet, 1);
   d.integrator.strategy = LightStrategy::kBsdfOnly;
   const auto path = spectral_path(d, 2000);

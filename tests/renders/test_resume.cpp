@@ -88,7 +88,7 @@ bool render_part(const Scene& scene, RenderOptions options, int tasks, const std
 
 }  // namespace
 
-TEST_CASE("a render that goes on from a checkpoint has the same bytes as one without") {
+TEST_CASE("a resumed render has the same bytes as an uninterrupted one") {
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   for (const Case& c : all_cases()) {
@@ -120,7 +120,7 @@ TEST_CASE("a render that goes on from a checkpoint has the same bytes as one wit
   }
 }
 
-TEST_CASE("a render that was interrupted says how many samples it has, and its noise where that is known") {
+TEST_CASE("an interrupted render reports its sample count and its noise where it is known") {
   for (const bool traces_light : {false, true})
     for (const bool adapts : {false, true}) {
       if (traces_light && adapts) continue;
@@ -161,7 +161,7 @@ TEST_CASE("a render that was interrupted says how many samples it has, and its n
     }
 }
 
-TEST_CASE("pauses change nothing") {
+TEST_CASE("pauses do not change the image") {
   const auto scene = compile_scene(small_box(16));
   RenderOptions options;
   const Image whole = render(*scene, options).to_image();
@@ -176,7 +176,7 @@ TEST_CASE("pauses change nothing") {
   CHECK(pauses > 2);
 }
 
-TEST_CASE("a checkpoint keeps what is only told of a render") {
+TEST_CASE("a checkpoint keeps the counters of a render") {
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   const auto scene = compile_scene(small_box(64));
@@ -211,7 +211,7 @@ TEST_CASE("a checkpoint keeps what is only told of a render") {
   CHECK(without > 0);
 }
 
-TEST_CASE("checkpoints of other renders, and damaged ones, are refused with exit code 5") {
+TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
   const TemporaryFolder folder;
   const auto file = folder / "render.checkpoint";
   const auto scene = compile_scene(small_box(8));

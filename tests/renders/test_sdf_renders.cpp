@@ -33,7 +33,7 @@ Description bumpy_ball(bool smooth, int samples) {
 
 }  // namespace
 
-TEST_CASE("sdf grid: pictures of it have Mitsuba's mean") {
+TEST_CASE("sdf grid: images have the mean of Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb, `path` and `volpath`, 4 x 256 to 1024 samples per pixel; standard errors below 7e-5.
   const auto check = [](const Description& d, double expected) {
     const double mean = pixel_means(d)[1].mean();

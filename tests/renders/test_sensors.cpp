@@ -22,7 +22,7 @@ double measured(const Description& d) { return double(render(*compile_scene(d), 
 
 }  // namespace
 
-TEST_CASE("sensors: irradiance") {
+TEST_CASE("sensors: irradiance meters match the closed form") {
   // Under a sky that is the same everywhere, pi times its radiance; half of it where a wall covers half the sky.
   Description d = meter(Projection::kIrradianceMeter, Transform::rotate({1, 2, 0}, 50), 4096);
   add_rectangle(d, d.camera.to_world, add_diffuse(d, 0));
@@ -46,7 +46,7 @@ TEST_CASE("sensors: irradiance") {
   CHECK(image.at(1, 0, 0) > 2.9);
 }
 
-TEST_CASE("sensors: radiance along a ray, and what leaves the scene in a direction") {
+TEST_CASE("sensors: radiance meters and distant sensors match the closed form") {
   const Transform down = Transform::translate({0.2f, 0.1f, 3}) * Transform::rotate({1, 0, 0}, 180);
   for (const Projection projection : {Projection::kRadianceMeter, Projection::kDistant}) {
     Description d = meter(projection, down, 4096);
@@ -67,7 +67,7 @@ TEST_CASE("sensors: radiance along a ray, and what leaves the scene in a directi
   CHECK(measured(d) == doctest::Approx(2.5).epsilon(0.01));
 }
 
-TEST_CASE("sensors: cameras side by side see what each sees alone") {
+TEST_CASE("sensors: a batch shows the image of each camera") {
   Description d = empty_scene(32, 16);
   d.sampler.sample_count = 64;
   d.integrator.max_depth = 2;
@@ -100,7 +100,7 @@ TEST_CASE("sensors: cameras side by side see what each sees alone") {
   CHECK_THROWS_AS(compile_scene(batch), SceneError);
 }
 
-TEST_CASE("sensors: photons show light that goes in single directions, and paths don't") {
+TEST_CASE("sensors: light tracing shows collimated light and path tracing does not") {
   Description d = empty_scene(16, 16);
   d.camera.projection = Projection::kOrthographic;  // [-1, 1]^2 of a floor of 0.5, from above
   look_at(d, {0, 0, 5}, {0, 0, 0}, {0, 1, 0});

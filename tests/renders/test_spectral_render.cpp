@@ -63,7 +63,7 @@ SpectrumDescription equal_energy(float value) { return {SpectrumDescription::Tab
 
 }  // namespace
 
-TEST_CASE("spectral: scenes without colour look as in RGB mode, on the mean of every channel") {
+TEST_CASE("spectral: scenes without colour have the channel means of RGB mode") {
   const Description d = grey_scene();
   constexpr int kBatches = 24;
   MeanVariance of_mode[2][3];
@@ -82,7 +82,7 @@ TEST_CASE("spectral: scenes without colour look as in RGB mode, on the mean of e
   }
 }
 
-TEST_CASE("spectral: a colour under daylight is the colour that it was given as") {
+TEST_CASE("spectral: a colour under daylight is reproduced") {
   // One bounce in a constant environment: the pixel is the reflectance.
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{0.1f, 0.6f, 0.3f}, Vec3f{0.2f, 0.25f, 0.7f}}) {
     Description d = empty_scene(8, 8);
@@ -101,7 +101,7 @@ TEST_CASE("spectral: a colour under daylight is the colour that it was given as"
   }
 }
 
-TEST_CASE("spectral: a white furnace stays white, under D65 and under equal energy") {
+TEST_CASE("spectral: a white furnace stays white under D65 and under equal energy") {
   for (const bool daylight : {true, false}) {
     Description d = empty_scene(16, 16);
     add_sphere(d, {0, 0, 4}, 1, add_diffuse(d, 1));
@@ -118,7 +118,7 @@ TEST_CASE("spectral: a white furnace stays white, under D65 and under equal ener
   }
 }
 
-TEST_CASE("spectral: pictures don't depend on threads and wave size") {
+TEST_CASE("spectral: images do not depend on threads or wave size") {
   Description d = mixed_scene(24, 24);
   DielectricDescription glass;
   glass.int_dispersion = *find_dispersion("sf11");
@@ -169,7 +169,8 @@ double angle_behind_prism(double in, double n) {
 
 }  // namespace
 
-TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier say" * doctest::test_suite("slow")) {
+TEST_CASE("spectral: a prism deviates 450 and 550 and 650 nm by the laws of Snell and Sellmeier" *
+          doctest::test_suite("slow")) {
   const Dispersion& sf11 = *find_dispersion("sf11");
   constexpr int kColumns = 240;
   constexpr float kFov = 24;
@@ -222,7 +223,7 @@ TEST_CASE("spectral: a prism deviates 450, 550 and 650 nm as Snell and Sellmeier
   }
 }
 
-TEST_CASE("spectral: tints are those of RGB mode, from constants and from textures" * doctest::test_suite("slow")) {
+TEST_CASE("spectral: colours of constants and textures match RGB mode" * doctest::test_suite("slow")) {
   // One bounce under a constant light: the mean over the sphere is a weighted mean of the lobes.
   const auto scene = [](const auto& model) {
     Description d = empty_scene(8, 8);
@@ -279,7 +280,7 @@ TEST_CASE("spectral: tints are those of RGB mode, from constants and from textur
   }
 }
 
-TEST_CASE("spectral: bins of the spectrum integrate to the picture, whatever the threads") {
+TEST_CASE("spectral: spectral bins add up to the image for any number of threads") {
   Description d = mixed_scene(12, 12);
   DielectricDescription glass;
   glass.int_dispersion = *find_dispersion("sf11");

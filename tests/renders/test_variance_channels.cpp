@@ -57,7 +57,7 @@ MeanVariance differences(const Scene& scene, std::uint32_t samples, int channel,
 
 }  // namespace
 
-TEST_CASE("variance channels: what few samples tell is the spread of their mean over many seeds") {
+TEST_CASE("variance channels: the estimate of few samples matches the spread of their mean over seeds") {
   constexpr int kTests = 3 * 3;
   PixelFilter with_lobes;
   with_lobes.kind = PixelFilter::Kind::kMitchell;
@@ -87,7 +87,7 @@ TEST_CASE("variance channels: what few samples tell is the spread of their mean 
   }
 }
 
-TEST_CASE("variance channels: replicates tell the spread of any sampler's mean, under any filter") {
+TEST_CASE("variance channels: replicates give the variance of any sampler under any filter") {
   struct Variant {
     const char* name;
     SamplerKind sampler;
@@ -114,7 +114,7 @@ TEST_CASE("variance channels: replicates tell the spread of any sampler's mean, 
   }
 }
 
-TEST_CASE("variance channels: there are none where nothing tells them") {
+TEST_CASE("variance channels: correlated samples without replicates have no variance channels") {
   Description d = noisy_scene();
   RenderOptions options;
   options.samples_per_pixel = 4;

@@ -54,7 +54,7 @@ void check_half(const Description& d) { check_mean(pixel_means(d)[1], 0.5, 1e-4,
 
 }  // namespace
 
-TEST_CASE("visibility: ao by its name in Mitsuba's and pbrt's files and on the command line is half beside a wall") {
+TEST_CASE("ambient occlusion: a point beside a wall is half occluded in every dialect and on the command line") {
   check_half(read(with(kMitsuba, "<integrator type='ao'/>"), "scene.xml"));
   check_half(read(with(kPbrt, "Integrator \"ambientocclusion\""), "scene.pbrt"));
   check_half(read(with(kPbrt, "Integrator \"ao\""), "scene.pbrt"));
@@ -68,7 +68,7 @@ TEST_CASE("visibility: ao by its name in Mitsuba's and pbrt's files and on the c
   }
 }
 
-TEST_CASE("visibility: av by its name everywhere, with a reach or without") {
+TEST_CASE("average visibility: images match with and without a length in every dialect") {
   // Of the directions around the floor's normal half meet the wall, however far they may go.
   check_half(read(with(kMitsuba, "<integrator type='av'/>"), "scene.xml"));
   Description d = read(with(kMitsuba, "<integrator type='path'/>"), "scene.xml");

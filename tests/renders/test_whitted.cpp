@@ -25,7 +25,7 @@ double mean_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("whitted: light of a floor in a mirror, but none that the floor got from the mirror or from another floor") {
+TEST_CASE("whitted: mirrors show directly lit floors but floors show no indirect light") {
   const auto scene = [](const char* integrator) {
     return mitsuba_scene(R"(
       <shape type="rectangle"><transform name="to_world"><scale value="9"/><rotate y="1" angle="180"/></transform>
@@ -46,7 +46,7 @@ TEST_CASE("whitted: light of a floor in a mirror, but none that the floor got fr
   CHECK(mean_of(scene("path")) > 1.05 * expected);
 }
 
-TEST_CASE("ao: a point beside a wall without an end sees half of the sky, whatever all is made of") {
+TEST_CASE("ambient occlusion: a point beside an infinite wall sees half of the sky for every material") {
   const std::string text = R"(<scene><integrator type="ao"/><sampler type="independent">
       <integer name="sampleCount" value="64"/></sampler>
     <camera type="perspective"><float name="fov" value="0.01"/><transform name="toWorld">
@@ -60,7 +60,7 @@ TEST_CASE("ao: a point beside a wall without an end sees half of the sky, whatev
   CHECK(std::abs(mean_of(text) - 0.5) < 0.016);
 }
 
-TEST_CASE("av: a floor below a ceiling sees what is further than the length, and nothing is in the way of the rest") {
+TEST_CASE("average visibility: a floor below a ceiling sees hits beyond the length and misses") {
   const auto scene = [](const char* target, const char* length) {
     return R"(<scene><integrator type="av"><float name="length" value=")" + std::string(length) + R"("/></integrator>
     <sampler type="independent"><integer name="sampleCount" value="64"/></sampler>

@@ -37,8 +37,7 @@ struct Triangles {
 
 }  // namespace
 
-TEST_CASE(
-    "box waste: half of a box of axis-aligned flat triangles is wasted and more of slanted ones") {
+TEST_CASE("box waste: half of a box of axis-aligned flat triangles is wasted and more of slanted ones") {
   // Two halves of a square: its box counts twice, both halves together once.
   Triangles square;
   square.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

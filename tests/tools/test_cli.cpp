@@ -12,7 +12,7 @@ namespace sheaf::test_cli {
 
 using test::kScene;
 
-TEST_CASE("version and help") {
+TEST_CASE("version and help are printed") {
   const TemporaryFolder folder;
   const Outcome version = run(folder, "--version");
   CHECK(version.code == 0);
@@ -32,7 +32,7 @@ TEST_CASE("version and help") {
   CHECK(run(folder, "--help").code == 0);
 }
 
-TEST_CASE("wrong usage is exit code 2") {
+TEST_CASE("wrong usage has exit code 2") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   for (const char* arguments :
@@ -49,7 +49,7 @@ TEST_CASE("wrong usage is exit code 2") {
   CHECK(folder.entry_count() == 1);
 }
 
-TEST_CASE("what is not known is told with what may have been meant") {
+TEST_CASE("unknown names are errors that suggest the nearest") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   for (const auto& [arguments, message] :
@@ -69,7 +69,7 @@ TEST_CASE("what is not known is told with what may have been meant") {
   }
 }
 
-TEST_CASE("a scene without lights is told of") {
+TEST_CASE("a scene without lights gives a warning") {
   const TemporaryFolder folder;
   write_bytes(folder / "dark.xml", R"(<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
     <integer name="width" value="4"/><integer name="height" value="4"/></film></sensor><shape type="sphere"/></scene>)");
@@ -77,7 +77,7 @@ TEST_CASE("a scene without lights is told of") {
   CHECK_FALSE(contains(run(folder, "render dark.xml --integrator normals -o out.exr").err, "no lights"));
 }
 
-TEST_CASE("spectral mode is rendered, and the picture says so") {
+TEST_CASE("spectral mode is rendered and recorded in the image") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   REQUIRE(run(folder, "render scene.xml --color spectral -o out.exr --quiet").code == 0);
@@ -87,7 +87,7 @@ TEST_CASE("spectral mode is rendered, and the picture says so") {
   CHECK(color == "spectral");
 }
 
-TEST_CASE("scenes of pbrt are rendered spectrally, with a note, unless --color rgb is given") {
+TEST_CASE("scenes of pbrt are rendered spectrally with a note unless --color rgb is given") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   // A red that is far from grey: twice reflected it differs between the modes.
@@ -151,13 +151,13 @@ TEST_CASE("spectral bins are written as layers of the published layout") {
   }
 }
 
-TEST_CASE("misspelt integrators get their message") {
+TEST_CASE("unknown integrators have their own message") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   CHECK(contains(run(folder, "render scene.xml --integrator pathh").err, "did you mean 'path'?"));
 }
 
-TEST_CASE("missing and broken scenes are exit code 3, with file and line") {
+TEST_CASE("missing and malformed scenes have exit code 3 with file and line") {
   const TemporaryFolder folder;
   CHECK(run(folder, "render nowhere.xml").code == 3);
   CHECK(run(folder, "info nowhere.xml").code == 3);
@@ -174,14 +174,14 @@ TEST_CASE("missing and broken scenes are exit code 3, with file and line") {
   CHECK(contains(escaped.err, "?[2J.xml"));
 }
 
-TEST_CASE("an output that cannot be written is exit code 4, before the scene is read") {
+TEST_CASE("an output that cannot be written has exit code 4 before the scene is read") {
   const TemporaryFolder folder;
   CHECK(run(folder, "render nowhere.xml -o no/folder/out.exr").code == 4);
   CHECK(run(folder, "render nowhere.xml -o out.exr --stats no/folder/stats.json").code == 4);
   CHECK(folder.entry_count() == 0);
 }
 
-TEST_CASE("a picture that finds no room is exit code 4, leaves the old file, and the next is written all the same") {
+TEST_CASE("a full disk has exit code 4 and the old file is kept and other outputs are written") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const std::string full = "ulimit -f 2 && ";  // 1 kB
@@ -203,7 +203,7 @@ TEST_CASE("a picture that finds no room is exit code 4, leaves the old file, and
   CHECK(folder.entry_count() == 6);
 }
 
-TEST_CASE("nothing that is written may replace what the scene is made of, or what else is written") {
+TEST_CASE("outputs never overwrite each other or an input") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "assets");
   std::filesystem::create_directory_symlink("assets", folder / "alias");
@@ -262,7 +262,7 @@ TEST_CASE("nothing that is written may replace what the scene is made of, or wha
   CHECK(run(folder, common + "-o out.exr -o b.png --stats b.json").code == 0);
 }
 
-TEST_CASE("media beyond the range of floats are errors with file and line") {
+TEST_CASE("media beyond the float range are errors with file and line") {
   const TemporaryFolder folder;
   write_vol(folder / "far.vol", 2, 1, [](Vec3f p, int) { return p.x < 0.5f ? 3e38f : 0.0f; });
   const std::string medium = R"(<shape type="cube"><bsdf type="null"/>
@@ -284,7 +284,7 @@ TEST_CASE("media beyond the range of floats are errors with file and line") {
   }
 }
 
-TEST_CASE("one render writes several pictures and the statistics") {
+TEST_CASE("one render writes several images and the statistics") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const Outcome outcome = run(folder, "render scene.xml -o a.exr -o b.png --spp 4 --seed 7 --stats s.json");
@@ -338,7 +338,7 @@ TEST_CASE("one render writes several pictures and the statistics") {
   CHECK(contains(stats, "\"seed\": 7"));
 }
 
-TEST_CASE("--sampler overrides the scene's sampler, and grids round the samples up") {
+TEST_CASE("--sampler overrides the sampler of the scene and grids round up the sample count") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const Outcome rounded = run(folder, "render scene.xml -o a.exr --spp 5 --sampler stratified");
@@ -355,7 +355,7 @@ TEST_CASE("--sampler overrides the scene's sampler, and grids round the samples 
   CHECK(contains(unknown.err, "unknown sampler 'sobl', did you mean 'sobol'?"));
 }
 
-TEST_CASE("A scene's independent sampler becomes sobol, unless it is asked for; zsobol rounds up to powers of two") {
+TEST_CASE("the independent sampler of a scene becomes sobol unless requested and zsobol rounds up to powers of two") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const std::string note = "sampler 'independent' is rendered with 'sobol'";
@@ -377,7 +377,7 @@ TEST_CASE("A scene's independent sampler becomes sobol, unless it is asked for; 
                  "sampler 'zsobol': 3 samples per pixel become 4, a power of two"));
 }
 
-TEST_CASE("without a name the picture is called after the scene, in the current folder") {
+TEST_CASE("an image without a name is named after the scene and written to the current folder") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "scenes");
   write_bytes(folder / "scenes/ball.xml", kScene);
@@ -387,7 +387,7 @@ TEST_CASE("without a name the picture is called after the scene, in the current 
   CHECK(is_exr(folder / "ball.exr"));
 }
 
-TEST_CASE("definitions, crops and equal bytes") {
+TEST_CASE("definitions and crops are applied and repeated renders have equal bytes") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const std::string common = "render scene.xml --quiet --no-timestamps -D size=32 ";
@@ -430,7 +430,7 @@ TEST_CASE("compare fails by each of its thresholds") {
   CHECK(contains(run(folder, "compare a.exr b.exr").out, "0.000 %"));
 }
 
-TEST_CASE("what files are called and hold cannot command the terminal") {
+TEST_CASE("escape sequences in file names and contents do not reach the terminal") {
   const TemporaryFolder folder;
   Image image(2, 2, {"R\x1b[31m"});
   ExrMetadata metadata;
@@ -446,7 +446,7 @@ TEST_CASE("what files are called and hold cannot command the terminal") {
   CHECK(refused.err.find('\x1b') == std::string::npos);
 }
 
-TEST_CASE("info says what a scene holds") {
+TEST_CASE("info lists the contents of a scene") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const Outcome outcome = run(folder, "info scene.xml");
@@ -474,7 +474,7 @@ TEST_CASE("--size and --scale override the film") {
   }
 }
 
-TEST_CASE("a model is rendered without a scene") {
+TEST_CASE("a model file is rendered without a scene") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   write_bytes(folder / "model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -490,7 +490,7 @@ TEST_CASE("a model is rendered without a scene") {
   CHECK(contains(scene.err, "are for models"));
 }
 
-TEST_CASE("--lenient renders what strict reading refuses, warns of each thing and sums up") {
+TEST_CASE("--lenient renders invalid scenes with a warning for each problem and a summary") {
   const TemporaryFolder folder;
   std::string text = kScene;
   text.insert(text.find("<shape"), "<mode type=\"final\"/><shape type=\"torus\"/>");

@@ -9,7 +9,7 @@ namespace sheaf::test_cli_denoise {
 
 using test::kScene;
 
-TEST_CASE("a render ends at the noise asked for, or when the time is up") {
+TEST_CASE("a render stops at the noise target or at the time limit") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const Outcome clean = run(folder, "render scene.xml --noise-target 0.5 -o a.exr --stats a.json --no-timestamps");
@@ -29,7 +29,7 @@ TEST_CASE("a render ends at the noise asked for, or when the time is up") {
   }
 }
 
-TEST_CASE("a picture is denoised while it is rendered and afterwards") {
+TEST_CASE("an image is denoised while it is rendered or afterwards") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const Outcome rendered = run(folder, "render scene.xml --denoise nlm -o a.exr -o a.png --no-timestamps");
@@ -56,7 +56,7 @@ TEST_CASE("a picture is denoised while it is rendered and afterwards") {
   CHECK(now.world_to_camera->m == before.world_to_camera->m);
 }
 
-TEST_CASE("with --denoise nlm the picture itself is what it is without") {
+TEST_CASE("--denoise nlm leaves the image itself unchanged") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   CHECK(run(folder, "render scene.xml --replicates 4 -o plain.exr").code == 0);
@@ -68,7 +68,7 @@ TEST_CASE("with --denoise nlm the picture itself is what it is without") {
         CHECK(denoised.at(x, y, denoised.find_channel(name)) == plain.at(x, y, plain.find_channel(name)));
 }
 
-TEST_CASE("what cannot be denoised, and why") {
+TEST_CASE("images that cannot be denoised are errors with the reason") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   CHECK(run(folder, "render scene.xml --sampler sobol --spp 4 -o bare.exr").code == 0);

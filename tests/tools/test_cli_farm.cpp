@@ -63,7 +63,7 @@ constexpr const char* kQuotedScene = "\"a scene's \\$frame;\\`x\\`.xml\"";
 
 }  // namespace
 
-TEST_CASE("farm: frames are rendered part by part and joined, whatever files are called") {
+TEST_CASE("farm: frames are rendered in parts and merged whatever the file names") {
   const FarmFolder farm;
   const std::string scene = kQuotedScene, options = "--spp 60 --no-timestamps --float";
   struct Cut {
@@ -102,7 +102,7 @@ TEST_CASE("farm: frames are rendered part by part and joined, whatever files are
   CHECK(!std::filesystem::exists(farm.here / "gone"));
 }
 
-TEST_CASE("farm: tiles of one picture are the bytes of the whole") {
+TEST_CASE("farm: merged tiles have the bytes of the whole") {
   const FarmFolder farm;
   const std::string scene = kQuotedScene;
   const Outcome made =
@@ -113,7 +113,7 @@ TEST_CASE("farm: tiles of one picture are the bytes of the whole") {
   CHECK(read_bytes(farm.here / "joined.exr") == read_bytes(farm.here / "whole.exr"));
 }
 
-TEST_CASE("farm: how samples are cut") {
+TEST_CASE("farm: samples are split into ranges") {
   const FarmFolder farm;
   const std::string scene = kQuotedScene;
   const auto script = [&](const std::string& options) {
@@ -148,7 +148,7 @@ TEST_CASE("farm: how samples are cut") {
   CHECK(contains(read_bytes(farm.here / "jobs/merge.sh"), "options=('--crop' '1,2,10,12')"));
 }
 
-TEST_CASE("farm: what cannot be is a usage error, and nothing is written") {
+TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   const FarmFolder farm;
   const std::string scene = kQuotedScene;
   const auto error = [&](const std::string& options, int code = 2) {

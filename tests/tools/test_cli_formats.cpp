@@ -89,7 +89,7 @@ struct Workplace {
 
 }  // namespace
 
-TEST_CASE("formats: messages name the format of foreign files, what is read, and how to convert") {
+TEST_CASE("formats: foreign files are errors that name the format and how to convert it") {
   const Workplace place;
   for (const Foreign& foreign : foreign_files()) {
     const std::string file = foreign.name, told = std::string(": is ") + foreign.told + ", ";
@@ -106,7 +106,7 @@ TEST_CASE("formats: messages name the format of foreign files, what is read, and
   }
 }
 
-TEST_CASE("formats: pictures are no scenes, and pictures without layers are neither denoised nor merged") {
+TEST_CASE("formats: images are rejected as scenes and images without layers are not denoised or merged") {
   const Workplace place;
   for (const char* const file : {"picture.png", "picture.exr"})
     for (const Reader& reader : kSceneReaders)
@@ -122,7 +122,7 @@ TEST_CASE("formats: pictures are no scenes, and pictures without layers are neit
                         "this is not an OpenEXR file, expected an OpenEXR picture");
 }
 
-TEST_CASE("formats: empty and broken files") {
+TEST_CASE("formats: empty and malformed files are errors") {
   const Workplace place;
   for (const char* const file : {"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized", "e.exr", "e.png", "e.glb", "e"}) {
     CAPTURE(std::string(file));

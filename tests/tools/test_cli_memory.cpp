@@ -57,7 +57,7 @@ double expected_over_real(const TemporaryFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("memory: info expects what a render of a large environment map takes") {
+TEST_CASE("memory: info predicts the memory of a large environment map") {
   const TemporaryFolder folder;
   constexpr int kWidth = 4096, kHeight = 2048;
   write_map(folder / "sky.exr", kWidth, kHeight);
@@ -76,7 +76,7 @@ TEST_CASE("memory: info expects what a render of a large environment map takes")
   CHECK(with - without < 1.4 * 16 * kWidth * kHeight);
 }
 
-TEST_CASE("memory: info expects what a render of a large film takes") {
+TEST_CASE("memory: info predicts the memory of a large film") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", scene(2400, 1600));
   const double ratio = expected_over_real(folder);
@@ -84,7 +84,7 @@ TEST_CASE("memory: info expects what a render of a large film takes") {
   CHECK(ratio < 1.2);
 }
 
-TEST_CASE("memory: info says where grids lie") {
+TEST_CASE("memory: info lists the memory of grids") {
   const TemporaryFolder folder;
   const auto word = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
   std::string vol = "VOL\x03";
@@ -108,7 +108,7 @@ TEST_CASE("memory: info says where grids lie") {
   CHECK_FALSE(contains(info, "environment "));
 }
 
-TEST_CASE("memory: what does not fit is exit code 1, says for what, and leaves nothing behind") {
+TEST_CASE("memory: renders beyond the available memory have exit code 1 and leave no files") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", scene(24, 16));
   const std::string whole = "render scene.xml --quiet -o out.exr --size 46000x46000";
@@ -138,7 +138,7 @@ TEST_CASE("memory: what does not fit is exit code 1, says for what, and leaves n
   CHECK(folder.entry_count() == 1);
 }
 
-TEST_CASE("memory: with a limit of addresses, what does not fit is told") {
+TEST_CASE("memory: an address space limit is reported when memory runs out") {
   rlimit limit{};
   getrlimit(RLIMIT_AS, &limit);
   const TemporaryFolder folder;

@@ -70,7 +70,7 @@ const std::string kAll = "--aov all --light-groups --replicates 8 --float ";
 
 }  // namespace
 
-TEST_CASE("tiles are joined to the bytes of the whole") {
+TEST_CASE("merged tiles have the bytes of the whole") {
   const Scene scene;
   for (const std::string options :
        {"--replicates 4 --aov all --light-groups", "--spp 5", "--float --spp 8 -D filter=box"}) {
@@ -89,7 +89,7 @@ TEST_CASE("tiles are joined to the bytes of the whole") {
   }
 }
 
-TEST_CASE("ranges of samples are joined to the whole but for rounding, and mixed with tiles") {
+TEST_CASE("merged sample ranges equal the whole except for rounding and may be mixed with tiles") {
   const std::string few = R"(<integer name="globalPhotons" value="4000"/><integer name="causticPhotons" value="0"/>)"
                           R"(<integer name="volumePhotons" value="0"/></integrator>)";
   const std::pair<std::string, std::string> variants[] = {
@@ -127,7 +127,7 @@ TEST_CASE("ranges of samples are joined to the whole but for rounding, and mixed
   }
 }
 
-TEST_CASE("of one set, or of samples that are independent, any range may be taken") {
+TEST_CASE("replicates and independent samples may be split at any sample") {
   const Scene scene;
   for (const std::string options : {"--spp 31 --replicates 1", "--sampler independent -D filter=box --spp 31"}) {
     scene.render("whole.exr", options);
@@ -139,7 +139,7 @@ TEST_CASE("of one set, or of samples that are independent, any range may be take
   }
 }
 
-TEST_CASE("samples that cannot be rendered alone are usage errors that say why") {
+TEST_CASE("samples that cannot be split are usage errors with the reason") {
   const Scene scene;
   const auto error = [&](const std::string& options) {
     const Outcome outcome = run(scene.folder, "render scene.xml --quiet -o no.exr " + options);
@@ -163,7 +163,7 @@ TEST_CASE("samples that cannot be rendered alone are usage errors that say why")
   CHECK(contains(other.err, "--samples is '8:8' now, and was '0:8' then"));
 }
 
-TEST_CASE("parts that do not belong together are refused, and which is said") {
+TEST_CASE("mismatched parts are rejected by name") {
   const Scene scene;
   const std::string common = "--spp 16 --replicates 4 ";
   scene.render("a.exr", common + "--samples 0:8");
@@ -202,7 +202,7 @@ TEST_CASE("parts that do not belong together are refused, and which is said") {
   CHECK(run(scene.folder, "merge a.exr b.exr -o none/c.exr").code == 4);
 }
 
-TEST_CASE("what is missing is refused unless it may be, and then the header says so") {
+TEST_CASE("missing parts are rejected unless allowed and then recorded in the header") {
   const Scene scene;
   const std::string common = "--spp 16 --replicates 4 ";
   scene.render("a.exr", common + "--samples 0:8");
@@ -235,7 +235,7 @@ TEST_CASE("what is missing is refused unless it may be, and then the header says
   CHECK(contains(note("cut_whole.exr"), "interrupted"));
 }
 
-TEST_CASE("what parts have dropped is added up") {
+TEST_CASE("dropped samples of all parts are added up") {
   const Scene scene;
   const char* const names[] = {"sheaf/droppedRays", "sheaf/droppedSamples"};
   const std::vector<std::string> crops = {"0,0,9,18", "9,0,20,18", "20,0,27,18"};
@@ -256,7 +256,7 @@ TEST_CASE("what parts have dropped is added up") {
       if (attribute.name == names[k]) CHECK(std::get<std::string>(attribute.value) == (k == 0 ? "21" : "21000"));
 }
 
-TEST_CASE("parts whose files are damaged or lie are errors") {
+TEST_CASE("damaged and inconsistent parts are errors") {
   const Scene scene;
   scene.render("a.exr", "--spp 16 --replicates 4 --samples 0:8 --aov all");
   scene.render("b.exr", "--spp 16 --replicates 4 --samples 8:8 --aov all");

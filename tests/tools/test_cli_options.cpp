@@ -46,7 +46,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 }  // namespace
 
-TEST_CASE("options: whole numbers may be written as others, fractions of them are refused") {
+TEST_CASE("options: integers may be written as floats of integral value") {
   const Workplace place;
   for (const char* const spp : {"16", "16.0", "1.6e1", "016"}) {
     CAPTURE(std::string(spp));
@@ -73,7 +73,7 @@ TEST_CASE("options: whole numbers may be written as others, fractions of them ar
   }
 }
 
-TEST_CASE("options: times with units, shares in per cent") {
+TEST_CASE("options: times have units and shares may be percentages") {
   const Workplace place;
   REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --noise-target 40%").code == 0);
   CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
@@ -96,7 +96,7 @@ TEST_CASE("options: times with units, shares in per cent") {
   }
 }
 
-TEST_CASE("options: frames beyond all bounds are refused, not rendered as something else") {
+TEST_CASE("options: frames beyond the limits are rejected") {
   const Workplace place;
   for (const auto& [options, message] :
        {std::pair{"--scale 119304648", "--scale 1.19305e+08 makes a frame of 2.86331e+09 x 1.90887e+09 pixels"},
@@ -132,7 +132,7 @@ TEST_CASE("options: frames beyond all bounds are refused, not rendered as someth
   CHECK_FALSE(contains(script, ",-"));
 }
 
-TEST_CASE("options: every message is a line that begins with the program's name") {
+TEST_CASE("options: every message is one line that begins with the program name") {
   const Workplace place;
   for (const char* const arguments :
        {"", "paint", "--quiet", "--quiet render", "render", "render scene.xml --no-such-option",
@@ -148,7 +148,7 @@ TEST_CASE("options: every message is a line that begins with the program's name"
   }
 }
 
-TEST_CASE("options: messages say where a misplaced option belongs, and suggest only similar names") {
+TEST_CASE("options: misplaced options name their command and only similar names are suggested") {
   const Workplace place;
   for (const char* const arguments : {"--quiet render scene.xml", "--quiet", "--quiet=1 render"}) {
     CAPTURE(std::string(arguments));
@@ -168,7 +168,7 @@ TEST_CASE("options: messages say where a misplaced option belongs, and suggest o
   CHECK(contains(place.render("--sedd 1").err, "did you mean '--seed'?"));
 }
 
-TEST_CASE("options: integrators and samplers that others stand in for are noted") {
+TEST_CASE("options: replaced integrators and samplers are noted") {
   const Workplace place;
   for (const auto& [options, note] :
        {std::pair{"--integrator bdpt", "integrator 'bdpt' is rendered with 'path', which has the same expectation"},
@@ -186,7 +186,7 @@ TEST_CASE("options: integrators and samplers that others stand in for are noted"
   CHECK_FALSE(contains(place.render("--integrator path_mats --sampler sobol").err, "is rendered with"));
 }
 
-TEST_CASE("options: layers that no output would hold are refused") {
+TEST_CASE("options: layers that no output can hold are rejected") {
   const Workplace place;
   for (const char* const options : {"--aov depth", "--light-groups", "--color spectral --spectral-bins 4"}) {
     CAPTURE(std::string(options));
@@ -199,7 +199,7 @@ TEST_CASE("options: layers that no output would hold are refused") {
   }
 }
 
-TEST_CASE("options: a standard output that cannot be written is exit code 4") {
+TEST_CASE("options: an unwritable standard output has exit code 4") {
   const Workplace place;
   REQUIRE(place.render("--quiet").code == 0);
   for (const char* const arguments :
@@ -223,7 +223,7 @@ TEST_CASE("options: a standard output that cannot be written is exit code 4") {
   CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "out.exr"));
 }
 
-TEST_CASE("options: a render goes on from its checkpoint with the options that it was begun with, and no others") {
+TEST_CASE("options: a render resumes from its checkpoint only with its original options") {
   const Workplace place;
   write_bytes(place.folder / "other.exr", "");
   const std::string common = "render scene.xml --spp 4 --quiet ";

@@ -122,7 +122,7 @@ void check_refused(const Workplace& place, const Written& written, const Outcome
 
 }  // namespace
 
-TEST_CASE("outputs: nothing but core/output_file opens files to write to them") {
+TEST_CASE("outputs: only core/output_file opens files for writing") {
   const std::regex opens("std::ofstream|\\bfopen\\(|O_WRONLY|O_RDWR|O_CREAT|\\bcreat\\(");
   int files = 0;
   for (const char* layer : {"core", "scene", "kernels", "tools"})
@@ -136,7 +136,7 @@ TEST_CASE("outputs: nothing but core/output_file opens files to write to them") 
   CHECK(files > 300);
 }
 
-TEST_CASE("outputs: a folder that is not there") {
+TEST_CASE("outputs: a missing folder is an error") {
   Workplace place;
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
@@ -150,7 +150,7 @@ TEST_CASE("outputs: a folder that is not there") {
   }
 }
 
-TEST_CASE("outputs: a folder that must not be written to") {
+TEST_CASE("outputs: a read-only folder is an error") {
   const auto nobody = as_nobody();
   if (!nobody) return;
   Workplace place;
@@ -167,7 +167,7 @@ TEST_CASE("outputs: a folder that must not be written to") {
   place.prepare(kWritten[0], false);
 }
 
-TEST_CASE("outputs: a file that must not be written to, also by way of a link") {
+TEST_CASE("outputs: a read-only file is an error even through a link") {
   const auto nobody = as_nobody();
   if (!nobody) return;
   Workplace place;
@@ -186,7 +186,7 @@ TEST_CASE("outputs: a file that must not be written to, also by way of a link") 
   }
 }
 
-TEST_CASE("outputs: links are followed, wherever they lead") {
+TEST_CASE("outputs: links are followed") {
   Workplace place;
   const fs::path far = fs::path("/dev/shm") / ("sheaf_test_" + std::to_string(getpid()));
   const bool has_far = fs::is_directory("/dev/shm") && access("/dev/shm", W_OK) == 0;
@@ -235,7 +235,7 @@ TEST_CASE("outputs: links are followed, wherever they lead") {
   }
 }
 
-TEST_CASE("outputs: a disk that is full") {
+TEST_CASE("outputs: a full disk is an error") {
   Workplace place;
   // One page, which the old file takes.
   write_bytes(place.folder / "full.sh", R"sh(set -e
@@ -274,7 +274,7 @@ exit $rc
   }
 }
 
-TEST_CASE("outputs: what else there is to write is written, and what is shown on the way says what is wrong") {
+TEST_CASE("outputs: other outputs are written after a failure and previews report it") {
   Workplace place;
   place.prepare(kWritten[0], false);
   const std::string small = "ulimit -f 2 && ";

@@ -37,7 +37,7 @@ std::filesystem::path module_file() { return std::filesystem::path(SHEAF_EXECUTA
 
 }  // namespace
 
-TEST_CASE("pictures: the program starts without the libraries of picture formats") {
+TEST_CASE("images: the program starts without the image format libraries") {
   const TemporaryFolder folder;
   // What the dynamic linker would load: it prints that in place of running the program.
   const Outcome listed = run(folder, "--version", "LD_TRACE_LOADED_OBJECTS=1 ");
@@ -45,7 +45,7 @@ TEST_CASE("pictures: the program starts without the libraries of picture formats
   CHECK_FALSE(contains(listed.out, "OpenImageIO"));
 }
 
-TEST_CASE("pictures: without their library OpenEXR is written all the same, and PNG refused before rendering") {
+TEST_CASE("images: OpenEXR is written without the image library and PNG is rejected before rendering") {
   const TemporaryFolder folder;
   const Copied alone(folder, "alone/sheaf");
   write_bytes(folder / "scene.xml", kScene);
@@ -60,7 +60,7 @@ TEST_CASE("pictures: without their library OpenEXR is written all the same, and 
   CHECK(alone.run("denoise out.exr -o out.png").code == 1);
 }
 
-TEST_CASE("pictures: their library is found beside the program, and in lib/sheaf where it is installed") {
+TEST_CASE("images: the image library is found beside the program and in lib/sheaf of an installation") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   std::filesystem::create_directories(folder / "usr/lib/sheaf");
@@ -73,7 +73,7 @@ TEST_CASE("pictures: their library is found beside the program, and in lib/sheaf
   CHECK(a.width == 8);
   CHECK(a.data == b.data);
 
-  SUBCASE("what is no library is told, with its name") {
+  SUBCASE("a file that is not a library is an error with its name") {
     write_bytes(folder / ("here/" + kModule), "no library");
     const Outcome outcome = beside.run("render scene.xml --quiet -o third.png");
     CHECK(outcome.code == 1);

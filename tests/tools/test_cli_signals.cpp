@@ -50,7 +50,7 @@ void check_marked(const TemporaryFolder& folder, const std::string& file, const 
 
 }  // namespace
 
-TEST_CASE("an interrupted render writes what there is and says so") {
+TEST_CASE("an interrupted render writes its image and reports the interruption") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}, std::pair{"HUP", 129}}) {
@@ -70,7 +70,7 @@ TEST_CASE("an interrupted render writes what there is and says so") {
   }
 }
 
-TEST_CASE("an interrupted picture says so in every file, and to those who read it") {
+TEST_CASE("an interrupted image is marked in every file and reported by its readers") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   // Stopped once there is a checkpoint, in the course of the second of four sets or later; the rest takes hours.
@@ -120,7 +120,7 @@ TEST_CASE("an interrupted picture says so in every file, and to those who read i
   CHECK_FALSE(contains(run(folder, "info c.exr").out, "interrupted"));
 }
 
-TEST_CASE("a second signal ends a render that does not come to a stop") {
+TEST_CASE("a second signal ends a render that does not stop") {
   const TemporaryFolder folder;
   // Paths in a closed white ball, without roulette, are as long as paths can be.
   write_bytes(folder / "scene.xml", R"(<scene version="3.0.0">
@@ -143,7 +143,7 @@ TEST_CASE("a second signal ends a render that does not come to a stop") {
   }
 }
 
-TEST_CASE("a render that was killed or interrupted goes on from its checkpoint, to the same bytes") {
+TEST_CASE("a killed or interrupted render resumes from its checkpoint to the same bits") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   const std::string render = SHEAF_EXECUTABLE " render scene.xml -D size=64 --spp 3000 --quiet --no-timestamps ";
@@ -178,7 +178,7 @@ TEST_CASE("a render that was killed or interrupted goes on from its checkpoint, 
   CHECK(run_script(part + "\n") == 5);
 }
 
-TEST_CASE("SIGUSR1 shows what there is, and the render goes on") {
+TEST_CASE("SIGUSR1 writes the current image and the render continues") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   write_bytes(folder / "go.sh",

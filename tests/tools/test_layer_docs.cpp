@@ -8,7 +8,7 @@
 
 namespace sheaf::test_layer_docs {
 
-TEST_CASE("docs/layers.md lists every layer with its channels and how they are stored") {
+TEST_CASE("docs/layers.md lists every layer with its channels and types") {
   std::ifstream file(SHEAF_SOURCE_DIR "/docs/layers.md");
   REQUIRE(file);
   const std::string text{std::istreambuf_iterator<char>(file), {}};

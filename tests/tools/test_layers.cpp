@@ -140,13 +140,13 @@ std::vector<Include> read_includes(const fs::path& root) {
 
 }  // namespace
 
-TEST_CASE("every include of the repository keeps to the layers") {
+TEST_CASE("every include respects the layers") {
   const auto includes = read_includes(SHEAF_SOURCE_DIR);
   REQUIRE(includes.size() > 10);
   for (const std::string& breach : find_breaches(includes)) FAIL_CHECK(breach);
 }
 
-TEST_CASE("an include line is recognised however it is spaced") {
+TEST_CASE("include lines are recognised with any spacing") {
   CHECK(included_header("#include \"core/vec.h\"") == "core/vec.h");
   CHECK(included_header("  #  include <xsimd/xsimd.hpp>  // why") == "xsimd/xsimd.hpp");
   CHECK_FALSE(included_header("// #include <vector>").has_value());
@@ -154,7 +154,7 @@ TEST_CASE("an include line is recognised however it is spaced") {
   CHECK_FALSE(included_header("").has_value());
 }
 
-TEST_CASE("breaches of the layers are found") {
+TEST_CASE("includes against the layers are found") {
   CHECK(find_breaches({{"core/vec.h", "core/lanes.h"}, {"tools/sheaf.cpp", "kernels/wave/wave.h"}}).empty());
   CHECK(find_breaches({{"core/vec.h", "scene/tables/scene.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/tables/scene.h", "kernels/wave/wave.h"}}).size() == 1);
@@ -163,7 +163,7 @@ TEST_CASE("breaches of the layers are found") {
   CHECK(find_breaches({{"kernels/passes/run_pass.cpp", "../wave.h"}}).size() == 1);
 }
 
-TEST_CASE("breaches of the folders of scene/ are found") {
+TEST_CASE("includes against the folders of scene/ are found") {
   CHECK(find_breaches({{"scene/xml/xml.h", "scene/description/description.h"},
                        {"scene/xml/xml.h", "scene/xml/xml_values.h"},
                        {"scene/compile/compile.cpp", "scene/tables/scene.h"},
@@ -179,7 +179,7 @@ TEST_CASE("breaches of the folders of scene/ are found") {
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "scene/description/description.h"}}).size() == 1);
 }
 
-TEST_CASE("a library included past its wrapper is found") {
+TEST_CASE("includes of a library beside its wrapper are found") {
   CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/accel.cpp", "embree3/rtcore.h"}}).empty());
   CHECK(find_breaches({{"core/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/intersect.cpp", "embree4/rtcore.h"}}).size() == 1);

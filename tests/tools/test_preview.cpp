@@ -122,7 +122,7 @@ nlohmann::json wait_for_picture(int port, int number) {
 
 }  // namespace
 
-TEST_CASE("addresses that are none are usage errors, and a port that is taken ends the program before it reads") {
+TEST_CASE("invalid addresses are usage errors and an occupied port ends the program before it reads the scene") {
   for (const char* arguments :
        {"--serve 65536", "--serve -1", "--serve x", "--serve 127.0.0.1:", "--serve :80", "--serve ::1:80",
         "--serve [1.2.3.4]:80", "--tev 14158", "--tev localhost", "--tev localhost:0", "--tev localhost:1x"}) {
@@ -138,7 +138,7 @@ TEST_CASE("addresses that are none are usage errors, and a port that is taken en
   CHECK_FALSE(std::filesystem::exists(render.file("out.exr")));
 }
 
-TEST_CASE("a render is served: the page, its status, its picture, and nothing else") {
+TEST_CASE("the page and the status and the image of a render are served and nothing else") {
   Render render("--serve 0" + std::string(kEndless));
   const int port = render.port();
   REQUIRE(port > 0);
@@ -181,7 +181,7 @@ TEST_CASE("a render is served: the page, its status, its picture, and nothing el
   CHECK_FALSE(LoopbackSocket::connect_to(port).is_open());
 }
 
-TEST_CASE("clients that are slow, silent, or talk nonsense hold up neither the render nor other clients") {
+TEST_CASE("slow and silent and malformed clients block neither the render nor other clients") {
   Render render("--serve 0" + std::string(kEndless));
   const int port = render.port();
   REQUIRE(port > 0);
@@ -208,7 +208,7 @@ TEST_CASE("clients that are slow, silent, or talk nonsense hold up neither the r
   CHECK(Progress::steady_seconds() - start < 8);
 }
 
-TEST_CASE("who looks gets the finished picture, and its bytes are those of a render that nobody looks at") {
+TEST_CASE("viewers get the finished image and do not change its bytes") {
   const std::string arguments = " --spp 5000 --threads 1 --no-timestamps";
   Render alone(arguments);
   REQUIRE(alone.end() == 0);
@@ -318,7 +318,7 @@ struct Viewer {
 
 }  // namespace
 
-TEST_CASE("tev gets the picture while it is rendered, and in the end the pixels of the file") {
+TEST_CASE("tev receives the image during the render and finally the pixels of the file") {
   for (const char* crop : {"", " --crop 3,5,40,31"}) {
     const LoopbackSocket server = LoopbackSocket::listen();
     Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + " --spp 6000 --threads 1 --float" + crop);
@@ -346,7 +346,7 @@ TEST_CASE("tev gets the picture while it is rendered, and in the end the pixels 
   }
 }
 
-TEST_CASE("tev may be away, come late, be gone again, or take nothing: the render goes on and ends") {
+TEST_CASE("a missing or late or closed or blocked tev does not stop the render") {
   {
     int port = 0;
     {

@@ -9,7 +9,7 @@ namespace sheaf::test_scripts {
 
 namespace fs = std::filesystem;
 
-TEST_CASE("every script that names its interpreter may be executed, and no other source") {
+TEST_CASE("exactly the scripts with an interpreter line are executable") {
   int scripts = 0;
   for (const char* const folder : {"bench", "core", "kernels", "scene", "tests", "tools"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / folder)) {

@@ -66,7 +66,7 @@ done
 }  // namespace
 
 TEST_SUITE("slow") {
-  TEST_CASE("farm: parts that are stopped in the middle go on, and the pictures are those of one run") {
+  TEST_CASE("farm: stopped parts resume and the images equal those of one run") {
     const TemporaryFolder folder;
     write_bytes(folder / "a scene.xml", kScene);
     write_bytes(folder / "go.sh", kScript);
