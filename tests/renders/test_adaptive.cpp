@@ -1,4 +1,4 @@
-// Adaptive sampling: unbiased, with honest variances, down to the noise that was asked for, and the same bits always.
+// Adaptive sampling: unbiased means, correct variances, the requested noise level, and reproducible bits.
 #include "core/error.h"
 #include "kernels/film/adaptive_film.h"
 #include "kernels/film/noise.h"
@@ -17,7 +17,7 @@ namespace sheaf::test_adaptive {
 
 namespace {
 
-/// A floor below a lamp, and a ball; the lamp is larger, and its light is found by chance alone, if `by_chance`.
+/// A floor below a lamp, and a sphere. With `by_chance`, the lamp is larger and only BSDF sampling finds it.
 Description lamp_scene(int width, int height, bool by_chance) {
   const float size = by_chance ? 0.3f : 0.15f;
   Description d = empty_scene(width, height);
@@ -61,7 +61,8 @@ bool same_bits(const Image& a, const Image& b) {
 
 TEST_CASE("adaptive sampling: images are unbiased even if few pixels decide when to stop" *
           doctest::test_suite("slow")) {
-  // Sixteen pixels, whose light comes in rare bright samples: a tile that ended by its own noise would be too dark.
+  // Sixteen pixels with rare bright samples: a tile that stopped by its own noise estimate would be biased towards
+  // dark.
   for (const auto filter : {PixelFilter::Kind::kBox, PixelFilter::Kind::kGaussian}) {
     CAPTURE(static_cast<int>(filter));
     Description d = lamp_scene(4, 4, true);
@@ -83,7 +84,7 @@ TEST_CASE("adaptive sampling: images are unbiased even if few pixels decide when
                  << samples.mean() << " samples, deviation " << std::sqrt(samples.variance()));
     CHECK(samples.mean() > 40);
     CHECK(samples.mean() < 1500);
-    CHECK(samples.variance() > 100);  // it did adapt
+    CHECK(samples.variance() > 100);  // sampling was adaptive
     CHECK(means.p_value(expected) > significance_of_each(2));
   }
 }
@@ -103,7 +104,7 @@ TEST_CASE("adaptive sampling: the image equals that of four replicates if no til
     options.replicates = 4;
     const Image expected = render(*scene, options).to_image();
     REQUIRE(found.channels == expected.channels);
-    // Seen from four tiles, a pixel's variance is the sum of theirs, and not the same estimate.
+    // The variance of a pixel that four tiles contribute to is the sum of theirs.
     double worst = 0, worst_variance = 0;
     for (int y = 0; y < 50; ++y)
       for (int x = 0; x < 70; ++x)
@@ -140,10 +141,10 @@ TEST_CASE("adaptive sampling: variances match the spread of means over seeds on 
         told[i].add(image.at(x, y, variance));
       }
   }
-  // Between the tiles, where variances are of several of them, and elsewhere.
+  // Pixels at the seams of tiles combine several variances. They are tested apart from the others.
   for (const bool between : {false, true}) {
     CAPTURE(between);
-    // Each pixel's difference over what it can be, so that few bright pixels do not rule.
+    // Differences are divided by their expected size, so that few bright pixels do not dominate.
     MeanVariance differences;
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {

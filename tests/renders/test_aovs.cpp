@@ -1,5 +1,4 @@
-// Layers of the first surface against what is known of planes, maps and materials; halves of the samples; groups of
-// lights.
+// Layers of the first surface against known planes, maps and materials; halves of the samples; light groups.
 #include "core/error.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
@@ -42,7 +41,7 @@ void check_vector(Vec3f found, Vec3f expected, double epsilon = 1e-5) {
   CHECK(found.z == doctest::Approx(expected.z).epsilon(epsilon));
 }
 
-/// A wall of 20 by 20 at z = 4 across the camera's axis.
+/// A square of side 20 at z = 4, perpendicular to the camera's axis.
 Description wall(MaterialId (*add)(Description&)) {
   Description d = empty_scene(8, 8);
   add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({10, 10, 1}),
@@ -53,7 +52,7 @@ Description wall(MaterialId (*add)(Description&)) {
 
 MaterialId coloured(Description& d) { return add_diffuse_rgb(d, 0.2f, 0.4f, 0.6f); }
 
-/// The wall is turned about y, so that world and texture run against each other along x.
+/// The wall is rotated about y, so that world x and texture u have opposite directions.
 void check_wall(const Image& image, int x, int y) {
   check_vector(vector(image, x, y, "N"), {0, 0, -1});
   check_vector(vector(image, x, y, "Ng"), {0, 0, -1});
@@ -77,7 +76,7 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
         if (wide) d.film.filter.kind = PixelFilter::Kind::kGaussian;
         const Image image = picture(d, with(kSurfaces, 64), color);
         for (const auto& [x, y] : {std::pair{0, 0}, {3, 5}, {7, 7}}) {
-          // Weights of the samples of importance are not all one: neither are their means exact.
+          // With filter importance sampling, weights vary, and means are not exact.
           if (mode == FilterMode::kWeighted || !wide) check_wall(image, x, y);
           const Vec3f p = vector(image, x, y, "P");
           const float width = wide ? 0.3f : 0.1f;
@@ -94,7 +93,7 @@ TEST_CASE("layers: depth is measured along the camera axis for every camera tran
   const Image image = picture(d, with(kSurfaces));
   CHECK(value(image, 0, 0, "Z") == doctest::Approx(6));
   CHECK(value(image, 7, 3, "Z") == doctest::Approx(6));
-  // A panorama has no axis.
+  // A panorama has no axis, so that depth is the distance.
   d.camera.projection = CameraDescription::Projection::kSpherical;
   d.camera.to_world = Transform();
   const Image around = picture(d, with(kSurfaces, 1));
@@ -106,7 +105,7 @@ TEST_CASE("layers: depth is measured along the camera axis for every camera tran
 
 TEST_CASE("layers: samples without a hit are zero and count in the mean") {
   Description d = wall(coloured);
-  // Half of every pixel's samples at x = 4 pass by.
+  // Half of the samples of each pixel at x = 4 miss the wall.
   d.shapes[0].to_world =
       Transform::translate({1.5f, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({2, 10, 1});
   const Image image = picture(d, with(kSurfaces, 256));
@@ -131,7 +130,7 @@ TEST_CASE("layers: normals include normal maps and face the camera") {
   Image image = picture(d, with(kSurfaces));
   check_vector(vector(image, 1, 2, "N"), {-n.x, n.y, -n.z}, 1e-3);
   check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
-  // From behind, one-sided.
+  // One-sided surface, seen from behind.
   d.shapes[0].to_world = place;
   d.shapes[0].material = add_diffuse(d, 0.5f);
   image = picture(d, with(kSurfaces));
@@ -162,10 +161,10 @@ TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
   for (const Variant& variant : variants) {
     CAPTURE(std::string(variant.name));
     Description d = wall(variant.add);
-    // One surface, lit from all sides by 1.
+    // One surface under a constant environment of radiance 1.
     d.integrator.max_depth = 2;
     d.integrator.rr_depth = 3;
-    d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise where the BSDF is sampled exactly
+    d.integrator.strategy = LightStrategy::kBsdfOnly;  // noise-free where the BSDF is sampled exactly
     d.sampler.kind = SamplerKind::kIndependent;
     const Image image = picture(d, with({Aov::kAlbedo}, 1024));
     Vec3f light{}, albedo{};
@@ -208,7 +207,7 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
   for (int x = 0; x < 8; ++x) largest = std::max(largest, double{value(image, x, 4, "variance.N.X")});
   CHECK(largest > 1e-6);
   for (const char* name : {"variance.N.Y", "variance.R", "variance.B"}) CHECK(image.find_channel(name) >= 0);
-  // Where samples are independent, halves are cut from one set.
+  // Independent samples form one replicate, which is split into halves.
   d.sampler.kind = SamplerKind::kIndependent;
   const Image independent = picture(d, with({Aov::kHalf}, 32));
   half_options.seed = 0;
@@ -219,7 +218,7 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
 TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   Description d = empty_scene(8, 4);
   const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
-  // Walls across the axes of both, at different distances, which each camera sees all over.
+  // Walls perpendicular to the axes of both cameras, at different distances. Each fills the view of its camera.
   add_rectangle(d, Transform::translate({0, 0, 5}) * Transform::scale({50, 50, 1}), grey);
   add_rectangle(
       d, Transform::translate({-7, 0, -15}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 50, 1}), grey);
@@ -245,7 +244,7 @@ TEST_CASE("layers: the first half is the smaller one for an odd number of replic
     RenderOptions options = with({Aov::kHalf}, static_cast<std::uint32_t>(8 * sets));
     options.replicates = sets;
     const Image image = picture(d, options);
-    // The samples of the sets alone that make the half.
+    // Renders only the samples of the replicates that make up the half.
     options.samples = SampleRange{0, static_cast<std::uint32_t>(8 * (sets / 2))};
     const Image part = picture(d, options);
     double difference = 0;
@@ -264,7 +263,7 @@ TEST_CASE("layers: media and masks do not count as surfaces and the surfaces beh
   MediumDescription thin = fog(0.1f, 0.9f);
   fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
   Image image = picture(d, with(kSurfaces, 1024));
-  // exp(-0.1 x length) of the samples in the middle pass the ball, which is about 2 long there.
+  // The sphere is about 2 long in the middle: exp(-0.1 * length) of the samples pass it.
   CHECK(value(image, 4, 4, "Z") == doctest::Approx(4 * std::exp(-0.1 * 1.85)).epsilon(0.03));
   CHECK(value(image, 0, 0, "Z") == doctest::Approx(4));
   d = wall(coloured);

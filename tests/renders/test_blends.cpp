@@ -1,4 +1,4 @@
-// Blends: light is sampled for all parts, whichever was chosen, and scattering counts as that of all together.
+// Blends: light sampling evaluates all parts, whichever is chosen, and scattered light has the colours of all parts.
 #include "core/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/measured_testing.h"
@@ -28,7 +28,7 @@ MaterialId add_coated_metal(Description& d) {
   return add_material(d, coat);
 }
 
-/// A picture that says (r, g, b) everywhere.
+/// A texture of the constant colour (r, g, b).
 TextureId add_uniform(Description& d, const TemporaryFolder& folder, const char* name, float r, float g, float b) {
   Image image(1, 1, {"R", "G", "B"});
   image.data = {r, g, b};
@@ -56,7 +56,7 @@ PixelMeans under_a_point(const AddMaterial& add, float side = 1) {
   return pixel_means(d);
 }
 
-/// Light of a point is found by light sampling alone: of a blend there is no noise, and it is the sum of its parts.
+/// Only light sampling finds a point light. Without the noise of a choice, a blend is exactly the sum of its parts.
 void check_sum(const AddMaterial& blend, const std::vector<std::pair<double, AddMaterial>>& parts, float side = 1) {
   const PixelMeans found = under_a_point(blend, side);
   double expected[3] = {};
@@ -98,7 +98,7 @@ const AddMaterial kGlass = [](Description& d) {
   return add_material(d, glass);
 };
 
-/// Two area lights of unequal size, and a floor of blends of whatever there is; `open`: shadow rays may pass surfaces.
+/// Two area lights of unequal size above a floor of blends. With `open`, shadow rays may pass surfaces.
 Description lit_floor(const AddMaterial& add, bool open) {
   Description d = floor_of(add, 16);
   add_area_light_rectangle(
@@ -135,7 +135,7 @@ TEST_CASE("blends: parts may be textured and have normal maps and be seen from b
     return [add](Description& d) { return add_two_sided(d, add(d)); };
   };
   check_sum(both_sides(textured), {{0.75, both_sides(coloured)}, {0.25, both_sides(tilted)}}, -1);
-  // Only one part is seen from behind.
+  // Only one part is visible from behind.
   check_sum(blend_of(both_sides(kGrey), kMetal, 0.4f), {{0.6, both_sides(kGrey)}}, -1);
 }
 
@@ -173,7 +173,8 @@ TEST_CASE("blends: the light selection is the same for parts with different norm
     return add_material(d, NormalMapDescription{map, false, shiny(d)});
   };
   Description d = floor_of(blend_of(shiny, steep, 0.5f), 16);
-  // One light is where a mirror would show it, at a right angle to the turned normal, which points at the other.
+  // The first light is in the mirror direction, at a right angle to the mapped normal, which points at the second
+  // light.
   add_area_light_sphere(d, {-2, -0.5f, 3}, 0.4f, 5);
   add_area_light_sphere(d, {3, 0, 0.7f}, 0.4f, 5);
   d.integrator.max_depth = 2;
@@ -186,7 +187,7 @@ TEST_CASE("blends: photons are stored with their incident power whatever part sc
     const MaterialId nested = sides(d);
     return add_material(d, MaskDescription{0.4f, nested});
   };
-  // Below a point light of 8 pi W / sr at a height of 2: what falls on the disc of the photons' radius.
+  // Power of a point light of 8 pi W / sr at height 2 that falls on the disk of the photon radius.
   const double pi = 3.14159265358979, radius = 0.3, cosine = 2 / std::sqrt(4 + radius * radius);
   const double whole = 0.5 / pi * 8 * pi * 2 * (1 - cosine) / (radius * radius);
   for (const auto& [add, share] : {std::pair{kGrey, 1.0}, std::pair{masked, 0.4},

@@ -1,4 +1,4 @@
-// Masks, blends, null boundaries and maps: rows of the material table, and whole renders in closed form.
+// Masks, blends, null interfaces and maps: rows of the material table, and renders against closed forms.
 #include "core/exr.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -23,10 +23,10 @@ Description picture() {
   return d;
 }
 
-/// Sees one point of a floor at z = 0 with normal +z, from a direction 30 degrees off the normal.
+/// The camera sees one point of a floor at z = 0 with normal +z, from 30 degrees off the normal.
 void aim_at_floor(Description& d) { look_at(d, {2, 0, 3.4641016f}, {0, 0, 0}, {0, 0, 1}, 0.01f); }
 
-/// The picture's mean may be `expected`. Pictures without noise must equal it.
+/// Tests the mean of the image against `expected`. Noise-free images must equal it.
 void check_mean(const Description& d, double expected) {
   const Image image = render(*compile_scene(d), {}).film.to_image();
   MeanVariance statistics;
@@ -48,7 +48,7 @@ TextureId add_bitmap(Description& d, const TemporaryFolder& folder, const char* 
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// A uniform picture that says (r, g, b) everywhere.
+/// A texture of the constant colour (r, g, b).
 TextureId add_uniform(Description& d, const TemporaryFolder& folder, const char* name, float r, float g, float b) {
   return add_bitmap(d, folder, name, 1, 1, {r, g, b});
 }
@@ -72,7 +72,7 @@ TEST_CASE("compile materials: two-sided blends choose between the sides of their
   const MaterialRow& back = out.rows.at(front.back);
   CHECK(back.words[0] == doctest::Approx(0.3f));
   CHECK((back.flags & kTwoSided) != 0);
-  // Alone, the same blend is one-sided.
+  // Without two-sided, the same blend is one-sided.
   const MaterialRow& alone = out.rows.at(out.row_of.at(static_cast<std::size_t>(blend)));
   CHECK((out.rows.at(alone.choice[0]).flags & kTwoSided) == 0);
   CHECK(&out.rows.at(alone.back) == &alone);
@@ -137,11 +137,11 @@ TEST_CASE("composites: a mask transmits the uncovered share") {
     CAPTURE(opacity);
     Description d = picture();
     const MaterialId mask = add_material(d, MaskDescription{opacity, add_diffuse(d, 0.5f)});
-    // The camera sees a masked sheet in front of a bright one; the sheet itself is lit by a uniform sky.
+    // The camera sees a masked sheet in front of a bright one. The sheet itself is lit by a constant environment.
     add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180), mask);
     add_constant_light(d, 1);
     d.camera.fov = 0.01f;
-    // Half of the sky's light reflected, or the sky itself.
+    // Either half of the environment's radiance is reflected, or the environment itself is visible.
     check_mean(d, opacity * 0.5 + (1 - opacity));
   }
 }
@@ -169,7 +169,7 @@ TEST_CASE("composites: a blend is the mixture of its parts") {
 
 TEST_CASE("textures: the colours of an image are those of the surface") {
   const TemporaryFolder folder;
-  // Lower row 0.1 and 0.2, upper row 0.3 and 0.4; files begin with the upper row.
+  // The lower row is 0.1 and 0.2, the upper row 0.3 and 0.4. Files begin with the upper row.
   for (int quarter = 0; quarter < 4; ++quarter) {
     CAPTURE(quarter);
     Description d = picture();
@@ -199,7 +199,7 @@ TEST_CASE("textures: opacity may vary with a texture") {
 
 TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
   const TemporaryFolder folder;
-  // A normal 20 degrees off the floor's towards +x, under a distant point light at 60 degrees off the normal.
+  // A normal 20 degrees off the floor's towards +x, under a directional light 60 degrees off the normal.
   const float tilt = 20 * static_cast<float>(kPiD) / 180;
   const Vec3f light{std::sin(static_cast<float>(kPiD) / 3), 0, std::cos(static_cast<float>(kPiD) / 3)};
   const double lit = 0.5 / kPiD * cosine_degrees(40);
@@ -207,14 +207,14 @@ TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
   const double softened = lit * 2 / (1 + std::sqrt(1 + 0.125 * tan2_turn * tan2_light));
   const auto scene = [&](bool soften, bool flip_green, float turn, bool from_behind = false) {
     Description d = picture();
-    // Turned by `turn` degrees about the floor's normal, against the texture's x axis.
+    // The normal is rotated by `turn` degrees about the floor's normal, against the texture's x axis.
     const float phi = turn * static_cast<float>(kPiD) / 180;
     const Vec3f n{std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi), std::cos(tilt)};
     const TextureId map = add_uniform(d, folder, "map.exr", 0.5f * n.x + 0.5f, 0.5f * n.y + 0.5f, 0.5f * n.z + 0.5f);
     const MaterialId m = add_material(d, NormalMapDescription{map, flip_green, add_diffuse(d, 0.5f)});
     d.materials.back().soften_terminator = soften;
     if (from_behind) {
-      // From behind, the map is its mirror image at the floor.
+      // Seen from behind, the map is mirrored at the floor.
       add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? -turn : turn) * Transform::rotate({1, 0, 0}, 180),
                     add_two_sided(d, m));
     } else {
@@ -249,7 +249,7 @@ TEST_CASE("normal maps: flat normal maps and bump maps change nothing") {
 TEST_CASE("bump maps: the normal is that of the displaced surface") {
   const TemporaryFolder folder;
   Description d = picture();
-  // Heights 0 and 0.5 at u = 1/4 and 3/4: between them a slope of 1 per unit of u, or 0.5 per unit of length.
+  // Heights 0 and 0.5 at u = 1/4 and 3/4 give a slope of 1 per unit of u, or 0.5 per unit of length.
   const TextureId map = add_bitmap(d, folder, "slope.exr", 2, 1, {0, 0, 0, 0.5f, 0.5f, 0.5f});
   std::get<BitmapDescription>(d.textures.back().model).filter = BitmapDescription::Filter::kBilinear;
   const MaterialId m = add_material(d, BumpMapDescription{map, 1, add_diffuse(d, 0.5f)});
@@ -266,7 +266,7 @@ TEST_CASE("bump maps: the normal is that of the displaced surface") {
 TEST_CASE("normal maps: normals that face away from the viewer are flipped") {
   const TemporaryFolder folder;
   Description d = picture();
-  // The camera looks from 30 degrees off the normal towards +x; the map points 80 degrees off towards -x.
+  // The camera looks from 30 degrees off the normal towards +x. The mapped normal is 80 degrees off towards -x.
   const float tilt = 80 * static_cast<float>(kPiD) / 180;
   const TextureId map =
       add_uniform(d, folder, "away.exr", 0.5f - 0.5f * std::sin(tilt), 0.5f, 0.5f + 0.5f * std::cos(tilt));
@@ -275,7 +275,7 @@ TEST_CASE("normal maps: normals that face away from the viewer are flipped") {
   add_rectangle(d, Transform(), m);
   aim_at_floor(d);
   add_point_light(d, {1000, 0, 1000}, 2e6f);
-  // Turned back it points 80 degrees off towards +x: 35 degrees from the light.
+  // The flipped normal is 80 degrees off towards +x, 35 degrees from the light.
   check_mean(d, 0.5 / kPiD * cosine_degrees(35));
   d.materials.back().fix_invalid_normals = false;
   check_mean(d, 0);

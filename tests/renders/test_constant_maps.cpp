@@ -1,4 +1,4 @@
-// Constants in the places of textures: they look as pictures of one colour do.
+// Constants in place of textures render like images of one colour.
 #include "core/exr.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -15,7 +15,7 @@ using namespace test;
 
 namespace {
 
-/// A picture of a square under a light from the side, with a material; the folder holds map.exr of one colour.
+/// Renders a square with the material under a light from the side. The folder holds map.exr, an image of one colour.
 Image picture_of(const std::string& material, const std::string& lights, ColorMode color = ColorMode::kRgb) {
   const TemporaryFolder folder;
   Image map(2, 2, {"B", "G", "R"});

@@ -1,4 +1,4 @@
-// Numbers of objects and materials, and Cryptomatte as a program decodes it.
+// Ids of objects and materials, and Cryptomatte as a compositing program decodes it.
 #include "kernels/film/cryptomatte.h"
 #include "scene/tables/filter.h"
 #include "tests/support/render_testing.h"
@@ -13,7 +13,7 @@ namespace {
 
 const AovSet kIds{Aov::kObjectId, Aov::kMaterialId, Aov::kCryptomatteObject, Aov::kCryptomatteMaterial};
 
-/// A disk before a part of a wall.
+/// A disk in front of part of a wall.
 Description scene_of_two() {
   Description d = empty_scene(16, 16);
   d.sampler.sample_count = 16;
@@ -26,7 +26,7 @@ Description scene_of_two() {
   return d;
 }
 
-/// Coverage by id, as a program sums it over the ranks.
+/// Coverage by id, summed over the ranks as a compositing program does.
 using Mattes = std::map<std::uint32_t, float>;
 Mattes decode(const Image& image, int x, int y, const std::string& layer) {
   Mattes mattes;
@@ -62,7 +62,7 @@ TEST_CASE("cryptomatte: hashes and ids match published ones") {
   CHECK(murmur_hash3_32("The quick brown fox jumps over the lazy dog") == 0x2e4ff723u);
   CHECK(cryptomatte_id("bunny") == 0x13851a76u);
   CHECK(cryptomatte_id("default") == 0x42c9679fu);
-  // Infinite and denormal numbers become others.
+  // Hashes that are infinite or denormal floats are changed, as the specification requires.
   CHECK(murmur_hash3_32("name_65") == 0x7fa70068u);
   CHECK(cryptomatte_id("name_65") == 0x7f270068u);
   CHECK(cryptomatte_id("name_241") == 0x808b95c9u);
@@ -102,7 +102,7 @@ TEST_CASE("cryptomatte: coverage adds up to the visible area of objects with any
 }
 
 TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the coverage") {
-  // A wall that covers all to one side of an edge; of a pixel it covers the filter's integral up to there.
+  // A wall fills one side of an edge. Its coverage of a pixel is the integral of the filter up to the edge.
   for (const auto kind : {PixelFilter::Kind::kLanczos, PixelFilter::Kind::kCatmullRom, PixelFilter::Kind::kMitchell}) {
     CAPTURE(static_cast<int>(kind));
     Description d = empty_scene(9, 1);
@@ -110,7 +110,7 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
     d.film.filter_mode = FilterMode::kImportance;
     d.sampler.sample_count = 16384;
     d.film.sample_border = true;
-    // The camera's right is at -x: the wall's edge is in the middle of the fifth pixel.
+    // The camera's right is at -x, so that the edge is in the middle of the fifth pixel.
     add_rectangle(d,
                   Transform::translate({40, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({40, 40, 1}),
                   add_diffuse(d, 0.5f));
@@ -127,7 +127,7 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
     }
     double largest = 0;
     for (int x = 0; x < 9; ++x) {
-      // From the pixel's centre the edge is so far to the right.
+      // Distance of the edge from the centre of the pixel, to the right.
       const double edge = 4.0 - x;
       const int cell = std::clamp(static_cast<int>((edge + radius) / step), 0, kSteps);
       const double expected = cell == 0 ? 0.0 : up_to[static_cast<std::size_t>(cell - 1)] / whole;
@@ -135,7 +135,7 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
       double share = 0;
       for (const auto& [id, covered] : mattes) share += double{covered};
       CAPTURE(x);
-      // Names that cover less than nothing are left out.
+      // Names with negative coverage are omitted.
       CHECK(share == doctest::Approx(std::max(expected, 0.0)).scale(1).epsilon(0.012));
       largest = std::max(largest, expected);
     }

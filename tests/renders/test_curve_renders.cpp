@@ -1,4 +1,4 @@
-// Light on curves against Mitsuba 3.
+// Renders of curves and hair against Mitsuba 3.
 #include "tests/support/render_testing.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -10,7 +10,7 @@ namespace sheaf::test_curve_renders {
 
 namespace {
 
-/// Twelve curves in front of the camera, of changing radius.
+/// Twelve curves of varying radius in front of the camera.
 Description bare_tuft(Curves::Basis basis) {
   Description d = empty_scene(32, 32);
   d.camera.fov = 60;
@@ -34,12 +34,12 @@ void add_sky(Description& d) {
   d.lights.push_back({ConstantLightDescription{SpectrumDescription::constant(0.2f)}, {}});
 }
 
-/// At z = 5 behind the curves.
+/// Adds a point light at `z`; z = 5 is behind the curves.
 void add_point_light(Description& d, float z) {
   d.lights.push_back({PointLightDescription{{1, 2, z}, SpectrumDescription::constant(5)}, {}});
 }
 
-/// Under a sky and a point light.
+/// The curves under a constant environment and a point light.
 Description tuft(Curves::Basis basis) {
   Description d = bare_tuft(basis);
   add_sky(d);
@@ -112,8 +112,8 @@ TEST_CASE("curves: photons scattered by hair give the image of paths") {
 }
 
 TEST_CASE("curves: photons and paths agree around a single fibre") {
-  // Parallel light and parallel rays: then it makes no difference that paths are scattered where the camera sees them,
-  // and photons where they enter. Light that passes off the middle must come out on the side where paths find it.
+  // With parallel light and parallel rays, it does not matter that paths scatter where the camera sees the fibre and
+  // photons where they enter. Light that passes off the axis must leave on the side where paths find it.
   constexpr int kRepeats = 8;
   constexpr double kLevelOfEach = kSignificance / 8;
   for (const float azimuth : {10.0f, 65.0f, 90.0f, 115.0f, 150.0f, 178.0f, 240.0f, 290.0f}) {

@@ -1,4 +1,4 @@
-// Scenes at the edge of sense: each gives a picture or a message, none a crash, a hang or a value that is no number.
+// Degenerate scenes: each gives an image or a message, and never a crash, a hang or a value that is not finite.
 #include "core/bucket_sort.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -17,7 +17,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-/// A lit floor and sphere that make a picture whatever else is added.
+/// A lit floor and sphere, which make an image together with any additional object.
 Description base_scene() {
   Description d = empty_scene(12, 10);
   look_at(d, {0, 2, 4}, {0, 0, 0}, {0, 1, 0}, 60);
@@ -33,7 +33,7 @@ struct Outcome {
   std::vector<std::string> warnings;  ///< of the scene and of the render
 };
 
-/// Renders; every value of the picture must be a finite number that is not negative.
+/// Renders, and checks that every value of the image is finite and not negative.
 Outcome render_all(const Description& d, const RenderOptions& options = {}) {
   const auto scene = compile_scene(d);
   RenderResult result = render(*scene, options);
@@ -82,7 +82,7 @@ TEST_CASE("an empty scene in an environment shows the environment") {
 
 TEST_CASE("a point light without surfaces gives a black image") {
   Description d = empty_scene(5, 4);
-  add_point_light(d, {0, 0, 0}, 2);  // where the camera is
+  add_point_light(d, {0, 0, 0}, 2);  // at the camera
   CHECK(mean(render_all(d).image, 0) == 0);
 }
 
@@ -179,7 +179,7 @@ TEST_CASE("shapes of extreme size and position are rendered") {
         add_extremes(Transform::scale({size, 1, 1 / size}), emits);
         add_extremes(Transform::translate({0, -size, size}), emits);
       } catch (const Error&) {
-        continue;  // the transform has no inverse
+        continue;  // singular transform
       }
       try {
         render_all(d);
@@ -275,7 +275,7 @@ TEST_CASE("scenes may have more materials than sorting buckets") {
                     material);
     }
   REQUIRE(static_cast<int>(d.materials.size()) > kMaxBuckets);
-  d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise: each sample is the albedo
+  d.integrator.strategy = LightStrategy::kBsdfOnly;  // noise-free: each sample is the albedo
   const Image image = render_all(d).image;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)

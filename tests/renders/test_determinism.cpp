@@ -1,4 +1,4 @@
-// The same bits whatever the number of threads, the wave size and the crop; and of files whenever they are written.
+// Identical bits for any number of threads, wave size and crop, and identical files at any time of writing.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -20,7 +20,7 @@ namespace sheaf::test_determinism {
 
 namespace {
 
-/// All closures and all kinds of light and shape, in a room with one open side.
+/// All closures, kinds of light and kinds of shape in a room with one open side.
 Description room(int width, int height) {
   Description d = empty_scene(width, height);
   look_at(d, {0.1f, 0.2f, -3.5f}, {0, 0, 0}, {0, 1, 0}, 50);
@@ -75,7 +75,7 @@ Description half_textured(int width, int height) {
   return d;
 }
 
-/// The room with media of all sorts in it.
+/// The room with media of several kinds.
 Description smoky_room(int width, int height, const std::filesystem::path& folder) {
   Description d = room(width, height);
   const auto lumps = write_vol(folder / "lumps.vol", 12, 1, [](Vec3f p, int) {
@@ -97,7 +97,7 @@ Description smoky_room(int width, int height, const std::filesystem::path& folde
 }
 
 /// Triangles that share all their edges, twice in the same place with different materials, every other one also as a
-/// light: rays meet equal distances everywhere.
+/// light, so that rays meet equal distances everywhere.
 Description ties(int side, float relief) {
   Description d = empty_scene(side, side);
   look_at(d, {0, 0, 2}, {0, 0, 0});
@@ -133,7 +133,7 @@ bool same_bytes(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-/// Keeps stderr silent: oneTBB remarks that it got fewer threads than it was asked for.
+/// Silences stderr: oneTBB reports when it gets fewer threads than requested.
 class Silence {
  public:
   Silence() : kept_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY)) { dup2(nowhere_, STDERR_FILENO); }
@@ -161,7 +161,7 @@ std::vector<float> build_and_render(const Description& d, int threads, int wave_
   return pixels(*scene, options);
 }
 
-/// Sample values vary: a picture that is all zeros is the same whatever one does.
+/// Returns whether most values are positive. An image of zeros would be reproducible trivially.
 bool is_picture(const std::vector<float>& data) {
   std::size_t positive = 0;
   for (const float value : data) positive += value > 0 ? 1 : 0;
@@ -305,7 +305,7 @@ TEST_CASE("equal hit distances are resolved the same way in every build of the B
 TEST_CASE("rays through vertices and edges hit the same triangles in every build of the BVH" *
           doctest::test_suite("slow")) {
   Description d = ties(193, 0);
-  d.film.filter.radius = 1e-6f;  // through the pixels' centres, which are half a cell of the grid apart
+  d.film.filter.radius = 1e-6f;  // through the centres of pixels, which are half a cell of the grid apart
   look_at(d, {0, 0, 193.0f / 96}, {0, 0, 0});
   const std::vector<float> expected = build_and_render(d, 1, 256);
   for (const int threads : {2, 7}) CHECK(same_bytes(build_and_render(d, threads, 1), expected));

@@ -1,4 +1,4 @@
-// Environment maps in pictures: every strategy finds their light, in both colour modes, compensated or not.
+// Renders with environment maps: all strategies agree in both colour modes, with and without MIS compensation.
 #include "core/frame.h"
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"
@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kPiD = std::numbers::pi;
 
-/// Irradiance of a floor under a map, by an even grid of directions over its hemisphere around `n`.
+/// Irradiance of a floor with normal `n` under a map, by a regular grid of directions over the hemisphere.
 double irradiance(const EnvmapView& map, Vec3f n) {
   const auto frame = Frame<Scalar>::from_normal(n);
   double sum = 0;
@@ -102,7 +102,7 @@ TEST_CASE("environment map: all strategies agree on a diffuse floor" * doctest::
 
 namespace {
 
-/// Means of R, G and B of pictures with seeds 1 to 24, and what they vary by.
+/// Means of R, G and B over images with seeds 1 to 24, with their variance.
 std::array<MeanVariance, 3> means_of_seeds(const Scene& scene) {
   std::array<MeanVariance, 3> means;
   for (std::uint32_t seed = 1; seed <= 24; ++seed) {
@@ -118,7 +118,7 @@ std::array<MeanVariance, 3> means_of_seeds(const Scene& scene) {
   return means;
 }
 
-/// Those of a diffuse floor under a map.
+/// Means of a diffuse floor under a map.
 std::array<MeanVariance, 3> floor_means(const std::filesystem::path& map, ColorMode color, LightStrategy strategy) {
   Description d = empty_scene(8, 8);
   d.sampler.sample_count = 512;
@@ -130,7 +130,8 @@ std::array<MeanVariance, 3> floor_means(const std::filesystem::path& map, ColorM
   return means_of_seeds(*compile_scene(d, {false, color}));
 }
 
-/// Student's t of two means of 24 each, where `systematic` is the part of the mean that they may differ by.
+/// Student's t-test of two means of 24 values each. `systematic` is the relative difference that is allowed in
+/// addition.
 void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVariance, 3>& b, double systematic) {
   for (std::size_t c = 0; c < 3; ++c) {
     const double error = std::sqrt((a[c].variance() + b[c].variance()) / 24);
@@ -152,7 +153,7 @@ TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" *
                           polar = std::cos(kPi * static_cast<float>(y) / 31);
               return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
             }));
-  // What the uplift's table is off by, and what the two kinds of mixing differ by.
+  // Errors of the upsampling table and of the two ways of interpolation.
   constexpr double kSystematic = 0.004;
   check_agree(floor_means(folder / "smooth.exr", ColorMode::kSpectral, LightStrategy::kMis),
               floor_means(folder / "smooth.exr", ColorMode::kRgb, LightStrategy::kMis), kSystematic);
@@ -168,7 +169,7 @@ TEST_CASE("environment map: all strategies agree in spectral mode" * doctest::te
 
 namespace {
 
-/// A glossy ball in a box of fog over a diffuse floor, under a map.
+/// A glossy sphere in a box of fog over a diffuse floor, under a map.
 Description foggy_scene(const std::filesystem::path& map, bool compensated) {
   Description d = empty_scene(8, 8);
   d.sampler.sample_count = 128;

@@ -1,5 +1,5 @@
-// Whole renders of scenes whose radiance is known in closed form. Every pixel of a picture has the same expectation, so
-// that Student's t-test on the pixels judges the mean.
+// Renders of scenes whose radiance has a closed form. All pixels of an image have the same expectation, so that
+// Student's t-test over the pixels judges the mean.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
@@ -17,15 +17,15 @@ namespace sheaf::test_estimators {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(600);
-/// Relative errors of single precision that no number of samples averages out.
+/// Relative error of single precision, which no number of samples averages out.
 constexpr double kRounding = 2e-5;
 
 constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly};
 constexpr const char* kStrategyNames[] = {"mis", "bsdf only", "light only"};
 
-/// A picture of 32 x 32 pixels with 128 samples each.
+/// An empty scene with an image of 32 x 32 pixels and 128 samples each.
 Description picture() {
   Description d = empty_scene(32, 32);
   d.sampler.sample_count = 128;
@@ -33,7 +33,7 @@ Description picture() {
   return d;
 }
 
-/// Looks at one point: over the picture the surface changes by a ten-thousandth of the distance.
+/// The camera looks at one point: over the image the position changes by a ten-thousandth of the distance.
 void aim(Description& d, Vec3f from, Vec3f at, Vec3f up = {0, 0, 1}) { look_at(d, from, at, up, 0.01f); }
 
 Image render_image(const Description& d) { return render(*compile_scene(d), {}).film.to_image(); }
@@ -45,7 +45,7 @@ MeanVariance statistics_of(const Image& image, int channel) {
   return statistics;
 }
 
-/// Whether the mean may be `expected`, give or take rounding.
+/// Tests the mean against `expected`, within rounding.
 void check_mean(const MeanVariance& statistics, double expected) {
   const double allowed = kRounding * std::fabs(expected), distance = statistics.mean() - expected;
   INFO("mean " << statistics.mean() << ", expected " << expected << ", standard error "
@@ -75,7 +75,7 @@ void check_strategies(Description d, double expected, bool sees_points = true) {
 
 constexpr float kAlbedo = 0.6f;
 
-/// A diffuse floor at z = 0 that the camera sees at the origin from a low angle.
+/// A diffuse floor at z = 0, which the camera sees at the origin from a low angle.
 Description receiver() {
   Description d = picture();
   add_rectangle(d, Transform::scale({20, 20, 1}), add_diffuse(d, kAlbedo));
@@ -93,7 +93,8 @@ ShapeDescription& add_disk_light(Description& d, Vec3f at, float radius, float r
   return emit(add_shape(d, DiskShape{}, facing_down(at) * Transform::scale({radius, radius, 1}), black), radiance);
 }
 
-/// Of a polygon at the origin of a floor with normal +z (Lambert's formula); all corners above the floor.
+/// Irradiance of a polygon at the origin of a floor with normal +z (Lambert's formula). All corners are above the
+/// floor.
 double polygon_irradiance(const std::vector<std::array<double, 3>>& corners, double radiance) {
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -206,7 +207,7 @@ TEST_CASE("lights of all kinds add up whatever their power") {
   add_area_light_sphere(d, {0, 0, 2}, 0.5f, 2);
   add_area_light_rectangle(d, facing_down({-4, 0, 2}) * Transform::scale({1, 1, 1}), 30);
   add_constant_light(d, 0.5f);
-  const double sphere = 0.25 / 4;  // share of the floor's cosine-weighted hemisphere
+  const double sphere = 0.25 / 4;  // share of the cosine-weighted hemisphere of the floor
   const double rectangle = polygon_irradiance({{-5, -1, 2}, {-3, -1, 2}, {-3, 1, 2}, {-5, 1, 2}}, 1) / kPiD;
   const double area_lights = kPiD * (2 * sphere + 30 * rectangle + 0.5 * (1 - sphere - rectangle));
   SUBCASE("without a point light") { check_strategies(d, reflected(area_lights)); }
@@ -444,7 +445,7 @@ std::vector<PixelFilter> all_filters() {
   return filters;
 }
 
-/// Share of the filter's integral left of `x`.
+/// Share of the integral of the filter to the left of `x`.
 double filter_share(const PixelFilter& filter, double x) {
   const double radius = filter_radius(filter);
   constexpr int kSteps = 100000;
@@ -473,7 +474,7 @@ TEST_CASE("a constant image stays constant under every filter") {
 }
 
 TEST_CASE("a straight edge shows the integral of every filter") {
-  constexpr double kEdge = 32.3;  // pixels from the left, beside a seam between tiles
+  constexpr double kEdge = 32.3;  // pixels from the left, beside a seam of tiles
   for (const PixelFilter& filter : all_filters()) {
     CAPTURE(static_cast<int>(filter.kind));
     Description d = empty_scene(64, 32);
@@ -489,7 +490,7 @@ TEST_CASE("a straight edge shows the integral of every filter") {
       MeanVariance column;
       for (int y = 0; y < image.height; ++y) column.add(image.at(x, y, 0));
       const double expected = filter_share(filter, kEdge - (x + 0.5));
-      // The table of 2048 bins smooths the sign changes of filters with lobes.
+      // The table of 2048 bins smooths the sign changes of filters with negative lobes.
       const double allowed = 2e-3, distance = column.mean() - expected;
       INFO("mean " << column.mean() << ", expected " << expected);
       if (std::fabs(distance) > allowed) CHECK(column.p_value(expected + std::copysign(allowed, distance)) >= kLevel);

@@ -1,4 +1,4 @@
-// Media of microflakes in whole renders: extinction by direction in every estimator, energy, and both kinds of paths.
+// Renders of microflake media: directional extinction with every estimator, energy, and path against light tracing.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -16,13 +16,13 @@ namespace {
 
 using Matrix = std::array<float, 6>;  ///< xx, yy, zz, xy, xz, yz
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(60);
 
 constexpr MediumEstimator kEstimators[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
                                            MediumEstimator::kMarching};
 
-/// Fibres, obliquely.
+/// Fibres along an oblique axis.
 constexpr Matrix kOblique{0.5f, 0.9f, 0.4f, 0.2f, -0.3f, 0.1f};
 
 double area(const Matrix& s, Vec3f w) {
@@ -51,7 +51,7 @@ void check_equal(const MeanVariance& a, const MeanVariance& b, int pixels) {
   CHECK(student_t_p_value((a.mean() - b.mean()) / error, 2 * pixels - 2) >= kLevel);
 }
 
-/// A medium of flakes over the cube [0, 1]^3; `grid`: the matrices, instead of `s` everywhere.
+/// Fills the cube [0, 1]^3 with flakes. `grid` gives a matrix for each voxel instead of the constant `s`.
 void fill_cube(Description& d, float sigma_t, float albedo, const Matrix& s, const std::filesystem::path& grid = {}) {
   SggxDescription flakes{s};
   if (!grid.empty()) flakes.matrix = vol(grid);
@@ -89,7 +89,7 @@ TEST_CASE("flakes: transmittance follows the projected area with every estimator
     for (const bool on_grid : {false, true}) {
       CAPTURE(static_cast<int>(estimator));
       CAPTURE(on_grid);
-      // Paths: something that glows behind the cube. Shadow rays: a wall that a lamp shines at through it.
+      // Paths see an emissive object behind the cube. Shadow rays connect a wall to a lamp through the cube.
       const Vec3f middle{0.5f, 0.5f, 0.5f}, behind = middle + along * 4.0f, before = middle - along * 4.0f;
       Description through = picture(16, 64, estimator);
       through.integrator.max_depth = 1;
@@ -113,7 +113,7 @@ TEST_CASE("flakes: matrices are interpolated between voxels and extinction follo
   const TemporaryFolder folder;
   const Matrix low{0.2f, 1, 1, 0, 0, 0}, high{1, 0.5f, 0.5f, 0, 0, 0};
   const auto grid = write_matrices(folder / "flakes.vol", low, high);
-  // The integral of sqrt(0.2 + 0.8 x) over x, but for the outermost half voxels, where the grid is clamped.
+  // The integral of sqrt(0.2 + 0.8 x) over x. In the outermost half voxels, the grid is clamped.
   double depth = 0;
   for (int i = 0; i < 1000; ++i)
     depth += 2 * std::sqrt(0.2 + 0.8 * std::clamp((i + 0.5) / 1000, 1.0 / 32, 31.0 / 32)) / 1000;
@@ -142,7 +142,7 @@ TEST_CASE("flakes: isotropic flakes equal an isotropic medium") {
     Description d = picture(16, 128);
     look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 20);
     add_point_light(d, {1, 3, -1}, 10);
-    // Flakes of half the size, twice as many.
+    // Flakes of half the area, twice as many.
     fill_cube(d, flakes ? 6.0f : 3.0f, 0.8f, {0.25f, 0.25f, 0.25f, 0, 0, 0});
     if (!flakes) d.media.back().phase.reset();
     return statistics_of(d);

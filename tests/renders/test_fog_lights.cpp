@@ -1,6 +1,6 @@
-// Several area lights and a medium: light that a path finds after it was scattered in the medium is weighed by the
-// probability with which the tree of lights would have chosen it from there, so that light sampling, phase sampling and
-// both together have the same mean.
+// Several area lights and a medium. Light found after scattering in the medium has the MIS weight of the light tree's
+// probability at the scattering vertex, so that light sampling, phase sampling and their combination have the same
+// mean.
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -9,15 +9,15 @@ namespace sheaf::test_fog_lights {
 
 namespace {
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(9 * 9);
 
 Transform turned(Vec3f at, Vec3f axis, float degrees, float size) {
   return Transform::translate(at) * Transform::rotate(axis, degrees) * Transform::scale({size, size, 1});
 }
 
-/// Around the origin, where the camera does not see them; large, so that both strategies find them as easily, and of
-/// unequal power, so that it matters which is likely to be chosen.
+/// Lights around the origin and out of view. They are large, so that both strategies find them, and of unequal power,
+/// so that the selection probabilities matter.
 void add_lights(Description& d) {
   add_area_light_sphere(d, {0, 0, 2.6f}, 1.3f, 4);
   add_area_light_sphere(d, {0, 2.4f, -0.3f}, 1.1f, 1);
@@ -25,7 +25,7 @@ void add_lights(Description& d) {
   add_area_light_rectangle(d, turned({2.4f, 0, 1.8f}, {0, 1, 0}, -135, 1.2f), 7);
 }
 
-/// A sphere of `medium` around the origin, seen from aside.
+/// A sphere of `medium` around the origin, seen from the side.
 Description ball_between_lights(const MediumDescription& medium, float g, int samples = 64) {
   Description d = picture_of_one_point(samples);
   look_at_point(d, {-5, 0.2f, 0.3f}, {0, 0.2f, 0.3f});

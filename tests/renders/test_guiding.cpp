@@ -1,5 +1,5 @@
-// Guided renders: the same mean as without a guide, the same bits whatever the threads, waves and crop, less noise
-// where light is hard to find.
+// Guided renders: the mean of unguided ones, less noise where light is hard to find, and bits that do not depend on
+// threads, waves or crop.
 #include "core/error.h"
 #include "kernels/wave/wave.h"
 #include "scene/data/glasses.h"
@@ -16,11 +16,11 @@ namespace sheaf::test_guiding {
 
 namespace {
 
-/// All comparisons of means of this file together fail with probability kSignificance if guiding is sound.
+/// All comparisons of means of this file together fail with probability kSignificance if guiding is unbiased.
 const double kLevel = significance_of_each(60);
 
-/// Two rooms of which one has a lamp, and a gap between them; seen from the other one. Every pixel sees one point.
-/// `share`: of their usual reflectance that walls have.
+/// Two rooms joined by a gap, one with a lamp, seen from the other. Every pixel sees one point. `share` scales the
+/// reflectance of the walls.
 Description two_rooms(int samples, float share = 1) {
   Description d = picture_of_one_point(samples);
   d.film.width = d.film.height = 16;
@@ -39,7 +39,7 @@ Description two_rooms(int samples, float share = 1) {
 }
 
 struct Guided {
-  MeanVariance off, on;  ///< of green
+  MeanVariance off, on;  ///< of the green channel
 };
 
 Guided both_ways(const Description& d, ColorMode color = ColorMode::kRgb) {
@@ -99,7 +99,7 @@ TEST_CASE("guiding: the mean is kept without light sampling and with several can
 }
 
 TEST_CASE("guiding: light sampling and guided sampling are combined by MIS") {
-  // A wall that shines, as likely to be found by one as by the other.
+  // An emissive wall that both strategies find with similar probability.
   Description d = picture_of_one_point(64);
   d.film.width = d.film.height = 16;
   look_at_point(d, {0, 2, 0.5f}, {0, 0, 0}, {0, 0, 1});
@@ -125,7 +125,7 @@ TEST_CASE("guiding: the mean is kept with blends and coats and glass and two-sid
   add_sphere(d, {-1.5f, 0.5f, -0.5f}, 0.3f, rough);
   add_sphere(d, {-0.4f, -0.6f, 0.4f}, 0.3f, shiny);
   check_means(d);
-  // Looks at the blend itself, and at the plastic.
+  // The camera looks at the blend itself, then at the plastic.
   look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-1.2f, -0.5f, -0.4f}, {0, 1, 0});
   check_means(d);
   look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.4f, -0.6f, 0.4f}, {0, 1, 0});
@@ -133,7 +133,7 @@ TEST_CASE("guiding: the mean is kept with blends and coats and glass and two-sid
 }
 
 TEST_CASE("guiding: Russian roulette by expected contribution keeps paths that reach the light") {
-  // By throughput, most paths would end in the dark room: walls that reflect little make it fall below a half at once.
+  // Roulette by throughput would end most paths in the dark room, because dark walls reduce it below one half at once.
   Description d = two_rooms(64, 0.4f);
   d.integrator.max_depth = -1;
   for (const auto& [rr_depth, most] : {std::pair{2, 0.2}, {5, 0.5}}) {
@@ -145,7 +145,8 @@ TEST_CASE("guiding: Russian roulette by expected contribution keeps paths that r
 }
 
 TEST_CASE("guiding: lossless surfaces keep the energy of every lobe") {
-  // Under an even sky every direction brings the same: a white plastic shows 1, a diffuse base under a mirror.
+  // In a constant environment all directions have the same radiance: a white plastic has radiance 1, as has a diffuse
+  // base under a mirror.
   const auto furnace = [](MaterialId (*material)(Description&), ColorMode color) {
     Description d = picture_of_one_point(64);
     d.film.width = d.film.height = 16;
@@ -214,7 +215,7 @@ TEST_CASE("guiding: glossy and layered and dispersive surfaces that fill the ima
       d.integrator.strategy = strategy;
       look_at_point(d, {0, -2, 1.2f}, {0, 0, 0});
       add_rectangle(d, Transform::scale({3, 3, 1}), material(d));
-      // Lights as wide as lobes are: one that a mirror would show, one aside, one below.
+      // Lights about as wide as the lobes: one in the mirror direction, one to the side, one below.
       add_area_light_rectangle(
           d, Transform::translate({0, 2, 1.2f}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({1, 0.8f, 1}), 2);
       add_area_light_sphere(d, {-1.5f, 0, 1}, 0.6f, 2);
@@ -225,7 +226,7 @@ TEST_CASE("guiding: glossy and layered and dispersive surfaces that fill the ima
 
 namespace {
 
-/// Writes down the rays that look for the nearest surface.
+/// Records the rays that look for the nearest hit.
 class NearestRays : public RayRecorder {
  public:
   explicit NearestRays(std::vector<std::array<float, 6>>& rays) : rays_(rays) {}
@@ -242,7 +243,7 @@ class NearestRays : public RayRecorder {
 }  // namespace
 
 TEST_CASE("guiding: training paths and image paths use different random numbers") {
-  // The image's samples would not be independent of what guides them.
+  // Otherwise the samples of the image would not be independent of the guide.
   for (const SamplerKind kind : {SamplerKind::kSobol, SamplerKind::kIndependent}) {
     Description d = two_rooms(16);
     d.sampler.kind = kind;

@@ -1,4 +1,4 @@
-// Instances of shape groups: what rays see of them is what they would see of the same shapes, placed one by one.
+// Instances of shape groups: rays hit them as they hit the same shapes placed one by one.
 #include "scene/compile/compile.h"
 #include "tests/support/instancing_testing.h"
 #include "tests/support/records_testing.h"
@@ -16,7 +16,7 @@ namespace {
 struct Ray {
   Vec3f origin, direction;
 };
-/// A ray from around `to_world`'s image of a ball of radius 3 to a point in it.
+/// A ray from outside the image of a sphere of radius 3 under `to_world` to a point in that image.
 Ray ray_towards(const Transform& to_world, std::uint32_t i) {
   const Vec3f origin = to_world.point(random_direction(71, i) * 8.0f),
               target = to_world.point(random_direction(72, i) * 2.2f);
@@ -64,7 +64,7 @@ TEST_CASE("instancing: rays hit instances as they hit individually placed shapes
       worst_t = std::max(worst_t, std::fabs(a->t - double(b->t)));
       worst_p = std::max(worst_p, distance(x.p, y.p));
       worst_ng = std::max(worst_ng, distance(x.ng, y.ng));
-      // Vertex normals are interpolated in the group's space.
+      // Vertex normals are interpolated in the space of the group.
       const Vec3f hit_point = placement.to_world.inverse().point(x.p);
       const auto z = surface_point<Scalar>(own->view(), gather_rows<Scalar>(own->view().shapes, a->shape), a->primitive,
                                            a->u, a->v, hit_point, kNone);

@@ -1,4 +1,4 @@
-// Instances of shape groups in whole renders, and rays that leave them.
+// Renders of shape groups, and rays that leave instances.
 #include "core/frame.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -14,7 +14,8 @@ namespace sheaf::test_instancing_render {
 
 namespace {
 
-/// Rays that leave a convex shape, to its outer side and through it: how many there were, met it, met it at once.
+/// Rays that leave a convex shape to its outside and through its inside: their number, hits of the shape, hits at
+/// distance zero.
 struct Tally {
   int starts = 0, self_hits = 0, early_hits = 0;
 };
@@ -28,7 +29,7 @@ Tally shoot(const SceneView& scene, const Transform& to_world, bool closed) {
     const auto hit = trace_ray(scene, origin, direction);
     if (!hit) continue;
     const auto y = surface_at(scene, origin, direction, *hit);
-    // Once in a million a ray slips between two triangles and finds a closed shape from inside.
+    // About one ray in a million slips between two triangles and sees a closed shape from inside.
     if (closed && dot(y.ng, direction) > 0) continue;
     const Vec3f outer = dot(y.ng, direction) < 0 ? y.ng : -y.ng;
     ++tally.starts;
@@ -64,7 +65,7 @@ TEST_CASE("instancing: both sides of surfaces have their materials") {
                        TwoSidedDescription{add_diffuse_rgb(d, 0.8f, 0.1f, 0.1f), add_diffuse_rgb(d, 0.1f, 0.8f, 0.1f)}),
           add_diffuse(d, 0.7f), add_glass(d), add_mirror(d), add_two_sided(d, add_diffuse(d, 0.5f))};
       std::vector<ShapeDescription> shapes = every_kind(materials);
-      // Interpolated normals differ, where they are interpolated before they are stretched.
+      // Interpolated normals differ if they are interpolated before a non-uniform scale.
       std::erase_if(shapes, [](const ShapeDescription& shape) { return std::holds_alternative<Mesh>(shape.geometry); });
       if (instances) {
         add_instance(d, add_group(d, shapes), placement.to_world);
@@ -73,7 +74,7 @@ TEST_CASE("instancing: both sides of surfaces have their materials") {
       }
       add_rectangle(d, placement.to_world * Transform::translate({0, 0, 4}) * Transform::scale({6, 6, 6}),
                     add_two_sided(d, add_diffuse(d, 0.3f)));
-      add_constant_light(d, 1);  // one light: choosing among several depends on the scene's bounds
+      add_constant_light(d, 1);  // one light: the choice among several depends on the bounds of the scene
       return render(*compile_scene(d), {}).film.to_image();
     };
     const Image a = make(true), b = make(false);
@@ -86,7 +87,7 @@ TEST_CASE("instancing: both sides of surfaces have their materials") {
           far += std::fabs(apart) > 1e-3;
           difference += apart;
         }
-    // Few paths take another turn after a rounding error; a wrong side or material would change whole shapes.
+    // Few paths diverge after a rounding error. A wrong side or material would change whole shapes.
     CHECK(far < 0.03 * 3 * a.width * a.height);
     CHECK(std::fabs(difference) < 2e-3 * 3 * a.width * a.height);
   }

@@ -1,5 +1,5 @@
-// The thin lens in whole renders: edges are sharp in the plane of focus, all over it, and elsewhere blurred by the disk
-// that the lens throws there.
+// Renders with the thin lens: edges are sharp everywhere in the focal plane, and elsewhere blurred by the circle of
+// confusion.
 #include "tests/support/render_testing.h"
 
 #include <string>
@@ -10,13 +10,13 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 constexpr int kAcross = 16, kAlong = 96, kDistances = 4;
-/// All comparisons of this file together fail with probability kSignificance if the lens is sound.
+/// All comparisons of this file together fail with probability kSignificance if the lens is unbiased.
 const double kLevel = significance_of_each(2 * 2 * kDistances * kAcross * 3);
-/// Pixels from the left, or from above.
+/// Pixels from the left or from the top.
 constexpr double kEdge = 3.3;
 constexpr float kAperture = 0.4f, kFocus = 2;
 
-/// The picture of an edge between black and white at `distance`, which stands upright or lies.
+/// A vertical (`upright`) or horizontal edge between black and white at `distance`.
 Description edge_at(float distance, bool upright) {
   Description d = upright ? empty_scene(kAcross, kAlong) : empty_scene(kAlong, kAcross);
   d.camera.fov_axis = upright ? CameraDescription::FovAxis::kX : CameraDescription::FovAxis::kY;
@@ -35,14 +35,14 @@ Description edge_at(float distance, bool upright) {
   return d;
 }
 
-/// The share of the unit disk beyond `x` along one axis.
+/// Area share of the unit disk beyond `x` along one axis.
 double disk_share(double x) {
   const double t = std::clamp(x, -1.0, 1.0);
   return (std::acos(t) - t * std::sqrt(1 - t * t)) / kPiD;
 }
 
-/// What pixel `i` across the edge sees of the white: through the point u of the lens, in radii along the picture, the
-/// edge appears kAperture u (1 / distance - 1 / kFocus) further on the plane at distance 1.
+/// Share of white that pixel `i` across the edge sees. Through point u of the lens, in radii along the image, the edge
+/// appears shifted by kAperture u (1 / distance - 1 / kFocus) on the plane at distance 1.
 double expected_white(int i, double distance) {
   const double blur = kAcross / 2.0 * kAperture * std::fabs(1 / distance - 1 / double(kFocus));
   constexpr int kSteps = 2000;

@@ -1,5 +1,5 @@
-// Direct light keeps its mean whichever lights there are, however they are chosen, and however many candidates there
-// are: Student's t-tests of small pictures against a long render without any choice by importance.
+// The mean of direct light does not depend on the light selector or the number of candidates: Student's t-tests of
+// small images against a long render that selects lights uniformly.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/picture_files.h"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSide = 24, kBlocks = 4;
 
-/// A floor, a shiny ball and a screen that shades part of both; two small lights besides the one to be tested.
+/// A floor, a glossy sphere and a screen that shadows part of both, with two small lights besides the light under test.
 Description stage_scene() {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;

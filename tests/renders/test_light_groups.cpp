@@ -1,4 +1,4 @@
-// Layers that tell the light of one light from that of another.
+// Layers with the contribution of each light group.
 #include "core/error.h"
 #include "core/exr.h"
 #include "tests/support/media_testing.h"
@@ -11,7 +11,7 @@ namespace sheaf::test_light_groups {
 
 namespace {
 
-/// A ball on a floor under lights of several kinds, in fog.
+/// A sphere on a floor under lights of several kinds, in fog.
 Description lit_scene() {
   Description d = empty_scene(12, 10);
   look_at(d, {0, 1.2f, -3}, {0, 0.4f, 0}, {0, 1, 0}, 50);
@@ -39,7 +39,7 @@ Image picture(const Description& d, ColorMode color = ColorMode::kRgb, FilterMod
   return render(*compile_scene(filtered, compile), options).to_image();
 }
 
-/// Groups by the names of their red channels.
+/// Indices of the red channels of all groups.
 std::vector<int> groups_of(const Image& image) {
   std::vector<int> groups;
   for (std::size_t c = 0; c < image.channels.size(); ++c)
@@ -48,7 +48,7 @@ std::vector<int> groups_of(const Image& image) {
   return groups;
 }
 
-/// Largest difference between the sum of the groups and the picture, over the picture's value.
+/// Largest difference between the sum of the groups and the image, relative to the image.
 double difference_of_sum(const Image& image) {
   const std::vector<int> groups = groups_of(image);
   double worst = 0;
@@ -133,24 +133,24 @@ TEST_CASE("light groups: layers have unique names whatever the names of lights")
   d.lights.back().id = "point";
   add_area_light_sphere(d, {1, 1, 2}, 0.3f, 5);
   const Image image = picture(d);
-  // Both without a name are one, as are both that are called "point"; the area light has no name either.
+  // The two unnamed lights form one group, as do the two called "point". The area light is unnamed as well.
   CHECK(groups_of(image).size() == hostile.size());
   CHECK(std::set<std::string>(image.channels.begin(), image.channels.end()).size() == image.channels.size());
   for (const std::string& channel : image.channels) CHECK(channel.size() < 256);
   CHECK(difference_of_sum(image) < 2e-5);
   for (const int group : groups_of(image))
     CHECK(sum_of(image, image.channels[static_cast<std::size_t>(group)].c_str()) > 0);
-  // Names that need no change keep theirs.
+  // Valid names are kept.
   for (const char* const name : {"light_a_b.R", "light_a_b_2.R", "light_point.R", "light_other.R", "light_point_2.R"})
     CHECK(image.find_channel(name) >= 0);
-  // They survive in a file.
+  // Layers survive a round trip through a file.
   const TemporaryFolder folder;
   write_exr(folder / "groups.exr", image);
   const Image back = read_exr(folder / "groups.exr");
   REQUIRE(back.channels.size() == image.channels.size());
   for (const std::string& channel : image.channels)
     CHECK(sum_of(back, channel.c_str()) == sum_of(image, channel.c_str()));
-  // Light that photon maps hold has a layer besides that of a lamp called "other".
+  // The contribution of photon maps has its own layer, beside that of a lamp called "other".
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global.count = 500;
   const Image mapped = picture(d);
@@ -160,7 +160,7 @@ TEST_CASE("light groups: layers have unique names whatever the names of lights")
 }
 
 TEST_CASE("light groups: each group contains the light of its own lamp only") {
-  // Two rooms with a lamp each.
+  // Two rooms with one lamp each.
   Description d = empty_scene(8, 8);
   d.sampler.sample_count = 16;
   const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));

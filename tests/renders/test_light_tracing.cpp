@@ -1,5 +1,5 @@
-// Light tracing against path tracing: two estimators that share no formula for lights' emission, for the direction in
-// which a BSDF is asked, and for the camera must have the same mean, whatever emits, scatters and lies in between.
+// Light tracing against path tracing. The two estimators share no formula for the emission of lights, the direction of
+// BSDFs or the camera, and must have the same mean for all lights, materials and media.
 #include "core/exr.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -24,10 +24,10 @@ namespace sheaf::test_light_tracing {
 
 namespace {
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(8000);
 constexpr int kSide = 20, kRepeats = 7;
-/// What is compared of a picture: the mean of each of 16 blocks and of each colour.
+/// Compared values: the means of 16 blocks and of the 3 colours.
 constexpr std::size_t kMeans = 19;
 
 std::array<double, kMeans> means_of(const Image& image) {
@@ -61,8 +61,8 @@ void check_agree(const Description& d, ColorMode color = ColorMode::kRgb) {
   const auto path = repeat(d, IntegratorKind::kPath, color), light = repeat(d, IntegratorKind::kLightTracer, color);
   for (std::size_t k = 0; k < kMeans; ++k) {
     const double error = std::sqrt((path[k].variance() + light[k].variance()) / kRepeats);
-    // What no number of samples averages out: single precision, tables of filters and wavelengths; and a filter's tails
-    // in blocks that see nothing, where few camera samples ever come.
+    // Errors that no number of samples averages out: single precision, tables of filters and wavelengths, and tails of
+    // filters in empty blocks, where few camera samples lie.
     const double allowed = 2e-4 * std::fabs(path[k].mean()) + 1e-4 * path[kMeans - 2].mean();
     const double distance = std::max(0.0, std::fabs(path[k].mean() - light[k].mean()) - allowed);
     CAPTURE(k);
@@ -77,7 +77,7 @@ TextureId add_board(Description& d, Vec3f first, Vec3f second) {
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// Heights between 0 and 1: a picture of 16 x 16 pixels, looked up in between.
+/// An interpolated texture of 16 x 16 heights between 0 and 1.
 TextureId add_hills(Description& d) {
   static const TemporaryFolder folder;
   static const std::filesystem::path file = [] {
@@ -93,7 +93,7 @@ TextureId add_hills(Description& d) {
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// A floor, and above it whatever a test adds; z is up.
+/// A floor, with z up. Tests add objects above it.
 Description room(std::uint32_t samples = 25) {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;
@@ -106,7 +106,7 @@ Description room(std::uint32_t samples = 25) {
   return d;
 }
 
-/// A ball of few triangles with smooth normals: shading and geometric normals differ all over.
+/// A sphere of few triangles with smooth normals, so that shading and geometric normals differ everywhere.
 Mesh smooth_ball(Vec3f center, float radius) {
   constexpr int kRings = 5, kSegments = 8;
   Mesh mesh;
@@ -204,7 +204,7 @@ const std::vector<Named>& emitters() {
   return list;
 }
 
-/// Balls on the floor of a material that light tracing can see.
+/// Spheres on the floor, of every material that light tracing can render.
 const std::vector<Named>& balls() {
   const auto ball = [](auto model) {
     return [model](Description& d) {
@@ -356,7 +356,8 @@ TEST_CASE("light tracing: every emitter in and around media has the mean of path
        [&](Description& d) {
          DielectricDescription pane;
          pane.thin = true;
-         pane.specular_reflectance = SpectrumDescription::constant(0);  // light tracing cannot see what it reflects
+         pane.specular_reflectance =
+             SpectrumDescription::constant(0);  // light tracing cannot render specular reflections
          add_rectangle(d, Transform::translate({0.3f, -0.5f, 1.2f}) * Transform::scale({0.6f, 0.6f, 1}),
                        add_material(d, pane));
          add_rectangle(d, Transform::translate({-0.5f, 0.5f, 0.9f}) * Transform::scale({0.6f, 0.6f, 1}),
@@ -442,7 +443,7 @@ TEST_CASE("light tracing: all camera types and clip planes and depths and filter
     emitters()[0].add(d);
     emitters()[2].add(d);
     balls()[1].add(d);
-    add_sphere(d, {0.2f, -2.9f, 2.1f}, 0.05f, add_diffuse(d, 0.9f));  // too near to be sharp
+    add_sphere(d, {0.2f, -2.9f, 2.1f}, 0.05f, add_diffuse(d, 0.9f));  // too close to be in focus
     change.add(d);
     check_agree(d);
   }
@@ -525,7 +526,7 @@ TEST_CASE("light tracing: the variance channels match the spread over seeds") {
 }
 
 TEST_CASE("light tracing: hidden lights and their reflections are invisible except through thin dielectrics") {
-  // A wall, lit by a point light and by two lights that reflect and stand before it.
+  // A wall, lit by a point light and by two reflective lights in front of it.
   const auto wall = [] {
     Description d = empty_scene(12, 12);
     d.sampler.kind = SamplerKind::kIndependent;
@@ -544,13 +545,13 @@ TEST_CASE("light tracing: hidden lights and their reflections are invisible exce
   const auto pane = [](Description& d, float z) {
     DielectricDescription glass;
     glass.thin = true;
-    glass.specular_reflectance = SpectrumDescription::constant(0);  // light tracing cannot see what it reflects
+    glass.specular_reflectance = SpectrumDescription::constant(0);  // light tracing cannot render specular reflections
     add_rectangle(d, Transform::translate({-0.2f, -0.2f, z}) * Transform::scale({0.5f, 0.5f, 1}),
                   add_material(d, glass));
     d.integrator.thin_dielectrics_are_free = true;
   };
   check_agree(wall());
-  // Before the lights, which then show, behind all of them, and between them.
+  // A pane before all lights, which makes them visible, behind all of them, and between them.
   for (const float z : {1.5f, 0.1f, 0.9f}) {
     CAPTURE(z);
     Description d = wall();
@@ -584,10 +585,11 @@ TEST_CASE("light tracing: pixels at the edge of the frame are unbiased even wher
         d.integrator.max_depth = 2;
         look_at(d, {0, 0, 2}, {0, 0, 0}, {0, 1, 0}, 40);
         add_point_light(d, {0.5f, 0.2f, 1.5f}, 5);
-        // Ends inside of the outermost pixels on two sides of the frame, and beyond it on the others.
+        // The square ends inside the outermost pixels on two sides of the frame and beyond them on the others.
         add_rectangle(d, Transform::translate({0.24f, 0.24f, 0}) * Transform::scale({0.9f, 0.9f, 1}),
                       add_diffuse_rgb(d, 0.8f, 0.6f, 0.4f));
-        // The outermost pixels alone, each side's apart: red, green and blue of left, right, top and bottom, corners.
+        // Means of the outermost pixels of each side and of the corners: red, green and blue of left, right, top and
+        // bottom.
         const auto edges = [&](IntegratorKind kind) {
           Description of = d;
           of.integrator.kind = kind;
@@ -634,7 +636,7 @@ TEST_CASE("light tracing: filters wrap around the sides of a panorama") {
       d.film.sample_border = border;
       d.integrator.max_depth = 2;
       d.camera.projection = CameraDescription::Projection::kSpherical;
-      // The frame's sides meet at the dark half of a ball around the camera.
+      // The seam of the panorama is in the dark half of a sphere around the camera.
       const TextureId board = add_board(d, {0.9f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f});
       d.textures.back().to_uv = {1, 0, 0.06f, 0, 1, 0};
       add_shape(d, SphereShape{{0, 0, 0}, 2}, Transform::rotate({1, 0, 0}, -90),
@@ -648,7 +650,7 @@ TEST_CASE("light tracing: filters wrap around the sides of a panorama") {
           RenderOptions options;
           options.seed = 2 * i + (kind == IntegratorKind::kPath ? 0u : 1u);
           const Image image = render(*scene, options).to_image();
-          // Rows around the horizon: beyond the poles camera rays see the pole itself.
+          // Rows around the horizon. Beyond the poles, camera rays see the pole itself.
           for (std::size_t k = 0; k < 4; ++k) {
             const int x = k < 2 ? static_cast<int>(k) : image.width - 4 + static_cast<int>(k);
             means[k].add(double{image.at(x, 2, 0)} + double{image.at(x, 3, 0)});
@@ -688,7 +690,7 @@ TEST_CASE("camera: the view of a point is the ray that hits it and its importanc
       const float t = 2 + u(random);
       const auto at = [&](float film_x, float film_y) {
         const auto r = camera.ray<Scalar>(film_x, film_y, lens_u, lens_v);
-        // Where the neighbouring ray meets the plane across the ray.
+        // Point where the neighbouring ray meets the plane perpendicular to the ray.
         return r.origin + r.direction * (dot(ray.origin + ray.direction * t - r.origin, ray.direction) /
                                          dot(r.direction, ray.direction));
       };

@@ -1,4 +1,4 @@
-// Media in whole renders, against closed forms and against each other.
+// Renders of media against closed forms and against each other.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/formats/nanovdb.h"
@@ -15,7 +15,7 @@ namespace sheaf::test_media_estimators {
 
 namespace {
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(2000);
 constexpr MediumEstimator kUnbiased[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio};
 
@@ -43,7 +43,7 @@ Means means_of(const Description& d, ColorMode color = ColorMode::kRgb) {
   return m;
 }
 
-/// `rounding`: relative error of single precision that no number of samples averages out.
+/// `rounding` is the relative error of single precision, which no number of samples averages out.
 void check_mean(const MeanVariance& statistics, double expected, double rounding = 2e-5) {
   const double distance = statistics.mean() - expected, allowed = rounding * std::fabs(expected);
   INFO("mean " << statistics.mean() << ", expected " << expected << ", standard error "
@@ -58,7 +58,7 @@ void check_grey(const Description& d, double expected) {
   for (const MeanVariance& channel : m.channel) check_mean(channel, expected);
 }
 
-/// The means of two renders may be the same.
+/// Tests that two renders have the same mean.
 void check_equal(const MeanVariance& a, const MeanVariance& b) {
   const double error = std::sqrt((a.variance() + b.variance()) / 1024);
   INFO("means " << a.mean() << " and " << b.mean() << ", standard error " << error);
@@ -69,7 +69,7 @@ void check_equal(const MeanVariance& a, const MeanVariance& b) {
   }
 }
 
-/// A wall that glows behind the cube [0, 1]^3, seen through it along x from far away.
+/// An emissive wall behind the cube [0, 1]^3, seen through it along x from far away.
 Description wall_behind_cube() {
   Description d = picture();
   aim(d, {-5, 0.5f, 0.5f}, {0, 0.5f, 0.5f});
@@ -117,7 +117,7 @@ GridVolumeDescription ones_in_nanovdb(const std::filesystem::path& file, float s
   return description;
 }
 
-/// The whole space is filled, or a sphere of radius 1 in a white environment.
+/// The whole space, or a sphere of radius 1, filled with a medium in a white environment.
 Description furnace(const MediumDescription& medium, float g) {
   Description d = picture(64);
   look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 20);
@@ -158,7 +158,7 @@ TEST_CASE("media: paths and shadow rays match the transmittance of a homogeneous
 
 TEST_CASE("media: the transmittance of a linear density ramp matches the closed form") {
   const TemporaryFolder folder;
-  // Clamped beyond the outermost voxels' centres, linear in between.
+  // Clamped beyond the centres of the outermost voxels, linear in between.
   constexpr int kVoxels = 32;
   const auto file = write_vol(folder / "ramp.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.x; });
   const auto upwards = write_vol(folder / "up.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.y; });
@@ -202,7 +202,7 @@ MediumDescription glowing(float sigma_t, float albedo, float radiance) {
 
 constexpr float kGlowRadius = 0.8f, kGlowHeight = 1.5f;
 
-/// A diffuse floor at z = 0, seen from aside, below a sphere of `medium`.
+/// A diffuse floor at z = 0, seen from the side, below a sphere of `medium`.
 Description floor_below_glow(const MediumDescription& medium) {
   Description d = picture();
   look_at(d, {3, 0, 0.5f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
@@ -213,14 +213,14 @@ Description floor_below_glow(const MediumDescription& medium) {
   return d;
 }
 
-/// What the floor reflects of a sphere that absorbs and glows with radiance `emission`: the integral over the cone
-/// around it of emission * (1 - exp(-sigma * chord)).
+/// Radiance that the floor reflects of a sphere that absorbs and emits radiance `emission`: the integral over its cone
+/// of emission * (1 - exp(-sigma * chord)).
 double reflected_glow(double sigma, double emission) {
   const double sin_max = kGlowRadius / kGlowHeight;
   double sum = 0;
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
-    const double sin2 = sin_max * sin_max * (i + 0.5) / kSteps;  // the measure cos sin d(angle) is d(sin^2) / 2
+    const double sin2 = sin_max * sin_max * (i + 0.5) / kSteps;  // the measure cos sin d(angle) equals d(sin^2) / 2
     const double chord = 2 * std::sqrt(kGlowRadius * kGlowRadius - kGlowHeight * kGlowHeight * sin2);
     sum += emission * (1 - std::exp(-sigma * chord));
   }
@@ -252,7 +252,7 @@ TEST_CASE("media: an emissive sphere matches the closed form directly and as ill
         check_grey(seen, 3 * (1 - std::exp(-1.6 * sigma)));
         for (const LightStrategy strategy :
              {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
-          // Marching leaves what glows to the paths.
+          // With ray marching, only paths find emission.
           if (estimator == MediumEstimator::kMarching && strategy != LightStrategy::kBsdfOnly) continue;
           CAPTURE(static_cast<int>(strategy));
           Description d = floor_below_glow(m);
@@ -301,7 +301,7 @@ TEST_CASE("media: combined light and path sampling of emission has less variance
   double variance[3];
   for (int i = 0; i < 3; ++i) {
     Description d = floor_below_glow(m);
-    // A surface light beside it, found by both.
+    // An area light beside the medium, which both strategies find.
     add_area_light_sphere(d, {0, -2, 1}, 0.8f, 1);
     d.sampler.kind = SamplerKind::kIndependent;
     d.integrator.strategy =

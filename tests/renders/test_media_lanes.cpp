@@ -1,4 +1,4 @@
-// Media whose extinction differs from colour to colour, in whole renders, against closed forms.
+// Renders of media whose extinction depends on colour, against closed forms.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -14,7 +14,7 @@ namespace sheaf::test_media_lanes {
 
 namespace {
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(250);
 constexpr MediumEstimator kUnbiased[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio};
 constexpr int kSize = 16;
@@ -37,7 +37,7 @@ Means means_of(const Description& d) {
   return means;
 }
 
-/// `rounding`: relative error that no number of samples averages out.
+/// `rounding` is the relative error that no number of samples averages out.
 void check_mean(const MeanVariance& found, double expected, double rounding = 2e-4) {
   const double distance = found.mean() - expected, allowed = rounding * std::fabs(expected);
   INFO("mean " << found.mean() << ", expected " << expected << ", standard error "
@@ -57,7 +57,7 @@ Description wall_behind(const MediumDescription& medium) {
   return d;
 }
 
-/// A diffuse floor of albedo 0.5, lit by a point light through `medium` in the cube [0, 1]^3: along y.
+/// A diffuse floor of albedo 0.5, lit by a point light along y through `medium` in the cube [0, 1]^3.
 Description floor_below(const MediumDescription& medium) {
   Description d = picture(128);
   look_at(d, {3, -2.0f, 0.5f}, {0.5f, -3, 0.5f}, {0, 1, 0}, 0.01f);
@@ -72,8 +72,8 @@ Description floor_below(const MediumDescription& medium) {
 }
 const double kFloor = 0.5 / 3.14159265358979;
 
-/// What a white sky of radiance 1 brings, over pi, to a point below an endless slab of optical thickness `depth`:
-/// twice the exponential integral E3.
+/// Irradiance over pi of a white environment of radiance 1 below an infinite slab of optical thickness `depth`: twice
+/// the exponential integral E3.
 double below_slab(double depth) {
   constexpr int kSteps = 20000;
   double sum = 0;
@@ -84,7 +84,7 @@ double below_slab(double depth) {
   return sum / kSteps;
 }
 
-/// A diffuse floor of albedo 0.5 that sees a white sky through a slab of `medium`, y in [0, 1], 200 wide.
+/// A diffuse floor of albedo 0.5 that sees a white environment through a slab of `medium`, y in [0, 1], 200 wide.
 Description floor_below_slab(const MediumDescription& medium) {
   Description d = picture(128);
   look_at(d, {0.05f, -0.05f, 0}, {0, -0.1f, 0}, {0, 1, 0}, 0.01f);
@@ -105,7 +105,7 @@ TEST_SUITE_BEGIN("slow");
 TEST_CASE(
     "media: grey absorption with coloured scattering is unbiased where minorants of the densest colour are used") {
   const TemporaryFolder folder;
-  // Minorants count up to an optical thickness of 2.3: the last colour exceeds it, whichever colour is the hero.
+  // Minorants are used up to an optical thickness of 2.3. The last colour exceeds it, whichever is the hero wavelength.
   const float scattering[] = {0.1f, 0.8f, 2.5f};
   const auto ones = vol(write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 1.0f; }));
   const auto grey = vol(write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 0.5f; }));
@@ -137,7 +137,7 @@ TEST_CASE("media: the MIS weights through a coloured medium add up by their pdfs
   const TemporaryFolder folder;
   const Transform slab = Transform::translate({-100, 0, -100}) * Transform::scale({200, 1, 200});
   const float extinction[] = {0.4f, 1.5f, 3};
-  // From a quarter to three quarters of the extinction, in steps of a voxel: collisions with the majorant meet nothing.
+  // The density rises from 0.25 to 0.75 across the slab, below its majorant, so that there are null collisions.
   const auto ramp = vol(write_vol(folder / "ramp.vol", 2, 1, [](Vec3f p, int) { return p.y; }), slab);
   const auto colors =
       vol(write_vol(folder / "colors.vol", 2, 3, [&](Vec3f p, int c) { return extinction[c] * p.y; }), slab);

@@ -1,4 +1,4 @@
-// Where Mitsuba's heterogeneous media end: at the box along the world's axes around the volume of their extinction.
+// Heterogeneous media of Mitsuba end at the axis-aligned box around their extinction volume.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -16,10 +16,10 @@ using namespace test;
 
 namespace {
 
-/// Pixels along each side; the frame shows [-4, 4]^2 along z, whose size is that of the cube [-3, 3]^3.
+/// Pixels along each side. The frame shows [-4, 4]^2 along z, the medium's shape is the cube [-3, 3]^3.
 constexpr int kSize = 16;
 
-/// The light that passes the cube [-3, 3]^3, which holds the medium and absorbs alone.
+/// Radiance behind the cube [-3, 3]^3, which is filled with a purely absorbing medium.
 Image passed_light(const TemporaryFolder& folder, const std::string& sigma_t, ColorMode color = ColorMode::kRgb) {
   const std::string text = mitsuba_scene(
       "<emitter type='constant'><float name='radiance' value='1'/></emitter>"
@@ -36,11 +36,11 @@ Image passed_light(const TemporaryFolder& folder, const std::string& sigma_t, Co
   return render(*compile_scene(read_scene(write_below(folder, "scene.xml", text)), options), {}).film.to_image();
 }
 
-/// The place of a pixel's middle: x to the left, y upwards.
+/// Position of the centre of a pixel, with x to the left and y upwards.
 float place_of(int pixel) { return 4 - 8 * (static_cast<float>(pixel) + 0.5f) / kSize; }
 
-/// Checks that light passes the pixels for which inside(x, y) by the share `passed`, up to noise, and all others
-/// without loss; but none of those for which skip(x, y).
+/// Checks that pixels with inside(x, y) have transmittance `passed`, up to noise, and all others 1. Pixels with skip(x,
+/// y) are ignored.
 template <class Inside, class Skip>
 void check_passed(const Image& image, double passed, Inside&& inside, Skip&& skip, int channel = 1) {
   double sum = 0;
@@ -70,7 +70,7 @@ std::string grid(const std::string& file, const std::string& place, const std::s
          "<string name='wrap_mode' value='" + wrap + "'/></volume>";
 }
 const std::string kHalf = "<float name='value' value='0.5'/>";
-/// The square of side 4 on an edge: its box is that of side 4 sqrt(2), of which the frame shows what the cube holds.
+/// A square of side 4, rotated by 45 degrees. Its box has side 4 sqrt(2), of which the cube shows a part.
 const std::string kTurned =
     placed("<translate value='-0.5, -0.5, -0.5'/><scale value='3, 3, 2'/><rotate z='1' angle='45'/>");
 
@@ -93,7 +93,7 @@ TEST_CASE("medium bounds: transformed constant volumes fill their unit cube insi
   check(constant(kHalf), {0, 0, 0}, {1, 1, 1});
   check(constant(kHalf, placed("<scale value='3, 2, 0.5'/><translate value='-2, 0.5, 1'/>")), {-2, 0.5f, 1},
         {1, 2.5f, 1.5f});
-  // Beyond the shape there is nothing.
+  // The volume ends at the shape.
   check(constant(kHalf, placed("<scale value='4, 4, 2'/><translate value='1, -6, 0'/>")), {1, -6, 0}, {5, -2, 2});
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
   const TemporaryFolder folder;
   write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
   write_vol(folder / "halves.vol", 64, 1, [](Vec3f p, int) { return p.x < 0.5f ? 0.25f : 1.0f; });
-  const float half = 1.5f * std::numbers::sqrt2_v<float>;  // of the box's sides
+  const float half = 1.5f * std::numbers::sqrt2_v<float>;  // half the side of the box
   for (const std::string& sigma_t : {constant(kHalf, kTurned), grid("ones.vol", kTurned, "clamp"),
                                      grid("ones.vol", kTurned, "repeat"), grid("ones.vol", kTurned, "mirror")}) {
     CAPTURE(sigma_t);
@@ -112,8 +112,8 @@ TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
           return std::fabs(std::fabs(x) - half) < 0.3f || std::fabs(std::fabs(y) - half) < 0.3f;
         });
   }
-  // What lies beyond the grid's own faces is what the wrap mode says: along its own x, the corner of the box at
-  // (2.12, 2.12) is half of a side beyond the face where the grid is thick.
+  // Beyond the faces of the grid, the wrap mode applies. The corner of the box at (2.12, 2.12) is half a side beyond
+  // the dense face along the x axis of the grid.
   const auto check_beyond = [&](const char* wrap, double sigma) {
     CAPTURE(wrap);
     const auto corner = [](float x, float y) { return x > 1.5f && x < 2 && y > 1.5f && y < 2; };

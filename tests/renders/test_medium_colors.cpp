@@ -1,4 +1,4 @@
-// Media on grids whose absorption is grey and whose scattering is not: each colour has an extinction of its own.
+// Media on grids with grey absorption and coloured scattering: each colour has its own extinction.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"

@@ -1,5 +1,5 @@
-// Media one behind another, behind surfaces that scatter, and before surfaces that disperse: what a path or a shadow
-// ray takes from one to the next.
+// Media behind each other, behind surfaces that scatter, and in front of dispersive surfaces: the state that a path or
+// shadow ray carries from one to the next.
 #include "kernels/media/medium_tracking.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 
-/// A cube [-1/2, 1/2]^3 of a medium on a grid, moved to `at`.
+/// A cube of side 1 around `at`, filled with a grid medium.
 void add_cloud(Description& d, const std::filesystem::path& ones, Vec3f at, float sigma_t) {
   const Transform place = Transform::translate(at) * Transform::scale({0.5f, 0.5f, 0.5f});
   MediumDescription m = fog(sigma_t, 0.5f);

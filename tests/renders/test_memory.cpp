@@ -1,4 +1,4 @@
-// How much memory the program takes at its largest.
+// Peak memory of a render.
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -10,8 +10,8 @@ namespace sheaf::test_memory {
 
 namespace {
 
-/// Peak bytes of heap and stacks of a render of 800 x 600 pixels, as --stats tells: how large the libraries are is not
-/// ours to say.
+/// Peak bytes of heap and stacks of a render of 800 x 600 pixels, as reported by --stats. Shared libraries do not
+/// count.
 double peak_bytes(int samples, int threads) {
   const TemporaryFolder folder;
   const std::string command = "cd '" + folder.path().string() +

@@ -1,5 +1,5 @@
-// The course dialects: every spelling that docs/scene-format.md lists, by what it does to a picture. Spellings of one
-// thing give the same picture, which is another than the default's.
+// Every spelling of the course dialects that docs/scene-format.md lists. Equivalent spellings give the same image,
+// which differs from that of the defaults.
 #include "core/exr.h"
 #include "core/image.h"
 #include "kernels/passes/render.h"
@@ -21,11 +21,11 @@ using namespace test;
 
 namespace {
 
-/// What a scene says. Each part has a default of which the others make something to look at.
+/// The parts of a scene. Each part has a default that makes the effect of the others visible.
 struct Scene {
   std::string bsdf = "<bsdf type='diffuse'/>";
-  std::string mesh = "<mesh type='sphere'>";  ///< open
-  std::string inside;                         ///< of the mesh, beside its bsdf
+  std::string mesh = "<mesh type='sphere'>";  ///< not closed
+  std::string inside;                         ///< children of the mesh besides its BSDF
   std::string emitters =
       "<emitter type='point'><point name='position' value='2,3,4'/>"
       "<color name='intensity' value='30,25,20'/></emitter>"
@@ -34,10 +34,10 @@ struct Scene {
   std::string camera;
   std::string integrator = "<integrator type='path_mis'/>";
   std::string sampler = "<sampler type='sobol'><integer name='sampleCount' value='4'/></sampler>";
-  std::string more;  ///< at the top level
+  std::string more;  ///< children of the scene
 };
 
-/// Renders with the files that scenes name in one folder.
+/// Renders scenes in one folder that holds the files they refer to.
 class Studio {
  public:
   Studio() {
@@ -68,7 +68,7 @@ class Studio {
   TemporaryFolder folder_;
 };
 
-/// The largest difference of two pictures, over the largest value of the first.
+/// Largest difference of two images, relative to the largest value of the first.
 double difference(const std::vector<float>& a, const std::vector<float>& b) {
   if (a.size() != b.size()) return 1;
   double most = 0, largest = 1e-9;
@@ -79,10 +79,10 @@ double difference(const std::vector<float>& a, const std::vector<float>& b) {
   return most / largest;
 }
 
-/// Spellings of one thing, of which none means the default.
+/// Equivalent spellings, none of which is the default.
 using Spellings = std::vector<std::string>;
 
-/// Checks groups of spellings, `place` putting each into a scene: an empty one means that nothing is said.
+/// Checks groups of equivalent spellings. `place` inserts one into a scene; an empty string leaves the default.
 template <class Place> void check_groups(const std::vector<Spellings>& groups, Place&& place) {
   const Studio studio;
   const auto picture = [&](const std::string& text) {
@@ -121,7 +121,7 @@ std::string of_type(const std::string& kind, const std::string& type, const std:
   return "<" + kind + " type='" + type + "'>" + inside + "</" + kind + ">";
 }
 
-/// Each parameter in a material of the same plugin, whose defaults are the plain picture.
+/// Checks each parameter in a material of one plugin. The image of the defaults is the reference.
 void check_parameters(const std::string& plugin, const std::vector<Spellings>& groups, const std::string& rest = "") {
   CAPTURE(plugin);
   check_groups(groups, [&](Scene& scene, const std::string& s) { scene.bsdf = of_type("bsdf", plugin, rest + s); });
@@ -152,7 +152,7 @@ TEST_CASE("Nori spellings: material parameters render equally in all spellings")
                                   {number("extIOR", "1.3"), number("ext_ior", "1.3")},
                                   {number("alpha", "0.4"), number("m_alpha", "0.4")},
                                   {color("kd", "0.1,0.3,0.2"), color("albedo", "0.1,0.3,0.2")}});
-  // Of what the default hides there is something to see.
+  // Parameters whose effect the defaults hide need others to be visible.
   const std::string seen = number("clearcoat", "0.5") + number("sheen", "0.5") + number("metallic", "0.2") +
                            color("baseColor", "0.8,0.3,0.2");
   check_parameters("disney",
@@ -208,7 +208,7 @@ TEST_CASE("Nori spellings: textures render equally in all spellings") {
               {"<vector2 name='delta' value='0.25, 0.1'/>"}});
   const std::string moved = "<vector2 name='delta' value='0.3, 0.3'/>";
   check_in("image", file + moved, {{text("wrap", "mirror")}, {text("wrap", "clamp")}});
-  // All names of a picture, and of a colour.
+  // All names of image and colour textures.
   const auto plain = [&](const std::string& type, const std::string& inside) {
     return of_type("bsdf", "diffuse", texture(type, inside));
   };
@@ -284,7 +284,7 @@ TEST_CASE("Nori spellings: shapes render equally in all spellings") {
                [](Scene& scene, const std::string& s) {
                  if (!s.empty()) scene.mesh = s;
                });
-  // Groups and instances, both ways.
+  // Groups and instances in both notations.
   const std::string ball = "<mesh type='sphere'>" + number("radius", "0.4") + "</mesh>";
   const std::string place = moved("<translate value='1,0,1'/>");
   check_groups(
@@ -443,7 +443,7 @@ TEST_CASE("Nori spellings: media render equally in all spellings") {
        {medium("heterogeneous", grid + text("filterType", "nearest")),
         medium("heterogeneous", volume("density", text("filter_type", "nearest")))}},
       place);
-  // How it is tracked: other random numbers, or steps.
+  // Estimators differ in their random numbers or steps.
   check_groups(
       {{text("method", "march"), text("method", "raymarch")}, {text("method", "delta"), text("method", "woodcock")}},
       [&](Scene& scene, const std::string& s) { place(scene, medium("heterogeneous", grid + pair + s)); });
@@ -455,7 +455,7 @@ TEST_CASE("Nori spellings: media render equally in all spellings") {
                  place(scene, medium("heterogeneous", grid + pair));
                  scene.integrator = of_type("integrator", "path_mis", s);
                });
-  // Around the camera.
+  // Media around the camera.
   check_groups({{medium("homogeneous", number("sigmaT", "0.1"))}},
                [](Scene& scene, const std::string& s) { scene.more = s; });
 }

@@ -1,5 +1,5 @@
-// Rays that go on behind surfaces: hidden lights, null interfaces and masks, the far plane, views for debugging; and
-// media that no surface ends.
+// Rays that continue behind surfaces (hidden lights, null interfaces, masks, the far plane, debug views), and unbounded
+// media.
 #include "kernels/passes/passes.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -16,12 +16,12 @@ namespace sheaf::test_passing {
 
 namespace {
 
-/// All comparisons of this file together fail with probability kSignificance if every estimator is sound.
+/// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(100);
 constexpr int kSide = 32;
 constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly};
 
-/// Looks at one point.
+/// A camera that looks at one point.
 Description picture(Vec3f from, Vec3f at, int samples) {
   Description d = empty_scene(kSide, kSide);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
@@ -39,7 +39,7 @@ MeanVariance means_of(const Image& image, int channel = 0) {
   return m;
 }
 
-/// Relative errors of `rounding` are those of single precision.
+/// Tests the mean against `expected`. `rounding` is the relative error of single precision.
 void check_mean(const MeanVariance& m, double expected, double rounding = 1e-4) {
   INFO("mean " << m.mean() << ", expected " << expected << ", standard error "
                << std::sqrt(m.variance() / (kSide * kSide)));
@@ -53,8 +53,8 @@ Transform facing_back(float z) { return Transform::translate({0, 0, z}) * Transf
 }  // namespace
 
 TEST_CASE("pass-through: paths scatter behind a hidden light in a medium as if it were absent") {
-  // What scatters sees the environment's radiance in every direction, and the light's, which is the same; what does not
-  // sees nothing, nor does what scatters within the light, which is dark inside.
+  // Scattered light comes from the environment or the light, which have the same radiance. Unscattered paths see
+  // nothing, nor do those that scatter inside the light, which is dark inside.
   Description d = picture({0, 0, 0}, {0, 0, 1}, 32);
   d.integrator.hide_emitters = true;
   d.integrator.rr_depth = 1000;
@@ -116,7 +116,7 @@ TEST_CASE("pass-through: debug views skip invisible surfaces and measure the dis
       double worst = 0;
       for (std::size_t i = 0; i < open.data.size(); ++i)
         worst = std::max(worst, std::fabs(double{open.data[i]} - double{covered.data[i]}));
-      // Behind a surface rays begin a little off it.
+      // Rays continue at a small offset behind a surface.
       CHECK(worst < 1e-4);
     }
 }
@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE("pass-through: debug views lose no paths behind hidden lights
 }
 
 TEST_CASE("pass-through: a hidden light still bounds its media") {
-  // Two metres of glowing gas before a black wall, in a cube that is a light and does not show.
+  // Two metres of emissive gas before a black wall, in a cube that is a hidden light.
   MediumDescription gas = fog(1, 0);
   gas.emission = VolumeInput(SpectrumDescription::constant(1));
   Description d = picture({0, 0, 0}, {0, 0, 1}, 4);
@@ -150,7 +150,7 @@ TEST_CASE("pass-through: a hidden light still bounds its media") {
 
 namespace {
 
-/// A floor in an open world full of `medium`, seen from two metres, below a white sky.
+/// A floor in an unbounded `medium`, seen from 2 m above, in a white environment.
 Description foggy_floor(const MediumDescription& medium, int samples) {
   Description d = picture({1.2f, 1.6f, 0}, {0, 0, 0}, samples);
   d.camera.to_world = Transform::look_at({1.2f, 1.6f, 0}, {0, 0, 0}, {0, 0, 1});
@@ -160,7 +160,7 @@ Description foggy_floor(const MediumDescription& medium, int samples) {
   return d;
 }
 
-/// Around the floor's corners.
+/// Radius of the unbounded medium: 1.01 times that of the scene, a sphere around the corners of the floor.
 const double kMediumRadius = 1.01 * std::sqrt(18.0);
 
 }  // namespace
@@ -171,7 +171,7 @@ TEST_CASE("pass-through: distant light enters an unbounded medium at the boundin
     Description d = foggy_floor(fog(0.2f, 0), 16);
     d.integrator.strategy = strategy;
     check_mean(means_of(render_image(d)), 0.5 * std::exp(-0.2 * (2 + kMediumRadius)));
-    // The sky itself.
+    // The camera looks at the environment itself.
     look_at(d, {0, 1.6f, 0}, {0, 2, 0}, {0, 0, 1}, 0.01f);
     check_mean(means_of(render_image(d)), std::exp(-0.2 * (kMediumRadius - 1.6)));
   }

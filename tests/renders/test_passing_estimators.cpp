@@ -1,6 +1,6 @@
-// Lights behind what lets light pass: null boundaries, masks and open panes, in any order. Paths pass them with a
-// probability, shadow rays with certainty, and the density of finding a light counts from the last vertex: closed forms
-// hold by every strategy.
+// Lights behind null interfaces, masks and thin dielectrics, in any order. Paths pass them with a probability, shadow
+// rays with certainty, and the pdf of finding a light counts from the last vertex: every strategy matches the closed
+// form.
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 constexpr float kAlbedo = 0.6f, kOpacity = 0.6f, kIndex = 4;
-/// What panes let pass by their colour.
+/// Transmittance colour of thin dielectrics.
 constexpr float kTint[3] = {0.9f, 0.6f, 0.3f};
 
 /// A plane above the floor, parallel to it.
@@ -24,14 +24,14 @@ struct Screen {
   float height;
 };
 
-/// Reflectance of an interface at this cosine.
+/// Fresnel reflectance of an interface at this cosine.
 double fresnel(double cosine, double index) {
   const double far = std::sqrt(1 - (1 - cosine * cosine) / (index * index));
   const double s = (cosine - index * far) / (cosine + index * far), p = (index * cosine - far) / (index * cosine + far);
   return (s * s + p * p) / 2;
 }
 
-/// The share of light that passes a screen at this cosine to its normal.
+/// Share of light that passes a screen at this cosine to its normal.
 double passing(const Screen& screen, double cosine, int channel) {
   if (screen.kind == Screen::kNull) return 1;
   if (screen.kind == Screen::kMask) return 1 - double(kOpacity);
@@ -68,7 +68,7 @@ Description floor_below(const std::vector<Screen>& screens) {
   return d;
 }
 
-/// Light that fills the cone around the floor's normal down to a cosine, evenly.
+/// A light of constant radiance that fills a cone around the normal of the floor.
 struct ConeLight {
   const char* name;
   double radiance, least_cosine;
@@ -91,7 +91,7 @@ const std::vector<ConeLight>& cone_lights() {
   return all;
 }
 
-/// What the floor reflects of a light behind screens.
+/// Radiance that the floor reflects of a light behind screens.
 double reflected(const ConeLight& light, const std::vector<Screen>& screens, int channel) {
   constexpr int kSteps = 20000;
   const double least = light.least_cosine;

@@ -1,4 +1,4 @@
-// Scenes in pbrt's format beside the same scenes in Mitsuba's: whole pictures are the same, sample by sample.
+// Scenes in the formats of pbrt and Mitsuba that render to the same image, sample by sample.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/read_scene.h"
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 const fs::path kTwins = fs::path(SHEAF_SOURCE_DIR) / "tests" / "renders" / "pbrt_twins";
 
-/// Rounding may turn single paths elsewhere: so large a share of the pixels may differ, and means by so much.
+/// Rounding may change single paths: the share of pixels that may differ, and the relative difference of means.
 constexpr double kDifferingShare = 0.002, kMeanDifference = 1e-4;
 
 struct Difference {
@@ -52,7 +52,7 @@ Difference difference(const Image& a, const Image& b) {
   return d;
 }
 
-/// The picture of a scene; whatever its camera clips.
+/// Renders a scene without the clip planes of its camera.
 Image picture(Description d, ColorMode color) {
   d.camera.near_clip = 0, d.camera.far_clip = kInfinity;
   CompileOptions options;

@@ -1,5 +1,5 @@
-// Photon mapping: energy, and every combination of maps and final gathering against the path tracer, whose mean they
-// share but for the blur of the radius. Photons in media: test_photon_media.cpp.
+// Photon mapping: energy, and every combination of maps and final gathering against path tracing, which has the same
+// mean except for the blur of the radius. Photons in media are tested in test_photon_media.cpp.
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render.h"
@@ -64,7 +64,7 @@ TEST_CASE("photon mapping: photons in a closed box store the power of the light 
 
 TEST_CASE("photon mapping: the caustic map contains light from specular surfaces only") {
   Description d = empty_scene(4, 4);
-  // A mirror on the floor of a closed box sends a known share of the light to the walls.
+  // A mirror on the floor of a closed box reflects a known share of the light to the walls.
   d.integrator.max_depth = -1;
   ShapeDescription& box = add_shape(d, CubeShape{}, Transform(), add_diffuse(d, 0.5f));
   box.flip_normals = true;
@@ -74,7 +74,7 @@ TEST_CASE("photon mapping: the caustic map contains light from specular surfaces
   MeanVariance mean;
   for (std::uint32_t seed = 0; seed < 12; ++seed)
     mean.add(total_power(trace(*scene, seed, 20000, PhotonKind::kCaustic)));
-  // A square seen from one half side above its middle fills a sixth of the sphere.
+  // Seen from half a side above its centre, a square covers one sixth of the sphere.
   const double expected = 4 * 3.14159265358979 / 6 * 0.7;
   INFO("power " << mean.mean() << ", expected " << expected);
   CHECK(mean.p_value(expected) >= kLevel);
@@ -153,7 +153,7 @@ TEST_CASE("photon mapping: the number of stored photons is close to the requeste
 }
 
 TEST_CASE("photon mapping: small maps have the power of large ones") {
-  // Counting until enough are stored, and dividing by the number emitted, is 1 / 64 too bright.
+  // Stopping when enough photons are stored and dividing by the number emitted would be biased by 1 / 64.
   Description d = empty_scene(4, 4);
   d.integrator.max_depth = 2;
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -173,12 +173,12 @@ TEST_CASE("photon mapping: small maps have the power of large ones") {
     mapping.prepare(pass, workers, tracing, context);
     const PhotonMapView& map = context.maps->global;
     double sum = 0;
-    // No bucket of a map without photons.
+    // An empty map has no buckets.
     const std::size_t size = map.empty() ? 0 : map.bucket_begin[map.bucket_mask + 1];
     for (std::size_t i = 0; i < size; ++i) sum += static_cast<double>(map.power[1][i]);
     mean.add(sum);
   }
-  // The solid angle of the square seen from above its middle.
+  // Solid angle of the square seen from above its centre.
   const double expected = 4 * std::atan(0.16 / std::sqrt(1.32));
   INFO("power " << mean.mean() << ", expected " << expected << ", standard error "
                 << std::sqrt(mean.variance() / kPasses));
@@ -209,7 +209,7 @@ TEST_CASE("photon mapping: sparse maps do not depend on threads or wave size or 
       options.threads = threads;
       options.wave_size = wave_size;
       CHECK(render(*scene, options).to_image().data == whole.data);
-      // Stopped after its second sample or so, and gone on with.
+      // The render is paused after about two samples and resumed.
       std::atomic<int> asked{0};
       std::atomic<bool> stop{false};
       options.stop = &stop;
@@ -222,7 +222,7 @@ TEST_CASE("photon mapping: sparse maps do not depend on threads or wave size or 
       rest.resume = &state;
       CHECK(render(*scene, rest).to_image().data == whole.data);
     }
-    // Samples in two parts.
+    // The samples are rendered in two parts.
     Image sum(8, 8, whole.channels);
     for (const SampleRange range : {SampleRange{0, 2}, SampleRange{2, 4}}) {
       RenderOptions options;
@@ -268,7 +268,7 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
       if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
       const double radius = static_cast<double>(context.maps->global.radius);
       CHECK(radius * radius == doctest::Approx(expected).epsilon(1e-4));
-      // Beams are blurred in one dimension, and progressive maps have them unless told otherwise.
+      // Beams are blurred in one dimension. Progressive maps use them by default.
       CHECK((context.maps->beams != nullptr) == progressive);
       CHECK((context.maps->volume->size() == 0) == progressive);
       if (progressive) {
@@ -281,10 +281,10 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
       ++strata[static_cast<std::size_t>(context.wavelength_sample * 16)];
     }
     CHECK(first_places.size() == 16);
-    // Van der Corput's sequence, shifted: none is empty but for rounding at the borders.
+    // The shifted sequence of van der Corput leaves no stratum empty, except by rounding at its bounds.
     CHECK(std::count(strata.begin(), strata.end(), 0) <= 1);
     if (progressive) continue;
-    // Sample 32 asks what sample 0 asked.
+    // Sample 32 requests the same wavelengths as sample 0.
     for (std::uint32_t sample = 16; sample < 32; ++sample) mapping.prepare(sample, workers, tracing, context);
     mapping.prepare(32, workers, tracing, context);
     const float again = context.maps->global.x[0], wavelength = context.wavelength_sample;
@@ -382,7 +382,7 @@ TEST_CASE("progressive photon mapping: the mean converges to path tracing as rad
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.progressive = true;
     d.integrator.photons.gathering = PhotonGathering::kIndirect;
-    // So large that the corners lose light.
+    // The radius is so large that corners lose light.
     d.integrator.photons.global = {4'000, 0.5f, 0};
     d.integrator.photons.alpha = 0.5f;
     const Mean first = mean_of(d, 100);
@@ -395,7 +395,7 @@ TEST_CASE("progressive photon mapping: the mean converges to path tracing as rad
     }
     d.integrator.photons.global.radius = 0.08f;
     check_close(mean_of(d), path, 0.002);
-    // As photons bring all light, and in final gathering.
+    // With all light from photons, and with final gathering.
     d.integrator.photons.global.radius = 0.04f;
     for (const PhotonGathering gathering : {PhotonGathering::kAll, PhotonGathering::kFinal}) {
       d.integrator.photons.gathering = gathering;
@@ -409,10 +409,10 @@ TEST_CASE("photon mapping: spectral maps agree with spectral paths with dispersi
     CAPTURE(disperses);
     Description d = room(true, 400);
     if (disperses) {
-      d.film.width = d.film.height = 24;  // few samples see what is bent twice
+      d.film.width = d.film.height = 24;  // few samples see light that is refracted twice
       DielectricDescription flint;
       flint.int_dispersion = *find_dispersion("sf11");
-      // A slab before the camera: paths and photons have both lost their other wavelengths where they meet.
+      // A slab in front of the camera, so that both paths and photons carry a single wavelength where they meet.
       add_shape(d, CubeShape{}, Transform::translate({0, -1.4f, 1}) * Transform::scale({1, 0.1f, 0.9f}),
                 add_material(d, flint));
       add_sphere(d, {0.6f, 0.4f, 0.4f}, 0.4f, add_material(d, flint));

@@ -1,4 +1,4 @@
-// Photons in media, as points and as beams: energy, and pictures against the path tracer's.
+// Photons in media, as points and as beams: energy, and images against path tracing.
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render.h"
@@ -39,7 +39,7 @@ TEST_CASE(
     CAPTURE(albedo);
     Description d = empty_scene(4, 4);
     d.integrator.rr_depth = 3;
-    // Hardly any light comes as far as the walls.
+    // Almost no light reaches the walls.
     fill(d, add_shape(d, CubeShape{}, Transform::scale({100, 100, 100})), add_medium(d, fog(1, albedo)));
     add_point_light(d, {0.2f, 0.3f, -0.5f}, 3);
     const auto scene = compile_scene(d);
@@ -57,7 +57,8 @@ TEST_CASE(
 }
 
 TEST_CASE("volume photons: the hero wavelength alone carries the same power as all together") {
-  // Rays of one wavelength ask for the first alone: its mean over sets is that of the others, dispersion or not.
+  // Rays of a single wavelength use the hero wavelength only. Its mean over maps equals that of the others, with and
+  // without dispersion.
   MeanVariance total[2], first[2];
   for (const bool disperses : {false, true}) {
     Description d = empty_scene(4, 4);
@@ -90,13 +91,14 @@ TEST_CASE("volume photons: the hero wavelength alone carries the same power as a
       first[disperses ? 1 : 0].add(of_first);
     }
   }
-  // Sets are spread evenly over the wavelengths, so the sums are far closer than sets among each other.
+  // Maps are stratified over wavelengths, so that sums vary far less than single maps.
   CHECK(total[1].mean() == doctest::Approx(total[0].mean()).epsilon(0.03));
   for (int i = 0; i < 2; ++i) CHECK(first[i].mean() == doctest::Approx(total[i].mean()).epsilon(0.03));
 }
 
 TEST_CASE("photons from distant light reach all of an unbounded medium") {
-  // The medium ends at 1.01 of the scene's radius. What scatters first beyond the radius, in closed form.
+  // The medium ends at 1.01 of the radius of the scene. The share that scatters first beyond the radius has a closed
+  // form.
   constexpr double kSigma = 2, kPiD = 3.14159265358979;
   Description d = empty_scene(4, 4);
   d.camera.medium = add_medium(d, fog(static_cast<float>(kSigma), 1));
@@ -113,7 +115,7 @@ TEST_CASE("photons from distant light reach all of an unbounded medium") {
     const double inner = static_cast<double>(scene->view().radius);
     const double outer = static_cast<double>(scene->view().medium_radius);
     CHECK(outer == doctest::Approx(1.01 * inner));
-    // Parallel light: rays farther than the radius from the axis. Light from all sides: points in the outer shell.
+    // Directional light: rays farther than the radius from the axis. Environment light: points in the outer shell.
     double expected = 0;
     constexpr int kSteps = 400;
     for (int i = 0; i < kSteps; ++i) {
@@ -185,7 +187,7 @@ TEST_CASE("photon beams: power times length is the power of the light over the a
     CHECK(context.photons->stored.empty());
     std::array<double, 3> sum{};
     for (const PhotonBeam& beam : context.photons->beams) {
-      // What is left of the power, integrated over the beam.
+      // The remaining power, integrated along the beam.
       constexpr int kSteps = 64;
       const double step = static_cast<double>(beam.length) / kSteps;
       for (int i = 0; i < kSteps; ++i) {
@@ -232,12 +234,12 @@ TEST_CASE("volume photons: light scattered in media has the mean of path tracing
       fill(d, add_shape(d, CubeShape{}, Transform::translate({0, 0, 0.95f}) * Transform::scale({1, 1, 0.75f})),
            add_medium(d, medium));
     }
-    const Mean path = path_mean(d, medium.density ? 100 : 400);  // grids take long, and scatter little
+    const Mean path = path_mean(d, medium.density ? 100 : 400);  // grids are slow and scatter little
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {30'000, 0.05f, 0};
     if (what == kFog) d.integrator.photons.caustic = {30'000, 0.02f, 0};
     d.integrator.photons.volume = {30'000, 0.03f, 0};
-    // Not every medium in every way: these differ where they meet.
+    // Not every combination: the variants differ where media meet.
     const bool fog = what == kFog, glowing = what == kGlowing;
     for (const auto& [gathering, checked] :
          {std::pair{PhotonGathering::kAll, fog || what == kForward},
@@ -285,7 +287,7 @@ TEST_CASE("photon beams: light scattered in media has the mean of path tracing b
     d.integrator.photons.gathering = what == kClear ? PhotonGathering::kFinal : PhotonGathering::kIndirect;
     if (what == kClear || what == kGlowing) check_close(mean_of(d), path, 0.01);
     if (what == kGlowing) continue;
-    // Passes with maps of their own are worth more than many samples of one.
+    // More passes with independent maps reduce the error more than more samples of one.
     d.sampler.sample_count = 16;
     d.integrator.photons.gathering = PhotonGathering::kIndirect;
     d.integrator.photons.progressive = true;
@@ -355,13 +357,13 @@ TEST_CASE("photon beams: spectral mode agrees with path tracing directly and thr
   d.integrator.rr_depth = 20;
   add_shape(d, CubeShape{}, Transform::translate({0, 0, 1}) * Transform::scale({2, 2, 1}), add_diffuse(d, 0))
       .flip_normals = true;
-  // Out of view.
+  // A light out of view.
   emit(add_sphere(d, {0, -1.1f, 1.85f}, 0.1f), 100);
   MediumDescription medium;
   medium.coefficients = ExtinctionAlbedoDescription{SpectrumDescription::rgb(1.2f, 0.5f, 0.1f),
                                                     SpectrumDescription::rgb(0.8f, 0.7f, 0.9f)};
   d.camera.medium = add_medium(d, medium);
-  // Rays of one wavelength meet photons of four.
+  // Rays of a single wavelength meet photons of four.
   DielectricDescription flint;
   flint.int_dispersion = *find_dispersion("sf11");
   add_shape(d, CubeShape{}, Transform::translate({0.5f, -1.4f, 1}) * Transform::scale({0.5f, 0.1f, 0.9f}),

@@ -1,5 +1,4 @@
-// Photon mapping as files ask for it, in the spelling of course renderers: what every property and every name of the
-// integrator does to the picture.
+// Photon mapping in course scenes: the effect of every property and every integrator name on the image.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
@@ -16,7 +15,7 @@ using namespace test;
 
 namespace {
 
-/// A ball of glass on a floor below a lamp, in fog where `fog`.
+/// A glass sphere on a floor below a lamp, optionally in fog.
 std::string scene_of(const std::string& integrator, bool fog) {
   const std::string medium =
       "<medium type='homogeneous'><color name='sigma_a' value='0.05,0.05,0.05'/>"
@@ -110,7 +109,7 @@ TEST_CASE("photon settings: numGatherRays enables final gathering") {
   CHECK(gathered.mean == doctest::Approx(path.mean).epsilon(0.1));
   CHECK(picture(kFew + integer("numGatherRays", "1")).data == picture(kFew + flag("finalGather")).data);
   CHECK(picture(kFew + integer("numGatherRays", "0")).data == plain.data);
-  // Told not to.
+  // Final gathering is disabled explicitly.
   CHECK(picture(kFew + integer("numGatherRays", "4") + "<boolean name='finalGather' value='false'/>").data ==
         plain.data);
 }
@@ -125,7 +124,7 @@ TEST_CASE("photon settings: causticPhotonCount enables a caustic map with causti
   CHECK(blurred.peak < 0.8 * plain.peak);
   CHECK(sharp.mean == doctest::Approx(path.mean).epsilon(0.1));
   CHECK(picture(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
-  // Beside final gathering, and beside sampled lights.
+  // Caustic maps combined with final gathering and with direct light sampling.
   const Picture both = picture(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
   CHECK(both.data != picture(kFew + integer("numGatherRays", "4")).data);
   CHECK(both.mean == doctest::Approx(path.mean).epsilon(0.1));
@@ -149,7 +148,7 @@ TEST_CASE("photon settings: photons in media are read") {
   CHECK(beams.data != points.data);
   CHECK(beams.mean == doctest::Approx(path.mean).epsilon(0.15));
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "points")).data == points.data);
-  // With photonCount alone as many photons in media, in the same radius; each may be said of its own.
+  // With photonCount alone, media get as many photons with the same radius. Both can be set separately.
   const Picture both = in_fog(kFew, "volumetricphotonmapper");
   CHECK(both.data == in_fog(kFew + integer("volumePhotonCount", "4000") + number("volumeRadius", "0.15")).data);
   CHECK(in_fog(kFew + volume, "volumetricphotonmapper").data ==

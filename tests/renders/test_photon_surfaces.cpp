@@ -1,5 +1,5 @@
-// Photon maps on surfaces of every composite and mapped material, against the path tracer: a photon is stored with the
-// share of its material's parts that store photons, and weighed by the shadow terminator where it is gathered.
+// Photon maps on every composite and mapped material against path tracing. A photon is stored with the share of the
+// parts that store photons, and weighted by the shadow terminator when it is gathered.
 #include "core/exr.h"
 #include "tests/support/photon_testing.h"
 #include "tests/support/temporary_folder.h"
@@ -20,7 +20,7 @@ MaterialId add_metal(Description& d, std::optional<float> alpha) {
   return add_material(d, metal);
 }
 
-/// A picture of two columns.
+/// An image of two columns.
 TextureId add_picture(Description& d, const TemporaryFolder& folder, const std::string& name, Vec3f left, Vec3f right) {
   Image image(2, 1, {"R", "G", "B"});
   image.data = {left.x, left.y, left.z, right.x, right.y, right.z};
@@ -31,8 +31,8 @@ TextureId add_picture(Description& d, const TemporaryFolder& folder, const std::
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// A plate of the material in the middle, seen and lit from above, a floor that it may let light pass to, and a ceiling
-/// that it may mirror.
+/// A plate of the material, seen and lit from above, a floor below that receives transmitted light, and a ceiling that
+/// is visible in reflections.
 Description plate(const AddMaterial& add) {
   Description d = empty_scene(4, 4);
   look_at(d, {0.3f, -0.7f, 1.6f}, {0.1f, 0.1f, 0}, {0, 1, 0}, 20);
@@ -42,7 +42,7 @@ Description plate(const AddMaterial& add) {
   add_rectangle(d, Transform::translate({0, 0, -0.3f}), add_diffuse(d, 0.6f));
   add_rectangle(d, Transform::translate({0, 0, 2.2f}) * Transform::rotate({1, 0, 0}, 180) * Transform::scale({2, 2, 1}),
                 add_diffuse(d, 0.8f));
-  // Low, that many directions lie between the turned normal and the plate's own.
+  // A low light, so that many directions lie between the mapped and the geometric normal.
   add_area_light_rectangle(
       d, Transform::translate({-0.9f, 0, 0.5f}) * Transform::rotate({0, 1, 0}, 110) * Transform::scale({0.2f, 0.4f, 1}),
       30);

@@ -1,6 +1,6 @@
-// Spectral mode, where two parts of a path meet: paths from the camera, vertices and photons that have each lost all
-// wavelengths but the first, or none. Every pair, and every estimator that joins them, against the path tracer or, for
-// the path tracer itself, one of its strategies against the other.
+// Spectral mode where two parts of a path meet: camera paths, vertices and photons that each carry four wavelengths or
+// the hero wavelength only. Every pair and every estimator that joins them is compared with path tracing, and path
+// tracing strategies with each other.
 #include "scene/data/glasses.h"
 #include "tests/support/photon_testing.h"
 
@@ -10,7 +10,7 @@ namespace sheaf::test_photon_wavelengths {
 
 namespace {
 
-/// Glass that disperses; rough unless `alpha` is 0.
+/// Dispersive glass, rough unless `alpha` is 0.
 MaterialId add_flint(Description& d, float alpha) {
   DielectricDescription flint;
   flint.int_dispersion = *find_dispersion("sf11");
@@ -28,7 +28,7 @@ MediumDescription colored_fog(float density) {
 
 enum class Between { kNothing, kRoughBall, kRoughSheet, kSmoothSlab };
 
-/// A light behind something that disperses, before the camera, above a floor.
+/// A light above a floor behind a dispersive object in front of the camera.
 Description lit_through(Between what, float fog) {
   Description d = empty_scene(4, 4);
   look_at(d, {0, 0, 3.2f}, {0, 0, 0}, {0, 1, 0}, 30);
@@ -76,7 +76,7 @@ TEST_CASE("spectral photon maps: rough dispersive glass agrees with paths for ev
     d.integrator.photons.caustic = {gathering == PhotonGathering::kAll ? 0u : 3'000u, 0.07f, 0};
     check_spectral(spectral_mean_of(d), path, 0.02);
   }
-  // A pass with maps of its own for each sample.
+  // Each sample is a pass with maps of its own.
   d.integrator.photons.progressive = true;
   d.integrator.photons.global.count = 1000;
   d.integrator.photons.caustic = {};

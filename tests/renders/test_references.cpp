@@ -1,9 +1,7 @@
-// Renders the scenes of tests/references/scenes and the two editions of the Cornell box, and compares them with
-// references made by another renderer (tests/references/make_references.py).
-//
-// The noise that is to be expected comes from the reference's variances, not from the pictures under test. Only where
-// independently seeded batches of the renderer scatter more than that (another choice of lights is no error) the
-// larger figure counts, and it may not be much larger.
+// Renders the scenes of tests/references/scenes and both versions of the Cornell box, and compares them with references
+// of another renderer (tests/references/make_references.py). The expected noise is taken from the variances of the
+// reference. Where independently seeded batches vary more, because lights are selected differently, the larger variance
+// is used, up to a limit.
 #include "core/exr.h"
 #include "core/image_compare.h"
 #include "kernels/passes/render.h"
@@ -31,26 +29,26 @@ const std::vector<std::string> kRgb{"R", "G", "B"};
 
 constexpr int kBatchSamples = 96;
 constexpr int kBatches = 8;
-/// Pixels per side of the blocks whose means are compared, besides the pixels themselves.
+/// Side of the pixel blocks whose means are compared in addition to single pixels.
 constexpr int kBlock = 8;
-/// Differences below this standard deviation are rounding, not error: absolute, and relative to the reference.
+/// Differences below this standard deviation are rounding errors: absolute, and relative to the reference.
 constexpr double kFloor = 1e-4, kRelativeFloor = 1e-3;
-/// Share of pixel values that must be accepted; outliers among samples make pixel means less than normal.
+/// Share of pixel values that must be accepted. Pixel means with outliers among their samples are not exactly normal.
 constexpr double kAcceptedShare = 0.9975;
-/// The mean may be off by this relative difference of the two renderers and by so many standard deviations of noise.
-/// Both are independent errors, so they add in quadrature.
+/// Allowed relative difference of the means of the two renderers, and allowed standard deviations of noise. Both are
+/// independent errors and add in quadrature.
 constexpr double kMeanFloor = 0.002, kMeanSigmas = 4;
-/// A batch may scatter this much more than the reference's samples.
+/// Largest ratio between the variance of batches and that of the reference.
 constexpr double kMaxVarianceRatio = 4;
 
-/// A picture with its noise.
+/// An image with its noise.
 struct Estimate {
   Image mean;          ///< R, G, B
   Image variance;      ///< of one sample
   double samples = 0;  ///< per pixel
 };
 
-/// Means over squares of `side` pixels; incomplete ones at the right and lower edge are averaged as they are.
+/// Means over squares of `side` pixels. Incomplete squares at the right and lower edge are averaged over their pixels.
 Image block_means(const Image& image, int side) {
   Image out((image.width + side - 1) / side, (image.height + side - 1) / side, kRgb);
   for (int y = 0; y < out.height; ++y)
@@ -66,7 +64,7 @@ Image block_means(const Image& image, int side) {
   return out;
 }
 
-/// Reads a reference. Its samples per pixel stand in the file.
+/// Reads a reference, including its sample count.
 Estimate read_reference(const std::string& name) {
   Estimate e{block_means(read_exr(kFolder / (name + ".exr")), 1),
              block_means(read_exr(kFolder / (name + "_var.exr")), 1)};
@@ -76,12 +74,11 @@ Estimate read_reference(const std::string& name) {
   return e;
 }
 
-/// Renders batches with seeds 1, 2, ... and averages squares of `side` pixels; the variance is that between batches.
+/// Renders batches with seeds 1, 2, ... and averages squares of `side` pixels. The variance is that between batches.
 Estimate render_batches(const fs::path& file, int batches, int batch_samples, int side,
                         ColorMode color = ColorMode::kRgb) {
   Description description = read_scene(file);
-  // Where the references' roulette starts that their scenes don't speak of: samples of other variance could not be
-  // judged by that of theirs.
+  // Sets the roulette depth of the references where scenes leave it open, because other settings change the variance.
   IntegratorSettings& integrator = description.integrator;
   if (!integrator.rr_depth) integrator.rr_depth = kOtherRouletteDepth;
   const auto scene = compile_scene(description, {false, color});
@@ -109,16 +106,16 @@ double mean_of(const Image& image, int channel) {
   return sum / static_cast<double>(image.pixel_count());
 }
 
-/// How well a picture agrees with its reference.
+/// Agreement of an image with its reference.
 struct Verdict {
-  double pixel_share = 0;           ///< share of pixel values accepted by the Z-test
-  double block_share = 0;           ///< likewise of block means
-  double worst_mean_error = 0;      ///< largest deviation of a channel's mean, in units of what is allowed
+  double pixel_share = 0;           ///< share of pixel values that the Z-test accepts
+  double block_share = 0;           ///< share of block means that the Z-test accepts
+  double worst_mean_error = 0;      ///< largest deviation of a channel's mean over the allowed one
   double worst_variance_ratio = 0;  ///< largest ratio of a channel's variance to the reference's
   bool agrees() const { return pixel_share >= kAcceptedShare && block_share == 1 && worst_mean_error <= 1; }
 };
 
-/// Variance of the difference of two means: the reference's, or the picture's own where its blocks scatter more.
+/// Variance of the difference of two means: that of the reference, or that of the image where its blocks vary more.
 Image difference_variance(const Estimate& picture, const Estimate& reference) {
   const Image own = block_means(picture.variance, kBlock), theirs = block_means(reference.variance, kBlock);
   Image out = reference.variance;
@@ -135,7 +132,7 @@ Image difference_variance(const Estimate& picture, const Estimate& reference) {
   return out;
 }
 
-/// Share of the values that the Z-test accepts if all of them together may fail with probability `significance`.
+/// Share of the values that the Z-test accepts at the joint significance level `significance`.
 double accepted_share(const Image& picture, const Image& reference, const Image& variance, double significance) {
   CompareOptions options;
   options.variance_b = variance;

@@ -1,4 +1,4 @@
-// Renders that pause, are written down, read again and gone on with: the same bits as without.
+// Renders that are paused, saved, loaded and resumed have the same bits as uninterrupted ones.
 #include "core/error.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
@@ -13,7 +13,7 @@ namespace {
 
 const RenderSettings kSettings{{"--spp", "8"}, {"scene.xml", "1 bytes"}};
 
-/// A lit box with a ball in it, under a filter that reaches beyond tiles.
+/// A lit box with a sphere, with a filter that is wider than a pixel.
 Description small_box(int samples, int width = 70, int height = 50) {
   Description d = empty_scene(width, height);
   look_at(d, {0, 0.3f, -3}, {0, 0, 0}, {0, 1, 0}, 50);
@@ -30,7 +30,7 @@ Description small_box(int samples, int width = 70, int height = 50) {
   return d;
 }
 
-/// A kind of render, and how it is to go.
+/// A kind of render with its settings.
 struct Case {
   const char* name;
   Description scene;
@@ -72,7 +72,7 @@ bool same_pictures(const Image& a, const Image& b) {
          std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
 }
 
-/// Renders until `tasks` tasks have been taken, and writes a checkpoint. Returns whether the render was cut off.
+/// Renders until `tasks` tasks have started, and writes a checkpoint. Returns whether the render was interrupted.
 bool render_part(const Scene& scene, RenderOptions options, int tasks, const std::filesystem::path& file) {
   std::atomic<int> asked{0};
   std::atomic<bool> stop{false};
@@ -108,7 +108,7 @@ TEST_CASE("a resumed render has the same bytes as an uninterrupted one") {
       if (parts == 0) CHECK(interrupted);
       ++parts;
     }
-    for (const bool again : {false, true}) {  // to the end, and from there
+    for (const bool again : {false, true}) {  // once to the end, once from that checkpoint
       CAPTURE(again);
       RenderState state = read_checkpoint(file, kSettings);
       options.resume = &state;
@@ -137,7 +137,8 @@ TEST_CASE("an interrupted render reports its sample count and its noise where it
       CHECK_FALSE(whole.report.interrupted);
       CHECK(whole.report.mean_samples == doctest::Approx(64));
       CHECK(whole.report.noise.has_value());
-      // Cut off in the first of four sets, then in the last. Photons count by rounds, of which there is but one.
+      // Interrupted in the first of four replicates, then in the last. Light tracing counts whole rounds of photons, of
+      // which there is one.
       double taken = 0;
       for (const double share : {0.2, 0.9}) {
         std::atomic<bool> stop{false};
@@ -241,7 +242,7 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
     CHECK_FALSE(message_of(kSettings).empty());
   }
   write_bytes(file, good);
-  // One of another frame, by whatever way its settings came to be the same.
+  // A checkpoint for another frame with the same settings.
   const auto other = compile_scene(small_box(4));
   Description wide = small_box(8);
   wide.film.width = 71;

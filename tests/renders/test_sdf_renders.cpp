@@ -1,4 +1,4 @@
-// Light on and in grids of signed distances against Mitsuba 3.
+// Renders of signed distance grids against Mitsuba 3.
 #include "tests/support/media_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/tiny_scenes.h"
@@ -11,7 +11,7 @@ namespace sheaf::test_sdf_renders {
 
 namespace {
 
-/// A ball with bumps in front of the camera, under a sky and a point light.
+/// A bumpy sphere in front of the camera, under a constant environment and a point light.
 Description bumpy_ball(bool smooth, int samples) {
   Description d = empty_scene(32, 32);
   d.camera.fov = 28;
@@ -46,7 +46,7 @@ TEST_CASE("sdf grid: images have the mean of Mitsuba") {
   }
   Description glass = bumpy_ball(false, 128);
   glass.shapes[0].material = add_glass(glass, 1.5046f, 1.000277f);
-  check(glass, 0.2);  // the sky, which clear glass can't change
+  check(glass, 0.2);  // a lossless object is invisible in the environment
   Description cloud = bumpy_ball(false, 128);
   cloud.shapes[0].material = add_material(cloud, NullDescription{});
   cloud.shapes[0].interior = add_medium(cloud, fog(2, 0.8f));

@@ -1,4 +1,4 @@
-// Sensors without a picture and cameras side by side, against closed forms; and lights that photons alone can tell.
+// Meters and batches of cameras against closed forms, and lights that only photons can find.
 #include "tests/support/render_testing.h"
 
 namespace sheaf::test_sensors {
@@ -23,18 +23,18 @@ double measured(const Description& d) { return double(render(*compile_scene(d), 
 }  // namespace
 
 TEST_CASE("sensors: irradiance meters match the closed form") {
-  // Under a sky that is the same everywhere, pi times its radiance; half of it where a wall covers half the sky.
+  // Under a constant environment: pi times its radiance, or half of it where a wall covers half the hemisphere.
   Description d = meter(Projection::kIrradianceMeter, Transform::rotate({1, 2, 0}, 50), 4096);
   add_rectangle(d, d.camera.to_world, add_diffuse(d, 0));
   add_constant_light(d, 0.5f);
   CHECK(measured(d) == doctest::Approx(0.5 * kPiD).epsilon(1e-3));
-  // Below a disk of radius r at the height h on the axis: pi L r^2 / (r^2 + h^2), the meter being small.
+  // Below a disk of radius r at height h on the axis: pi L r^2 / (r^2 + h^2) for a small meter.
   Description below = meter(Projection::kIrradianceMeter, Transform::scale({0.01f, 0.01f, 1}), 16384);
   add_rectangle(below, below.camera.to_world, add_diffuse(below, 0));
   const Transform place = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
   emit(add_shape(below, DiskShape{}, place, add_diffuse(below, 0)), 3);
   CHECK(measured(below) == doctest::Approx(3 * kPiD / 5).epsilon(0.01));
-  // With several pixels, each measures its part: the left of two is in the shade of a wall.
+  // With several pixels, each measures its part of the surface. The left of two is shadowed by a wall.
   Description parts = meter(Projection::kIrradianceMeter, Transform(), 1024);
   parts.film.width = 2;
   add_rectangle(parts, Transform(), add_diffuse(parts, 0));
@@ -57,7 +57,7 @@ TEST_CASE("sensors: radiance meters and distant sensors match the closed form") 
     d.camera.target = Vec3f{0.2f, 0.1f, 0};
     CHECK(measured(d) == doctest::Approx(seen).epsilon(1e-4));
   }
-  // A light in the shape of the square fills 2 / pi of the disk around it; a target, all of it or a half.
+  // A square light fills 2 / pi of the disk around it. With a target area, it fills all or half.
   Description d = meter(Projection::kDistant, down, 16384);
   emit(add_rectangle(d, Transform(), add_diffuse(d, 0)), 5);
   CHECK(measured(d) == doctest::Approx(5 * 2 / kPiD).epsilon(0.01));
@@ -102,7 +102,7 @@ TEST_CASE("sensors: a batch shows the image of each camera") {
 
 TEST_CASE("sensors: light tracing shows collimated light and path tracing does not") {
   Description d = empty_scene(16, 16);
-  d.camera.projection = Projection::kOrthographic;  // [-1, 1]^2 of a floor of 0.5, from above
+  d.camera.projection = Projection::kOrthographic;  // shows [-1, 1]^2 of a floor of albedo 0.5 from above
   look_at(d, {0, 0, 5}, {0, 0, 0}, {0, 1, 0});
   d.sampler.sample_count = 256;
   add_rectangle(d, Transform::scale({3, 3, 1}), add_diffuse(d, 0.5f));
@@ -115,8 +115,7 @@ TEST_CASE("sensors: light tracing shows collimated light and path tracing does n
       for (int x = 0; x < 16; ++x) sum += double(image.at(x, y, 0)) / 256;
     return sum;
   };
-  // Of a ray of 3 W the mean over the 4 m^2 that are seen; of a square of half the side, 2 W/m^2, over a quarter of
-  // them.
+  // A beam of 3 W averages over the visible 4 m^2. A square of half the side emits 2 W/m^2 over a quarter of them.
   Description ray = d;
   ray.lights.push_back({BeamDescription{Transform::translate({0.3f, 0.2f, 2}) * Transform::rotate({1, 0, 0}, 180),
                                         SpectrumDescription::constant(3)},

@@ -1,5 +1,4 @@
-// Whole pictures in spectral mode: against RGB mode where both must agree, white where it must be white, and a prism
-// against Snell's law.
+// Renders in spectral mode: against RGB mode where both must agree, white furnaces, and a prism against Snell's law.
 #include "core/color.h"
 #include "core/error.h"
 #include "core/uplift.h"
@@ -28,7 +27,7 @@ Image render_image(const Description& d, ColorMode color, std::uint32_t spp, std
   return render(*compile_scene(d, {false, color}), options).film.to_image();
 }
 
-/// Means of R, G and B over a picture.
+/// Means of R, G and B over an image.
 std::array<double, 3> means_of(const Image& image) {
   std::array<double, 3> sum{};
   for (int y = 0; y < image.height; ++y)
@@ -38,7 +37,7 @@ std::array<double, 3> means_of(const Image& image) {
   return sum;
 }
 
-/// Every kind of closure that knows no colour, and lights of white or tinted spectra.
+/// Every kind of closure without colour, and lights of white or tinted spectra.
 Description grey_scene() {
   Description d = empty_scene(8, 8);
   add_rectangle(d,
@@ -58,7 +57,7 @@ Description grey_scene() {
   return d;
 }
 
-/// The same power at every wavelength: illuminant E of Y = `value`.
+/// Equal power at every wavelength: illuminant E with Y = `value`.
 SpectrumDescription equal_energy(float value) { return {SpectrumDescription::Table{{360, 830}, {value, value}}}; }
 
 }  // namespace
@@ -83,7 +82,7 @@ TEST_CASE("spectral: scenes without colour have the channel means of RGB mode") 
 }
 
 TEST_CASE("spectral: a colour under daylight is reproduced") {
-  // One bounce in a constant environment: the pixel is the reflectance.
+  // One bounce in a constant environment: the pixel shows the reflectance.
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{0.1f, 0.6f, 0.3f}, Vec3f{0.2f, 0.25f, 0.7f}}) {
     Description d = empty_scene(8, 8);
     add_sphere(d, {0, 0, 4}, 3, add_diffuse_rgb(d, rgb.x, rgb.y, rgb.z));
@@ -140,8 +139,8 @@ TEST_CASE("spectral: images do not depend on threads or wave size") {
 
 namespace {
 
-/// A prism of refracting angle 60 degrees whose edge is vertical, at the origin, refracting towards -x what travels
-/// along +z; open at its base.
+/// A prism of refracting angle 60 degrees with a vertical edge at the origin. It deviates rays along +z towards -x and
+/// is open at its base.
 Mesh prism_mesh(float size) {
   Mesh mesh;
   const float half = 0.5f * size, depth = half / std::tan(static_cast<float>(kPiD) / 6);
@@ -149,13 +148,13 @@ Mesh prism_mesh(float size) {
     for (const Vec3f corner :
          {Vec3f{0.5f * depth, y, 0}, Vec3f{-0.5f * depth, y, -half}, Vec3f{-0.5f * depth, y, half}})
       mesh.positions.push_back(corner);
-  // Front (towards -z), back (towards +z), base and the two ends; normals outwards.
+  // Front (towards -z), back (towards +z), base and the two ends, with outward normals.
   mesh.triangles = {{0, 1, 4}, {0, 4, 3}, {0, 3, 5}, {0, 5, 2}, {1, 2, 5}, {1, 5, 4}, {0, 2, 1}, {3, 4, 5}};
   return mesh;
 }
 
-/// The direction in the plane y = 0, as an angle from +z towards +x, in which a ray at the angle `in` leaves the prism,
-/// by Snell's law at its front and back; index `n`.
+/// Direction in the plane y = 0, as an angle from +z towards +x, in which a ray at angle `in` leaves the prism of index
+/// `n`, by Snell's law at front and back.
 double angle_behind_prism(double in, double n) {
   // Outward normals of front and back, as angles: the front faces 30 degrees from -z towards +x.
   const double front = kPiD / 6;  // of the inward normal of the front, from +z towards -x
@@ -177,7 +176,7 @@ TEST_CASE("spectral: a prism deviates 450 and 550 and 650 nm by the laws of Snel
   constexpr double kFar = 1000;
   for (const double wavelength : {450.0, 550.0, 650.0}) {
     const double n = double(ior<Scalar>(sf11, static_cast<float>(wavelength)));
-    // Near the least deviation a ray crosses the prism in parallel to its base.
+    // Near minimum deviation, a ray crosses the prism parallel to its base.
     const double straight = std::asin(n * std::sin(kPiD / 6)) - kPiD / 6;
     Description d = empty_scene(kColumns, 1);
     d.integrator.max_depth = 4;
@@ -190,7 +189,7 @@ TEST_CASE("spectral: a prism deviates 450 and 550 and 650 nm by the laws of Snel
     glass.ext_ior = 1;
     glass.int_dispersion = sf11;
     add_shape(d, prism_mesh(4), Transform(), add_material(d, glass));
-    // A far strip in the direction in which the symmetric ray of this wavelength leaves, emitting nothing else.
+    // A distant strip that emits this wavelength only, in the direction in which the symmetric ray leaves.
     const double out = angle_behind_prism(straight, n);
     const Vec3f there{static_cast<float>(kFar * std::sin(out)), 0, static_cast<float>(kFar * std::cos(out))};
     ShapeDescription& strip = add_rectangle(
@@ -208,7 +207,8 @@ TEST_CASE("spectral: a prism deviates 450 and 550 and 650 nm by the laws of Snel
       weighted += brightness * (x + 0.5);
     }
     REQUIRE(sum > 0);
-    // The column whose rays leave the prism in the strip's direction; the camera's x runs to the left of the picture.
+    // Column whose rays leave the prism in the direction of the strip. The camera's x axis points to the left of the
+    // image.
     const double half_width = std::tan(0.5 * kFov * kPiD / 180);
     double expected = -1, least = 1;
     for (double x = 0; x < kColumns; x += 0.01) {
@@ -270,7 +270,7 @@ TEST_CASE("spectral: colours of constants and textures match RGB mode" * doctest
       CAPTURE(i);
       CAPTURE(c);
       INFO("rgb " << rgb.mean() << ", spectral " << spectral.mean());
-      // Uplifted colours are within 1e-4 of what they stand for, those of textures within 0.005; hue multiplies that.
+      // Upsampled constants are within 1e-4 of their colour and textures within 0.005. Hue amplifies these errors.
       const double allowed = i < 3 ? 0.002 : 0.01;
       const double error = std::sqrt((rgb.variance() + spectral.variance()) / kBatches);
       const double difference = std::max(0.0, std::fabs(spectral.mean() - rgb.mean()) - allowed);
@@ -303,7 +303,7 @@ TEST_CASE("spectral: spectral bins add up to the image for any number of threads
         sum[2] += power * static_cast<double>(response.z);
         size += power * static_cast<double>(length(response));
       }
-      // Within a bin the response changes by two hundredths of its largest at most.
+      // Within a bin, the response changes by at most 2 % of its maximum.
       for (int c = 0; c < 3; ++c)
         CHECK(std::fabs(sum[c] - static_cast<double>(image.at(x, y, c))) < 0.01 * size + 1e-4);
     }

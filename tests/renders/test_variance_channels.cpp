@@ -1,4 +1,4 @@
-// The variance channels against what they are for: how far the means of renders with different seeds lie apart.
+// The variance channels against the spread of means over renders with different seeds.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/statistics.h"
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSide = 16, kSeeds = 40;
 
-/// A ball on a floor below a coloured lamp, in a dim environment.
+/// A sphere on a floor below a coloured lamp, in a dim environment.
 Description noisy_scene() {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;
@@ -32,8 +32,8 @@ Description noisy_scene() {
   return d;
 }
 
-/// For every pixel, what its variance channel says on average less the variance of its value over the seeds: both are
-/// unbiased for the same, so that the differences have the mean zero, whatever the samples' distribution.
+/// For every pixel, the mean of its variance channel minus the variance of its value over the seeds. Both estimate the
+/// same without bias, so that the differences have mean zero for any distribution of samples.
 MeanVariance differences(const Scene& scene, std::uint32_t samples, int channel, int replicates = 0) {
   std::vector<MeanVariance> values(kSide * kSide), told(kSide * kSide);
   RenderOptions options;

@@ -1,4 +1,4 @@
-// Ambient occlusion and average visibility under the same names in all dialects, and on the command line.
+// Ambient occlusion and average visibility under the same names in all dialects and on the command line.
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/read_scene.h"
 #include "tests/support/render_testing.h"
@@ -10,7 +10,7 @@ namespace sheaf::test_visibility {
 
 namespace {
 
-/// A floor and a wall without an end, seen from behind both, where they meet; among lights, media and glass.
+/// An infinite floor and wall, seen where they meet, with lights, media and glass that these integrators ignore.
 constexpr const char* kMitsuba = R"(<scene version="3.0.0">INTEGRATOR
   <sensor type="perspective"><float name="fov" value="0.01"/>
     <transform name="to_world"><lookat origin="1,2,0" target="0.01,0,0" up="0,0,1"/></transform>
@@ -49,7 +49,7 @@ Description read(const std::string& text, const char* name) {
   return read_scene(folder / name);
 }
 
-/// 16384 directions, each hidden or not: a standard error of 0.004.
+/// 16384 directions, each occluded or not, have a standard error of 0.004.
 void check_half(const Description& d) { check_mean(pixel_means(d)[1], 0.5, 1e-4, 1e-3); }
 
 }  // namespace
@@ -69,13 +69,13 @@ TEST_CASE("ambient occlusion: a point beside a wall is half occluded in every di
 }
 
 TEST_CASE("average visibility: images match with and without a length in every dialect") {
-  // Of the directions around the floor's normal half meet the wall, however far they may go.
+  // Half of the directions around the normal of the floor hit the wall, at any distance.
   check_half(read(with(kMitsuba, "<integrator type='av'/>"), "scene.xml"));
   Description d = read(with(kMitsuba, "<integrator type='path'/>"), "scene.xml");
   apply_integrator_name("av", d);
   check_half(d);
   check_half(read(with(kPbrt, "Integrator \"av\""), "scene.pbrt"));
-  // Within a hundredth of its distance there is no wall.
+  // With this length, the wall is too far away to be hit.
   for (const Description& near : {read(with(kMitsuba,
                                             "<integrator type='av'><float name='length' value='1e-4'/>"
                                             "</integrator>"),

@@ -1,5 +1,5 @@
-// Integrators after Whitted 1980: paths go on from mirrors alone; and ambient occlusion and average visibility, which
-// are exercises of Nori.
+// Integrators of Whitted 1980, whose paths continue at mirrors only, and Nori's exercises ambient occlusion and average
+// visibility.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
@@ -56,7 +56,7 @@ TEST_CASE("ambient occlusion: a point beside an infinite wall sees half of the s
       <bsdf type="mirror"/></mesh>
     <mesh type="rectangle"><transform name="toWorld"><scale value="1000"/><rotate axis="0,1,0" angle="90"/></transform>
       <emitter type="area"><color name="radiance" value="7"/></emitter></mesh></scene>)";
-  // 16384 directions, each hidden or not: a standard error of 0.004.
+  // 16384 directions, each occluded or not, have a standard error of 0.004.
   CHECK(std::abs(mean_of(text) - 0.5) < 0.016);
 }
 
@@ -73,14 +73,14 @@ TEST_CASE("average visibility: a floor below a ceiling sees hits beyond the leng
     <mesh type="rectangle"><transform name="toWorld"><scale value="1000"/><rotate axis="1,0,0" angle="90"/>
       <translate value="0, 1, 0"/></transform><bsdf type="dielectric"/></mesh></scene>)";
   };
-  // Uniform over the hemisphere the cosine is uniform, and the ceiling is nearer where it exceeds 1 / 2.5. 16384
-  // directions, each hidden or not: a standard error of 0.004.
+  // Over a uniform hemisphere the cosine is uniform, and the ceiling is within the length where it exceeds 1 / 2.5.
+  // 16384 directions, each occluded or not, have a standard error of 0.004.
   CHECK(std::abs(mean_of(scene("0, 0, 0", "2.5")) - 0.4) < 0.016);
   CHECK(std::abs(mean_of(scene("0, 1, 0", "4")) - 0.25) < 0.014);
   CHECK(mean_of(scene("0, 0, 0", "0.999")) == 1.0);
-  // Far walls: the ceiling ends where its tangent is 1000.
+  // With a large length, only directions beyond the edge of the ceiling miss it, at a tangent of 1000.
   CHECK(mean_of(scene("0, 0, 0", "1e30")) < 0.005);
-  // Along the gap there is nothing.
+  // Parallel to both planes, there are no hits.
   CHECK(mean_of(scene("2, 0.5, 0", "2.5")) == 1.0);
 }
 
