@@ -1,4 +1,4 @@
-// Mesh attributes that textures name and no mesh has.
+// Textures that name mesh attributes which no mesh has.
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
 
@@ -10,7 +10,7 @@ using namespace test;
 
 namespace {
 
-/// A triangle with colours at its vertices.
+/// A triangle with vertex colours.
 const std::string kColored =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "property float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\n"
@@ -27,7 +27,7 @@ std::string mesh(const std::string& format, const std::string& inside) {
   return "<shape type='" + format + "'><string name='filename' value='mesh." + format + "'/>" + inside + "</shape>";
 }
 
-/// What compiling a scene says.
+/// The error and the warnings of compiling a scene.
 struct Outcome {
   std::string error;
   std::vector<std::string> warnings;

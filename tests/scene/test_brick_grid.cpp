@@ -1,4 +1,4 @@
-// Grids of bricks against a naive array: both filters, all borders, one and three channels, sparse and dense.
+// Brick grids against a plain array: both filters, all borders, one and three channels, sparse and dense.
 #include "tests/support/volume_testing.h"
 
 #include <limits>
@@ -12,7 +12,7 @@ namespace {
 constexpr GridFilter kFilters[] = {GridFilter::kTrilinear, GridFilter::kNearest};
 constexpr GridBorder kBorders[] = {GridBorder::kClamp, GridBorder::kRepeat, GridBorder::kMirror};
 
-/// Compares at random places in a box that exceeds the grid by `beyond` voxels.
+/// Compares values at random positions in a box that exceeds the grid by `beyond` voxels.
 void check_lookups(const TestGrid& t, GridFilter filter, float beyond, std::uint32_t count) {
   const Transform to_world = skewed_transform();
   const BrickGridRow row = make_brick_grid_row(t.grid, to_world, filter);
@@ -78,7 +78,7 @@ TEST_CASE("brick grid: constant bricks are stored once") {
   CHECK(grid.voxel_max == std::array<int, 3>{159, 159, 159});
   CHECK(grid.max_value() == 2.0f);
   CHECK(grid.min_value() == 0.0f);
-  // Two inside, and those of the border and of the middle plane, which vary.
+  // Two inside bricks, and those of the border and of the middle plane, which vary.
   const std::size_t bricks = grid.values.size() / grid.brick_size();
   CHECK(bricks == 21 * 21 * 21 - (9 + 9) * 19 * 19 + 2);
   const std::vector<float> alike(100 * 100 * 100, 0.5f);

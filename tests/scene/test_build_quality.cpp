@@ -1,4 +1,4 @@
-// What tells how carefully an acceleration structure is worth being built.
+// The measure that selects the quality of the BVH build.
 #include "scene/tables/build_quality.h"
 
 #include <doctest/doctest.h>
@@ -38,16 +38,16 @@ struct Triangles {
 }  // namespace
 
 TEST_CASE("box waste: half of a box of axis-aligned flat triangles is wasted and more of slanted ones") {
-  // Two halves of a square: its box counts twice, both halves together once.
+  // Two halves of a square: its box counts twice, the halves together once.
   Triangles square;
   square.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   square.add({1, 1, 0}, {1, 0, 0}, {0, 1, 0});
   CHECK(square.waste() == doctest::Approx(1));
-  // A needle through a cube, from corner to corner: its box is all of the cube.
+  // A needle through a cube from corner to corner: its box is the whole cube.
   Triangles needles;
   for (int i = 0; i < 10; ++i) needles.add({0, 0, 0}, {1, 1, 1}, {1e-4f, 0, 0});
   CHECK(needles.waste() == doctest::Approx(10).epsilon(1e-3));
-  // The size of the scene doesn't matter.
+  // The measure does not depend on the size of the scene.
   Triangles large;
   for (int i = 0; i < 10; ++i) large.add({0, 0, 0}, {1000, 1000, 1000}, {0.1f, 0, 0});
   CHECK(large.waste() == doctest::Approx(10).epsilon(1e-3));

@@ -1,4 +1,4 @@
-// Every kind of text file with a byte order mark: that of UTF-8 changes nothing, those of UTF-16 and UTF-32 are errors.
+// Every kind of text file with a byte order mark: a UTF-8 mark changes nothing, UTF-16 and UTF-32 marks are errors.
 #include "core/byte_order_mark.h"
 #include "scene/compile/compile.h"
 #include "scene/formats/curve_file.h"
@@ -22,7 +22,7 @@ namespace {
 
 const std::string kMark = "\xef\xbb\xbf";
 
-/// A kind of text file: an example, and a reader that says what was found in it.
+/// A kind of text file: an example, and a reader that dumps its contents.
 struct TextKind {
   std::string name, text;
   std::function<std::string(const std::filesystem::path&)> read;
@@ -65,7 +65,7 @@ const std::vector<TextKind>& kinds() {
   return kKinds;
 }
 
-/// The text in UTF-16 or UTF-32, with its mark.
+/// The text in UTF-16 or UTF-32 with its byte order mark.
 std::string wide(const std::string& text, std::size_t bytes, bool big_endian) {
   std::string out;
   const auto append = [&](std::uint32_t c) {

@@ -1,4 +1,4 @@
-// Cameras: what fields of view mean, where up and left are, lenses, parallel rays, clip planes.
+// Cameras: fields of view, orientation, lenses, orthographic rays, clip planes, meters.
 #include "scene/tables/camera.h"
 
 #include "tests/support/records_testing.h"
@@ -27,7 +27,7 @@ double angle_between(Vec3f a, Vec3f b) {
   return std::atan2(double(length(cross(a, b))), double(dot(a, b))) * 180 / 3.14159265358979;
 }
 
-/// Angles in degrees across a frame through its centre.
+/// Angles across the frame through its centre, in degrees.
 struct Fields {
   double x, y, diagonal;
 };
@@ -177,7 +177,7 @@ TEST_CASE("camera: a lens is sharp in its focal plane and blurs by similar trian
 TEST_CASE("camera: orthographic rays are parallel and span -1 to 1 across the width") {
   CameraDescription d;
   d.projection = CameraDescription::Projection::kOrthographic;
-  d.fov = 0;  // means nothing here
+  d.fov = 0;  // has no effect here
   const Camera camera = make_camera(d, 200, 100);
   const auto at = [&](float x, float y) { return camera.ray<Scalar>(x, y, 0.3f, 0.4f); };
   check_vector(at(0, 0).origin, {1, 0.5f, 0});
@@ -261,7 +261,7 @@ TEST_CASE("camera: spherical cameras map longitude and latitude to pixels and po
   CHECK(view.valid);
   CHECK(view.film_x == doctest::Approx(123.4));
   CHECK(view.film_y == doctest::Approx(31.2));
-  // Pixels per solid angle over the squared distance: 200 x 100 over a turn and half a turn.
+  // Pixels per solid angle over the squared distance: 200 x 100 over 2 pi times pi.
   constexpr double kPiD = 3.14159265358979;
   CHECK(view.importance == doctest::Approx(200 * 100 / (2 * kPiD * kPiD * std::sin(0.312 * kPiD)) / 25));
   d.to_world = Transform::rotate({0, 0, 1}, 30) * Transform::scale({1, 3, 1}) * Transform::rotate({0, 0, 1}, 30);
@@ -285,14 +285,14 @@ TEST_CASE("camera: radial distortion moves image points and is inverted for poin
       const double r = tangent(seen);
       CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) ==
             doctest::Approx(tangent(shown)).epsilon(1e-4));
-      // They lie in one plane with the axis, on the same side of it.
+      // Both lie in one plane with the axis, on the same side of it.
       CHECK(std::fabs(dot(cross(seen, shown), axis)) < 1e-4f);
       const auto ray = camera.ray<Scalar>(film.x, film.y, 0, 0);
       const auto view = camera.view<Scalar>(ray.origin + ray.direction * 3, 0, 0);
       CHECK(view.valid);
       CHECK(view.film_x == doctest::Approx(film.x).epsilon(1e-3));
       CHECK(view.film_y == doctest::Approx(film.y).epsilon(1e-3));
-      // The film's area by which a solid angle is shown, by differences.
+      // Film area per solid angle, by finite differences.
       constexpr float kStep = 0.5f;
       const Vec3f dx = direction(camera, film.x + kStep, film.y) - direction(camera, film.x - kStep, film.y);
       const Vec3f dy = direction(camera, film.x, film.y + kStep) - direction(camera, film.x, film.y - kStep);
@@ -336,7 +336,7 @@ TEST_CASE("camera: radiance and distant and irradiance meters sample the expecte
   CHECK(camera.weight == doctest::Approx(3.14159265));
   const auto corner = camera.ray<Scalar>(0, 0, 0, 0), middle = camera.ray<Scalar>(1, 1, 0.6f, 0);
   CHECK(length(corner.origin - Vec3f{1, -2, 2}) < 1e-5f);
-  CHECK(corner.origin.x > 1);  // off the surface
+  CHECK(corner.origin.x > 1);  // at an offset from the surface
   check_vector(corner.direction, {1, 0, 0});
   CHECK(length(middle.origin - Vec3f{1, 0, 0}) < 1e-5f);
   CHECK(middle.direction.x == doctest::Approx(0.8));

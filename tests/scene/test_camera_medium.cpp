@@ -1,4 +1,4 @@
-// Which medium the camera's rays start in.
+// The medium in which camera rays start.
 #include "scene/compile/compile.h"
 #include "scene/formats/mesh.h"
 #include "tests/support/media_testing.h"
@@ -42,7 +42,7 @@ TEST_CASE("camera medium: the medium of a pinhole camera is found at the near pl
   d.camera.fov = 5;
   d.camera.near_clip = 2.5f;
   check(d, 1, false);
-  // Beyond the picture's edges the near plane is outside.
+  // Outside the image, the near plane leaves the gas.
   d.camera.fov = 90;
   check(d, 1, true);
 }
@@ -74,7 +74,7 @@ TEST_CASE("camera medium: a lens across a boundary gives a warning") {
   check(d, 1, false);
   d.camera.aperture_radius = 0.5f;
   check(d, 1, true);
-  // Whoever names the medium knows.
+  // A named medium gives no warning.
   d.camera.medium = MediumId{0};
   check(d, 1, false);
 }

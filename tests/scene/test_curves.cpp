@@ -1,4 +1,4 @@
-// Round curves: their files, and hits on them against cylinders, Mitsuba 3, and splines evaluated here.
+// Round curves: their files, and hits against cylinders, Mitsuba 3 and splines evaluated here.
 #include "scene/compile/compile.h"
 #include "scene/formats/curve_file.h"
 #include "scene/formats/hair_file.h"
@@ -47,7 +47,7 @@ std::unique_ptr<Scene> lone(const Curves& curves, const Transform& to_world = Tr
 
 bool near(Vec3f a, Vec3f b, float tolerance) { return max_component(abs(a - b)) <= tolerance; }
 
-/// Position and radius of a uniform cubic B-spline, by the recursion of de Boor on its knots.
+/// Position and radius of a uniform cubic B-spline by de Boor's recursion.
 std::array<double, 4> de_boor(const std::vector<Curves::Point>& points, std::size_t first, double t) {
   std::array<std::array<double, 4>, 4> d{};
   for (std::size_t k = 0; k < 4; ++k) {
@@ -196,7 +196,7 @@ TEST_CASE("curves: hits lie on the swept circles and tangents are perpendicular 
     CHECK(length(y.p - middle) == doctest::Approx(axis[3]).epsilon(1e-4));
     CHECK(length(y.ng) == doctest::Approx(1).epsilon(1e-5));
     CHECK(near(normalize(cross(y.dp_du, y.dp_dv)), y.ng, 1e-3f));
-    // What the next ray meets beside it lies in the plane of the tangents.
+    // A nearby hit lies in the plane of the tangents.
     const Vec3f aside = normalize(y.dp_dv) * 1e-3f;
     const auto next = trace_ray(scene->view(), origin + aside, direction);
     if (!next || std::abs(dot(y.ng, direction)) < 0.2f || std::abs(next->t - hit->t) > 0.02f) continue;
@@ -344,7 +344,7 @@ TEST_CASE("curves: instances beside meshes and quadrics are placed correctly") {
 }
 
 TEST_CASE("curves: radii may decrease linearly to zero") {
-  // A cone from radius 0.2 at z = 0 to its tip at z = 1: the control point behind the tip has a negative radius.
+  // A cone from radius 0.2 at z = 0 to its tip at z = 1. The control point beyond the tip has a negative radius.
   const auto cone = lone(one_curve(Curves::Basis::kBspline,
                                    {{{0, 0, -1}, 0.4f}, {{0, 0, 0}, 0.2f}, {{0, 0, 1}, 0.0f}, {{0, 0, 2}, -0.2f}}),
                          Transform());

@@ -1,5 +1,5 @@
-// Daylight: the models against values of Mitsuba 3.9.1 (its plugin sunsky, evaluated in single directions), the map
-// that the sky becomes against the model, the sun's place against the clock.
+// Daylight: the models against values of Mitsuba 3.9.1 (plugin sunsky, evaluated in single directions), the map of the
+// sky against the model, the position of the sun against date and time.
 #include "scene/compile/daylight.h"
 
 #include "kernels/lights/light_sample.h"
@@ -22,7 +22,7 @@ constexpr double kDegrees = kPiD / 180;
 
 double angle(Vec3f a, Vec3f b) { return std::atan2(double(length(cross(a, b))), double(dot(a, b))); }
 
-/// Any three numbers within a part of each of `expected`.
+/// Checks three numbers with a relative tolerance.
 template <class V> void check_near(const V& found, const std::array<double, 3>& expected, double part) {
   for (std::size_t c = 0; c < 3; ++c) CHECK(double(found[c]) == doctest::Approx(expected[c]).epsilon(part));
 }
@@ -34,7 +34,7 @@ SkyDescription sky_with(Vec3f sun) {
   return sky;
 }
 
-/// What a plane that faces `normal` gets from a lone environment map.
+/// Irradiance of a plane with the given normal under a lone environment map.
 Vec3f irradiance(const SceneView& scene, Vec3f normal) {
   std::array<double, 3> sum{};
   constexpr int kRows = 400;
@@ -59,7 +59,7 @@ template <class Model> std::unique_ptr<Scene> lone(Model model) {
   return compile_scene(d);
 }
 
-/// The sun's irradiance on a plane that faces it.
+/// Irradiance of the sun on a plane that faces it.
 Vec3f sun_irradiance(const SceneView& scene) {
   const auto s = sample_given_light<Scalar>(scene, {0, 0, 0}, scene.lights[0], {0.5f, 0.5f, 0.5f, 0.5f});
   const float scale = 1 / s.pdf_solid_angle;
@@ -107,7 +107,7 @@ TEST_CASE("daylight: the colour and spectrum of the sun match reference values")
              {8146.11, 16924.5, 15846.1}, 5e-3);
   check_near(std::array{low.values[2], low.values[6], 0.5f * (low.values[9] + low.values[10])},
              {2938.43, 10078.8, 11157.8}, 5e-3);
-  // At the horizon, at the zenith and between pieces nothing jumps.
+  // The model is continuous at the horizon, at the zenith and between its pieces.
   for (const double degrees : {1.0, 5.0, 33.0, 89.999}) {
     const auto below = sun_spectrum(4, (degrees - 1e-6) * kDegrees), above = sun_spectrum(4, degrees * kDegrees);
     CHECK(above.values[5] == doctest::Approx(below.values[5]).epsilon(1e-3));
@@ -121,18 +121,18 @@ TEST_CASE("daylight: the position of the sun follows from date and place") {
     for (std::size_t i = 0; i < 3; ++i) squared += (found[i] - expected[i]) * (found[i] - expected[i]);
     CHECK(std::sqrt(squared) < 2e-3);
   };
-  // Mitsuba 3.9.1, from where its sun is seen.
+  // Mitsuba 3.9.1, from the position of its sun.
   near({}, {-0.69161, -0.05173, 0.72042});
   near({2015, 3, 5, 9.5, 0, 0, -30, 20, 1}, {0.57568, 0.31204, 0.75579});
   // At the equinox of 20 March 2015, 22:45 universal time, the sun is above the equator.
   const auto equinox = sun_position({2015, 3, 20, 22, 45, 0, 0, 0, 0});
   CHECK(std::fabs(equinox[1]) < 1e-4);
-  // At the solstice of 21 June 2010 it is in the zenith of the tropic.
+  // At the solstice of 21 June 2010 it is at the zenith of the tropic.
   double highest = 0;
   for (double hour = 11.5; hour < 12.5; hour += 0.01)
     highest = std::max(highest, sun_position({2010, 6, 21, hour, 0, 0, 23.4385, 0, 0})[2]);
   CHECK(highest > 1 - 1e-7);
-  // By a second implementation of the formulas, the parallax of the low sun included.
+  // By an independent implementation of the formulas, including the parallax of the low sun.
   const auto low = sun_position({2024, 6, 1, 6.5, 0, 0, 50, 8, 2});
   const double expected[3] = {0.8990178375158425, 0.4133479209249204, 0.1446043709414899};
   for (std::size_t i = 0; i < 3; ++i) CHECK(std::fabs(low[i] - expected[i]) < 1e-8);
@@ -157,7 +157,7 @@ TEST_CASE("daylight: the environment map of the sky has the radiance and irradia
     }
   check_near(numbers(irradiance(scene->view(), up)), sum, 2e-3);
   CHECK(max_component(irradiance(scene->view(), -up)) < 0.02 * sum[0]);
-  // Three times as bright is three times as bright; a sky that is stretched shines from below.
+  // A scale of 3 triples the radiance. A stretched sky also shines from below.
   sky.scale = 3;
   check_near(numbers(irradiance(lone(sky)->view(), up)), {3 * sum[0], 3 * sum[1], 3 * sum[2]}, 2e-3);
   sky.scale = 1;
@@ -191,7 +191,7 @@ TEST_CASE("daylight: the irradiance of the sun does not depend on its size or re
     CHECK(scene->view().lights[0].is(radius > 0 ? LightKind::kSun : LightKind::kDirectional));
     check_near(numbers(sun_irradiance(scene->view())), numbers(expected), 1e-4);
   }
-  // One that moves across the sky, in the sky's map, with its own sky switched off.
+  // A sun that moves across the sky, as part of the sky's map, with its own sky switched off.
   SkyDescription sky = sky_with(sun.direction);
   sky.suns.assign(8, sky.suns[0]);
   sky.suns[3] = sky.suns[5] = normalize(Vec3f{1, -1, 0});  // below the horizon
@@ -211,7 +211,7 @@ TEST_CASE("daylight: a sun between texels of the map keeps its position and powe
   double brightness = 0;
   for (const double column : {0.5, 7.25, 20.0, 33.5, 48.9, 63.4, 63.75, -0.2, 0.0}) {
     CAPTURE(column);
-    // Node i lies at the longitude (i + 1/2) / 64 of a turn from -z.
+    // Texel i is at longitude (i + 1/2) / 64 of a full turn from -z.
     const double turn = 2 * kPiD * (column + 0.5) / sky.resolution;
     const Frame<Scalar> frame{cross(sky.up, front), sky.up, front};
     const Vec3f sun = frame.to_world({static_cast<float>(std::sin(turn) * std::cos(kElevation)),
@@ -225,7 +225,7 @@ TEST_CASE("daylight: a sun between texels of the map keeps its position and powe
         const double value =
             double(picture.rgb[3 * (j * picture.width + i) + 1]) * node_solid_angle(j, picture.width, picture.height);
         flux += value;
-        // Columns as far as half of the map away from the sun's
+        // Columns up to half of the map away from the sun's
         across += value * std::remainder(i - column, picture.width);
         down += value * j;
       }

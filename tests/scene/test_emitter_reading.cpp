@@ -1,4 +1,4 @@
-// Emitters in scene files of both dialects: what they become, defaults, and errors that name what was meant.
+// Emitters in scene files of both dialects: descriptions, defaults, and errors with the nearest name.
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -156,7 +156,7 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(sun.scale == 0.5f);
   CHECK(sun.radius == 1);
 
-  // By the clock: +x is south in releases from 2 on, and +x is east before.
+  // By date and time: +x is south from version 2 on, and east before.
   const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
   const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
   CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
@@ -185,7 +185,7 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   const auto moving = std::get<SkyDescription>(timed[0].model);
   CHECK(moving.suns.size() == 8192);
   CHECK(moving.sun_scale == 1);
-  for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // mornings
+  for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // before sunrise
 
   CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"), "is given beside 'sun_direction'"));
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));

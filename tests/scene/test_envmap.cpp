@@ -1,5 +1,4 @@
-// Environment maps: where a picture's pixels lie, that sampling and density agree, that the density follows the
-// brightness, spectral mode, and pictures that are degenerate.
+// Environment maps: texel positions, sampling against pdf, pdf against radiance, spectral mode, and degenerate images.
 #include "kernels/lights/envmap.h"
 
 #include "core/color.h"
@@ -29,7 +28,7 @@ namespace {
 constexpr double kPiD = std::numbers::pi;
 constexpr int kTests = 9;  // chi-square tests in this file
 
-/// The direction of a place in the unit square, by the definition in scene/tables/envmap.h.
+/// Direction of a position in the unit square, by the definition in scene/tables/envmap.h.
 Vec3f direction_of(double u, double v) {
   const double phi = 2 * kPiD * u, theta = kPiD * v;
   return {static_cast<float>(std::sin(phi) * std::sin(theta)), static_cast<float>(std::cos(theta)),
@@ -41,7 +40,7 @@ Envmap turned(Envmap map) {
   return map;
 }
 
-/// More rows and columns than there are quantiles to tell them apart, with a few pixels of sun.
+/// More rows and columns than quantiles, with a few bright texels.
 EnvmapPicture large_picture() {
   return picture_of(2100, 1500, [](std::uint32_t x, std::uint32_t y) {
     if (x >= 400 && x < 406 && y >= 300 && y < 304) return Vec3f{2e4f, 2e4f, 2e4f};
@@ -61,7 +60,7 @@ ChiSquare check_sampling(const Envmap& map) {
       [&](Vec3f w) { return lookup_envmap<Scalar>(view, w).pdf_solid_angle; });
 }
 
-/// Integral of the density over the unit square: the mean of all cells.
+/// Integral of the pdf over the unit square: the mean of all cells.
 double integral_of(const Envmap& map) {
   double sum = 0;
   for (const EnvmapColumn& column : map.columns) sum += column.density;
@@ -82,7 +81,7 @@ TEST_CASE("environment map: texel centres lie at their documented directions") {
       CHECK(value.c1 == doctest::Approx(2 * pixel[1]).epsilon(2e-3));
       CHECK(value.c2 == doctest::Approx(2 * pixel[2]).epsilon(2e-3));
     }
-  // Between the last column and the first, and between two rows.
+  // Between the last and the first column, and between two rows.
   const auto seam = lookup_envmap<Scalar>(map.view(), direction_of(0, 5.5 / 6)).radiance;
   const float* row = &picture.rgb[3 * 5 * 11];
   const float expected = 2 * 0.25f * (row[0] + row[30] + row[33] + row[63]);
@@ -150,7 +149,7 @@ TEST_CASE("environment map: radiance is rounded to 11 bits over a range of 2^62"
   CHECK(envmap_code(0) == 0);
   CHECK(envmap_code(1e-19f) == 0);
   CHECK(envmap_value<Scalar>(envmap_code(5)) * 0x1p64f == doctest::Approx(2).epsilon(1e-3));
-  // The brightest pixel sets the unit: a sun of 2^40 leaves the night alone.
+  // The brightest texel sets the unit. A sun of 2^40 does not affect dark texels.
   for (const float bright : {3e-30f, 1.0f, 1e12f, 1e18f}) {
     const auto p = picture_of(8, 4, [&](std::uint32_t x, std::uint32_t y) {
       return Vec3f{1, 0.25f, 0} * (x == 2 && y == 1 ? bright : bright * 0x1p-40f);
@@ -223,12 +222,12 @@ Envmap uplifted(Envmap map) {
   return map;
 }
 
-/// shape * scale, one number per wavelength.
+/// shape * scale: the spectrum at four wavelengths.
 struct ShapeAndScale {
   double shape[4], scale;
 };
 
-/// By a fit to the colour, apart from the table.
+/// Fitted to the colour directly, without the table.
 ShapeAndScale fitted(Vec3f rgb) {
   const ScaledSigmoid<Scalar> s = fit_unbounded(rgb);
   const Spectrum4 v = evaluate(s.shape, kSomeWavelengths);
@@ -283,7 +282,7 @@ TEST_CASE("environment map: spectra are interpolated by mixing their shapes and 
       CHECK(found.pdf_solid_angle == doctest::Approx(plain.pdf_solid_angle).epsilon(1e-5));
     }
   }
-  // Not the spectrum of the mixed colour.
+  // Differs from the spectrum of the mixed colour.
   const auto half =
       lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4), kSomeWavelengths);
   CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);

@@ -1,4 +1,4 @@
-// Reconstruction filters: their formulas, and the sampled ones against integrals of the formulas.
+// Pixel filters: their formulas, and sampled filters against integrals of the formulas.
 #include "scene/tables/filter.h"
 
 #include "tests/support/chi_square.h"
@@ -24,7 +24,7 @@ PixelFilter filter(Kind kind) {
   return f;
 }
 
-/// Every kind, the parametric ones with more than one setting.
+/// Every kind of filter, parametric ones with several settings.
 std::vector<PixelFilter> all_filters() {
   std::vector<PixelFilter> out = {filter(Kind::kBox),      filter(Kind::kTent),       filter(Kind::kGaussian),
                                   filter(Kind::kMitchell), filter(Kind::kCatmullRom), filter(Kind::kLanczos)};
@@ -44,7 +44,7 @@ std::vector<PixelFilter> all_filters() {
   return out;
 }
 
-/// Midpoint rule over the filter's support.
+/// Midpoint rule over the support of the filter.
 double integral(const PixelFilter& f, const std::function<double(double)>& g) {
   constexpr int kSteps = 20000;
   const double radius = filter_radius(f), step = 2 * radius / kSteps;
@@ -114,14 +114,14 @@ TEST_CASE("filter: weights in other pixels equal the filter within its radius") 
         CAPTURE(offset);
         CAPTURE(k);
         const double x = k - offset;
-        // The last bit of an offset decides whether a centre lies on the filter's very edge.
+        // At the edge of the support, the last bit of the offset decides.
         if (std::fabs(std::fabs(x) - radius) < 1e-6) continue;
         const double weight = across[static_cast<std::size_t>(k + weights.reach())];
         CHECK(std::fabs(weight - evaluate_filter(f, x) / evaluate_filter(f, 0)) < 1e-5);
         if (std::fabs(x) > radius) CHECK(weight == 0.0);
       }
     }
-    // The farthest pixel that a sample in this one can lie under, and none behind it.
+    // The reach is the farthest pixel that a sample can contribute to, and no more.
     CHECK(weights.reach() - 0.5 < radius);
     CHECK(weights.reach() + 0.5 >= radius);
   }
@@ -159,7 +159,7 @@ TEST_CASE("filter: weighted samples have the moments of the filter with negative
       }
       absolute += std::fabs(offset.weight) / kDraws;
     }
-    // Bins across a zero of the filter weigh less than the others: at most four of them.
+    // Bins that contain a zero of the filter have less weight. There are at most four.
     CHECK(absolute <= gross / mass * (1 + 1e-5));
     CHECK(absolute >= gross / mass * (1 - 4.0 / FilterTable::kBins));
     CHECK(found[0] == doctest::Approx(1).epsilon(1e-5));
@@ -181,7 +181,7 @@ TEST_CASE("filter: samples are distributed by the absolute value of the filter")
     const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
       return std::array<double, 2>{table.sample<Scalar>(u.x).position, table.sample<Scalar>(u.y).position};
     };
-    // The outermost bins of a Gaussian reach over much of its tails, where the table is coarser than the grid.
+    // The outermost bins of a Gaussian cover much of its tails, where the table is coarser than the grid.
     const double edge = f.kind == Kind::kGaussian ? 0.75 * radius : radius;
     const auto density = [&](double x, double y) {
       return std::fabs(evaluate_filter(f, x) * evaluate_filter(f, y)) / (gross * gross);
@@ -199,7 +199,7 @@ TEST_CASE("filter: weights have the sign of the filter at the sample") {
       const auto offset = table.sample<Scalar>((static_cast<float>(i) + 0.5f) / 100000);
       wrong += double(offset.weight) * evaluate_filter(f, offset.position) < 0;
     }
-    CHECK(wrong <= 100000 / FilterTable::kBins * 6);  // bins that hold one of at most six zeros
+    CHECK(wrong <= 100000 / FilterTable::kBins * 6);  // bins that contain one of at most six zeros
   }
 }
 

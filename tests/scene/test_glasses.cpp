@@ -1,4 +1,4 @@
-// Dispersion: published indices at the yellow helium line, Abbe numbers, and rows that say the same.
+// Dispersion: published indices at the yellow helium line, Abbe numbers, and compiled rows.
 #include "scene/data/glasses.h"
 
 #include "scene/compile/spectra.h"
@@ -29,7 +29,7 @@ TEST_CASE("glasses: indices and Abbe numbers match the published ones") {
     const char* name;
     double n_d, n_tolerance, abbe, abbe_tolerance;
   };
-  // Schott's data sheets for the glasses; the papers' own figures or the spread of handbooks for the others.
+  // Schott's data sheets for the glasses. For the others, figures of the papers or the spread of handbooks.
   for (const Case& c : {Case{"bk7", 1.51680, 2e-5, 64.17, 0.02},
                         {"sf11", 1.78472, 2e-5, 25.76, 0.02},
                         {"n-sf11", 1.78472, 2e-5, 25.68, 0.02},

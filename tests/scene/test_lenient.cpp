@@ -1,4 +1,4 @@
-// Lenient reading: what stands in for what, that nothing of it is silent, and that strict reading stays strict.
+// Lenient reading: replacements, a warning for each, and strict reading of the same files as errors.
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
 
@@ -18,7 +18,7 @@ ReadOptions leniently() {
   return options;
 }
 
-/// Read leniently; the text must be an error read strictly.
+/// Reads leniently a text that is an error in strict mode.
 Description read_broken(const std::string& text) {
   CAPTURE(text);
   CHECK_FALSE(error_of_text(text).empty());
@@ -85,7 +85,7 @@ TEST_CASE("lenient: unknown materials are replaced by the most similar ones") {
   CHECK(std::get<ConductorDescription>(model("<bsdf type='brushedmetal'><float name='alpha' value='.2'/></bsdf>"))
             .roughness.has_value());
   CHECK(std::holds_alternative<NullDescription>(model("<bsdf type='transparentfilm'/>")));
-  // The first colour, or the material inside.
+  // The first colour, or the nested material.
   const auto diffuse = std::get<DiffuseDescription>(
       model("<bsdf type='cloth'><float name='fuzz' value='1'/><rgb name='tint' value='.1 .2 .3'/></bsdf>"));
   const auto& rgb = std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(diffuse.reflectance).value);

@@ -1,4 +1,4 @@
-// Bounds of lights: what sample_light() finds on a light lies in them, and the light tree never misses such light.
+// Bounds of lights contain everything that sample_light() finds, and the light tree never misses such light.
 #include "scene/compile/light_bounds.h"
 
 #include "kernels/lights/light_tree.h"
@@ -20,7 +20,7 @@ namespace {
 
 const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
 
-/// An open mesh: triangles in planes up to some 60 degrees apart.
+/// An open mesh of triangles in planes up to about 60 degrees apart.
 Mesh roof() {
   Mesh mesh;
   mesh.positions = {{-1, -1, 0}, {1, -1, 0.2f}, {-1, 1, 0.1f}, {1.5f, 1.2f, -0.6f}, {1.6f, 1.0f, -0.9f}};
@@ -28,7 +28,7 @@ Mesh roof() {
   return mesh;
 }
 
-/// Light that sample_light() finds arriving at points all around lone lights, against the bounds of each.
+/// Samples of lone lights at points all around them, against their bounds.
 struct Tally {
   int arriving = 0, missed = 0, outside = 0, unlit = 0;
 };
@@ -76,7 +76,7 @@ TEST_CASE("light bounds: every kind of shape emits only within its bounds") {
       CHECK(t.missed == 0);
       CHECK(t.outside == 0);
     }
-    // Flat lights and nearly flat ones leave a good part of space dark.
+    // Flat and nearly flat lights leave much of space dark.
     CHECK(tallies[0].unlit > 500);
     CHECK(tallies[3].unlit > 3000);
     CHECK(tallies[4].unlit > 3000);
@@ -103,7 +103,7 @@ TEST_CASE("light bounds: the power is pi times the intensity in the brightest di
   row.edge2.y = 3;
   row.normal.z = 1;
   CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row}, 5).power == doctest::Approx(kPi * 5 * 3));
-  // Two faces back to back are no brighter than one.
+  // Two faces back to back are not brighter than one.
   LightTriangleRow back = row;
   back.normal.z = -1;
   std::swap(back.edge1, back.edge2);
@@ -136,7 +136,7 @@ TEST_CASE("light bounds: a spot light is chosen inside its cone only") {
       const bool chosen = light_tree_probability<Scalar>(tree.view(), p, {}, false, 0, true) > 0;
       inside += lit;
       missed += lit && !chosen;
-      // Beyond a right angle the end of the cone is told less exactly, and at one 1 - cosine is rounded most.
+      // Beyond a right angle, the end of the cone is less exact, and at a right angle 1 - cosine is rounded most.
       const float slack = cos_total < 0 ? 0.1f : cos_total == 0 ? 0.01f : 0.005f;
       wasted += chosen && std::acos(dot(w, axis)) > std::acos(cos_total) + slack;
     }

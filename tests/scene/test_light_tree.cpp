@@ -1,5 +1,5 @@
-// The light tree: the right light with the right probability, never zero for a light that shines on the point, and
-// trees over the most awkward lights.
+// The light tree: correct probabilities, never zero for a light that is visible from the point, and trees over
+// degenerate sets of lights.
 #include "kernels/lights/light_tree.h"
 
 #include "core/error.h"
@@ -37,8 +37,8 @@ Vec3f place(std::uint32_t stream, std::uint32_t i, float extent) {
 
 LightBounds point_at(Vec3f p, float power = 1) { return {p, p, {0, 0, 1}, -1, 0, power, false}; }
 
-/// Lights of every kind within 10 units of the origin, with powers over four decades: points, small flat emitters of
-/// one side and of two, spots, and rounded ones.
+/// Lights of every kind within 10 units of the origin with powers over four decades: points, small one-sided and
+/// two-sided emitters, spot lights, and curved emitters.
 Lights mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
   Lights lights;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -74,13 +74,13 @@ double sum_of_probabilities(const LightTree& tree, Vec3f p, Vec3f n) {
   return sum;
 }
 
-/// Leaves as found by walking all nodes, with what is wrong about the tree.
+/// Leaves found by a traversal of all nodes, with all errors of the tree.
 struct Survey {
   int wrong = 0;
   std::multiset<std::uint32_t> leaves;
 };
 
-/// A node's children, unpacked; places from the world's origin.
+/// Unpacked children of a node, with positions in world space.
 std::vector<LightChild<Scalar>> unpack(const LightNodeRow& node) {
   float words[LightNodeRow::kWordCount];
   for (int k = 0; k < LightNodeRow::kWordCount; ++k) words[k] = bits_float(node.words[k]);
@@ -92,7 +92,8 @@ double distance(Vec3f a, Vec3f b) {
   return std::hypot(double(a.x) - double(b.x), double(a.y) - double(b.y), double(a.z) - double(b.z));
 }
 
-/// Boxes are not kept; spheres of children need not nest, but those of leaves must lie around the lights.
+/// Checks the spheres. Boxes are not stored, and spheres of children need not nest, but those of leaves must contain
+/// their lights.
 void survey(const LightTree& tree, const Lights& lights, std::uint32_t index, std::uint32_t trail, int level,
             Survey& out) {
   REQUIRE(index < tree.nodes.size());
@@ -122,7 +123,7 @@ void survey(const LightTree& tree, const Lights& lights, std::uint32_t index, st
   }
 }
 
-/// Builds, and checks that every light is found exactly once, by its trail.
+/// Builds a tree and checks that every light is found exactly once, by its trail.
 LightTree checked_tree(const Lights& lights) {
   const LightTree tree = build_light_tree(lights);
   REQUIRE(tree.trails.size() == lights.size());
@@ -135,7 +136,7 @@ LightTree checked_tree(const Lights& lights) {
   return tree;
 }
 
-/// An emitter of a LightBounds: a place on it, its normal there, and whether light from there arrives at p.
+/// Position i on the emitter of a LightBounds with its normal there; returns whether light from there reaches p.
 bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
   const auto u = numbers(7, i), v = numbers(8, i);
   const Vec3f extent = light.upper - light.lower;
@@ -151,7 +152,7 @@ bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
   if (!(distance > 1e-6)) return false;
   double cosine = dot(to_p, normal) / distance;
   if (light.two_sided) cosine = std::fabs(cosine);
-  // A spot shines in its cone and not around every direction of it.
+  // A spot light emits inside its cone only, not around each of its directions.
   if (light.cos_theta_e >= 1) return double(dot(to_p, light.axis)) / distance > double(light.cos_theta_o) + 1e-6;
   return cosine > double(light.cos_theta_e) + 1e-6;
 }
@@ -176,7 +177,7 @@ TEST_CASE("light tree: probabilities add up to one or to zero where no light is 
       int valid = 0;
       for (std::uint32_t k = 0; k < 50; ++k) valid += draw_light(tree, p, n, numbers(13, k).x).valid;
       const double sum = sum_of_probabilities(tree, p, n);
-      // Draws end where a node's lights may shine and those of its children, seen closer, may not.
+      // Draws fail where a node may be visible but none of its children, which are bounded more tightly.
       if (count <= kLightChildren)
         CHECK((std::fabs(sum - 1) < 1e-5 || sum == 0));
       else
@@ -252,7 +253,7 @@ TEST_CASE("light tree: SIMD results equal scalar ones") {
       const bool valid = lane_of(choice.valid, k);
       wrong += valid != (choice.probability[k] > 0);
       if (single.light != choice.light[k] || (single.probability > 0) != (choice.probability[k] > 0)) {
-        ++other;  // u lies on the border between two lights, to rounding
+        ++other;  // u is on the border between two lights, within rounding
       } else {
         wrong += std::fabs(single.probability - choice.probability[k]) > 1e-4 * single.probability;
         wrong += std::fabs(single.remapped - choice.remapped[k]) > 0.05f;
@@ -266,7 +267,7 @@ TEST_CASE("light tree: SIMD results equal scalar ones") {
   CHECK(other < total / 1000);
 }
 
-/// The draws of two walks that end together.
+/// The draws of two traversals that end together.
 template <class L>
 std::array<LightTreeSample<L>, 2> ends(const LightTree& tree, LightTreeWalk<L> a, LightTreeWalk<L> b) {
   LightTreeWalk<L> walks[2] = {a, b};
@@ -289,7 +290,7 @@ TEST_CASE("light tree: candidates that share the upper levels of a traversal dra
                          wide_floats([&](int k) { return n_of(k).z; })};
       const WideFloat u = wide_floats([&](int k) { return numbers(46, id(k)).x; });
       const auto top = light_tree_top<Wide>(tree.view(), p, n, WideMask(true));
-      // The other walk goes to a part of the tree that has its own depth.
+      // The other traversal reaches a part of the tree of another depth.
       const auto [shared, other_way] =
           ends<Wide>(tree, begin_light_walk<Wide>(tree.view(), top, p, n, WideMask(true), u),
                      begin_light_walk<Wide>(p, n, WideMask(true), WideFloat(kOneMinusEpsilon) - u));
@@ -306,10 +307,10 @@ TEST_CASE("light tree: candidates that share the upper levels of a traversal dra
         else
           ++other;
         if (shared.light[k] != own.light[k] || single.light != own.light[k]) {
-          ++other;  // u lies on the border between two lights, to rounding
+          ++other;  // u is on the border between two lights, within rounding
           continue;
         }
-        // Shares of the upper turns are kept as their sums, with the rounding of numbers next to 1.
+        // Probabilities of the upper levels are stored as running sums, with the rounding of numbers near 1.
         const float probability = own.probability[k], rounding = 1e-5f * probability + 0x1p-25f;
         wrong += std::fabs(shared.probability[k] - probability) > rounding;
         wrong += std::fabs(single.probability - probability) > rounding;
@@ -355,7 +356,7 @@ TEST_CASE("light tree: lights at grazing angles have a positive probability") {
     const Vec3f behind{i * 0.1f + 100, 0, 1e4f + 50}, grazing{i * 0.1f + 100, 0, 1e4f - 1e-3f};
     CHECK(probability(tree, behind, {0, 0, 1}, i) == 0);
     CHECK(probability(tree, grazing, {0, 0, 1}, i) > 0);
-    // The plane of the receiver holds all lights, and a light behind it may shine through.
+    // The plane of the receiver contains all lights, and a light behind it may still be visible.
     CHECK(probability(tree, {3, 4, 0}, {0, 0, -1}, i) > 0);
     CHECK(probability(tree, {3, 0, 0}, {0, 1, 0}, i) > 0);
   }
@@ -374,7 +375,7 @@ TEST_CASE("light tree: a single two-sided light is found behind one-sided ones")
 }
 
 TEST_CASE("light tree: distant lights are chosen by power over squared distance") {
-  // Small groups of lights, far from each other and from the point, which lies in the middle.
+  // Small groups of lights, far from each other and from the point in the middle.
   Lights lights;
   std::vector<double> ideal;
   double sum = 0;
@@ -386,7 +387,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
     sum += ideal.back();
   }
   const LightTree tree = build_light_tree(lights);
-  // At a point to which every node is small, children compete by power over squared distance alone.
+  // At a point from which every node is small, children are chosen by power over squared distance.
   Lights cloud(lights.begin(), lights.begin() + 20);
   const LightTree small = build_light_tree(cloud);
   double cloud_sum = 0, worst = 0;
@@ -394,7 +395,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
   for (std::uint32_t i = 0; i < 20; ++i)
     worst = std::max(worst, std::fabs(probability(small, {}, {}, i) / (ideal[i] / cloud_sum) - 1));
   CHECK(worst < 0.02);
-  // In a row of which the far end gets an eightieth of the near one: a node counts by the distance of its middle.
+  // In a row whose far end gets 1/80 of its near end, a node counts by the distance of its centre.
   Lights row;
   std::vector<double> row_ideal;
   double row_sum = 0;
@@ -410,16 +411,16 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
     CHECK(ratio > 1 / 3.0);
     CHECK(ratio < 3.0);
   }
-  // With nodes around the point, the bound is loose: within a small factor on average.
+  // With nodes around the point, the bound is loose, but within a small factor on average.
   double mean = 0;
   for (std::uint32_t i = 0; i < 400; ++i) mean += ideal[i] / sum * (ideal[i] / sum) / probability(tree, {}, {}, i);
   CHECK(mean < 3.0);
 }
 
 TEST_CASE("light tree: two lights are chosen by their cosines and distances and powers") {
-  // Powers and places are rounded to 8 bits.
+  // Powers and positions are rounded to 8 bits.
   const auto near = [](double x) { return doctest::Approx(x).epsilon(3e-3); };
-  // At one distance, 60 and 0 degrees from the normal; then with that normal turned round, or none.
+  // Equal distances, 60 and 0 degrees from the normal, then with the normal reversed, and without a normal.
   const Vec3f aslant = Vec3f{std::sqrt(0.75f), 0, 0.5f} * 5.0f, overhead{0, 0, 5};
   const LightTree points = build_light_tree(Lights{point_at(aslant, 3), point_at(overhead, 3)});
   CHECK(probability(points, {}, {0, 0, 1}, 0) == near(1 / 3.0));
@@ -431,8 +432,8 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   CHECK(probability(unequal, {}, {0, 0, 1}, 0) == near(2 / 3.0));
   CHECK(draw_light(unequal, {}, {0, 0, 1}, 0.1f).probability + draw_light(unequal, {}, {0, 0, 1}, 0.9f).probability ==
         doctest::Approx(1));
-  // Flat lights of which one looks past the point, by 60 degrees; a cone of normals of 20 degrees raises the cosine to
-  // at most cos 60 cos 20 + sin 20.
+  // Flat lights, one of which faces 60 degrees past the point. A cone of normals of 20 degrees raises the cosine to at
+  // most cos 60 cos 20 + sin 20.
   LightBounds past = point_at(overhead), direct = point_at(overhead);
   past.axis = {std::sqrt(0.75f), 0, -0.5f};
   direct.axis = {0, 0, -1};
@@ -446,7 +447,7 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   past.cos_theta_o = 1;
   past.two_sided = direct.two_sided = true;
   CHECK(share_of_past({0, 0, 10}) == near(1 / 3.0));
-  // Spheres of light, seen under asin 0.2, raise the cosine by as much; seen under more than 30 degrees, to 1.
+  // Spherical lights that subtend asin 0.2 raise the cosine as much. If they subtend more than 30 degrees, it is 1.
   past.two_sided = direct.two_sided = false;
   const auto enlarge = [&](float radius) {
     const float half = radius / std::sqrt(3.0f);
@@ -457,7 +458,7 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   CHECK(share_of_past({}) == near(0.7 / 1.7));
   enlarge(3);
   CHECK(share_of_past({}) == near(0.5));
-  // The same at the receiver, for a sphere 60 degrees from the normal.
+  // The same at the receiver, for a sphere 60 degrees from its normal.
   LightBounds ball = point_at(aslant);
   const float half = 1 / std::sqrt(3.0f);
   ball.lower = aslant - Vec3f{half, half, half};

@@ -1,5 +1,5 @@
-// Lights with a direction, with textures and in instances: closed forms, power, all strategies alike, and registers
-// against single values.
+// Directional, textured and instanced lights: closed forms, power, agreement of all strategies, and SIMD against scalar
+// results.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/light.h"
@@ -43,7 +43,7 @@ TextureId add_board(Description& d, Vec3f first, Vec3f second) {
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// Flux through the plane z = 1, of what a lone light at the origin sends to squares of [-half, half]^2.
+/// Flux of a lone light at the origin through the squares of [-half, half]^2 in the plane z = 1.
 double flux(const SceneView& scene, double half) {
   constexpr int kSide = 800;
   double sum = 0;
@@ -78,7 +78,7 @@ Description floor_scene() {
   return d;
 }
 
-/// What all strategies agree on, within their errors.
+/// Checks that all strategies agree within their errors and returns the mean.
 double agreed(Description d, int channel = 0) {
   Result results[3];
   for (int i = 0; i < 3; ++i) {
@@ -214,7 +214,7 @@ TEST_CASE("lights: all strategies agree on sun and sky") {
   d.lights.push_back({sun, {}});
   const auto scene = compile_scene(d);
   const LightRow& row = scene->view().lights[0];
-  // Lambert's cosine over a cone above the horizon: pi sin^2 of its half angle times the cosine of its axis.
+  // Irradiance of a cone above the horizon: pi sin^2 of its half angle times the cosine of its axis.
   const double cosine = double(sun.direction.z), disk = kPiD * std::pow(std::sin(20 * kDegrees), 2);
   CHECK(agreed(d) == doctest::Approx(0.5 / kPiD * double(row.radiance.c0) * disk * cosine).epsilon(0.01));
   SkyDescription sky;
@@ -261,7 +261,7 @@ TEST_CASE("lights: all strategies agree on textured lights of every shape" * doc
 TEST_CASE("lights: a textured light has the mean of its texture") {
   Description d = floor_scene(), plain = floor_scene();
   const Transform above = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
-  // Symmetric under a turn by 90 degrees but for which squares are which: the point below sees the mean of the two.
+  // The pattern maps to its complement under a rotation by 90 degrees: the point below sees the mean of both colours.
   add_rectangle(d, above, add_diffuse(d, 0)).radiance = add_board(d, {6, 6, 6}, {2, 2, 2});
   add_area_light_rectangle(plain, above, 4);
   const Result a = rendered(d), b = rendered(plain);
@@ -289,7 +289,7 @@ TEST_CASE("lights: a mesh attribute can be the radiance of a light") {
 
 namespace {
 
-/// Shapes of all kinds that emit, and one that doesn't.
+/// Emissive shapes of all kinds, and one that does not emit.
 std::vector<ShapeDescription> glowing_shapes(Description& d) {
   const MaterialId black = add_diffuse(d, 0);
   const Transform ball = Transform::translate({0.4f, 0, 0}) * Transform::scale({0.2f, 0.2f, 0.2f});
@@ -312,7 +312,7 @@ const Transform kPlaces[] = {
 
 Description instanced_scene() {
   Description d = floor_scene();
-  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // the instances' lights are not the first
+  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // so that instances are not the first lights
   ShapeGroup group;
   group.shapes = glowing_shapes(d);
   d.groups.push_back(group);
@@ -326,7 +326,7 @@ Description instanced_scene() {
 
 Description repeated_scene() {
   Description d = floor_scene();
-  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // the instances' lights are not the first
+  add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // so that instances are not the first lights
   const std::vector<ShapeDescription> shapes = glowing_shapes(d);
   for (const Transform& place : kPlaces)
     for (ShapeDescription shape : shapes) {
@@ -352,7 +352,7 @@ TEST_CASE("lights: instances emit like shapes in their place") {
     CHECK(x.area == doctest::Approx(y.area).epsilon(1e-4));
     if (!x.is(LightKind::kMesh)) continue;
     for (std::uint32_t t = 0; t < x.triangle_count; ++t) {
-      // The vertex order of mirrored shapes may differ; the plane may not.
+      // The vertex order of mirrored shapes may differ, the plane may not.
       const auto &p = a.light_triangles[x.first_triangle + t], &q = b.light_triangles[y.first_triangle + t];
       CHECK(record_difference<Vec3>(p.normal, q.normal) < 1e-4);
     }
@@ -403,7 +403,7 @@ TEST_CASE("lights: no shadow ray to an emissive instance is blocked by that inst
       packet.shape[lane] = kNone;
     }
     view.accel->intersect(packet, 1);
-    // A hit that is not far in front of the target would be the light itself.
+    // A hit just before the target would be the light itself.
     if (packet.shape[0] != kNone && packet.t_far[0] > 0.999f) ++blocked;
   }
   CHECK(valid > 3000);
@@ -449,14 +449,14 @@ TEST_CASE("lights: SIMD results of mixed lights equal scalar ones") {
     for (int k = 0; k < kWidth; ++k) {
       const auto s = sample_given_light<Scalar>(view, from(k), load_lights<Scalar>(view, light_of(k)), u(k));
       CAPTURE(light_of(k));
-      if (lane_of(wide.valid, k) != s.valid) continue;  // rounding, at an edge; counted below
+      if (lane_of(wide.valid, k) != s.valid) continue;  // rounding at an edge, counted below
       if (!s.valid) continue;
       ++seen[light_of(k)];
       CHECK(lane_of(wide.delta, k) == s.delta);
       CHECK(difference(wide.target.x[k], s.target.x) < 1e-4);
       CHECK(difference(wide.target.z[k], s.target.z) < 1e-4);
       CHECK(difference(wide.pdf_solid_angle[k], s.pdf_solid_angle) < 1e-3);
-      // Squares of a board have hard edges.
+      // Checkerboards have sharp edges.
       if (difference(wide.radiance.c1[k], s.radiance.c1) > 1e-3) CHECK(view.lights[light_of(k)].texture != kNone);
     }
   }
@@ -495,12 +495,12 @@ TEST_CASE("lights: unsupported lights are errors with file and line") {
 
 namespace {
 
-/// Thousands of a kind of shape or light side by side.
+/// Thousands of shapes or lights of one kind, side by side.
 constexpr int kMany = 2000;
 
 Transform place_of(int i) { return Transform::translate({static_cast<float>(i % 50), static_cast<float>(i / 50), 0}); }
 
-/// Seconds of processor time that a description takes to become a scene, the least of three times.
+/// CPU seconds to compile a description, the minimum of three runs.
 double compile_seconds(const Description& d) {
   double least = 1e9;
   for (int i = 0; i < 3; ++i) {
@@ -513,7 +513,7 @@ double compile_seconds(const Description& d) {
 
 }  // namespace
 
-// Not under sanitizers, which slow some code down far more than other code.
+// Excluded under sanitizers, which slow down some code far more than other code.
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("lights: thousands of lights and materials are compiled without an integration for each") {
@@ -554,10 +554,10 @@ TEST_CASE("lights: thousands of lights and materials are compiled without an int
   for (const auto& other : others) {
     const double seconds = compile_seconds(other.second);
     INFO(other.first << ": " << seconds << " s, disks " << disks << " s");
-    // An integral for each takes from 20 to 200 times as long as a disk.
+    // An integration for each would take 20 to 200 times as long as a disk.
     CHECK(seconds < 6 * disks + 0.05);
   }
-  // The fits of a few roughnesses serve all others; a fit for each takes seconds.
+  // Fits for a few roughnesses serve all others. A fit for each would take seconds.
   const double plastics = compile_seconds(many([](Description& d, int i) {
     PlasticDescription plastic;
     const float alpha = 0.05f + 4e-4f * static_cast<float>(i);
@@ -566,7 +566,7 @@ TEST_CASE("lights: thousands of lights and materials are compiled without an int
   }));
   INFO("plastics: " << plastics << " s, disks " << disks << " s");
   CHECK(plastics < 6 * disks + 0.5);
-  // A texture of its own for each is looked up at hundreds of points and not at thousands.
+  // A separate texture for each light is evaluated at hundreds of points, not at thousands.
   const double textured = compile_seconds(many([](Description& d, int i) {
     add_board(d, {1, 2, 3}, {3, static_cast<float>(i), 1});
     add_shape(d, RectangleShape{}, place_of(i)).radiance = static_cast<TextureId>(i);
@@ -590,7 +590,7 @@ TEST_CASE("lights: lights that share the mean of a texture have the same power a
     add_shape(d, RectangleShape{}, map).radiance = board;
     add_shape(d, CubeShape{}, map).radiance = board;
   }
-  // The same corners, other uv
+  // The same corners with other uv
   Mesh half;
   half.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   half.uvs = {{0, 0}, {0.4f, 0}, {0, 0.4f}};
@@ -599,7 +599,7 @@ TEST_CASE("lights: lights that share the mean of a texture have the same power a
   other.uvs = {{0.6f, 0}, {0.9f, 0}, {0.9f, 0.4f}};
   add_shape(d, half, Transform()).radiance = board;
   add_shape(d, other, Transform()).radiance = board;
-  // The same shape and texture, other values of the mesh
+  // The same shape and texture with other attribute values
   d.textures.push_back({MeshAttributeDescription{"face_color", 2}, {1, 0, 0, 0, 1, 0}, "", {}});
   for (const float value : {1.0f, 5.0f}) {
     half.attributes = {{"face_color", 3, {value, 0, 1}}};

@@ -1,4 +1,4 @@
-// Loop's subdivision: limits against closed forms, and what is no surface.
+// Loop subdivision: limits against closed forms, and invalid meshes.
 #include "scene/formats/loop_subdivision.h"
 
 #include "core/error.h"
@@ -25,7 +25,7 @@ Mesh icosahedron() {
   return mesh;
 }
 
-/// A square of n x n cells over [0, n]^2, cut alike, at heights.
+/// A regularly triangulated square of n x n cells over [0, n]^2 with the given heights.
 template <class Height> Mesh lattice(std::uint32_t n, Height height) {
   Mesh mesh;
   for (std::uint32_t j = 0; j <= n; ++j)
@@ -62,7 +62,8 @@ TEST_CASE("subdivision: the limit surface does not depend on the level") {
 
 TEST_CASE("subdivision: the limit of an icosahedron keeps its symmetry") {
   const Mesh sphere = subdivide(icosahedron(), 3);
-  // The valence is 5, its neighbours' mean the axis times 1 / sqrt(5): with Warren's weights this is what remains.
+  // The valence is 5 and the mean of the neighbours is the axis times 1 / sqrt(5). With Warren's weights, this share
+  // remains.
   const double share = 1 / (5 + 3 / (8 * (3.0 / 40))), radius = std::hypot(1.0, (1 + std::sqrt(5.0)) / 2);
   const double expected = radius * (1 - 5 * share + 5 * share / std::sqrt(5.0));
   for (std::size_t v = 0; v < 12; ++v) {
@@ -83,7 +84,7 @@ TEST_CASE("subdivision: planes stay planes and regular meshes give box splines")
     CHECK(flat.positions[v].z == Approx(plane(flat.positions[v].x, flat.positions[v].y)).scale(1).epsilon(1e-6));
     CHECK(distance(flat.normals[v], normal) < 1e-6f);
   }
-  // Quartic box splines shift x^2 by a constant: with six neighbours that count for 1/12 each, four of them at x +- 1.
+  // Quartic box splines shift x^2 by a constant: six neighbours with weight 1/12 each, four of them at x +- 1.
   const Mesh bowl = subdivide(lattice(6, [](float x, float) { return x * x; }), 0);
   const std::size_t middle = 3 * 7 + 3;
   CHECK(bowl.positions[middle].z == Approx(9 + 4.0 / 12));
@@ -93,7 +94,7 @@ TEST_CASE("subdivision: planes stay planes and regular meshes give box splines")
 TEST_CASE("subdivision: the boundary is the cubic B-spline of its control points") {
   const Mesh control = lattice(5, [](float x, float y) { return y == 0 ? std::sin(1.3f * x) : 0.0f; });
   const Mesh fine = subdivide(control, 4);
-  // Between 2 and 3 of the lower side, which is far from the corners.
+  // Between 2 and 3 on the lower side, far from the corners.
   int found = 0;
   for (const Vec3f p : fine.positions) {
     if (std::fabs(p.y) > 1e-6f || p.x < 2 || p.x > 3) continue;

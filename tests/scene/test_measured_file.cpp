@@ -1,4 +1,4 @@
-// Files of measured BRDFs: what is read, and which message what is wrong gets.
+// Files of measured BRDFs: fields and error messages.
 #include "scene/formats/measured_file.h"
 #include "scene/formats/tensor_file.h"
 #include "scene/tables/scene.h"
@@ -39,7 +39,7 @@ TensorField& field(Fields& fields, const std::string& name) {
   return *std::find_if(fields.begin(), fields.end(), [&](const TensorField& f) { return f.name == name; });
 }
 
-/// The message for the file of small_brdf() with something changed.
+/// The error for the file of small_brdf() after a change.
 std::string error_with(const std::function<void(Fields&)>& change, std::size_t channels = 3) {
   Fields fields = measured_fields(small_brdf(channels));
   change(fields);

@@ -1,4 +1,4 @@
-// What bounds the extinction of media whose grids hold colours, in spectral mode.
+// Majorants of media with coloured grids in spectral mode.
 #include "scene/compile/compile.h"
 #include "scene/tables/medium_lookup.h"
 #include "tests/support/media_testing.h"
@@ -27,8 +27,7 @@ std::unique_ptr<const Scene> compile_spectral(const MediumDescription& medium) {
   return compile_scene(d, options);
 }
 
-/// The largest extinction over all wavelengths in the middle of the unit cube, and the largest of its shares of its
-/// bound.
+/// The largest extinction over all wavelengths at the centre of the unit cube, and its largest ratio to the majorant.
 std::pair<float, float> largest_and_bound(const Scene& scene) {
   const SceneView view = scene.view();
   const MediumRow& medium = view.media[0];
@@ -68,7 +67,7 @@ TEST_CASE("media: majorants hold at every wavelength where spectra exceed their 
     for (const Case& c : {Case{extinction, 1}, Case{sum, 2}}) {
       const auto scene = compile_spectral(c.medium);
       const auto [largest, share] = largest_and_bound(*scene);
-      // Without this the test would notice nothing.
+      // The test is meaningful only if spectra exceed their colours.
       CHECK(largest > 1.1f * c.colour * max_component(rgb));
       CHECK(share <= 1);
       CHECK(share > 0.5f);

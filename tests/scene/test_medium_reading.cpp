@@ -1,4 +1,4 @@
-// Participating media in scene files of both dialects: what is read, and which message what is wrong gets.
+// Participating media in scene files of both dialects: descriptions and error messages.
 #include <doctest/doctest.h>
 
 #include "scene/description/voxels.h"
@@ -20,7 +20,7 @@ using Grid = GridVolumeDescription;
 using Pair = ExtinctionAlbedoDescription;
 using Coefficients = AbsorptionScatteringDescription;
 
-/// A folder with empty files of the kinds that volumes name.
+/// A folder with empty files of the kinds that volumes refer to.
 struct Volumes {
   TemporaryFolder folder;
   Volumes() {
@@ -39,7 +39,7 @@ std::string error_of_volumes(const std::string& text) {
   return error_of(volumes.scene(text));
 }
 
-/// A grid of one voxel of value 1 with a box.
+/// Writes a grid of one voxel of value 1 with a box.
 void write_vol(const std::filesystem::path& path, Vec3f low, Vec3f high) {
   std::ofstream out(path, std::ios::binary);
   const auto put = [&](auto v) { out.write(reinterpret_cast<const char*>(&v), sizeof(v)); };
@@ -51,7 +51,7 @@ void write_vol(const std::filesystem::path& path, Vec3f low, Vec3f high) {
 std::string old_scene(const std::string& inside) {
   return mitsuba_scene(inside, "<sensor type='perspective'/>", "<integrator type='volpath'/>", "0.6.0");
 }
-/// The medium stands in line 2.
+/// The medium is in line 2.
 std::string nori_scene(const std::string& inside, const std::string& integrator = "<integrator type='path'/>") {
   return "<scene>\n" + inside + "\n<camera type='perspective'/>" + integrator + "</scene>";
 }
@@ -164,7 +164,7 @@ TEST_CASE("media: heterogeneous media of Mitsuba end at the axis-aligned box of 
                                         "<volume type='constvolume'><float name='value' value='2'/>"
                                         "<transform name='to_world'><translate x='3'/></transform></volume>"))))),
             {3, 0, 0}, {4, 1, 1});
-  // Grids along the axes end by themselves; others go on up to the box.
+  // Axis-aligned grids have their own bounds. Others extend to their box.
   const auto grid_at = [&](const std::string& steps, const std::string& more) {
     const TemporaryFolder folder;
     write_vol(folder / "box.vol", {-1, 0, 0}, {1, 1, 2});
@@ -179,7 +179,7 @@ TEST_CASE("media: heterogeneous media of Mitsuba end at the axis-aligned box of 
   check_box(box_of(grid_at(turned, "")), {-half, -half, 0}, {half, half, 1});
   check_box(box_of(grid_at("<rotate z='1' angle='45'/>", "<boolean name='use_grid_bbox' value='true'/>")),
             {-half - half, -half, 0}, {half, half + half, 2});
-  // Neither homogeneous ones nor those of Nori or of versions before 2 do so.
+  // This does not apply to homogeneous media, to Nori, or to versions before 2.
   CHECK_FALSE(only_medium(read_volumes(mitsuba_scene(medium(
                               "homogeneous", volume("sigma_t", "constvolume", "<float name='value' value='2'/>")))))
                   .density);

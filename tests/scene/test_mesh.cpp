@@ -1,4 +1,4 @@
-// Helpers on meshes: which side is the front, after every kind of transform; normals; degenerate triangles.
+// Mesh operations: orientation under every kind of transform, normals, degenerate triangles.
 #include "scene/formats/mesh.h"
 #include "tests/support/mesh_files.h"
 
@@ -22,10 +22,10 @@ void check_near(Vec3f found, Vec3f expected, double epsilon = 1e-5) {
   CHECK(found.z == doctest::Approx(expected.z).epsilon(epsilon));
 }
 
-/// Two triangles that meet at an angle: 0 1 2 in the plane z = 0, 0 2 3 leaning.
+/// Two triangles that meet at an angle: 0 1 2 in the plane z = 0, and 0 2 3 tilted.
 Mesh folded_square() { return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0.5f}}, {}, {}, {{0, 1, 2}, {0, 2, 3}}}; }
 
-/// A sphere of 2 x 24 x 12 triangles about the origin with its exact normals.
+/// A sphere of 2 x 24 x 12 triangles around the origin with exact normals.
 Mesh sphere() {
   constexpr int kAround = 24, kUp = 12;
   Mesh mesh;
@@ -154,7 +154,7 @@ TEST_CASE("mesh: flipping reverses triangles and normals and flipping twice chan
 TEST_CASE("mesh: smooth normals are weighted by angle") {
   Mesh mesh = folded_square();
   compute_vertex_normals(mesh);
-  check_near(mesh.normals[0], {0.2270461f, -0.2270461f, 0.94704807f});  // Mitsuba 3.9's values
+  check_near(mesh.normals[0], {0.2270461f, -0.2270461f, 0.94704807f});  // values of Mitsuba 3.9
   check_near(mesh.normals[1], {0, 0, 1});
   check_near(mesh.normals[2], {0.2270461f, -0.2270461f, 0.94704807f});
   check_near(mesh.normals[3], {0.40824828f, -0.40824828f, 0.81649655f});
@@ -271,7 +271,7 @@ TEST_CASE("mesh: attributes stay with their vertices and triangles") {
 }
 
 TEST_CASE("mesh: open edges are counted regardless of split vertices") {
-  CHECK(count_open_edges(cube_mesh()) == 0);  // each face has vertices of its own
+  CHECK(count_open_edges(cube_mesh()) == 0);  // each face has its own vertices
   CHECK(count_open_edges(rectangle_mesh()) == 4);
   Mesh lidless = cube_mesh();
   lidless.triangles.pop_back();

@@ -1,4 +1,4 @@
-// Metals and dielectrics by name: ranges, order, and colours that everybody knows.
+// Metals and dielectrics by name: ranges, order, and well-known colours.
 #include "scene/compile/compile_materials.h"
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
@@ -16,7 +16,7 @@ namespace {
 /// Fresnel reflectance at normal incidence.
 double reflectance(double eta, double k) { return ((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k); }
 
-/// Of a metal, linear between its samples.
+/// Reflectance of a metal, linear between its samples.
 double reflectance_at(const char* name, float wavelength) {
   const auto samples = find_metal(name);
   const auto above =
@@ -41,8 +41,8 @@ TEST_CASE("metals: tables are ordered and positive and cover the visible range")
       CHECK(samples[i].eta > 0);
       CHECK(samples[i].k >= 0);
       CHECK((samples[i].k > 0 || samples[i].eta > 1));
-      // No slip of a digit: neighbours reflect alike. The steepest step is that of titanium nitride, which has few
-      // samples.
+      // Detects typing errors: neighbours have similar reflectance. The steepest step is that of titanium nitride,
+      // which has few samples.
       if (i > 0)
         CHECK(std::abs(reflectance(samples[i].eta, samples[i].k) - reflectance(samples[i - 1].eta, samples[i - 1].k)) <
               0.25);
@@ -53,7 +53,7 @@ TEST_CASE("metals: tables are ordered and positive and cover the visible range")
 TEST_CASE("metals: all names of Mitsuba and pbrt are known") {
   for (const char* name : {"Ag", "Al", "Au", "Cr", "Cu", "Fe", "Hg", "Ir", "Ni", "Pt", "Ti", "TiN", "V", "W"})
     CHECK_FALSE(find_metal(name).empty());
-  // All that Mitsuba has, and pbrt.
+  // All names of Mitsuba and pbrt.
   for (const char* name :
        {"Ag",         "Al",        "AlAs",       "AlAs_palik", "AlSb",         "AlSb_palik", "Au",         "Be",
         "Be_palik",   "Cr",        "CsI",        "CsI_palik",  "Cu",           "Cu2O",       "Cu2O_palik", "CuO",
@@ -118,7 +118,7 @@ TEST_CASE("metals: reflectance at normal incidence matches clean surfaces") {
     CHECK(reflectance_at(c.name, c.wavelength) > c.low);
     CHECK(reflectance_at(c.name, c.wavelength) < c.high);
   }
-  // Gold is yellow, copper red, aluminium hardly coloured.
+  // Gold is yellow, copper red, aluminium almost grey.
   CHECK(reflectance_at("Au", 700) > 2.3 * reflectance_at("Au", 450));
   CHECK(reflectance_at("Cu", 650) > 1.5 * reflectance_at("Cu", 520));
   CHECK(std::abs(reflectance_at("Al", 650) - reflectance_at("Al", 450)) < 0.02);

@@ -1,4 +1,4 @@
-// Matrices of microflakes: which are ellipsoids, grids of them, and what media with them cannot be.
+// Microflake matrices: valid ellipsoids, grids of them, and invalid media.
 #include "scene/compile/compile.h"
 #include "scene/compile/flakes.h"
 #include "scene/tables/medium_lookup.h"
@@ -13,7 +13,7 @@ namespace sheaf::test_microflakes {
 
 namespace {
 
-/// A sphere full of flakes.
+/// A sphere filled with flakes.
 Description flakes_in_sphere(SggxDescription flakes) {
   Description d = empty_scene(1, 1);
   d.phases.push_back({std::move(flakes), {}});
@@ -28,7 +28,7 @@ Description flakes_in_sphere(SggxDescription flakes) {
 TEST_CASE("microflakes: the largest area is the root of the largest eigenvalue and negative ones are clamped") {
   CHECK(largest_flake_area({4, 9, 1, 0, 0, 0}) == doctest::Approx(3));
   CHECK(largest_flake_area({2, 2, 2, 0, 0, 0}) == doctest::Approx(std::sqrt(2.0)));
-  // Eigenvalues 3 and 1 in the plane of x and z, and 0.
+  // Eigenvalues 3 and 1 in the xz plane, and 0.
   CHECK(largest_flake_area({2, 0, 2, 0, 1, 0}) == doctest::Approx(std::sqrt(3.0)));
   CHECK(largest_flake_area({}) == 0.0f);
   CHECK_THROWS_WITH_AS(largest_flake_area({1, 1, 1, 2, 0, 0}), doctest::Contains("the negative eigenvalue -1.0"),

@@ -1,4 +1,4 @@
-// The Mitsuba dialect: what each plugin becomes, spellings of all releases, errors, and agreement with the Nori
+// The Mitsuba dialect: descriptions of each plugin, notations of all versions, errors, and agreement with the Nori
 // dialect.
 #include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
@@ -104,7 +104,7 @@ TEST_CASE("Mitsuba: films and filters have the documented parameters") {
   CHECK(d.film.crop->width() == 20);
   CHECK(d.film.crop->height() == 45);
   CHECK(d.notes.empty());
-  // Each property of the crop window alone; what is left out is the rest of the film.
+  // Each property of the crop window alone. Missing ones extend to the rest of the film.
   const auto check_crop = [](const char* name, PixelRect expected) {
     CAPTURE(std::string(name));
     const Description cropped =
@@ -441,7 +441,7 @@ TEST_CASE("Mitsuba: transforms are composed in document order") {
   CHECK(transformed("<matrix value='1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1'/>", {0, 0, 0}) == Vec3f{4, 5, 6});
   const Vec3f rotated = transformed("<rotate y='1' angle='90'/>", {0, 0, 1});
   CHECK(rotated.x == doctest::Approx(1));
-  // Without an up direction: looking along -z, x goes to y, y goes to x.
+  // Without an up vector, looking along -z, x becomes y and y becomes x.
   CHECK(transformed("<lookat origin='0,0,1' target='0,0,0'/>", {1, 2, 3}) == Vec3f{2, 1, -2});
   const std::string element = "<shape type='sphere'>\n<transform name='to_world'>\n";
   for (const auto& [step, expected] :

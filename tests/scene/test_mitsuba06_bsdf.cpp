@@ -1,4 +1,4 @@
-// Materials that Mitsuba had before version 2, and mixtures: as both spellings say them, and as rows.
+// Materials of Mitsuba 0.6 and mixtures: both notations, and compiled rows.
 #include "scene/compile/compile_materials.h"
 #include "tests/support/scene_files.h"
 
@@ -35,7 +35,7 @@ std::string error(const std::string& text) { return error_of_text(mitsuba_scene(
 
 SpectrumInput grey(float v) { return SpectrumDescription::constant(v); }
 
-/// The shares of the diffuse rows that a material's row leads to, by reflectance.
+/// The shares of the diffuse rows below a material's row, by reflectance.
 void add_shares(const CompiledMaterials& c, std::uint32_t row, float share, std::map<float, float>& out) {
   const MaterialRow& m = c.rows.at(row);
   if ((m.flags & kComposite) == 0) {
@@ -191,7 +191,7 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   CHECK(shares(bright).at(0.1f) == doctest::Approx(0.5));
   REQUIRE(bright.notes.size() == 1);
   CHECK(bright.notes[0].find("scaled down") != std::string::npos);
-  // As many as there are colours are no deeper than a few blends.
+  // The depth of nested blends is logarithmic: 100 materials are accepted.
   std::string many, weights;
   for (int i = 1; i <= 100; ++i) many += grey_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";
   CHECK(of(weights, many).at(0.5f) == doctest::Approx(0.01));

@@ -1,4 +1,4 @@
-// The Mitsuba dialect: materials and textures, in the spellings of all releases.
+// The Mitsuba dialect: materials and textures in the notations of all versions.
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_materials.h"
 #include "tests/support/scene_files.h"
@@ -45,7 +45,7 @@ std::string word(const std::string& name, const std::string& value) {
   return "<string name='" + name + "' value='" + value + "'/>";
 }
 
-/// Applies rows of a 2x3 matrix.
+/// Applies a 2x3 matrix in row order.
 std::array<float, 2> apply(const std::array<float, 6>& m, float u, float v) {
   return {m[0] * u + m[1] * v + m[2], m[3] * u + m[4] * v + m[5]};
 }
@@ -90,7 +90,7 @@ TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for 
   CHECK_FALSE(disperses(word("int_ior", "sf11") + off));
   CHECK(disperses(word("int_cauchy", "1.5, 0.004")));
   CHECK_FALSE(disperses(number("int_ior", "1.5")));
-  // Nori has no names of its own: there they are all ours.
+  // Nori defines no names of its own, so that all names are Sheaf's.
   const auto nori = [](const std::string& inside) {
     const Description d = read_text(
         "<scene><camera type='perspective'/><integrator type='path'/><mesh type='sphere'>"
@@ -315,7 +315,7 @@ TEST_CASE("Mitsuba materials: metals are found by name") {
   CHECK(model_of<ConductorDescription>("roughconductor", word("material", "Ag")).ior.has_value());
   CHECK_FALSE(model_of<ConductorDescription>("conductor", word("material", "none")).ior.has_value());
   CHECK_FALSE(model_of<ConductorDescription>("conductor").ior.has_value());
-  // Before version 2: copper by default, in air.
+  // Before version 2, the default is copper in air.
   auto eta_of = [](const std::string& inside) {
     const auto m = std::get<ConductorDescription>(read_old(bsdf("roughconductor", inside)).materials.at(0).model);
     return std::get<SpectrumDescription>(m.ior.value().eta);
@@ -391,7 +391,7 @@ TEST_CASE("Mitsuba materials: bump and normal maps are read") {
 }
 
 TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
-  // v of a picture points down: (u, v) goes to (u, 1 - v).
+  // v of an image points down: (u, v) becomes (u, 1 - v).
   const std::string upright = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
   CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
   CHECK(texture("<boolean name='raw' value='true'/>") == "bitmap image.png 0 0 0 1" + upright);
@@ -418,8 +418,8 @@ TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
 }
 
-// Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is
-// at v = 0, and to_uv is applied to uv as it stands.
+// Positions of uv points in the image, found with Mitsuba 3.9 and an image of four colours: row 0 is at v = 0, and
+// to_uv applies to the original uv.
 TEST_CASE("Mitsuba textures: uv transforms are applied") {
   auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
     const std::string file = std::string(type) == "bitmap" ? word("filename", "image.png") : "";
@@ -443,7 +443,7 @@ TEST_CASE("Mitsuba textures: uv transforms are applied") {
             0.1f, 0.1f),
       0.7f, 0.35f));
   CHECK(near(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
-  // The squares of a checkerboard don't care which way is up.
+  // Checkerboards are symmetric under the flip of v.
   CHECK(near(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
   CHECK(near(apply(to_uv(transform("<translate x='0.5'/>"), "checkerboard"), 0.1f, 0.1f), 0.6f, 0.1f));
   CHECK(near(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));

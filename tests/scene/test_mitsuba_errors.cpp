@@ -1,4 +1,4 @@
-// The Mitsuba dialect: what is refused, and with which message.
+// The Mitsuba dialect: rejected input and its messages.
 #include <doctest/doctest.h>
 
 #include "tests/support/scene_files.h"

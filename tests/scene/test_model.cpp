@@ -1,4 +1,4 @@
-// A model without a scene: floor, sky, camera, materials.
+// A model without a scene: floor, environment, camera, materials.
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
 
@@ -13,7 +13,7 @@ using namespace test;
 
 namespace {
 
-/// A tetrahedron from (2, 1, 0) to (4, 5, 2), with a material on one face.
+/// A tetrahedron from (2, 1, 0) to (4, 5, 2) with a material on one face.
 const char* const kTetrahedron =
     "mtllib look.mtl\nv 2 1 0\nv 4 1 0\nv 2 5 0\nv 2 1 2\n"
     "f 1 3 2\nf 1 2 4\nf 1 4 3\nusemtl red\nf 2 3 4\n";
@@ -81,7 +81,7 @@ TEST_CASE("model: in lenient mode faces with missing vertices are dropped and ot
     return std::any_of(d.notes.begin(), d.notes.end(),
                        [text](const std::string& note) { return contains(note, text); });
   };
-  // Faces beyond the last vertex, before the first, and coordinates and normals that are not there.
+  // Faces with indices beyond the last or before the first vertex, or of missing texture coordinates and normals.
   const std::string obj =
       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nf 1 2 3\nf 1 2 5\nf 1/1 3/7 4/1\nf -9 1 2\nf 2//1 3//1 4//1\n";
   CHECK(contains(error_of(write_below(folder, "model.obj", obj)), "refers to vertex -9, but there are 4"));
@@ -97,9 +97,9 @@ TEST_CASE("model: in lenient mode faces with missing vertices are dropped and ot
                                                        "3 0 1 2 6 0 0 1 0 0 1\n3 0 1 4 6 0 0 1 0 0 1\n"
                                                        "3 0 2 3 6 0 1 1 0 0 1\n3 1 2 3 6 1 0 1 0 0 1\n");
   CHECK(notes(by_ply, "faces left out: 1 (expected the index of one of 4 vertices, found 4)"));
-  // Materials that no file has.
+  // Materials of a missing file.
   CHECK_NOTHROW(read_scene(write_below(folder, "lost.obj", "mtllib lost.mtl\nusemtl a\n" + obj), leniently));
-  // Nothing is left.
+  // No face remains.
   write_below(folder, "none.obj", "v 0 0 0\nf 1 2 3\n");
   CHECK_THROWS_WITH_AS(read_scene(folder.path() / "none.obj", leniently),
                        doctest::Contains("no face is whole: line 2: a face refers to vertex 3, but there are 1"),
@@ -111,7 +111,7 @@ namespace {
 const std::string kCube = "v -1 -1 -1\nv -1 -1 1\nv -1 1 -1\nv -1 1 1\nv 1 -1 -1\nv 1 -1 1\nv 1 1 -1\nv 1 1 1\n";
 const std::string kCubeFaces = "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
 
-/// The smallest cosine between a corner's normal and its triangle's.
+/// The smallest cosine between the normals of a corner and of its triangle.
 float smallest_cosine(const Mesh& mesh) {
   float smallest = 1;
   for (const auto& t : mesh.triangles) {
@@ -132,7 +132,7 @@ float smallest_cosine_of(const std::string& name, const std::string& text) {
   return smallest;
 }
 
-/// A square as PLY, with properties of vertices and of faces.
+/// A square as PLY with properties of vertices and faces.
 std::string square_ply(const std::string& comment, const std::string& vertex_properties, const std::string& vertex,
                        const std::string& face_properties = "", const std::string& face = "") {
   std::string text = "ply\nformat ascii 1.0\n" + comment +
@@ -142,7 +142,7 @@ std::string square_ply(const std::string& comment, const std::string& vertex_pro
   return text + "4 0 1 2 3 " + face + "\n";
 }
 
-/// The texture of a model's first shape, or null if it is grey.
+/// The texture of the model's first shape, or null if it is grey.
 const TextureDescription* texture_of(const Description& d) {
   const auto& both =
       std::get<TwoSidedDescription>(d.materials.at(static_cast<std::size_t>(*d.shapes.at(0).material)).model);

@@ -1,4 +1,4 @@
-// MTL files: every keyword and every way to get it wrong, what materials become, and how OBJ meshes are cut by them.
+// MTL files: every keyword, every kind of error, the resulting materials, and the division of OBJ meshes by material.
 #include "scene/dialects/common/obj_materials.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
@@ -27,7 +27,7 @@ std::string error_in(const std::string& text) {
 
 MtlMaterial one(const std::string& properties) { return read("newmtl m\n" + properties).materials.at(0); }
 
-/// A material with its nested ones, from the outside in.
+/// A material with its nested materials, from the outside in.
 struct Mapped {
   Description description;
   std::vector<MaterialDescription> layers;
@@ -67,7 +67,7 @@ Vec3f rgb(const SpectrumInput& input) {
   return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(input).value).value;
 }
 
-/// A folder with an OBJ file and its libraries, and a description with one shape of it.
+/// A folder with an OBJ file and its libraries, and a description with one shape that uses it.
 struct ObjScene {
   TemporaryFolder folder;
   Description description;
@@ -91,7 +91,7 @@ struct ObjScene {
   }
 };
 
-/// A tent: two rectangles that share the edge 2 3, the faces of materials `left` and `right`.
+/// A tent of two rectangles that share the edge 2 3, with materials `left` and `right`.
 std::string tent(const std::string& left, const std::string& right, const std::string& library = "lib.mtl") {
   return "mtllib " + library + "\nv 0 0 0\nv 0 1 0\nv 1 1 1\nv 1 0 1\nv 2 1 0\nv 2 0 0\nusemtl " + left +
          "\nf 1 4 3 2\nusemtl " + right + "\nf 4 6 5 3\n";
@@ -256,7 +256,7 @@ TEST_CASE("mtl: glass is recognised") {
   }
   CHECK(map("Tf 1 1 1\nillum 7").base<DielectricDescription>().int_ior == 1.5f);
   CHECK(std::get<float>(map("Pr 0.5\nNi 1.5\nillum 7").base<DielectricDescription>().roughness->alpha_v) == 0.25f);
-  CHECK_NOTHROW(map("Tf 1 1 1\nNi 1\nillum 4").base<DiffuseDescription>());  // as exporters write for the opaque
+  CHECK_NOTHROW(map("Tf 1 1 1\nNi 1\nillum 4").base<DiffuseDescription>());  // as exporters write for opaque materials
   CHECK_NOTHROW(map("Ni 1.5\nillum 2\nd 0.5").base<DiffuseDescription>());
   CHECK_NOTHROW(map("Ni 1.5\nillum 4\nmap_d a.png").base<DiffuseDescription>());
 }
@@ -386,7 +386,7 @@ TEST_CASE("obj materials: shapes with a BSDF of their own or without usable mate
   check_uncut(no_library);
   ObjScene unused("mtllib lib.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl red\n", kRedAndBlue);
   check_uncut(unused);
-  ObjScene empty("");  // the compiler reads it and says what is wrong
+  ObjScene empty("");  // the compiler reads it and reports the error
   check_uncut(empty);
   ObjScene no_file("");
   std::filesystem::remove(no_file.folder / "mesh.obj");

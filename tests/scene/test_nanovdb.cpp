@@ -1,4 +1,4 @@
-// NanoVDB files: what is written is read, in every precision and compression, and damaged files are errors.
+// NanoVDB files: round trips in every precision and compression, and errors for damaged files.
 #include "scene/compile/load_volume.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/support/deflate.h"
@@ -57,7 +57,7 @@ std::string error_in(const std::string& bytes, const std::string& grid = "") {
   return error_of([&] { read(bytes, grid); });
 }
 
-/// The largest difference of voxels, looked up by index.
+/// The largest difference of voxels.
 float largest_difference(BrickGrid a, BrickGrid b) {
   a.grid_to_local = b.grid_to_local = Transform();
   REQUIRE(a.channels == b.channels);
@@ -166,11 +166,11 @@ TEST_CASE("nanovdb: sizes that the file cannot hold are errors and not allocatio
     const std::string valid = w.bytes();
     for (const std::uint64_t size : {std::uint64_t{0}, std::uint64_t{600}, std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
       std::string bytes = valid;
-      std::memcpy(bytes.data() + 16, &size, 8);  // in memory
+      std::memcpy(bytes.data() + 16, &size, 8);  // size in memory
       CHECK_FALSE(error_in(bytes).empty());
       bytes = valid;
       if (size == 0) continue;
-      std::memcpy(bytes.data() + 24, &size, 8);  // in the file
+      std::memcpy(bytes.data() + 24, &size, 8);  // size in the file
       CHECK_FALSE(error_in(bytes).empty());
     }
     std::string bytes = valid;
@@ -196,7 +196,7 @@ TEST_CASE("nanovdb: random edits give a grid or an error") {
     Written w;
     w.values = values;
     const std::string valid = w.bytes();
-    // All that is not zero: headers, masks and offsets among megabytes of empty tables.
+    // Positions of all non-zero bytes: headers, masks and offsets among megabytes of empty tables.
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < valid.size(); ++i)
       if (valid[i] != 0 && (i < 3000 || valid.size() - i > 20000 || i % 50 == 0)) places.push_back(i);
@@ -219,7 +219,7 @@ TEST_CASE("nanovdb: trees with wild offsets are errors") {
   const std::size_t grid = valid.find("NanoVDB0", 8), tree = grid + 672;
   std::uint64_t root = 0;
   std::memcpy(&root, valid.data() + tree + 24, 8);
-  const std::size_t first_tile = tree + root + 64;  // behind the root's own 64 bytes
+  const std::size_t first_tile = tree + root + 64;  // after the 64 bytes of the root
   for (const std::int64_t offset : {std::int64_t{1}, std::int64_t{-32}, std::int64_t{1} << 62,
                                     std::numeric_limits<std::int64_t>::min(), std::int64_t{32}}) {
     std::string bytes = valid;
@@ -227,18 +227,18 @@ TEST_CASE("nanovdb: trees with wild offsets are errors") {
     CHECK_FALSE(error_in(bytes).empty());
     bytes = valid;
     std::memcpy(bytes.data() + first_tile + 8, &offset, 8);
-    const std::string error = error_in(bytes);  // a neighbouring place may look like a node
+    const std::string error = error_in(bytes);  // a neighbouring position may look like a node
     if (std::abs(offset + 1) > 100 || offset == 1) CHECK(contains(error, "corrupt"));
   }
   std::string bytes = valid;
-  bytes.replace(tree + root + 24, 4, "\xff\xff\xff\x7f");  // tiles of the root
+  bytes.replace(tree + root + 24, 4, "\xff\xff\xff\x7f");  // number of tiles of the root
   CHECK(contains(error_in(bytes), "corrupt"));
 }
 
 namespace {
 
-/// A file of one grid in which tiles of 128^3 voxels have the value 1, by their places in one node of 32^3 of them, and
-/// nothing else has; compressed, since it is almost all zeros.
+/// A file of one grid with tiles of 128^3 voxels of value 1 at the given positions in one node of 32^3 tiles, and
+/// nothing else. It is compressed, because it is almost all zeros.
 std::string tile_file(const std::vector<std::array<std::uint32_t, 3>>& tiles) {
   VoxelBlocks blocks(1);
   blocks.add({0, 0, 0})[0] = 1;
@@ -250,7 +250,7 @@ std::string tile_file(const std::vector<std::array<std::uint32_t, 3>>& tiles) {
   std::uint64_t root = 0, upper = 0;
   std::memcpy(&root, bytes.data() + tree + 24, 8);
   std::memcpy(&upper, bytes.data() + tree + root + 64 + 8, 8);
-  constexpr std::size_t kTable = 8256;  // behind the node's box, flags, masks and statistics
+  constexpr std::size_t kTable = 8256;  // after the node's box, flags, masks and statistics
   const float one = 1;
   for (const auto& at : tiles) {
     const std::size_t tile = (at[0] * 32 + at[1]) * 32 + at[2];
@@ -261,8 +261,8 @@ std::string tile_file(const std::vector<std::array<std::uint32_t, 3>>& tiles) {
   const std::uint64_t size = stream.size(), with_size = size + 8;
   std::memcpy(stored.data(), &size, 8);
   std::string head = bytes.substr(0, grid);
-  head[14] = 1;                                  // the segment's codec: deflated
-  std::memcpy(head.data() + 24, &with_size, 8);  // of the grid in the file
+  head[14] = 1;                                  // codec of the segment: deflate
+  std::memcpy(head.data() + 24, &with_size, 8);  // size of the grid in the file
   return head + stored + stream;
 }
 
@@ -287,7 +287,7 @@ TEST_CASE("nanovdb: scattered tiles in a small file do not take gigabytes of mem
   CHECK(contains(error, "cloud.nvdb: a grid of 39"));
   CHECK(contains(error, "MB of memory or more, expected at most"));
   CHECK(contains(error, "stray tiles"));
-  // Not by their surface either: each brick at the edge of a tile is one of its own.
+  // A checkerboard of tiles has the most surface, and each brick at the edge of a tile is distinct.
   std::vector<std::array<std::uint32_t, 3>> checkers;
   for (std::uint32_t i = 0; i < 8 * 8 * 8; ++i)
     if (((i & 7) + (i >> 3 & 7) + (i >> 6)) % 2 == 1) checkers.push_back({i & 7, i >> 3 & 7, i >> 6});

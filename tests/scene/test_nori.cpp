@@ -1,4 +1,4 @@
-// The Nori dialect: what each element becomes, defaults, errors.
+// The Nori dialect: descriptions of each element, defaults, errors.
 #include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
 
@@ -15,7 +15,7 @@ namespace {
 const std::string kCamera = "<camera type=\"perspective\"/>";
 const std::string kIntegrator = "<integrator type=\"path_mis\"/>";
 
-/// The camera stands in line 2, the integrator in line 3, `inside` begins in line 4.
+/// The camera is in line 2, the integrator in line 3, and `inside` begins in line 4.
 std::string scene_with(const std::string& inside, const std::string& camera = kCamera,
                        const std::string& integrator = kIntegrator) {
   return "<scene>\n" + camera + "\n" + integrator + "\n" + inside + "\n</scene>\n";
@@ -75,7 +75,7 @@ TEST_CASE("Nori: cameras and filters and samplers have the documented parameters
   CHECK(d.film.filter.b == 0.2f);
   CHECK(d.film.filter.c == 0.4f);
   CHECK(d.camera.to_world.point({0, 0, 0}) == Vec3f{0, 0, 5});
-  // Nori's x points to the right of the picture, ours to the left, which is -x when looking along -z.
+  // Nori's x axis points to the right of the image, Sheaf's to the left, which is -x when looking along -z.
   CHECK(d.camera.to_world.vector({1, 0, 0}) == Vec3f{-1, 0, 0});
   CHECK(camera("<rfilter type='box'/>").film.filter.radius == 0.5f);
   CHECK(camera("<rfilter type='tent'/>").film.filter.radius == 1);
@@ -352,7 +352,7 @@ TEST_CASE("Nori: a parallelogram has a corner at its origin") {
   CHECK(std::holds_alternative<RectangleShape>(shape.geometry));
   CHECK(length(shape.to_world.point({-1, -1, 0}) - Vec3f{1, 2, 3}) < 1e-6f);
   CHECK(length(shape.to_world.point({1, 1, 0}) - Vec3f{3, 2, 7}) < 1e-6f);
-  // u x v.
+  // The normal is u x v.
   CHECK(dot(shape.to_world.vector({0, 0, 1}), Vec3f{0, -1, 0}) > 0.999f);
   CHECK(shape.radiance.has_value());
   CHECK(contains(error_of_text(scene_with("<mesh type='parallelogram'><vector name='u' value='0 1 0'/></mesh>")),
@@ -434,7 +434,7 @@ TEST_CASE("Nori: names used by course projects are read") {
   CHECK(std::holds_alternative<ConstantLightDescription>(d.lights[0].model));
   const auto& spot = std::get<SpotLightDescription>(d.lights[1].model);
   CHECK(spot.beam_width == 60);
-  // The power of a sharp cone: intensity times 2 pi (1 - cos 60).
+  // Power of a cone with a sharp edge: intensity times 2 pi (1 - cos 60).
   const auto& intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value);
   CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
 }

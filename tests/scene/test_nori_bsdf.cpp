@@ -37,7 +37,7 @@ TextureDescription texture_of(const std::string& type, const std::string& inside
   return read_text(scene_with(bsdf("diffuse", element))).textures.back();
 }
 
-/// Which square of a checkerboard a point lies in: 0 or 1, for color0 and color1.
+/// The square of a checkerboard that contains a point: 0 or 1, for color0 or color1.
 int square(const TextureDescription& t, float u, float v) {
   const std::array<float, 6>& m = t.to_uv;
   const float x = m[0] * u + m[1] * v + m[2], y = m[3] * u + m[4] * v + m[5];
@@ -122,7 +122,7 @@ TEST_CASE("Nori textures: checkerboards have the documented parameters") {
           .starts_with("checkerboard rgb 0x1p+0 0x0p+0 0x0p+0 rgb 0x0p+0 0x1p+0 0x0p+0"));
   CHECK(dump(texture_of("checkerboard_float", number("value1", "0.25") + number("value2", "0.5")))
             .starts_with("checkerboard constant 0x1p-2 constant 0x1p-1"));
-  // A square is `scale` wide, one begins at `delta`.
+  // A square is `scale` wide, and one begins at `delta`.
   for (const char* placement : {"<vector2 name='scale' value='0.25,0.5'/><point2 name='delta' value='0.1,0.2'/>",
                                 "<vector name='scale' value='0.25 0.5'/><point name='delta' value='0.1 0.2'/>"}) {
     const TextureDescription t = texture_of("checkerboard_float", placement);

@@ -1,4 +1,4 @@
-// OBJ files: every way to write a face, and every way to get it wrong.
+// OBJ files: every notation of faces and every kind of error.
 #include "scene/formats/obj.h"
 #include "tests/support/mesh_files.h"
 
@@ -28,7 +28,7 @@ constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 std::string with_square(std::string_view rest) { return std::string(kSquare) + std::string(rest); }
 
-/// A polygon in the plane z = x, as one face.
+/// A polygon in the plane z = x as one face.
 std::string polygon_file(const std::vector<Vec2f>& outline) {
   std::ostringstream text;
   text.precision(9);
@@ -39,7 +39,7 @@ std::string polygon_file(const std::vector<Vec2f>& outline) {
   return text.str();
 }
 
-/// The area of a polygon in the plane z = x, from its outline in x and y.
+/// Area of a polygon in the plane z = x, from its outline in x and y.
 double slanted_area(const std::vector<Vec2f>& outline) {
   double sum = 0;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -49,7 +49,7 @@ double slanted_area(const std::vector<Vec2f>& outline) {
   return std::abs(sum) / 2 * std::numbers::sqrt2;
 }
 
-/// Whether the triangles cover the polygon once: their areas add up to its own, and all face the same way.
+/// Checks that the triangles cover the polygon once: their areas add up to its own, and all face the same side.
 void check_covers(const std::vector<Vec2f>& outline) {
   const MeshFile file = read(polygon_file(outline));
   CHECK(file.warnings.empty());

@@ -1,4 +1,4 @@
-// Square environment maps of equal areas.
+// Square equal-area environment maps.
 #include "scene/compile/octahedral_envmap.h"
 
 #include "core/lanes.h"
@@ -13,7 +13,7 @@ namespace sheaf::test_square_envmap {
 
 namespace {
 
-/// The direction at a place of the square, by the inverse of the map (Clarberg 2008, section 2).
+/// Direction of a position in the square, by the inverse of the map (Clarberg 2008, section 2).
 Vec3f direction_at(float x, float y) {
   const float u = 2 * x - 1, v = 2 * y - 1;
   const float distance = 1 - (std::fabs(u) + std::fabs(v)), r = 1 - std::fabs(distance);
@@ -22,7 +22,7 @@ Vec3f direction_at(float x, float y) {
   return {std::copysign(std::cos(phi), u) * s, std::copysign(std::sin(phi), v) * s, z};
 }
 
-/// A radiance that tells directions apart.
+/// A radiance that differs in all directions.
 Vec3f radiance(Vec3f d) { return {1 + d.x, 1 + 0.5f * d.y + d.z * d.z, 1.5f - d.z}; }
 
 EnvmapPicture square_map(std::uint32_t size) {

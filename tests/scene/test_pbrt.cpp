@@ -1,4 +1,4 @@
-// Scenes of pbrt-v4: tokens, parameters, directives, and what becomes of them.
+// Scenes of pbrt-v4: tokens, parameters, directives and the resulting descriptions.
 #include <doctest/doctest.h>
 
 #include "core/color.h"
@@ -21,7 +21,7 @@ using doctest::Approx;
 
 namespace {
 
-/// Reads `world` behind WorldBegin, which stands in line 2 behind `options`, in a folder with some files.
+/// Reads `world` after WorldBegin, which is in line 2 after `options`, in a folder with some files.
 Description read_world(const std::string& world, bool lenient = false, const std::string& options = "") {
   const TemporaryFolder folder;
   write_below(folder, "image.png", "");
@@ -33,7 +33,7 @@ Description read_world(const std::string& world, bool lenient = false, const std
   return read_scene(write_below(folder, "scene.pbrt", options + "\nWorldBegin\n" + world + "\n"), how);
 }
 
-/// The message for what stands in lines from 3 on; empty if there is none.
+/// The error of a world whose lines start at 3, empty if there is none.
 std::string error_of_world(const std::string& world, const std::string& options = "") {
   const TemporaryFolder folder;
   write_below(folder, "image.png", "");
@@ -158,7 +158,7 @@ TEST_SUITE("pbrt") {
 Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "float radius" 2)");
     const auto scene = compile_scene(d);
     const SceneView& view = scene->view();
-    for (const float polar : {0.3f, 1.2f, 2.0f, 2.9f})  // from +z
+    for (const float polar : {0.3f, 1.2f, 2.0f, 2.9f})  // angle from +z
       for (const float turn : {0.4f, 2.0f, 4.0f, 6.0f}) {
         const Vec3f n{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
         const auto y = surface_point<Scalar, true>(view, view.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone);
@@ -273,7 +273,7 @@ Shape "disk")");
     const Description glass = read_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
     CHECK(only_material<DielectricDescription>(glass)->int_ior == Approx(1.5168).epsilon(1e-4));
     CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
-    // Between the neighbours of 588 nm in the tables of pbrt.
+    // Between the tabulated neighbours of 588 nm in pbrt.
     for (const auto& [name, low, high] : {std::tuple{"BAF10", 1.6686f, 1.6702f},
                                           {"FK51A", 1.4862f, 1.4869f},
                                           {"LASF9", 1.8481f, 1.8509f},
@@ -363,7 +363,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     const auto curves = [](const std::string& parameters) {
       return std::get<Curves>(read_world("Shape \"curve\" " + parameters).shapes.at(0).geometry);
     };
-    // The point of a segment at t: four weights of its control points; the same for the radius.
+    // The point of a segment at t and its radius: a weighted sum of four control points.
     const auto at = [](const Curves& c, std::size_t first, float t) {
       const float s = 1 - t;
       const float w[] = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,
@@ -399,7 +399,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(at(spline, 0, 0).radius == Approx(0.5));
     CHECK(at(spline, 1, 0).radius == Approx(1));
     CHECK(at(spline, 1, 1).radius == Approx(1.5));
-    // A quadratic B-spline is in the middle between its control points where segments meet.
+    // A quadratic B-spline passes the middle between control points where segments meet.
     const Curves smooth = curves(points + " \"integer degree\" 2");
     CHECK(smooth.starts.size() == 3);
     CHECK(length(at(smooth, 4, 0).position - Vec3f{1.5f, 1, 0}) < 1e-5f);
@@ -481,7 +481,8 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(given.scale == 10.0f);
     CHECK(given.phase);
     CHECK(color(std::get<Scattering>(medium("\"string name\" \"skin1\"").coefficients).sigma_s).x == Approx(0.74));
-    // Without a boundary, isotropic: Kulla and Conty 2017 give the albedo of a reflectance; scale makes paths longer.
+    // Without an index-mismatched boundary and with isotropic scattering, Kulla and Conty 2017 give the albedo for a
+    // reflectance. Scale lengthens the mean free path.
     const MediumDescription diffuse =
         medium(R"("rgb reflectance" [ 0.2 0.5 0.9 ] "rgb mfp" [ 1 2 4 ] "float scale" 2 "float eta" 1)");
     const auto& c = std::get<ExtinctionAlbedoDescription>(diffuse.coefficients);
@@ -489,7 +490,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     CHECK(diffuse.scale == 0.5f);
     const double s = 4.09712 + 4.20863 * 0.5 - std::sqrt(9.59217 + 41.6808 * 0.5 + 17.7126 * 0.25);
     CHECK(rgb_of(std::get<SpectrumDescription>(c.albedo)).y == Approx(1 - s * s));
-    // A boundary that sends light back needs a brighter medium for the same reflectance.
+    // A reflective boundary needs a higher albedo for the same reflectance.
     const MediumDescription coated = medium(R"("rgb reflectance" [ 0.2 0.5 0.9 ] "float eta" 1.5)");
     CHECK(rgb_of(std::get<SpectrumDescription>(std::get<ExtinctionAlbedoDescription>(coated.coefficients).albedo)).y >
           1 - s * s);
@@ -587,7 +588,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     for (std::size_t size = 0; size < kDiffuseScene.size(); ++size)
       errors += error_of(write_below(folder, "scene.pbrt", kDiffuseScene.substr(0, size))).empty() ? 0 : 1;
     CHECK(errors > static_cast<int>(kDiffuseScene.size()) / 2);
-    for (std::size_t i = 0; i < kDiffuseScene.size(); i += 3)  // one character of it damaged
+    for (std::size_t i = 0; i < kDiffuseScene.size(); i += 3)  // one damaged character
       for (const char c : {'"', '[', '\0'}) {
         std::string damaged = kDiffuseScene;
         damaged[i] = c;
@@ -615,7 +616,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     for (int i = 0; i < 40; ++i)
       write_below(folder, "part" + std::to_string(i) + ".pbrt", "Include \"part" + std::to_string(i + 1) + ".pbrt\"\n");
     CHECK(contains(error_of(write_below(folder, "scene.pbrt", "Include \"part0.pbrt\"\n")), "more than 32 deep"));
-    // Each file includes the next twice.
+    // Each file includes the next one twice.
     for (int i = 0; i < 20; ++i)
       write_below(
           folder, "part" + std::to_string(i) + ".pbrt",

@@ -1,4 +1,4 @@
-// The base under pbrt's coats: our closed form with it, against pbrt's random walk simulated here.
+// The base under pbrt's coats: Sheaf's closed form against pbrt's random walk, simulated here.
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/plastic.h"
 #include "scene/dialects/pbrt/coat.h"
@@ -33,8 +33,8 @@ struct Estimate {
   double mean, error;
 };
 
-/// What leaves a smooth coat by way of the base, under diffuse light: light walks between both surfaces of a layer that
-/// absorbs, as long as its `max_depth` says.
+/// Light that leaves a smooth coat after scattering at the base, under diffuse illumination: a random walk between both
+/// surfaces of an absorbing layer with at most `max_depth` steps.
 Estimate walk(double albedo, double eta, const Layer& layer) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform;
@@ -46,10 +46,10 @@ Estimate walk(double albedo, double eta, const Layer& layer) {
     double cosine = std::sqrt(1 - (1 - outside * outside) / (eta * eta));
     for (int depth = 0; depth < layer.max_depth; ++depth) {
       weight *= std::exp(-layer.thickness / cosine);
-      if (depth % 2 == 0) {  // the base
+      if (depth % 2 == 0) {  // at the base
         weight *= albedo;
         cosine = std::sqrt(1 - uniform(random));
-        // A walk that may end here connects to the outside all the same, as next-event estimation does.
+        // Each vertex that may end the walk also connects to the outside, as next-event estimation does.
         left += weight * std::exp(-layer.thickness / cosine) * (1 - fresnel(cosine, 1 / eta));
       } else {
         weight *= fresnel(cosine, 1 / eta);
@@ -61,10 +61,10 @@ Estimate walk(double albedo, double eta, const Layer& layer) {
   return {mean, std::sqrt((squares / kWalks - mean * mean) / kWalks)};
 }
 
-/// The same by our closed form, whose base has the albedo `b`.
+/// The same by Sheaf's closed form with a base of albedo `b`.
 double closed_form(double b, double eta) {
   const double r = double{smooth_coat_internal_reflectance(eta)};
-  const double entering = (1 - r) * eta * eta;  // reciprocity: of diffuse light from outside
+  const double entering = (1 - r) * eta * eta;  // by reciprocity: share of diffuse light from outside
   return entering * b * (1 - r) / (1 - b * r);
 }
 
@@ -80,18 +80,18 @@ TEST_CASE("pbrt coats: the base reflects as in the random walk of pbrt") {
         CAPTURE(layer.max_depth);
         const Estimate expected = walk(albedo, eta, layer);
         const pbrt::LayeredBase base(0, eta, layer.thickness, layer.max_depth);
-        // Within 4 standard errors; angles of absorption are averaged, which is worth 1e-3 in thick layers.
+        // Within 4 standard errors. Averaging the absorption over angles costs up to 1e-3 in thick layers.
         CHECK(std::abs(closed_form(double{base.albedo(static_cast<float>(albedo))}, eta) - expected.mean) <
               4 * expected.error + (0.5e-3 + 0.05 * layer.thickness) * expected.mean);
       }
-  // Without losses the base is what the file says.
+  // Without losses, the base has the given albedo.
   const pbrt::LayeredBase clear(0.2, 1.5, 0, 2000);
   for (const float a : {0.0f, 0.3f, 1.0f}) CHECK(clear.albedo(a) == Approx(a).epsilon(1e-5));
   CHECK(pbrt::LayeredBase(0, 1.5, 0.01, 0).albedo(0.5f) == 0);
 }
 
 TEST_CASE("pbrt coats: internal reflection of rough coats matches the tables of rough plastics") {
-  // Without absorption, with one reflection off a base of albedo 1: b = 1 / (1 + r).
+  // Without absorption and with a single reflection at a base of albedo 1: b = 1 / (1 + r).
   for (const double alpha : {0.1, 0.3, 0.6}) {
     CAPTURE(alpha);
     const double b = double{pbrt::LayeredBase(alpha, 1.5, 0, 1).albedo(1)};

@@ -1,4 +1,4 @@
-// Lights of pbrt's format: their power on shapes of all kinds, both sides, pictures, and colours of other spaces.
+// Lights of pbrt: their power on shapes of all kinds, both sides, images, and colours of other spaces.
 #include "core/color.h"
 #include "core/image.h"
 #include "scene/compile/compile.h"
@@ -17,7 +17,7 @@ using doctest::Approx;
 
 namespace {
 
-/// PPM files of 2 x 2 (red, green; blue, white), 4 x 2 grey and 16 x 16 white pixels.
+/// Writes PPM files of 2 x 2 (red, green; blue, white), 4 x 2 grey and 16 x 16 white pixels.
 void add_pictures(const TemporaryFolder& folder) {
   write_pnm(folder / "colours.ppm", 2, 2, 3, 255, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
   write_pnm(folder / "grey.ppm", 4, 2, 3, 255, std::vector<int>(24, 188));
@@ -26,7 +26,7 @@ void add_pictures(const TemporaryFolder& folder) {
 
 Description read(const std::string& world) { return read_pbrt_world(world, "", add_pictures); }
 
-/// The luminance of all lights' power.
+/// Luminance of the total power of all lights.
 double power_of(const std::string& world) {
   const TemporaryFolder folder;
   add_pictures(folder);
@@ -66,7 +66,7 @@ TEST_CASE("pbrt lights: the power of a spot light includes its falloff") {
     const auto scene = compile_scene(
         read_scene(write_below(folder, "scene.pbrt", "WorldBegin\nLightSource \"spot\" \"float power\" 50 " + cone)),
         {});
-    // The intensity, integrated over directions: 2 pi times the integral over the cosine.
+    // Integral of the intensity over directions: 2 pi times the integral over the cosine.
     constexpr int kSteps = 20000;
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) {

@@ -1,4 +1,4 @@
-// Media of pbrt's format on grids, looked up where voxels and formulas say what they are.
+// Media of pbrt on grids, evaluated at positions where voxels and formulas are known.
 #include "core/color.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/pbrt/noise.h"
@@ -19,7 +19,7 @@ using doctest::Approx;
 
 namespace {
 
-/// A scene whose box is filled by a medium.
+/// A scene whose box is filled with a medium.
 struct Filled {
   std::unique_ptr<const Scene> scene;
   MediumSpectra spectra;
@@ -51,7 +51,7 @@ struct Filled {
   }
 };
 
-/// The luminance of a black body whose largest value is 1, as pbrt's film sees one that nobody scales.
+/// Luminance of a black body of maximum 1, as pbrt's film records it without a scale.
 double unit_blackbody_luminance(double temperature) {
   double sum = 0, largest = 0;
   for (double nm = 360; nm < 830; nm += 1)
@@ -114,7 +114,7 @@ TEST_CASE("pbrt media: coloured grids fade to zero at their box") {
   const float inside = glow_at(4, 0.5f);
   CHECK(inside > 0);
   CHECK(glow_at(2, 0.5f) == Approx(inside / 2));
-  // Half of the weight lies in the voxel at the border, where the other half is outside.
+  // Half of the weight is that of the outermost voxel, the other half is outside.
   CHECK(glow_at(5 - 1e-4f, 0.5f) == Approx(inside / 2).epsilon(1e-3));
   CHECK(length(grid.sigma_a - Vec3f{2, 2, 2}) < 1e-2f);
   CHECK(length(grid.sigma_s - Vec3f{4, 4, 4}) < 1e-2f);
@@ -123,7 +123,7 @@ TEST_CASE("pbrt media: coloured grids fade to zero at their box") {
   CHECK(length(grid.sigma_a - Vec3f{0.5f, 1, 1.5f}) < 1e-2f);
   CHECK(length(grid.sigma_s - Vec3f{1, 0, 2}) < 1e-2f);
   for (const float x : {0.99f, 5.01f}) {
-    grid.look({x, 0.5f, 0.5f});  // nothing absorbs there, so nothing glows
+    grid.look({x, 0.5f, 0.5f});  // there is no absorption and hence no emission
     CHECK(max_component(grid.sigma_a + grid.sigma_s) == 0);
   }
 }
@@ -136,7 +136,7 @@ TEST_CASE("pbrt media: Lescale and the exposure multiply the emission of homogen
   };
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ]") - Vec3f{1, 2, 3}) < 1e-5f);
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ] \"float Lescale\" 2.5") - Vec3f{2.5f, 5, 7.5f}) < 1e-5f);
-  // Other spectra have a luminance of 1 before.
+  // Other spectra are normalised to a luminance of 1.
   CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == Approx(3).epsilon(2e-3));
 }
 
@@ -205,7 +205,7 @@ TEST_CASE("pbrt media: noise is 0 at integers and periodic and not constant") {
   }
   CHECK(std::fabs(sum / 1000) < 0.05);
   CHECK(squares / 1000 > 0.03);
-  // Steps towards the right are as steep as the lattice's gradient there, (x, y, z) -> +-x +-y and so on.
+  // Noise rises as steeply as the gradient at the lattice point, (x, y, z) -> +-x +-y and so on.
   const double slope = pbrt::noise(1e-6, 0, 0) / 1e-6;
   CHECK(std::fabs(std::fabs(slope) - std::round(std::fabs(slope))) < 1e-5);
 }

@@ -1,4 +1,4 @@
-// Textures of pbrt's format that are made of others, at places where their formulas say what is seen.
+// Composite textures of pbrt, at positions where their formulas give the value.
 #include "core/exr.h"
 #include "core/image.h"
 #include "scene/compile/compile_textures.h"
@@ -18,7 +18,7 @@ using doctest::Approx;
 
 namespace {
 
-/// The texture "x" of some, as it is seen.
+/// The texture "x" of the given ones, evaluated.
 struct Seen {
   CompiledTextures textures;
   std::uint32_t row = 0;
@@ -100,7 +100,7 @@ TEST_CASE("pbrt textures: dots are placed by noise") {
     if (pbrt::noise(cell_s + 0.5, cell_t + 0.5, 0.5) > 0)
       distance = std::hypot(s - cell_s - 0.15 * pbrt::noise(cell_s + 1.5, cell_t + 2.8, 0.5),
                             t - cell_t - 0.15 * pbrt::noise(cell_s + 4.5, cell_t + 9.8, 0.5));
-    // Texels are an eighth as wide as cells.
+    // Texels are 1/8 as wide as cells.
     const bool is_near_rim = std::fabs(distance - 0.35) < 0.2;
     if (is_near_rim || std::max(std::fabs(s - cell_s), std::fabs(t - cell_t)) > 0.35) continue;
     ++counted;
@@ -170,7 +170,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
       view.rows = textures.rows.data();
       view.tiles = textures.tiles.get();
       CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == Approx(c.expected).epsilon(1e-3));
-      // A note names encodings without effect.
+      // A note lists encodings without effect.
       const bool told = std::any_of(d.notes.begin(), d.notes.end(),
                                     [](const std::string& note) { return contains(note, "for PNG files alone"); });
       const std::string name = c.file;
@@ -197,7 +197,7 @@ TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours")
     return lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0});
   };
   CHECK(seen("a.exr", 0.25f) == Approx(0.25));
-  CHECK(seen("b.exr", 1) == Approx(0.5));  // red, green and blue count alike
+  CHECK(seen("b.exr", 1) == Approx(0.5));  // red, green and blue have equal weight
   CHECK(seen("c.tga", 0.25f) == Approx(1 / 3.0));
 }
 

@@ -1,4 +1,4 @@
-// PLY files, written byte by byte: encodings, layouts, and headers that lie.
+// PLY files, written byte by byte: encodings, layouts and wrong headers.
 #include "scene/formats/mesh_io.h"
 #include "tests/support/mesh_files.h"
 
@@ -27,7 +27,7 @@ std::string error_in(const std::string& bytes) {
   return error_of([&] { read(bytes); });
 }
 
-/// Writes numbers as text or as bytes in one of two orders.
+/// Writes numbers as text or as bytes in one of two byte orders.
 class Body {
  public:
   enum class Encoding { kAscii, kLittle, kBig };
@@ -60,7 +60,7 @@ class Body {
 constexpr std::array<Body::Encoding, 3> kEncodings{Body::Encoding::kAscii, Body::Encoding::kLittle,
                                                    Body::Encoding::kBig};
 
-/// Every number type, elements and properties without a meaning, lists between the numbers, a quad and a triangle.
+/// Every number type, unknown elements and properties, lists between numbers, a quadrangle and a triangle.
 std::string rich_file(Body::Encoding encoding) {
   using std::int16_t, std::int8_t, std::uint16_t, std::uint32_t, std::uint8_t;
   Body body(encoding);
@@ -185,7 +185,7 @@ TEST_CASE("ply: all line ends of the header are accepted") {
     for (const char c : header(kTriangle) + kTriangleBody) text += c == '\n' ? line_end : std::string(1, c);
     CHECK(are_equal(read(text).mesh, expected));
     Body body(Body::Encoding::kLittle);
-    body.put(10.0f);  // the byte behind a header that ends in CR may look like LF
+    body.put(10.0f);  // the byte after a header that ends in CR may look like LF
     for (const int c : {0, 0, 1, 0, 0, 0, 1, 0}) body.put(static_cast<float>(c));
     body.put<std::uint8_t>(3).put(0).put(1).put(2);
     std::string binary;
@@ -308,7 +308,7 @@ TEST_CASE("ply: truncated and randomly edited files give a mesh or an error") {
 
 namespace {
 
-/// A triangle whose vertices and face have further properties, all rows alike; `values` are of one row.
+/// A triangle whose vertices and face have additional properties. All rows have equal `values`.
 template <class... V, class... F>
 MeshFile with_attributes(const std::string& vertex_columns, std::tuple<V...> vertex, const std::string& face_columns,
                          std::tuple<F...> face, Body::Encoding encoding = Body::Encoding::kAscii) {
@@ -387,9 +387,9 @@ TEST_CASE("ply: integer attributes are sRGB fractions of their maximum and non-f
   };
   CHECK(first("uchar", std::uint8_t{255}) == 1.0);
   CHECK(first("uchar", std::uint8_t{128}) == doctest::Approx(0.21586).epsilon(1e-4));
-  CHECK(first("ushort", std::uint16_t{32768}) == doctest::Approx(0.21404809).epsilon(1e-6));  // Mitsuba 3.9's value
-  CHECK(first("int", 32768) == doctest::Approx(1.1810208e-06).epsilon(1e-6));                 // Mitsuba 3.9's value
-  CHECK(first("char", std::int8_t{-100}) == doctest::Approx(-0.06094439).epsilon(1e-6));      // Mitsuba 3.9's value
+  CHECK(first("ushort", std::uint16_t{32768}) == doctest::Approx(0.21404809).epsilon(1e-6));  // value of Mitsuba 3.9
+  CHECK(first("int", 32768) == doctest::Approx(1.1810208e-06).epsilon(1e-6));                 // value of Mitsuba 3.9
+  CHECK(first("char", std::int8_t{-100}) == doctest::Approx(-0.06094439).epsilon(1e-6));      // value of Mitsuba 3.9
   CHECK(first("float", 7.5f) == 7.5);
   CHECK(first("float", std::numeric_limits<float>::quiet_NaN()) == 0.0);
   CHECK(first("double", 1e300) == 0.0);
@@ -445,7 +445,7 @@ namespace {
 
 const std::string kCornerUvs = "property list uchar float texcoord\n";
 
-/// A square of two triangles with the lists of texture coordinates `first` and `second` behind their corners.
+/// A square of two triangles with the lists of texture coordinates `first` and `second` after their corners.
 std::string square(const std::string& first, const std::string& second, const std::string& vertex_uvs = "") {
   const bool has_uvs = !vertex_uvs.empty();
   return header("element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
@@ -455,7 +455,7 @@ std::string square(const std::string& first, const std::string& second, const st
          "\n3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n";
 }
 
-/// u and v of a triangle's corners.
+/// u and v of the corners of a triangle.
 std::vector<float> corner_uvs(const Mesh& mesh, std::size_t triangle) {
   std::vector<float> uvs;
   for (const std::uint32_t vertex : mesh.triangles.at(triangle)) {
@@ -503,7 +503,7 @@ TEST_CASE(
     body.put<std::uint8_t>(4).put(0).put(1).put(2).put(3);
     body.put<std::uint8_t>(4);
     for (const double uv : {9., 9., 9., 9.}) body.put(uv);
-    body.put<std::uint8_t>(2).put(0).put(1);  // too short: left out with its coordinates
+    body.put<std::uint8_t>(2).put(0).put(1);  // too short: dropped with its coordinates
     body.put<std::uint8_t>(6);
     for (const double uv : {0.25, 0., 1., 1., 0., 1.}) body.put(uv);
     body.put<std::uint8_t>(3).put(0).put(2).put(3);

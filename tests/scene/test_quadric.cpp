@@ -1,4 +1,4 @@
-// Spheres, disks and cylinders: intersection against a search for roots, bounds, and areas.
+// Spheres, disks and cylinders: intersections against a numerical search, bounds, and areas.
 #include "scene/tables/quadric.h"
 
 #include "tests/support/records_testing.h"
@@ -21,7 +21,7 @@ struct Ray {
   Vec3f at(double t) const { return origin + direction * static_cast<float>(t); }
 };
 
-/// A ray that passes near the shape, from outside or from within.
+/// A ray that passes near the shape, from outside or from inside.
 Ray random_ray(const Transform& to_world, std::uint32_t i) {
   const auto u = random4<Scalar>(31, i, 2, 0);
   const Vec3f target = to_world.point(random_direction(32, i) * u.x);
@@ -29,7 +29,7 @@ Ray random_ray(const Transform& to_world, std::uint32_t i) {
   return {origin, normalize(target - origin)};
 }
 
-/// Zero on the canonical surface, of different sign on its sides.
+/// Zero on the canonical surface, with different signs on its sides.
 double side(ShapeKind kind, const std::array<double, 3>& x) {
   if (kind == ShapeKind::kDisk) return x[2];
   return x[0] * x[0] + x[1] * x[1] + (kind == ShapeKind::kSphere ? x[2] * x[2] : 0.0) - 1;
@@ -39,7 +39,7 @@ bool inside_limits(ShapeKind kind, const std::array<double, 3>& x) {
   return kind == ShapeKind::kSphere || (x[2] >= 0 && x[2] <= 1);
 }
 
-/// Looks for changes of side along the ray in small steps, and bisects the first within limits.
+/// Looks for sign changes along the ray in small steps and bisects the first one inside the limits.
 std::optional<double> search(ShapeKind kind, const Transform& to_world, const Ray& ray, double t_near, double t_far) {
   const auto& m = to_world.inverse_matrix().m;
   const auto object = [&](double t) {
@@ -119,7 +119,7 @@ TEST_CASE("quadric: normals are perpendicular to the surface and face outwards u
                                                                : Vec3f{x.x, x.y, 0};
           const Vec3f expected = normalize(to_world.normal(canonical)) * (flip ? -1.0f : 1.0f);
           CHECK(record_difference<Vec3>(n, expected) < 1e-4);
-          // Tangents of the canonical surface stay tangents.
+          // Tangents of the canonical surface remain tangents.
           const Vec3f tangent =
               normalize(to_world.vector(kind == ShapeKind::kDisk ? Vec3f{1, 0, 0} : Vec3f{-x.y, x.x, 0}));
           CHECK(std::fabs(dot(n, tangent)) < 1e-4f);
@@ -146,7 +146,7 @@ TEST_CASE("quadric: rays in the plane of a disk or along the axis of a cylinder 
   CHECK_FALSE(intersect_quadric(disk, {0, 1.01f, 1}, {0, 0, -1}, 0, kInfinity).has_value());
   const QuadricRow cylinder = make_quadric(ShapeKind::kCylinder, Transform(), false);
   CHECK_FALSE(intersect_quadric(cylinder, {0.5f, 0, -1}, {0, 0, 1}, 0, kInfinity).has_value());
-  // In at the open end, out through the side.
+  // Enters at the open end and leaves through the side.
   CHECK(intersect_quadric(cylinder, {0, 0, -1}, normalize(Vec3f{0.6f, 0, 1}), 0, kInfinity)->t ==
         doctest::Approx(std::hypot(1, 1 / 0.6)).epsilon(1e-5));
 }
@@ -214,7 +214,7 @@ TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme p
   for (const Transform& map : maps)
     for (const ShapeKind kind : {ShapeKind::kSphere, ShapeKind::kCylinder, ShapeKind::kDisk}) {
       CAPTURE(static_cast<int>(kind));
-      // Triangles between points of the canonical shape, from the poles on as fine as the shape is stretched.
+      // Triangles between points of the canonical shape, finer where the shape is stretched.
       constexpr int kRings = 200, kSegments = 400;
       const auto point = [&](int i, int j) {
         const double t = double(i) / kRings, phi = 2 * kPiD * j / kSegments;
@@ -230,7 +230,7 @@ TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme p
       for (int i = 0; i < kRings; ++i)
         for (int j = 0; j < kSegments; ++j) {
           const auto a = point(i, j), b = point(i + 1, j), c = point(i + 1, j + 1), d = point(i, j + 1);
-          std::array<double, 3> u, v;  // the diagonals of a quadrangle, half of whose product is its area
+          std::array<double, 3> u, v;  // the diagonals of a quadrangle: its area is half of their product
           for (std::size_t k = 0; k < 3; ++k) u[k] = c[k] - a[k], v[k] = d[k] - b[k];
           expected += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
         }

@@ -1,4 +1,4 @@
-// What is said of scenes that can be read and make no sense: where it is, in every dialect.
+// Errors of well-formed scenes with invalid contents: file and line in every dialect.
 #include "core/exr.h"
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
@@ -13,7 +13,7 @@ using namespace test;
 
 namespace {
 
-/// The message of reading and compiling a scene in this folder, folder names removed; empty if it throws none.
+/// The error of reading and compiling a scene in this folder without folder names, empty if there is none.
 std::string compile_error(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
   try {
     compile_scene(read_scene(write_below(folder, name, text)));
@@ -27,7 +27,7 @@ std::string compile_error(const TemporaryFolder& folder, const std::string& name
   return {};
 }
 
-/// A grid of 2 x 2 x 2 voxels in Mitsuba's format, of this box.
+/// A grid of 2 x 2 x 2 voxels in Mitsuba's format with the given box.
 std::string vol_bytes(const std::array<float, 6>& box = {0, 0, 0, 1, 1, 1}) {
   const auto word = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
   std::string bytes = "VOL\x03";
@@ -37,7 +37,7 @@ std::string vol_bytes(const std::array<float, 6>& box = {0, 0, 0, 1, 1, 1}) {
   return bytes;
 }
 
-/// A picture whose pixel 0 is red 3, pixel 1 green -0.5; the others of 4 x 3 are 1.
+/// An image whose pixel 0 has red 3 and pixel 1 green -0.5. The others of 4 x 3 are 1.
 Image beyond_one() {
   Image image(4, 3, {"R", "G", "B"});
   std::fill(image.data.begin(), image.data.end(), 1.0f);
@@ -187,7 +187,7 @@ TEST_CASE("messages: a missing file is an error that names the script which gene
   CHECK(contains(
       compile_error(folder, "scene.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"made/knot.ply\"\n"),
       " (made.txt: make_knot.py makes these)"));
-  // Names that lead elsewhere, and texts that say nothing or a lot.
+  // Names outside the folder, and texts that are empty or long.
   for (const char* name : {"knot.ply", "/made/knot.ply", "../made/knot.ply", "made//", "..", "/"})
     CHECK_FALSE(contains(error(name), "make_knot"));
   write_below(folder, "many.txt", std::string(100000, 'x'));
@@ -214,7 +214,7 @@ TEST_CASE("messages: texels outside the range of reflectance are counted once fo
   REQUIRE(one.size() == 1);
   CHECK(one[0] == (folder / "scene.xml").string() + ":5: texture: " + (folder / "beyond.exr").string() +
                       ": 2 of 12 texels (16.7 %) are above 1 or below 0, from -0.5 to 3" + clamped);
-  // A texture that several materials have, and two of one file.
+  // A texture that several materials share, and two of one file.
   const std::string shared = bitmap("", "grey.exr", "wood") + bitmap("", "grey.exr", "bark");
   const std::string two = sphere_of("<bsdf type='diffuse'><ref name='reflectance' id='wood'/></bsdf>") +
                           sphere_of("<bsdf type='plastic'><ref name='diffuse_reflectance' id='wood'/></bsdf>") +
@@ -224,12 +224,12 @@ TEST_CASE("messages: texels outside the range of reflectance are counted once fo
   CHECK(contains(both[0], ":5: texture 'wood': "));
   CHECK(contains(both[0], "grey.exr: 25 of 25 texels (100 %) are above 1 or below 0, from 0 to 1.5" + clamped));
   CHECK(contains(both[1], ":6: texture 'bark': "));
-  // Below boards and coats, and on both sides.
+  // Inside checkerboards and coats, and on both sides.
   const std::string board =
       "<texture type='checkerboard' name='reflectance'>" + bitmap("color0", "beyond.exr") + "</texture>";
   CHECK(warnings(sphere_of("<bsdf type='twosided'><bsdf type='diffuse'>" + board + "</bsdf></bsdf>")).size() == 1);
 
-  // Colours of boards, and those of materials that no dialect refuses.
+  // Colours of checkerboards, and of materials that no dialect rejects.
   const auto color =
       warnings(sphere_of("<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'>"
                          "<rgb name='color0' value='0.2 1.5 0'/></texture></bsdf>"));
@@ -242,7 +242,7 @@ TEST_CASE("messages: texels outside the range of reflectance are counted once fo
   CHECK(contains(model[0], "a reflectance of 1.75 is clamped to 1"));
   CHECK(contains(model[0], "model."));
 
-  // What is no reflectance may be anything, and what is within says nothing.
+  // Textures that are not reflectances may have any value, and valid reflectances give no warning.
   CHECK(warnings(sphere_of("<bsdf type='diffuse'>" + bitmap("reflectance", "fine.exr") + "</bsdf>")).empty());
   CHECK(warnings(sphere_of("<emitter type='area'>" + bitmap("radiance", "beyond.exr") + "</emitter>")).empty());
   CHECK(warnings(sphere_of("<bsdf type='roughconductor'>" + bitmap("alpha", "grey.exr") + bitmap("eta", "beyond.exr") +

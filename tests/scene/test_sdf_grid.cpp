@@ -1,4 +1,4 @@
-// Grids of signed distances: hits against a search for roots, planes, spheres, rays that must not leak, and errors.
+// Signed distance grids: hits against a numerical search, planes, spheres, watertightness, and errors.
 #include "scene/tables/sdf_grid.h"
 
 #include "scene/compile/compile.h"
@@ -21,7 +21,7 @@ namespace {
 
 using Field = std::function<double(double, double, double)>;
 
-/// A function of [0, 1]^3 at the points of a grid.
+/// A function on [0, 1]^3, sampled at the grid points.
 SdfGrid sampled(std::array<int, 3> size, const Field& field, bool smooth = true) {
   SdfGrid grid{size, {}, smooth};
   for (int z = 0; z < size[2]; ++z)
@@ -31,7 +31,7 @@ SdfGrid sampled(std::array<int, 3> size, const Field& field, bool smooth = true)
   return grid;
 }
 
-/// Noise of either sign in the middle, positive at the border: a closed surface of many cells and sharp bends.
+/// Noise of either sign inside, positive at the border: a closed surface of many cells with sharp creases.
 SdfGrid noise_grid(std::array<int, 3> size) {
   SdfGrid grid{size, {}};
   std::uint32_t i = 0;
@@ -55,7 +55,7 @@ std::unique_ptr<Scene> lone(const SdfGrid& grid, const Transform& to_world = Tra
   return compile_scene(d);
 }
 
-/// The trilinear function of a grid at a place of [0, 1]^3, as it is defined; nothing outside.
+/// The trilinear function of a grid at a position in [0, 1]^3 by its definition, nothing outside.
 std::optional<double> value_at(const SdfGrid& grid, const double* p) {
   std::size_t cell[3];
   double t[3];
@@ -76,7 +76,7 @@ std::optional<double> value_at(const SdfGrid& grid, const double* p) {
   return sum;
 }
 
-/// The first change of sign along a ray, by small steps and bisection.
+/// The first sign change along a ray, by small steps and bisection.
 std::optional<double> search(const SdfGrid& grid, const Transform& to_world, Vec3f origin, Vec3f direction,
                              double far) {
   const auto& m = to_world.inverse_matrix().m;
@@ -128,7 +128,7 @@ TEST_CASE("sdf grid: hits match a search along the ray") {
       ++hits;
       worst = std::max(worst, std::fabs(double(found->t) - *expected));
       const auto y = surface_at(scene->view(), origin, direction, *found);
-      // Towards positive values: the ray comes from these where it meets the front.
+      // Rays that hit the front come from positive values.
       const Vec3f behind = to_world.inverse().point(y.p - y.ng * 1e-3f),
                   before = to_world.inverse().point(y.p + y.ng * 1e-3f);
       const double p[3] = {behind.x, behind.y, behind.z}, q[3] = {before.x, before.y, before.z};
@@ -137,14 +137,14 @@ TEST_CASE("sdf grid: hits match a search along the ray") {
     CHECK(hits > 100);
     CHECK(disagreements <= 4);  // rays that graze the surface within a step of the search
     CHECK(worst < 2e-5);
-    CHECK(wrong_normals <= 2);  // at bends sharper than the distance at which they are looked at
+    CHECK(wrong_normals <= 2);  // at creases sharper than the step of the finite differences
   }
 }
 
 TEST_CASE("sdf grid: planes are exact even through grid points") {
   const Vec3f axes[] = {normalize(Vec3f{1, 0.5f, -0.3f}), {1, 0, 0}, {0, 0, 1}};
   for (const Vec3f a : axes)
-    for (const double offset : {0.5, 0.25, 0.47}) {  // the points of 5 lie at quarters
+    for (const double offset : {0.5, 0.25, 0.47}) {  // the 5 grid points are at quarters
       const SdfGrid grid = sampled({5, 5, 5}, [&](double x, double y, double z) {
         return double(a.x) * (x - offset) + double(a.y) * (y - offset) + double(a.z) * (z - offset);
       });
@@ -155,7 +155,7 @@ TEST_CASE("sdf grid: planes are exact even through grid points") {
         const auto o = static_cast<float>(offset);
         Vec3f target{0.2f + 0.6f * u.x, 0.2f + 0.6f * u.y, 0.2f + 0.6f * u.z};
         target = target - a * dot(a, target - Vec3f{o, o, o});
-        // Some along the axes, in the planes between cells.
+        // Some rays along the axes, in the planes between cells.
         const Vec3f direction = i % 4 == 0 ? a : random_direction(42, i);
         if (i % 8 == 0) target = {a.x > 0.9f ? o : 0.5f, 0.25f, a.z > 0.9f ? o : 0.75f};
         if (max_component(abs(target - Vec3f{0.5f, 0.5f, 0.5f})) > 0.49f || std::fabs(dot(a, direction)) < 0.05f ||
@@ -196,7 +196,7 @@ TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
     }
     const double area = double(hits) / (kSide * kSide);
     CHECK(area == doctest::Approx(3.14159265 * kRadius * kRadius).epsilon(0.01));
-    CHECK(off < 1.6e-4);  // an eighth of the squared width of a cell, times the sum of both curvatures
+    CHECK(off < 1.6e-4);  // 1/8 of the squared cell width times the sum of both curvatures
     CHECK(turned < (smooth ? 0.004 : 0.03));
   }
 }
@@ -249,7 +249,7 @@ TEST_CASE("sdf grid: shading normals are optionally smooth across cells") {
     double jump = 0;
     int met = 0;
     for (std::uint32_t i = 0; i < 2000; ++i) {
-      // Pairs of rays that are close to each other.
+      // Pairs of close rays.
       const auto u = random4<Scalar>(51, i, 0, 0);
       const Vec3f origin{0.1f + 1.8f * u.x, 0.1f + 0.8f * u.y, 5}, next = origin + Vec3f{2e-3f, 1e-3f, 0};
       const auto a = trace_ray(scene->view(), origin, {0, 0, -1}), b = trace_ray(scene->view(), next, {0, 0, -1});
@@ -281,7 +281,7 @@ TEST_CASE("sdf grid: rays enter and leave alternately at every position and scal
         Vec3f origin = to_world.point({u.x, u.y, u.z}) + random_direction(62, i) * (3 * size);
         bool inside = false;
         for (int step = 0; step < 100; ++step) {
-          // On in a new direction from every other hit, as light does.
+          // Continues in a new direction from every other hit, as light does.
           Vec3f direction = step == 0 ? normalize(to_world.point({u.x, u.y, u.z}) - origin)
                                       : random_direction(63, 100 * i + static_cast<std::uint32_t>(step));
           const auto hit = trace_ray(scene->view(), origin, direction);
@@ -296,7 +296,7 @@ TEST_CASE("sdf grid: rays enter and leave alternately at every position and scal
         }
       }
       CHECK(crossings > 4000);
-      // At creases that are sharper than the offset is long.
+      // At creases sharper than the ray offset.
       CHECK(wrong == 0);
     }
 }

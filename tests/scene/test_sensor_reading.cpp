@@ -1,4 +1,4 @@
-// Sensors of Mitsuba beyond the ordinary cameras: what they become, defaults, and errors that name what was meant.
+// Sensors of Mitsuba beyond perspective cameras: descriptions, defaults, and errors with the nearest name.
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -38,7 +38,7 @@ TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
   CHECK(contains(sensor_error("perspective_rdist", "<string name='kc' value='1, 2, 3'/>"),
                  "holds 3 numbers, expected two"));
   CHECK(contains(sensor_error("perspective", "<string name='kc' value='1, 2'/>"), "'kc'"));
-  // Lengths of the world.
+  // Lengths are in world space.
   const CameraDescription lens =
       with_sensor("telecentric",
                   "<transform name='toWorld'><scale value='4'/></transform>"
@@ -49,7 +49,7 @@ TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
   CHECK(lens.aperture_radius == doctest::Approx(0.5));
   CHECK(lens.focus_distance == doctest::Approx(5));
   CHECK(with_sensor("telecentric", "").camera.aperture_radius == 0);
-  // Where the camera is scaled unevenly, the lens has its radius along x, and the focus its distance along z.
+  // Under a non-uniform scale, the lens has its radius along x and the focus its distance along z.
   const CameraDescription uneven =
       with_sensor("telecentric",
                   "<transform name='toWorld'><scale value='4, 2, 5'/><rotate y='1' angle='90'/></transform>"

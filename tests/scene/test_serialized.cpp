@@ -1,4 +1,4 @@
-// Mitsuba's serialized meshes, written byte by byte: versions, flags, dictionaries, and files that lie.
+// Serialized meshes of Mitsuba, written byte by byte: versions, flags, dictionaries, and inconsistent files.
 #include "scene/formats/serialized.h"
 #include "tests/support/deflate.h"
 #include "tests/support/mesh_files.h"
@@ -21,13 +21,13 @@ template <class T> std::string raw(T value) {
   return bytes;
 }
 
-/// What one mesh of a file says; by default a square of two triangles.
+/// One mesh of a file, by default a square of two triangles.
 struct Written {
   std::uint32_t flags = 0;
   std::uint16_t version = 4, magic = 0x041c;
   std::uint64_t vertices = 4, triangles = 2;
   std::vector<std::uint32_t> indices{0, 1, 2, 0, 2, 3};
-  float x = 1;  ///< of the square's right side
+  float x = 1;  ///< right side of the square
 
   std::string numbers(const std::vector<double>& values) const {
     std::string bytes;
@@ -133,7 +133,7 @@ TEST_CASE("serialized: malformed headers and dictionaries are errors") {
   CHECK(contains(error_in(headless + raw(std::uint64_t{1} << 62) + raw(2u), 1), "behind the end"));
   CHECK(contains(error_in(headless + raw(std::uint64_t{valid.size() - 20}) + raw(2u), 1), "behind the end"));
   CHECK(contains(error_in(headless + raw(std::uint64_t{5}) + raw(2u), 1), "at byte 5"));
-  // A mesh whose header reaches into the dictionary, the number 4 there being its version.
+  // A mesh whose header reaches into the dictionary, where the number 4 is read as its version.
   const std::string first = Written{}.bytes();
   const std::string short_header = first + "\x1c\x04" + raw(std::uint64_t{4}) + raw(std::uint64_t{first.size()});
   CHECK(contains(error_in(short_header + raw(2u), 1), "behind the end"));
@@ -152,7 +152,7 @@ TEST_CASE("serialized: counts that the file cannot hold are errors and not alloc
     CHECK(contains(error_in(many.bytes()), is_beyond ? "more than 2^32 - 1 triangles" : "size allows: truncated?"));
   }
   Written few;
-  few.vertices = 1000;  // believable, yet not there
+  few.vertices = 1000;  // plausible but missing
   CHECK(contains(error_in(few.bytes()), "truncated"));
   few.vertices = 4;
   few.triangles = 0;
@@ -160,7 +160,7 @@ TEST_CASE("serialized: counts that the file cannot hold are errors and not alloc
   few.triangles = 2;
   few.indices = {0, 1, 2, 0, 2, 4};
   CHECK(contains(error_in(few.bytes()), "triangle 1 refers to vertex 4 (counted from 0), but there are 4"));
-  // Leniently such triangles are left out, unless none is left.
+  // In lenient mode such triangles are dropped, unless none remains.
   const TemporaryFile file("mesh.serialized", few.bytes());
   const MeshFile whole = read_serialized(file.path(), 0, BadFaces::kDrop);
   CHECK(whole.mesh.triangles == decltype(whole.mesh.triangles){{0, 1, 2}});
@@ -186,7 +186,7 @@ TEST_CASE("serialized: truncated files are errors and randomly edited ones give 
       for (const auto& t : mesh.triangles) CHECK(std::max({t[0], t[1], t[2]}) < mesh.positions.size());
     });
   }
-  for (int round = 0; round < 500; ++round) {  // a sound stream of nonsense
+  for (int round = 0; round < 500; ++round) {  // a valid stream of random bytes
     std::string content = Written{0x100b}.content();
     for (int edit = 0; edit < 2; ++edit) content[random() % content.size()] = static_cast<char>(random());
     error_of([&] { read(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + deflated(content)); });

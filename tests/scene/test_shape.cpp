@@ -1,4 +1,4 @@
-// Surfaces at hits: positions, normals, uv and tangents of every kind of shape, and how sampled lights cover them.
+// Surfaces at hits: positions, normals, uv and tangents of every kind of shape, and the distribution of light samples.
 #include "scene/tables/shape.h"
 
 #include "scene/compile/compile.h"
@@ -38,7 +38,7 @@ Ray random_ray(std::uint32_t i) {
   return {origin, normalize(target - origin)};
 }
 
-/// The point of a canonical shape that a uv names.
+/// The point of a canonical shape at a uv.
 Vec3f canonical_at(ShapeKind kind, Vec2f uv) {
   const float turn = 2 * kPi * (kind == ShapeKind::kDisk ? uv.y : uv.x), c = std::cos(turn), s = std::sin(turn);
   if (kind == ShapeKind::kDisk) return {uv.x * c, uv.x * s, 0};
@@ -60,7 +60,7 @@ struct Expected {
   Vec2f uv;
   Vec3f tangent;
 };
-/// Compares the surface that one ray hits with figures that Mitsuba 3 prints for the same shape and ray.
+/// Compares the surface at the hit of one ray with values that Mitsuba 3 prints for the same shape and ray.
 template <class Geometry>
 void check_convention(Geometry geometry, const Transform& to_world, const Expected& expected, bool flip = false) {
   const auto scene = lone_shape(std::move(geometry), to_world, flip);
@@ -110,7 +110,7 @@ TEST_CASE("shape: positions and normals and uv and tangents match Mitsuba") {
 
 namespace {
 
-/// Hits of random rays on a quadric: on the surface, of the right normal, and at the place that their uv names.
+/// Checks hits of random rays on a quadric: on the surface, with the right normal, and at the position of their uv.
 void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world, bool flip) {
   const SceneView view = scene.view();
   int hits = 0;
@@ -201,7 +201,7 @@ TEST_CASE("shape: meshes interpolate positions and normals and uv and tangents f
     CHECK(record_difference<Vec2>(y.uv, uv) < 1e-5);
     CHECK(length(y.ng) == doctest::Approx(1).epsilon(1e-5));
     CHECK(dot(y.ng, y.ns) > 0.0f);
-    // Along the tangent u grows and v does not change.
+    // u increases along the tangent and v is constant.
     const Vec3f e1 = kStretch.vector(mesh.positions[t[1]] - mesh.positions[t[0]]),
                 e2 = kStretch.vector(mesh.positions[t[2]] - mesh.positions[t[0]]);
     CHECK(std::fabs(dot(y.dp_du, y.ng)) < 1e-4f * length(y.dp_du));
@@ -283,7 +283,7 @@ TEST_CASE("shape: SIMD results of mixed kinds equal scalar ones") {
 
 namespace {
 
-/// Where light sampling puts its targets: as uv of the surface below.
+/// Distribution of light samples over the uv of the surface below.
 ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, double)>& density) {
   const SceneView view = scene.view();
   const auto shape = gather_rows<Scalar>(view.shapes, 0);
@@ -301,14 +301,14 @@ TEST_CASE("shape: light sampling of quadrics is uniform by area") {
   const double each = significance_of_each(3);
   const Transform stretch = Transform::translate({1, 2, 3}) * Transform::scale({2, 0.5f, 1.5f});
   CHECK(target_uv_test(*lone_shape(DiskShape{}, stretch), [](double r, double) { return 2 * r; }).p_value > each);
-  // Cylinders and ellipsoids are covered evenly before they are stretched.
+  // Cylinders and ellipsoids are sampled uniformly before the transform.
   CHECK(target_uv_test(*lone_shape(CylinderShape{}, stretch), [](double, double) { return 1.0; }).p_value > each);
   const auto polar = [](double, double v) { return 0.5 * 3.14159265358979 * std::sin(3.14159265358979 * v); };
   CHECK(target_uv_test(*lone_shape(SphereShape{}, stretch), polar).p_value > each);
 }
 
 TEST_CASE("shape: light sampling of meshes is uniform by area") {
-  Mesh mesh;  // a unit square in the plane z = 0, cut unevenly
+  Mesh mesh;  // a unit square in the plane z = 0, divided unevenly
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.9f, 0.05f, 0}};
   mesh.triangles = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
   const auto scene = lone_shape(mesh, Transform());

@@ -1,4 +1,4 @@
-// Shapes and textures that lead to files or to other shapes: curves, hair, height fields, merged shapes.
+// Shapes and textures that refer to files or other shapes: curves, hair, height fields, merged shapes.
 #include "scene/compile/compile.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/scene_files.h"
@@ -13,7 +13,7 @@ using namespace test;
 
 namespace {
 
-/// A folder with the files that the scenes here name.
+/// A folder with the files that these scenes refer to.
 struct Files {
   TemporaryFolder folder;
 
@@ -21,7 +21,7 @@ struct Files {
     write_below(folder, "curves.txt", "0 0 0 1\n0 0 1 1\n0 0 2 1\n0 0 3 1\n0 0 4 1\n");
     write_below(folder, "wig.hair", "0 0 0\n0 0 1\n1 0 1\n");
     write_below(folder, "mesh.ply", "");
-    // Heights 0, 1/4, 1/2; 1, 3/4, 0 of 8 bits.
+    // Heights 0, 1/4, 1/2; 1, 3/4, 0 in 8 bits.
     write_pnm(folder / "hills.pgm", 3, 2, 1, 255, {0, 64, 128, 255, 191, 0});
     write_pnm(folder / "point.pgm", 1, 1, 1, 255, {0});
   }
@@ -88,7 +88,7 @@ TEST_CASE("Mitsuba: height fields are meshes with a vertex for each pixel") {
   const Mesh& faceted = std::get<Mesh>(d.shapes.at(1).geometry);
   CHECK(faceted.normals.empty());
   CHECK(d.shapes.at(1).face_normals);
-  // Bytes that are no raw numbers are sRGB-encoded.
+  // Bytes are sRGB-encoded unless the texture is raw.
   CHECK(faceted.positions[1].z == doctest::Approx(std::pow((64 / 255.0 + 0.055) / 1.055, 2.4)).epsilon(1e-4));
   CHECK(contains(files.error(shape("heightfield", "point.pgm")), "1 x 1 pixels, expected 2 x 2"));
   CHECK(contains(files.error("<shape type='heightfield'/>"), "filename"));
@@ -114,7 +114,7 @@ TEST_CASE("Mitsuba: height fields of procedural textures are sampled at the give
   const SceneView view = scene->view();
   REQUIRE(scene->info().shapes == 4);
   CHECK(scene->info().vertices == 3 * 24 + 256 * 256);
-  // Looked up at the centres of an image's pixels, they are the pixels.
+  // At the centres of pixels, an image has the values of its pixels.
   const auto hills = [](const std::string& name) {
     return "<texture " + name +
            " type='bitmap'><string name='filename' value='hills.pgm'/>"
@@ -219,7 +219,8 @@ TEST_CASE("Mitsuba: ellipsoids are transformed spheres") {
       "property float nx\nproperty float opacity\nproperty float scale_0\nproperty float scale_1\n"
       "property float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\n"
       "property float rot_3\nend_header\n";
-  // Half axes 1, e and 1e-6 at least; the second a quarter turn around z, of a quaternion that is no unit one.
+  // Half axes 1, e and at least 1e-6. The second is rotated by a quarter turn around z, by a quaternion that is not
+  // normalised.
   const std::string second = "4 5 6 0 0 0 1 0 2 0 0 2\n";
   write_below(files.folder, "cloud.ply", header + "1 2 3 0 0 0 1 -99 1 0 0 0\n" + second);
   write_below(files.folder, "short.ply", header + second);

@@ -1,4 +1,4 @@
-// Normals of models that have none: smoothing groups, creases, seams.
+// Normals of models without normals: smoothing groups, creases, seams.
 #include "scene/formats/smooth_normals.h"
 
 #include "scene/formats/mesh.h"
@@ -28,7 +28,7 @@ Mesh shared_cube() {
   return mesh;
 }
 
-/// Around z, `sides` rectangles between z = 0 and z = 1.
+/// `sides` rectangles around z between z = 0 and z = 1.
 Mesh prism(int sides) {
   Mesh mesh;
   const auto n = static_cast<std::uint32_t>(sides);
@@ -44,7 +44,7 @@ Mesh prism(int sides) {
   return mesh;
 }
 
-/// The cosine between a corner's normal and its triangle's, the smallest of all.
+/// The smallest cosine between the normals of a corner and of its triangle.
 float smallest_cosine(const Mesh& mesh) {
   float smallest = 1;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -110,7 +110,7 @@ TEST_CASE("smooth normals: coincident vertices count as one and keep their attri
   Mesh mesh = prism(40);
   const Mesh whole = mesh;
   mesh.uvs.resize(mesh.positions.size());
-  append_vertex_copies(mesh, {0, 1});  // a seam: the last rectangle has vertices of its own
+  append_vertex_copies(mesh, {0, 1});  // a seam: the last rectangle has its own vertices
   mesh.uvs[80] = mesh.uvs[81] = {1, 1};
   for (std::size_t t = 78; t < 80; ++t)
     for (std::uint32_t& v : mesh.triangles[t])

@@ -1,4 +1,4 @@
-// Rows of spectra: what each kind of description evaluates to, and that rendering with rows gives RGB mode's colours.
+// Spectrum rows: values of each kind of description, and colours that match RGB mode.
 #include "scene/compile/spectra.h"
 
 #include "core/error.h"
@@ -76,7 +76,7 @@ TEST_CASE("spectrum rows: colours of every use match RGB mode") {
     CHECK(largest_difference(emission_color(set, emits), strong) < 4e-3f * max_component(strong));
     const auto eta = set.row(SpectrumDescription::rgb(strong.x, strong.y, strong.z), SpectrumUse::kUnbounded);
     CHECK(largest_difference(reflectance_to_rgb([&](float l) { return at(set, eta, l); }), strong) < 1e-2f);
-    // A coefficient that a reflectance could be has that spectrum.
+    // A coefficient in the range of reflectances has the same spectrum.
     CHECK(set.row(description, SpectrumUse::kUnbounded) == reflects);
     CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == doctest::Approx(double(luminance(rgb))));
   }
@@ -103,17 +103,17 @@ TEST_CASE("spectrum rows: tables keep their values and their colours match RGB m
 TEST_CASE("spectrum rows: resampling keeps the power of lines and steps at any wavelength") {
   SpectrumSet set;
   for (const float centre : {500.0f, 546.07f, 611.5f, 435.83f}) {
-    // A line of width 0.02 nm and power 1, which point samples would miss or overrate.
+    // A line of width 0.02 nm and power 1, which point samples would miss or overestimate.
     const auto line = set.row(table({centre - 0.02f, centre, centre + 0.02f}, {0, 50, 0}), SpectrumUse::kIlluminant);
     CHECK(integral(set, line) == doctest::Approx(1).epsilon(5e-3));
     CHECK(at(set, line, centre + 2.1f) == 0.0f);
-    const Vec3f seen = emission_color(set, line) * 100.0f;  // outside the gamut, unlike what RGB mode makes of it
+    const Vec3f seen = emission_color(set, line) * 100.0f;  // outside the gamut, where RGB mode clamps
     check_close({std::max(seen.x, 0.0f), std::max(seen.y, 0.0f), std::max(seen.z, 0.0f)},
                 emission_table_to_rgb(std::vector<float>{centre - 0.02f, centre, centre + 0.02f},
                                       std::vector<float>{0, 5000, 0}),
                 2e-2);
   }
-  // No wider than it must be.
+  // The line is no wider than necessary.
   const auto sharp = set.row(table({499.99f, 500, 500.01f}, {0, 100, 0}), SpectrumUse::kIlluminant);
   CHECK(at(set, sharp, 500) == doctest::Approx(1).epsilon(2e-2));
   CHECK(at(set, sharp, 501) < 0.01f);
@@ -160,7 +160,7 @@ TEST_CASE("spectrum rows: SIMD results of mixed kinds equal scalar ones") {
                                 set.row(table({400, 650}, {3, 1}), SpectrumUse::kUnbounded)};
   for (std::uint32_t run = 0; run < 20; ++run) {
     const WideFloat u = wide_floats([&](int lane) { return random4<Scalar>(3, run, std::uint32_t(lane), 0).x; });
-    // The last runs hold rows without tables only, which takes the other branch.
+    // The last runs contain rows without tables only, which use the other branch.
     const WideUint index = wide_uints([&](int lane) { return std::uint32_t(lane) % (run < 15 ? 5u : 2u); });
     const auto w = sample_wavelengths<Wide>(u);
     const auto wide = evaluate<Wide>(rows.data(), index, set.view(), w.lambda);

@@ -1,4 +1,4 @@
-// <subsurface> of Mitsuba 0.6: the dielectric boundary and the medium that it becomes.
+// <subsurface> of Mitsuba 0.6, which becomes a dielectric boundary around a medium.
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -57,7 +57,7 @@ TEST_CASE("subsurface: explicit parameters override the preset") {
   CHECK(boundary(d).ext_ior == doctest::Approx(1.000277));
   const auto phase = static_cast<std::size_t>(interior(d).phase.value());
   CHECK(std::get<HenyeyGreensteinDescription>(d.phases.at(phase).model).g == 0.5f);
-  // Without indices the preset's counts, as in Mitsuba 0.6; with one of them the other is bk7 or air.
+  // Without indices the preset applies, as in Mitsuba 0.6. If one is given, the other defaults to bk7 or air.
   CHECK(boundary(read_text(sphere(dipole("<rgb name='sigmaA' value='1'/>")))).int_ior == 1.3f);
   CHECK(boundary(read_text(sphere(dipole("<float name='extIOR' value='1.2'/>")))).int_ior == 1.5046f);
 }

@@ -1,4 +1,4 @@
-// Compiling textures: pictures of every format and their tiles, sharing, checkerboards, mesh attributes, and errors.
+// Compiling textures: images of every format and their tiles, sharing, checkerboards, mesh attributes, and errors.
 #include "scene/compile/compile_textures.h"
 #include "scene/tables/texture.h"
 
@@ -29,7 +29,7 @@ std::vector<int> ramp(int count, int step = 7, int modulus = 256) {
   return values;
 }
 
-/// The stored value of a texel counted from the lower left; bytes as 0 .. 255.
+/// The stored value of a texel, counted from the lower left, with bytes as 0 .. 255.
 double stored(const TiledImage& image, int x, int y, int channel = 0) {
   const int shift = tile_shift(image.format), side = 1 << shift;
   const auto tile = static_cast<std::size_t>(y / side) * image.tiles_per_row + static_cast<std::size_t>(x / side);
@@ -123,14 +123,14 @@ TEST_CASE("texture: images of every format are read") {
   write_hdr(folder / "a.hdr", 9, 6, color);
   const TiledImage hdr = load_tiled_image(folder / "a.hdr", false);
   CHECK(hdr.format == TexelFormat::kFloat4);
-  CHECK(holds(hdr, color, 3, 0.5 + 1e-6));  // some readers add half a step
+  CHECK(holds(hdr, color, 3, 0.5 + 1e-6));  // some libraries add half a step
 
   write_tiff(folder / "a16.tif", 9, 6, 3, 16, wide);
   write_pnm(folder / "a16.ppm", 9, 6, 3, 65535, wide);
   for (const char* name : {"a16.tif", "a16.ppm"}) {
     CAPTURE(name);
     CHECK(load_tiled_image(folder / name, true).format == TexelFormat::kFloat4);
-    constexpr double kStep = 1.01 / 65535;  // the reader of PPM is off by as much
+    constexpr double kStep = 1.01 / 65535;  // the PPM reader rounds by up to a step
     CHECK(holds(load_tiled_image(folder / name, true), wide, 3, kStep, [](int v) { return v / 65535.0; }));
     CHECK(holds(load_tiled_image(folder / name, false), wide, 3, 3 * kStep,
                 [](int v) { return static_cast<double>(srgb_to_linear(static_cast<float>(v / 65535.0))); }));

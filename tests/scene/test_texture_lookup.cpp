@@ -1,4 +1,5 @@
-// Texture lookups against a reference in double precision: formats, wrapping, filters, gradients, boards, attributes.
+// Texture lookups against a reference in double precision: formats, wrap modes, filters, gradients, checkerboards,
+// attributes.
 #include "scene/tables/texture_lookup.h"
 
 #include "core/color.h"
@@ -30,7 +31,7 @@ constexpr Wrap kWraps[] = {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp};
 
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
 
-/// A picture as a file stores it, and the same in linear values.
+/// An image as a file stores it, with its linear values.
 struct TestPicture {
   std::filesystem::path file;
   int width = 0, height = 0, channels = 0;
@@ -40,7 +41,7 @@ struct TestPicture {
   double at(int x, int y, int c) const { return linear[static_cast<std::size_t>((y * width + x) * channels + c)]; }
 };
 
-/// Writes a picture of random values: 8 or 16 bits, or floats in [-1, 2] for `bits` 32.
+/// Writes an image of random values: 8 or 16 bits, or floats in [-1, 2] for `bits` 32.
 TestPicture make_picture(const TemporaryFolder& folder, int width, int height, int channels, int bits, bool raw) {
   TestPicture p{folder / (bits == 32 ? "a.exr" : bits == 16 ? "a.tif" : "a.ppm"), width, height, channels, raw, {}};
   const int max_value = bits == 16 ? 65535 : 255;
@@ -73,7 +74,7 @@ int wrap_index(Wrap wrap, long long i, int n) {
 
 struct Place {
   double x, y;
-};  ///< in texels: (0, 0) is the lower left corner of the picture
+};  ///< in texels: (0, 0) is the lower left corner of the image
 
 Place place_of(const TextureDescription& texture, const TestPicture& p, double u, double v) {
   const auto& m = texture.to_uv;
@@ -99,7 +100,7 @@ double luminance_of(const TextureDescription& texture, const TestPicture& p, dou
          0.0721923 * reference(texture, p, u, v, 2);
 }
 
-/// Distance from the nearest line on which the value (nearest) or its slope (bilinear) jumps, in texels.
+/// Distance in texels from the nearest line where the value (nearest) or its slope (bilinear) is discontinuous.
 double distance_from_jump(const TextureDescription& texture, Place at) {
   const double shift = std::get<BitmapDescription>(texture.model).filter == Filter::kNearest ? 0 : 0.5;
   return std::min(std::fabs(at.x - shift - std::round(at.x - shift)),
@@ -128,7 +129,7 @@ TextureView view_of(const CompiledTextures& textures) {
 
 TextureQuery<Scalar> query_at(float u, float v) { return {{u, v}, 0, 0, 0, 0}; }
 
-/// Random places in [-2, 3]^2.
+/// Random positions in [-2, 3]^2.
 TextureQuery<Scalar> random_query(std::uint32_t i) { return query_at(5 * uniform(i, 2) - 2, 5 * uniform(i, 3) - 2); }
 
 TextureQuery<Wide> wide_query(const std::function<TextureQuery<Scalar>(int)>& lane_query) {
@@ -141,8 +142,8 @@ TextureQuery<Wide> wide_query(const std::function<TextureQuery<Scalar>(int)>& la
       wide_record<Vec3>([&](int k) { return lane_query(k).p; })};
 }
 
-/// Largest difference between the wide lookups of a texture and the scalar ones. They are equal but for the compiler's
-/// freedom to round a product and a sum at once, which slopes see multiplied by the size of the picture.
+/// Largest difference between SIMD and scalar lookups of a texture. They are equal except where the compiler fuses a
+/// product and a sum, which slopes amplify by the size of the image.
 struct LaneDifference {
   double value = 0, slope = 0;
 };
@@ -172,7 +173,7 @@ bool lanes_agree(const TextureView& view, std::uint32_t texture,
   return d.value < 1e-6 && d.slope < 2e-5;
 }
 
-/// Largest errors of the lookups of one texture at random places.
+/// Largest errors of the lookups of one texture at random positions.
 struct Errors {
   double color = 0, scalar = 0, gradient = 0;
 };
@@ -254,7 +255,8 @@ TEST_CASE("texture lookup: every format and wrap mode and filter matches the ref
             CAPTURE(static_cast<int>(filter));
             CAPTURE(static_cast<int>(wrap_u));
             CAPTURE(static_cast<int>(wrap_v));
-            // Rounding of u moves the place by some 1e-5 texels, by which values change up to three (floats) as much.
+            // Rounding of u moves the position by about 1e-5 texels, which changes values by up to three times as much
+            // for floats.
             CHECK(errors.color < 6e-5);
             CHECK(errors.scalar < 6e-5);
             CHECK(errors.gradient < 6e-5 * 33);
@@ -390,7 +392,7 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces are interpolate
   const char* names[] = {"vertex_color", "vertex_weight", "face_color", "face_missing"};
   for (int i = 0; i < 4; ++i) descriptions[i].model = MeshAttributeDescription{names[i], i == 0 ? 2.0f : 1.0f};
   CompiledTextures textures = compile_textures({std::begin(descriptions), std::end(descriptions)});
-  // Shape 1 has triangles 2 and 3 of the scene, of the vertices (0, 1, 2) and (2, 1, 3) of the shape.
+  // Shape 1 has triangles 2 and 3 of the scene, with the vertices (0, 1, 2) and (2, 1, 3) of the shape.
   const std::uint32_t triangles[] = {9, 9, 9, 9, 9, 9, 0, 1, 2, 2, 1, 3, 0, 0, 0};
   AttributeTable table(textures.attribute_names);
   table.add(1, 2, 2, 4, {"vertex_color", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0.5f}}, {});
@@ -453,7 +455,7 @@ TEST_CASE("texture lookup: volumes are evaluated at the position in world space"
   CHECK(record_difference<Spectrum>(color, {0.5f * 0.6f, 0.5f * 0.75f, 0.5f * 0.15f, 0}) < 1e-5);
   CHECK(lookup_scalar<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f})) == doctest::Approx(luminance({0.3f, 0.375f, 0.075f})));
   CHECK(lookup_texture<Scalar>(view, 0, at({9, 1, 1})).c0 == doctest::Approx(0.5 * 15 / 16));
-  // At voxels' centres products are exact.
+  // At voxel centres products are exact.
   CHECK(lookup_scalar<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})) == doctest::Approx(5.5 / 8 * 2.5 / 8));
   CHECK(lookup_texture<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})).c2 == doctest::Approx(5.5 * 2.5 / 64));
   CHECK(lookup_texture<Scalar>(view, 2, at({1.1f + 2, 0.9f, 0.1f})).c0 == doctest::Approx(0.5 / 8));
@@ -493,7 +495,7 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
       WireframeDescription{SpectrumDescription::rgb(1, 0.5f, 0), SpectrumDescription::constant(0), 0.4f, 0.5f};
   relative.model = WireframeDescription{SpectrumDescription::constant(1), SpectrumDescription::constant(0), 0, 0};
   CompiledTextures textures = compile_textures({fixed, relative});
-  // A right triangle, of legs 3 and 4, and one that is twice as large.
+  // A right triangle with legs 3 and 4, and one twice as large.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}, {0, 0, 1}, {6, 0, 1}, {0, 8, 1}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
@@ -512,7 +514,7 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
     const float scale = triangle == 0 ? 1.0f : 2.0f;
     return lookup_texture<Scalar>(view, texture, {{0, 0}, 0, triangle, x / (3 * scale), y / (4 * scale)});
   };
-  // In the middle of the smooth step: 3/4 of the line's width.
+  // In the middle of the smooth step: 3/4 of the line width.
   for (const std::uint32_t triangle : {0u, 1u}) {
     CHECK(at(0, triangle, 1, 0.3f).c0 == doctest::Approx(0.5));
     CHECK(at(0, triangle, 0.3f, 1).c1 == doctest::Approx(0.25));
@@ -522,7 +524,7 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
   }
   // 0.3 from the hypotenuse, whose unit normal is (0.8, 0.6).
   CHECK(at(0, 0, 1.5f - 0.3f * 0.8f, 2 - 0.3f * 0.6f).c0 == doctest::Approx(0.5).epsilon(1e-3));
-  // The mean edge is 6: lines of 0.6, without a step.
+  // The mean edge length is 6: lines of width 0.6 without a smooth step.
   CHECK(at(1, 1, 1, 0.59f).c0 == 0.0f);
   CHECK(at(1, 1, 1, 0.61f).c0 == 1.0f);
   CHECK(lookup_scalar<Scalar>(view, 0, {{0, 0}, 0, 0, 1.0f / 3, 0.1f}) == doctest::Approx(luminance({1, 0.5f, 0})));

@@ -1,4 +1,4 @@
-// Mitsuba's grid volumes, written byte by byte: encodings, boxes, borders, and files that lie.
+// Grid volumes of Mitsuba, written byte by byte: encodings, boxes, borders, and inconsistent files.
 #include "scene/compile/load_volume.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/volume_testing.h"
@@ -19,7 +19,7 @@ template <class T> std::string raw(T value) {
   return bytes;
 }
 
-/// What a file says; by default 4 x 3 x 2 floats that count up from 0.
+/// Contents of a file, by default 4 x 3 x 2 floats that count up from 0.
 struct Written {
   std::string magic = "VOL";
   std::uint8_t version = 3;
@@ -35,7 +35,7 @@ struct Written {
     std::string result = header();
     for (std::int32_t i = 0; i < 24 * channels; ++i) {
       if (encoding == 1) result += raw(static_cast<float>(i));
-      // 2^5 in half precision is exponent 20; 1.i / 1024 of it.
+      // In half precision, 2^5 has exponent field 20. i is in units of 1/1024.
       if (encoding == 2) result += raw(static_cast<std::uint16_t>(20 << 10 | i));
       if (encoding == 3) result += raw(static_cast<std::uint8_t>(10 * i));
     }

@@ -1,4 +1,4 @@
-// The XML layer: syntax errors and their lines, hostile files, and what include, default, path, alias and $name do.
+// The XML layer: syntax errors with lines, hostile files, and the elements include, default, path, alias and $name.
 #include "scene/xml/xml_expand.h"
 #include "scene/xml/xml_values.h"
 #include "tests/support/scene_files.h"
@@ -11,7 +11,7 @@ using namespace test;
 
 namespace {
 
-/// A scene that is complete but for `inside`.
+/// A complete scene around `inside`.
 std::string scene_with(const std::string& inside) {
   return "<scene version=\"3.0.0\">\n<sensor type=\"perspective\"/><integrator type=\"path\"/>\n" + inside +
          "\n</scene>\n";
