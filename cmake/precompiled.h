@@ -1,4 +1,4 @@
-// What nearly every file includes and hardly anybody changes: parsed once for each build folder.
+// Headers that nearly every file includes and that rarely change. They are parsed once per build folder.
 #pragma once
 
 #include "core/frame.h"

@@ -1,4 +1,4 @@
-// What nearly every file of scene/ and of the layers after it includes besides.
+// Headers that nearly every file of scene/ and of later layers includes in addition.
 #pragma once
 
 #include "cmake/precompiled.h"

@@ -1,4 +1,4 @@
-// What nearly every test includes besides, parsed once for all programs of tests.
+// Headers that nearly every test includes in addition, parsed once for all test programs.
 #pragma once
 
 #include "cmake/precompiled_scene.h"

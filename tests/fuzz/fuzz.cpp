@@ -42,11 +42,11 @@ unsigned take_choice(std::string_view& input) {
 }
 
 bool leads_out(std::string_view text) {
-  // Where names of files begin, in all formats of text; "&#" may stand for any letter.
+  // Beginnings of file names in all text formats. "&#" may encode any letter.
   constexpr std::string_view kSigns[] = {"..", "\"/", "'/", " /", "\t/", "=/", "\\", "&#"};
   return std::any_of(std::begin(kSigns), std::end(kSigns), [&](std::string_view sign) {
     for (auto at = text.find(sign); at != std::string_view::npos; at = text.find(sign, at + 1))
-      if (text.substr(at + 1, 2) != "/>") return true;  // the end of an element of XML
+      if (text.substr(at + 1, 2) != "/>") return true;  // end of an XML element
     return false;
   });
 }

@@ -1,4 +1,4 @@
-// What fuzz targets share. A target is a program of libFuzzer that makes a file of each input and reads it.
+// Shared code of the fuzz targets. A target is a libFuzzer program that writes each input to a file and reads it.
 #pragma once
 
 #include "core/error.h"
@@ -8,29 +8,29 @@
 
 namespace sheaf::fuzz {
 
-/// What a target does with an input, each its own: reads it, and what it holds. An Error is a good answer; other
-/// exceptions end the program, as do hangs and what sanitizers find.
+/// Defined by each target: reads an input and everything it contains. An Error is an expected result. Other exceptions,
+/// hangs and sanitizer reports stop the program.
 void try_input(std::string_view input);
 
-/// A folder of this process alone, in memory where the system's folder for temporary files is; removed at exit.
+/// A folder of this process, removed at exit. It is in memory if the system's folder for temporary files is.
 const std::filesystem::path& folder();
 
-/// Writes a file into folder(). The name's extension is what chooses among formats.
+/// Writes a file into folder(). The extension of the name selects the format.
 std::filesystem::path make_file(std::string_view name, std::string_view bytes);
 
-/// Copies what lies in a folder of the repository into folder(), but for files of an extension.
+/// Copies the files of a folder of the repository into folder(), except for those with one extension.
 void copy_files(std::string_view repository_folder, std::string_view but_for = "");
 
-/// Takes the first byte off, by which targets choose among ways of reading; 0 if there is none.
+/// Removes and returns the first byte, which selects a way of reading; 0 if the input is empty.
 unsigned take_choice(std::string_view& input);
 
-/// Whether a text that names files may name one outside of folder(). Such inputs are left alone.
+/// Whether a text may refer to a file outside of folder(). Such inputs are skipped.
 bool leads_out(std::string_view text);
 
-/// Stops the program for a message that is empty or endless.
+/// Stops the program if a message is empty or too long.
 void check_message(std::string_view message);
 
-/// Reads something; whether that went without an Error, whose message is checked.
+/// Reads something and returns whether that succeeded. The message of an Error is checked.
 template <class Read> bool reads(Read&& read) {
   try {
     read();

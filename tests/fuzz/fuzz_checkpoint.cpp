@@ -1,4 +1,5 @@
-// Checkpoints. Their first line and check sum are right, whatever the input is: else nearly none would be read.
+// Checkpoints. The first line and the checksum are corrected for every input, because almost none would be read
+// otherwise.
 #include "core/inflate.h"
 #include "kernels/passes/render_state.h"
 #include "tests/fuzz/fuzz.h"
@@ -10,7 +11,7 @@ namespace {
 
 const RenderSettings kSettings = {{"spp", "16"}};
 
-/// What all checkpoints of this version begin with.
+/// The first line of all checkpoints of this version.
 std::string first_line() {
   const std::filesystem::path file = folder() / "first.checkpoint";
   write_checkpoint(file, kSettings, {});

@@ -1,4 +1,4 @@
-// Files of curves and of hair.
+// Curve and hair files.
 #include "scene/formats/curve_file.h"
 #include "scene/formats/hair_file.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,4 +1,4 @@
-// OpenEXR files: their headers, their pixels, the same as pictures, and parts of pictures as `sheaf merge` joins them.
+// OpenEXR files: headers, pixels, images, and parts of images that `sheaf merge` joins.
 #include "core/exr.h"
 #include "tests/fuzz/fuzz.h"
 #include "tools/parts.h"

@@ -1,6 +1,6 @@
-// Pictures. The first byte chooses the extension, by which a format is tried first. Check sums in PNG files are put
-// right: else nearly none would be read. Files that claim many pixels take a hundred times as long as others, and are
-// mutants that mutate further: one in sixteen of them is read, and no height field made of it.
+// Images. The first byte selects the extension, and hence the format that is tried first. Checksums in PNG files are
+// corrected, because almost none would be read otherwise. Files that claim many pixels take a hundred times as long as
+// others and tend to multiply: one in sixteen of them is read, without height fields.
 #include "core/image.h"
 #include "core/inflate.h"
 #include "core/picture_library.h"
@@ -18,7 +18,7 @@ std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-/// Chunks of a PNG file are a length, four letters, as many bytes, and a check sum of letters and bytes.
+/// Chunks of a PNG file are a length, four letters, as many bytes, and a checksum of letters and bytes.
 void put_check_sums(std::string& png) {
   constexpr std::size_t kSignature = 8, kAround = 12;
   for (std::size_t at = kSignature; at + kAround <= png.size();) {
@@ -30,7 +30,7 @@ void put_check_sums(std::string& png) {
   }
 }
 
-/// Whether a file's header claims more than a few pixels.
+/// Whether the header of a file claims more than a few pixels.
 bool claims_much(const std::filesystem::path& file) {
   constexpr double kFew = 1 << 13;
   std::string format, problem;

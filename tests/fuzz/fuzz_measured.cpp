@@ -1,4 +1,4 @@
-// Tensor files, and the measured BRDFs in them.
+// Tensor files and the measured BRDFs in them.
 #include "scene/formats/measured_file.h"
 #include "tests/fuzz/fuzz.h"
 

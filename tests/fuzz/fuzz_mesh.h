@@ -1,4 +1,4 @@
-// What is done to a mesh between its file and the scene.
+// All operations on a mesh between its file and the scene.
 #pragma once
 
 #include "core/transform.h"

@@ -1,4 +1,4 @@
-// MTL files, the libraries of materials of OBJ files.
+// MTL files, the material libraries of OBJ files.
 #include "tests/fuzz/fuzz_scene.h"
 
 namespace sheaf::fuzz {

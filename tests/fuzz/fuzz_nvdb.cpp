@@ -1,5 +1,5 @@
-// NanoVDB files. Mutants of a deflated grid hardly ever are one: so the grid is mutated before it is deflated again,
-// most often near its beginning, where the headers of grid, tree and nodes are.
+// NanoVDB files. Mutants of a compressed grid are rarely valid, so the grid is mutated before compression, mostly near
+// its beginning, where the headers of grid, tree and nodes are.
 #include "core/inflate.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/fuzz/fuzz.h"
@@ -14,11 +14,11 @@ namespace sheaf::fuzz {
 
 namespace {
 
-/// A file of one deflated grid: what stands before the grid, and the grid as it is in memory.
+/// A file with one compressed grid: the bytes before the grid, and the grid as it is in memory.
 struct GridFile {
   std::string head, grid;
 
-  /// Throws Error if the bytes are none.
+  /// Throws Error if the bytes are not such a file.
   explicit GridFile(std::string_view bytes) {
     constexpr std::size_t kSegment = 16, kEntry = 176, kNameSize = 136, kMax = std::size_t{1} << 20;
     std::uint32_t name_size = 0;
@@ -37,7 +37,7 @@ struct GridFile {
     const std::string stream = test::deflated(grid, 1);
     const std::uint64_t stored = stream.size(), all = stored + sizeof stored;
     std::string out = head;
-    std::memcpy(out.data() + 16 + 8, &all, sizeof all);  // in the entry, how long the grid is in the file
+    std::memcpy(out.data() + 16 + 8, &all, sizeof all);  // the entry's size of the grid in the file
     out.append(reinterpret_cast<const char*>(&stored), sizeof stored);
     return out + stream;
   }

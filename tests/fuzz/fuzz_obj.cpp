@@ -1,4 +1,4 @@
-// Wavefront OBJ, as a mesh and as a model with the materials of an MTL file.
+// Wavefront OBJ as a mesh, and as a model with the materials of an MTL file.
 #include "tests/fuzz/fuzz_mesh.h"
 #include "tests/fuzz/fuzz_scene.h"
 

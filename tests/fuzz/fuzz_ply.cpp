@@ -1,4 +1,4 @@
-// Stanford PLY, as a mesh, as ellipsoids and as a model.
+// Stanford PLY as a mesh, as ellipsoids and as a model.
 #include "scene/formats/ellipsoids.h"
 #include "tests/fuzz/fuzz_mesh.h"
 #include "tests/fuzz/fuzz_scene.h"

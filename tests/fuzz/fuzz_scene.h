@@ -1,4 +1,4 @@
-// Reading a scene as `sheaf render` does, with --lenient and without.
+// Reads a scene as `sheaf render` does, with and without --lenient.
 #pragma once
 
 #include "scene/dialects/read_scene.h"

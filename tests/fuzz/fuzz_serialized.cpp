@@ -1,5 +1,5 @@
-// Mitsuba's serialized meshes. The first byte says whether the rest is a file, or what a mesh of version 3 or 4 holds
-// before it is deflated: mutants of a deflated stream hardly ever are one.
+// Serialized meshes of Mitsuba. The first byte selects whether the rest is a file, or the content of a mesh of version
+// 3 or 4 before compression, because mutants of a compressed stream are rarely valid.
 #include "scene/formats/serialized.h"
 #include "tests/fuzz/fuzz_mesh.h"
 #include "tests/support/deflate.h"

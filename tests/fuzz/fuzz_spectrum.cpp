@@ -1,4 +1,4 @@
-// Files of spectra, Mitsuba's and pbrt's, and spectra in attributes.
+// Spectrum files of Mitsuba and pbrt, and spectra in attributes.
 #include "scene/xml/spectrum_text.h"
 #include "tests/fuzz/fuzz_scene.h"
 

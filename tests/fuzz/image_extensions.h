@@ -1,4 +1,4 @@
-// The formats of pictures that are tried.
+// The image formats that are tried.
 #pragma once
 
 #include <string_view>

@@ -1,6 +1,6 @@
-// sheaf_fuzz_seeds FOLDER: makes FOLDER/<target>/, small files of each kind to begin with, and FOLDER/<target>.dict,
-// the words of each kind. The files are those of the repository's scenes and tests, or made here; the words are the
-// strings in the sources of the reader.
+// sheaf_fuzz_seeds FOLDER: writes FOLDER/<target>/, small seed files of each kind, and FOLDER/<target>.dict, the
+// dictionary of each kind. The files are those of the repository's scenes and tests, or generated here. The dictionary
+// holds the strings in the sources of the reader.
 #include "core/exr.h"
 #include "core/image.h"
 #include "kernels/passes/render_state.h"
@@ -37,7 +37,7 @@ class Seeds {
     write_bytes(to / std::to_string(count_++), bytes);
   }
 
-  /// Adds all files of an extension below a folder of the repository, but for large ones.
+  /// Adds all files with an extension below a folder of the repository, except large ones.
   void add_files(const std::string& target, const char* below, const std::string& extension) {
     constexpr std::uintmax_t kLargest = 6000;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / below))
@@ -45,7 +45,7 @@ class Seeds {
         add(target, read_bytes(entry.path()));
   }
 
-  /// The words among the strings in sources whose names begin so.
+  /// Adds the words in string literals of the sources whose names begin with a prefix.
   void add_words(const std::string& target, const std::vector<std::string>& sources) {
     std::set<std::string> words;
     for (const std::string& source : sources) {
@@ -139,7 +139,7 @@ void add_ply(Seeds& seeds) {
   seeds.add_words("ply", {"scene/formats/ply", "scene/formats/ellipsoids"});
 }
 
-/// What a mesh of a serialized file holds: a square.
+/// The content of a mesh in a serialized file: a square.
 std::string serialized_content(std::uint32_t flags, bool named) {
   std::string bytes =
       raw(flags) + (named ? std::string("name") + '\0' : "") + raw(std::uint64_t{4}) + raw(std::uint64_t{2});
@@ -270,7 +270,7 @@ void add_checkpoints(Seeds& seeds) {
   add(state);
 }
 
-/// Pictures of 3 x 2 pixels, and parts of one for joining.
+/// Images of 3 x 2 pixels, and parts of one for merging.
 void add_pictures(Seeds& seeds) {
   const TemporaryFolder folder;
   const std::vector<int> grey = {0, 50, 100, 150, 200, 250},

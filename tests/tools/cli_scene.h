@@ -1,9 +1,9 @@
-// A scene that renders in no time, for tests of the command line.
+// A scene that renders in a moment, for tests of the command line.
 #pragma once
 
 namespace sheaf::test {
 
-/// A grey ball under a white sky, `size` x 16 pixels, `size` being 24 by default.
+/// A grey sphere in a white environment, `size` x 16 pixels with a default `size` of 24.
 inline constexpr const char* kScene = R"(<scene version="3.0.0">
   <default name="size" value="24"/>
   <integrator type="path"><integer name="max_depth" value="6"/></integrator>

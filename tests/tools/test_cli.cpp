@@ -1,4 +1,4 @@
-// The command line, run as a user runs it: exit codes, messages, files.
+// The command line as a user runs it: exit codes, messages, files.
 #include "core/exr.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/program_testing.h"
@@ -17,7 +17,7 @@ TEST_CASE("version and help are printed") {
   const Outcome version = run(folder, "--version");
   CHECK(version.code == 0);
   CHECK(contains(version.out, "sheaf "));
-  // And the instruction set, as pictures tell it.
+  // The version includes the instruction set, as images record it.
   write_bytes(folder / "scene.xml", kScene);
   REQUIRE(run(folder, "render scene.xml --quiet -o out.exr").code == 0);
   for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
@@ -90,7 +90,7 @@ TEST_CASE("spectral mode is rendered and recorded in the image") {
 TEST_CASE("scenes of pbrt are rendered spectrally with a note unless --color rgb is given") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  // A red that is far from grey: twice reflected it differs between the modes.
+  // A saturated red: after two reflections it differs between the colour modes.
   write_bytes(folder / "scene.pbrt", R"(Film "rgb" "integer xresolution" 8 "integer yresolution" 8
 Sampler "independent" "integer pixelsamples" 4
 WorldBegin
@@ -167,7 +167,7 @@ TEST_CASE("missing and malformed scenes have exit code 3 with file and line") {
   CHECK(contains(broken.err, "broken.xml:2: "));
   CHECK(contains(broken.err, "perspective"));
   CHECK(run(folder, "compare a.exr b.exr").code == 3);
-  // What terminals obey is not passed on to them.
+  // Escape sequences are not passed on to the terminal.
   write_bytes(folder / "\x1b[2J.xml", "<scene");
   const Outcome escaped = run(folder, "render *2J.xml");
   CHECK(escaped.code == 3);

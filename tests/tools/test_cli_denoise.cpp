@@ -1,4 +1,4 @@
-// Noise on the command line: how much may be left, and what takes it out of pictures.
+// Noise targets and denoising on the command line.
 #include "core/exr.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

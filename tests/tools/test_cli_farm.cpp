@@ -1,5 +1,5 @@
-// The jobs that sheaf farm writes, run by a stand-in for sbatch that runs each at once; test_slurm.cpp has the real
-// one.
+// The jobs that `sheaf farm` writes, run by a replacement for sbatch that runs each job at once. test_slurm.cpp uses
+// Slurm.
 #include "core/exr.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
@@ -23,7 +23,7 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
 </scene>)";
 
-/// Understands --parsable, --array=0-N and --dependency=..., and says what else it was given to a file.
+/// Understands --parsable, --array=0-N and --dependency=..., and writes all other arguments to a file.
 constexpr const char* kSbatch = R"sh(#!/usr/bin/env bash
 printf '%s\n' "$*" >>"$SBATCH_LOG"
 last=0
@@ -39,7 +39,7 @@ done
 echo '7;cluster'
 )sh";
 
-/// A folder with a name that scripts must quote, a scene, and a sbatch.
+/// A folder whose name scripts must quote, with a scene and an sbatch.
 struct FarmFolder {
   FarmFolder() {
     std::filesystem::create_directories(folder / "bin");
@@ -48,7 +48,7 @@ struct FarmFolder {
     write_bytes(folder / "bin/sbatch", kSbatch);
     std::filesystem::permissions(folder / "bin/sbatch", std::filesystem::perms::owner_all);
   }
-  /// Runs the program in the folder; `arguments` are words for the shell.
+  /// Runs the program in the folder. `arguments` are words for the shell.
   Outcome sheaf(const std::string& arguments) const {
     return run(folder, arguments,
                "cd ./*here* && export PATH='" + (folder / "bin").string() + "':\"$PATH\" SBATCH_LOG='" +
@@ -122,17 +122,17 @@ TEST_CASE("farm: samples are split into ranges") {
     CHECK(made.code == 0);
     return read_bytes(farm.here / "jobs/render.sh");
   };
-  // Below 32 samples there is one set, which may be cut anywhere.
+  // Below 32 samples there is one replicate, which can be split anywhere.
   std::string text = script("--parts 3 -- --spp 16");
   CHECK(contains(text, "values=('0:5' '5:5' '10:6')"));
   CHECK(contains(text, "'--replicates' '1'"));
-  // Sets become a multiple of the parts.
+  // The number of replicates becomes a multiple of the parts.
   text = script("--parts 3 -- --spp 128");
   CHECK(contains(text, "values=('0:44' '44:44' '88:40')"));
   CHECK(contains(text, "'--replicates' '6'"));
   text = script("--parts 3 -- --spp 16 --aov variance");
   CHECK(contains(text, "'--replicates' '3'"));
-  // Where that many sets would leave parts without any, they are made smaller.
+  // Replicates are made smaller where parts would be empty otherwise.
   text = script("--parts 16 -- --spp 36");
   CHECK(contains(text, "values=('0:2' '2:2' '4:2' '6:2' '8:2' '10:2' '12:2' '14:4' '18:2'"));
   CHECK(contains(text, "'32:4')"));
@@ -140,7 +140,7 @@ TEST_CASE("farm: samples are split into ranges") {
   text = script("--parts 3 -- --spp 16 --sampler independent");
   CHECK(contains(text, "values=('0:4' '4:6' '10:6')"));
   CHECK(contains(text, "'--replicates' '9'"));
-  // Those that are asked for stay.
+  // An explicit number of replicates is kept.
   text = script("--parts 3 -- --spp 128 --replicates 4");
   CHECK(contains(text, "values=('0:32' '32:32' '64:64')"));
   CHECK(!contains(text, "'--replicates' '6'"));

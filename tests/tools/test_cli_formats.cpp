@@ -1,4 +1,4 @@
-// Files of formats that are not read, and empty and broken ones, for every command that takes a file.
+// Unsupported, empty and malformed files for every command that reads a file.
 #include "core/exr.h"
 #include "core/image.h"
 #include "tests/support/program_testing.h"
@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::string_literals;
 
-/// A command that reads a scene or a picture, FILE standing for it, and what it expects.
+/// A command that reads a scene or an image, with FILE as placeholder, and the expected files in its message.
 struct Reader {
   const char* arguments;
   const char* expected;
@@ -40,7 +40,7 @@ std::string with_file(const Reader& reader, const std::string& file) {
   return arguments;
 }
 
-/// Files of other programs: whole beginnings, and the name in messages.
+/// Files of other programs: their first bytes, and the name in messages.
 struct Foreign {
   const char* name;
   std::string bytes;
@@ -73,7 +73,7 @@ struct Workplace {
     write_exr(folder / "picture.exr", Image(4, 4, {"R", "G", "B"}));
     write_png(folder / "picture.png", Image(4, 4, {"R", "G", "B"}));
   }
-  /// A message in one line that begins with the program's name and the file's.
+  /// Checks for a message in one line that begins with the names of the program and of the file.
   void check_refused(const std::string& arguments, const std::string& file, const std::string& expected) const {
     CAPTURE(arguments);
     const Outcome outcome = run(folder, arguments);
@@ -97,7 +97,7 @@ TEST_CASE("formats: foreign files are errors that name the format and how to con
     place.check_refused(with_file(kSceneReaders[0], file), file, told);
     place.check_refused(with_file(kSceneReaders[0], file), file, foreign.remedy);
   }
-  // Every command, with one of each kind; also under another name, and broken.
+  // Every command with one file of each kind, also under another name, and damaged.
   write_bytes(place.folder / "model.xml", foreign_files()[0].bytes);
   write_bytes(place.folder / "broken.glb", "nothing of the kind");
   for (const char* const file : {"a.glb", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.glb"}) {
@@ -116,7 +116,7 @@ TEST_CASE("formats: images are rejected as scenes and images without layers are 
     place.check_refused(with_file(reader, "picture.png"), "picture.png",
                         "is a PNG picture, expected an OpenEXR picture, as 'sheaf render -o NAME.exr' writes it; other "
                         "formats lack the layers");
-  // Scenes are no pictures.
+  // Scenes are not images.
   for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
     place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
                         "this is not an OpenEXR file, expected an OpenEXR picture");
@@ -129,7 +129,7 @@ TEST_CASE("formats: empty and malformed files are errors") {
     write_bytes(place.folder / file, "");
     for (const Reader& reader : kSceneReaders) {
       const bool is_picture = std::string(reader.arguments).starts_with("info") && std::string(file) == "e.exr";
-      // Where the name says what the file is to be, it is its reader that refuses it.
+      // Where the extension names a format, the reader of that format reports the error.
       const bool is_named = std::set<std::string>{"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized"}.count(file) > 0;
       place.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
       if (is_picture) place.check_refused(with_file(reader, file), file, "expected an OpenEXR picture");
@@ -141,13 +141,13 @@ TEST_CASE("formats: empty and malformed files are errors") {
   place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR picture does");
   for (const Reader& reader : kPictureReaders)
     place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR picture does");
-  // Cut off anywhere.
+  // Truncated at any length.
   const std::string whole = read_bytes(place.folder / "picture.exr");
   for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {
     CAPTURE(size);
     write_bytes(place.folder / "c.exr", whole.substr(0, size));
     const Outcome info = run(place.folder, "info c.exr");
-    CHECK((info.code == 3 || info.code == 0));  // the header may be whole
+    CHECK((info.code == 3 || info.code == 0));  // the header may be complete
     if (info.code == 3) CHECK(info.err.starts_with("sheaf: c.exr: "));
     for (const Reader& reader : kPictureReaders) {
       const Outcome outcome = run(place.folder, with_file(reader, "c.exr"));

@@ -1,4 +1,4 @@
-// Memory, from the command line: what is expected, what a render has taken, and what is said where there is not enough.
+// Memory on the command line: the estimate of `info`, the peak of a render, and out-of-memory errors.
 #include "core/exr.h"
 #include "core/rng.h"
 #include "tests/support/program_testing.h"
@@ -34,14 +34,14 @@ void write_map(const std::filesystem::path& file, int width, int height) {
   write_exr(file, map);
 }
 
-/// Bytes of a number and a unit, as of the first match.
+/// Bytes of the number and unit in the first match.
 double bytes_in(const std::string& text, const char* pattern) {
   std::smatch match;
   if (!std::regex_search(text, match, std::regex(std::string("([0-9.]+) (MB|GB)") + pattern))) return 0;
   return std::stod(match[1]) * (match[2] == "GB" ? 1e9 : 1e6);
 }
 
-/// The highest peak that `info` expects, over the one that `render` has had.
+/// The highest peak that `info` estimates over the peak of `render`.
 double expected_over_real(const TemporaryFolder& folder) {
   const Outcome info = run(folder, "info scene.xml");
   CAPTURE(info.out);
@@ -67,7 +67,7 @@ TEST_CASE("memory: info predicts the memory of a large environment map") {
   CHECK(ratio < 1.2);
   const std::string info = run(folder, "info scene.xml").out;
   CHECK(contains(info, "environment 4096 x 2048 pixels, 13"));
-  // The picture (12 bytes per pixel) goes while the tables (16, and those of rows and columns) come.
+  // The image (12 bytes per pixel) is freed while the tables (16, and those of rows and columns) are built.
   write_map(folder / "dot.exr", 4, 2);
   write_bytes(folder / "scene.xml", scene(64, 48, envmap("dot.exr")));
   const double with = bytes_in(info, " while loading"),
@@ -118,13 +118,13 @@ TEST_CASE("memory: renders beyond the available memory have exit code 1 and leav
   CHECK(contains(film.err, " GB for the film, "));
   CHECK(contains(film.err, "--crop"));
   CHECK(folder.entry_count() == 1);
-  // Which parts of it do. More pixels have no numbers.
+  // A crop at the far corner fits. Larger frames have no pixel indices.
   CHECK(run(folder, whole + " --crop 45984,45984,46000,46000").code == 0);
   std::filesystem::remove(folder / "out.exr");
   const Outcome frame = run(folder, "render scene.xml --quiet -o out.exr --size 200000x200000 --crop 0,0,16,16");
   CHECK(frame.code == 2);
   CHECK(contains(frame.err, "a frame of 200000 x 200000 pixels is too large"));
-  // What cannot be rendered can be looked at.
+  // A scene that cannot be rendered can be inspected.
   std::string text = scene(24, 16);
   text.replace(text.find("sample_count' value='1'"), 23, "sample_count' value='1024'");
   text.replace(text.find("<integrator type='path'/>"), 25,
@@ -149,7 +149,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
                     "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
                     "<string name='filename' value='sky.exr'/></texture></bsdf></shape>"));
   write_bytes(folder / "small.xml", scene(24, 16));
-  // Libraries take addresses that depend on the system: the least limit under which a small scene is rendered.
+  // The address space of libraries depends on the system: the smallest limit under which a small scene renders.
   const auto limited = [](int megabytes) { return "ulimit -v " + std::to_string(megabytes * 1024) + "; "; };
   int megabytes = 60;
   bool told = false;

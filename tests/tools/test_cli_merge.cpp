@@ -1,4 +1,4 @@
-// Parts of pictures, rendered and joined by the command line.
+// Parts of images, rendered and merged on the command line.
 #include "core/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/parts_testing.h"
@@ -33,7 +33,7 @@ constexpr std::string_view kIntegrator =
 
 /// A folder with the scene.
 struct Scene {
-  /// `integrator`: in place of the scene's, if it is not empty.
+  /// A non-empty `integrator` replaces the one of the scene.
   explicit Scene(const std::string& integrator = "") {
     std::string text = kScene;
     if (!integrator.empty()) text.replace(text.find(kIntegrator), kIntegrator.size(), integrator);
@@ -45,7 +45,7 @@ struct Scene {
     INFO(outcome.err);
     REQUIRE(outcome.code == 0);
   }
-  /// What a failed merge says.
+  /// The message of a merge that fails.
   std::string refused(const std::string& arguments) const {
     const Outcome outcome = run(folder, "merge -o refused.exr " + arguments);
     CHECK(outcome.code == 3);
@@ -55,7 +55,7 @@ struct Scene {
   TemporaryFolder folder;
 };
 
-/// The text attributes of a file, but for the noise, which is rounded.
+/// The text attributes of a file except for the noise, which is rounded.
 std::string header_of(const Scene& scene, const std::string& file) {
   std::string text;
   for (const auto& attribute : read_exr_attributes(scene.folder / file)) {
@@ -155,7 +155,7 @@ TEST_CASE("samples that cannot be split are usage errors with the reason") {
     CHECK(contains(error("--samples '" + std::string(text) + "'"), "FIRST:COUNT"));
   CHECK(contains(error("--samples 0:16 --integrator ptracer"), "ptracer"));
   CHECK(contains(error("--samples 0:16 --noise-target 0.1"), "noise target"));
-  // The checkpoint of other samples.
+  // A checkpoint of other samples.
   scene.render("a.exr", "--replicates 4 --samples 0:8 --checkpoint a.state");
   const Outcome other =
       run(scene.folder, "render scene.xml -o a.exr --replicates 4 --samples 8:8 --checkpoint a.state --resume");
@@ -193,7 +193,7 @@ TEST_CASE("mismatched parts are rejected by name") {
                  "a setting is '--replicates 2' here and '--replicates 4' there"));
   write_bytes(scene.folder / "scene.xml", std::string(kScene) + " ");
   CHECK(contains(other(common + "--samples 8:8"), "a setting is 'scene.xml: "));
-  // Outputs.
+  // Invalid outputs.
   CHECK(run(scene.folder, "merge a.exr b.exr -o a.exr").code == 2);
   CHECK(run(scene.folder, "merge a.exr b.exr -o c.exr -o ./c.exr").code == 2);
   CHECK(run(scene.folder, "merge a.exr b.exr -o c.tiff").code == 2);
@@ -224,7 +224,7 @@ TEST_CASE("missing parts are rejected unless allowed and then recorded in the he
   CHECK(crop.x0 == 3);
   CHECK(crop.frame_width == 27);
   CHECK(crop.data == tile.data);
-  // An interrupted part says so itself.
+  // The header of an interrupted part records the interruption.
   write_bytes(scene.folder / "go.sh", SHEAF_EXECUTABLE
               " render scene.xml -o cut.exr --spp 16000000 --crop 0,0,27,18 --quiet --checkpoint cut.state "
               "--checkpoint-every 0.05 &\n"
@@ -239,7 +239,7 @@ TEST_CASE("dropped samples of all parts are added up") {
   const Scene scene;
   const char* const names[] = {"sheaf/droppedRays", "sheaf/droppedSamples"};
   const std::vector<std::string> crops = {"0,0,9,18", "9,0,20,18", "20,0,27,18"};
-  // Each of the numbers differs, so that none can stand for another.
+  // All numbers differ, so that none can be mistaken for another.
   for (std::size_t i = 0; i < crops.size(); ++i) {
     const std::string file = "part" + std::to_string(i) + ".exr";
     scene.render(file, "--spp 2 --crop " + crops[i]);

@@ -1,5 +1,4 @@
-// How options are written: units, per cent, numbers beyond their range, names that are not known; and where messages
-// go.
+// Notation of options: units, percentages, values out of range, unknown names; and the streams of messages.
 #include "core/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
@@ -19,7 +18,7 @@ using test::kScene;
 
 namespace {
 
-/// A folder with the scene, and what renders of it are.
+/// A folder with the scene, and properties of its renders.
 struct Workplace {
   Workplace() { write_bytes(folder / "scene.xml", kScene); }
   Outcome render(const std::string& options, const std::string& before = "") const {
@@ -81,7 +80,7 @@ TEST_CASE("options: times have units and shares may be percentages") {
   CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
   REQUIRE(place.render("--quiet --scale 50%").code == 0);
   CHECK(read_exr(place.folder / "out.exr").width == 12);
-  // Of units that meant something else these would take long, or be over before they begin.
+  // With wrong units, these would take long or end before they begin.
   for (const char* const limit : {"100ms", "0.1s", "0.001m", "1e-3min", "0.00003h", "0.000001d", "0h0.1s", "0.1"}) {
     CAPTURE(std::string(limit));
     const Outcome outcome =
@@ -115,7 +114,7 @@ TEST_CASE("options: frames beyond the limits are rejected") {
     CHECK(contains(outcome.err, message));
   }
   CHECK(place.folder.entry_count() == 1);
-  // Of a scene whose own frame is as large as can be.
+  // A scene with the largest possible frame.
   std::string scene = kScene;
   scene.replace(scene.find("value=\"16\""), 10, "value=\"1\"");
   write_bytes(place.folder / "scene.xml", scene);
@@ -207,14 +206,14 @@ TEST_CASE("options: an unwritable standard output has exit code 4") {
     CAPTURE(std::string(arguments));
     for (const char* const stream : {" >/dev/full", " >&-"}) {
       CAPTURE(std::string(stream));
-      // In a shell of its own, whose standard output goes where run() puts it.
+      // A shell of its own, whose standard output is the one of run().
       const Outcome outcome = run(place.folder, "--version",
                                   SHEAF_EXECUTABLE " " + std::string(arguments) + stream + " 2>said.txt; exit $?; ");
       CHECK(outcome.code == 4);
       CHECK(contains(read_bytes(place.folder / "said.txt"), "sheaf: cannot write to the standard output"));
     }
   }
-  // What prints nothing needs none, and its messages go to no other file.
+  // A command without output needs no standard output, and its messages go nowhere else.
   const Outcome silent = run(place.folder, "--version",
                              SHEAF_EXECUTABLE
                              " render scene.xml -o b.exr --no-timestamps --spp 1 >&- 2>&- <&-; "
@@ -231,7 +230,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
   const auto resume = [&](const std::string& options) {
     return run(place.folder, common + "--checkpoint a.state --resume " + options);
   };
-  // Each option that changes the picture, with a value that is not the standard.
+  // Each option that changes the image, with a value that is not the default.
   const std::vector<std::pair<std::string, std::string>> changes = {{"seed", "7"},
                                                                     {"color", "spectral"},
                                                                     {"spectral-bins", "4"},
@@ -263,7 +262,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
                                                                     {"view", ""},
                                                                     {"up", ""},
                                                                     {"fov", ""}};
-  // Those of the run, with which the same picture comes out.
+  // Options of the run that do not change the image.
   const std::vector<std::pair<std::string, std::string>> runs = {
       {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
       {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
@@ -272,7 +271,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
   for (const auto& [name, value] : changes) {
     CAPTURE_BINDING(name);
     known.insert(name);
-    // Not by themselves, or not for a scene.
+    // Options that need others or do not apply to scenes.
     if (name == "spp" || name == "view" || name == "up" || name == "fov") continue;
     const std::string also = name == "spectral-bins" ? " --color spectral" : "";
     const Outcome outcome = resume("-o out.exr --" + name + " " + value + also);
@@ -286,7 +285,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     if (value.empty() && name != "no-timestamps") continue;
     CHECK(resume((name == "output" ? "" : "-o out.exr ") + ("--" + name) + " " + value).code == 0);
   }
-  // There is no option that neither list knows.
+  // Every option is in one of the two lists.
   std::istringstream help(run(place.folder, "render --help").out);
   for (std::string word; help >> word;) {
     const std::size_t at = word.find("--");

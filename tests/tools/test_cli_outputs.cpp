@@ -1,4 +1,5 @@
-// Everything that the program writes, to places of every bad kind: nothing is lost, and it is said why.
+// All files that the program writes, to invalid destinations of every kind: no data are lost, and messages give the
+// reason.
 #include "tests/support/program_testing.h"
 
 #include <doctest/doctest.h>
@@ -27,15 +28,15 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <emitter type="constant"/>
 </scene>)";
 
-/// A kind of file that the program writes: the name of the file, and the arguments that write it, TO standing for it.
+/// A kind of file that the program writes: its name, and the arguments that write it, with TO as placeholder.
 struct Written {
   const char* what;
   const char* name;
   const char* arguments;
-  bool is_whole_folder = false;  ///< TO stands for the file's folder, which is made
+  bool is_whole_folder = false;  ///< TO stands for the folder of the file, which is created
 };
 
-/// All of them.
+/// All kinds of files.
 const std::vector<Written> kWritten = {
     {"picture.exr", "x.exr", "render scene.xml --quiet --spp 2 -o TO"},
     {"picture.png", "x.png", "render scene.xml --quiet --spp 2 -o TO"},
@@ -49,7 +50,7 @@ const std::vector<Written> kWritten = {
     {"farm", "merge.sh", "farm scene.xml --parts 2 --quiet --folder TO", true},
     {"farm", "submit.sh", "farm scene.xml --parts 2 --quiet --folder TO", true}};
 
-/// A folder with what the commands read, and "place", where they write.
+/// A folder with the inputs of the commands, and "place", where they write.
 class Workplace {
  public:
   Workplace() {
@@ -63,7 +64,7 @@ class Workplace {
     for (const auto& entry : fs::directory_iterator(folder.path())) inputs.push_back(entry.path().filename());
   }
 
-  /// Empties "place", and puts the file there as it was before, if `with_old`.
+  /// Empties "place" and, with `with_old`, puts the previous file there.
   fs::path prepare(const Written& written, bool with_old) {
     for (const char* name : {"place", "other"}) {
       std::error_code error;
@@ -76,12 +77,12 @@ class Workplace {
     if (with_old) write_bytes(file, old_of(written));
     return file;
   }
-  /// A checkpoint is gone on from: it must be one.
+  /// A previous checkpoint must be valid, because the render resumes from it.
   std::string old_of(const Written& written) const {
     return written.what == std::string("checkpoint") ? read_bytes(folder / "saved.state") : "old";
   }
 
-  /// Runs the command with `to` in its place, as somebody who is not allowed everything if `before` says so.
+  /// Runs the command with `to` as its destination. `before` may drop privileges.
   Outcome write(const Written& written, const std::string& to = "place", const std::string& before = "") const {
     std::string arguments = written.arguments;
     const std::string file = written.is_whole_folder ? to : to + "/" + written.name;
@@ -91,7 +92,7 @@ class Workplace {
     return run(folder, arguments, before);
   }
 
-  /// Names of temporary files, wherever they are.
+  /// Names of temporary files anywhere.
   std::string left_over() const {
     std::string names;
     for (const auto& entry : fs::recursive_directory_iterator(folder.path()))
@@ -103,7 +104,7 @@ class Workplace {
   std::vector<fs::path> inputs;
 };
 
-/// What comes before a command that is not allowed everything; nothing if that cannot be done here.
+/// Command prefix that drops privileges; none where that is impossible.
 std::optional<std::string> as_nobody() {
   if (geteuid() != 0) return "";
   const std::string nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
@@ -141,7 +142,7 @@ TEST_CASE("outputs: a missing folder is an error") {
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
     place.prepare(written, false);
-    // The farm makes its folder, unless a file is in the way.
+    // The farm creates its folder unless a file is in the way.
     write_bytes(place.folder / "place/file", "");
     if (written.is_whole_folder)
       check_refused(place, written, place.write(written, "place/file/farm"), "Not a directory");
@@ -215,7 +216,7 @@ TEST_CASE("outputs: links are followed") {
         CHECK(place.left_over().empty());
       }
     fs::remove(far);
-    // Links that lead nowhere.
+    // Dangling links.
     const fs::path file = place.prepare(written, false);
     fs::create_symlink("gone/real", file);
     check_refused(place, written, place.write(written), "place/gone'");
@@ -224,7 +225,7 @@ TEST_CASE("outputs: links are followed") {
     fs::create_symlink(written.name, file);
     check_refused(place, written, place.write(written), "Too many levels of symbolic links");
     CHECK(fs::is_symlink(file));
-    // What is no file stays what it is.
+    // Devices are not replaced.
     fs::remove(file);
     fs::create_symlink("/dev/full", file);
     check_refused(place, written, place.write(written), "it is not a regular file");
@@ -237,7 +238,7 @@ TEST_CASE("outputs: links are followed") {
 
 TEST_CASE("outputs: a full disk is an error") {
   Workplace place;
-  // One page, which the old file takes.
+  // One page, which the old file occupies.
   write_bytes(place.folder / "full.sh", R"sh(set -e
 mount -t tmpfs -o size=4k none place
 cp old "place/$1" && shift
@@ -256,14 +257,14 @@ exit $rc
     CAPTURE(std::string(written.what));
     place.prepare(written, false);
     const std::string old = place.old_of(written).substr(0, 4096);
-    if (written.what == std::string("checkpoint")) continue;  // takes more than a page: see below
+    if (written.what == std::string("checkpoint")) continue;  // takes more than a page, see below
     write_bytes(place.folder / "old", old);
     const Outcome outcome = place.write(written, "place", "unshare -m sh ./full.sh " + std::string(written.name) + " ");
     check_refused(place, written, outcome, "No space left on device");
     CHECK(read_bytes(place.folder / "kept") == old);
     CHECK(read_bytes(place.folder / "place.txt") == std::string(written.name) + "\n");
   }
-  // Files end at a kilobyte.
+  // Files are limited to 1 kB.
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
     if (written.is_whole_folder || written.name == std::string("x.png")) continue;  // shorter
@@ -288,7 +289,7 @@ TEST_CASE("outputs: other outputs are written after a failure and previews repor
     CHECK(place.left_over().empty());
     place.prepare(kWritten[0], false);
   }
-  // The folder goes while it is rendered: a preview is told of, and the render goes on.
+  // The folder disappears during the render: the preview reports it, and the render continues.
   write_bytes(place.folder / "go.sh", R"sh("$@" 2>log.txt & pid=$!
 sleep 1; rm -rf place; kill -USR1 $pid
 for i in $(seq 100); do grep -q 'cannot write' log.txt && break; sleep 0.1; done

@@ -1,5 +1,4 @@
-// The library of picture formats, which is loaded when a picture is met: what starts without it, and what is said where
-// it is missing.
+// The image format library, which is loaded on demand: startup without it, and messages where it is missing.
 #include "core/image.h"
 #include "tests/support/program_testing.h"
 
@@ -17,7 +16,7 @@ constexpr const char* kScene =
 
 const std::string kModule = "sheaf_pictures.so";
 
-/// A copy of the program at `name` in the folder, and its exit code and words for these arguments.
+/// A copy of the program as `name` in the folder, with the exit code and output for given arguments.
 class Copied {
  public:
   Copied(const TemporaryFolder& folder, const std::string& name) : folder_(folder), name_(name) {
@@ -39,7 +38,7 @@ std::filesystem::path module_file() { return std::filesystem::path(SHEAF_EXECUTA
 
 TEST_CASE("images: the program starts without the image format libraries") {
   const TemporaryFolder folder;
-  // What the dynamic linker would load: it prints that in place of running the program.
+  // The dynamic linker lists what it would load instead of running the program.
   const Outcome listed = run(folder, "--version", "LD_TRACE_LOADED_OBJECTS=1 ");
   CHECK(contains(listed.out, "libtbb"));
   CHECK_FALSE(contains(listed.out, "OpenImageIO"));

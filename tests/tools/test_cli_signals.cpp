@@ -1,4 +1,4 @@
-// What ends a render early, and how it goes on: signals and checkpoints.
+// Interruption and resumption of renders: signals and checkpoints.
 #include "core/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
@@ -20,7 +20,7 @@ using test::kScene;
 
 namespace {
 
-/// An attribute of a file; empty if it has none of the name and type.
+/// An attribute of a file; none if it has none of the name and type.
 template <class T> std::optional<T> attribute(const std::filesystem::path& file, const std::string& name) {
   for (const ExrMetadata::Attribute& each : read_exr_attributes(file))
     if (each.name == name)
@@ -36,7 +36,7 @@ double mean_samples(const Image& image) {
   return sum / static_cast<double>(image.pixel_count());
 }
 
-/// The header says that the render was interrupted, and how many samples there are.
+/// The header records the interruption and the sample count.
 void check_marked(const TemporaryFolder& folder, const std::string& file, const Image& image, int planned) {
   const double taken = mean_samples(image);
   CHECK(attribute<int>(folder / file, "sheaf/interrupted") == 1);
@@ -58,7 +58,7 @@ TEST_CASE("an interrupted render writes its image and reports the interruption")
     const std::string kill = "(sleep 2; kill -" + std::string(name) + " $$) & exec ";
     write_bytes(folder / "go.sh",
                 kill + SHEAF_EXECUTABLE " render scene.xml -o out.exr -D size=512 --spp 16000000 --threads 1\n");
-    // The script becomes the renderer, since shells start background jobs with SIGINT ignored.
+    // The script becomes the renderer, because shells start background jobs with SIGINT ignored.
     const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == code);
@@ -73,7 +73,7 @@ TEST_CASE("an interrupted render writes its image and reports the interruption")
 TEST_CASE("an interrupted image is marked in every file and reported by its readers") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  // Stopped once there is a checkpoint, in the course of the second of four sets or later; the rest takes hours.
+  // Stopped after the first checkpoint, in the second of four replicates or later. The rest would take hours.
   const auto render = [&](const std::string& options) {
     std::filesystem::remove(folder / "c.state");
     write_bytes(folder / "go.sh",
@@ -88,7 +88,7 @@ TEST_CASE("an interrupted image is marked in every file and reported by its read
          "-o a.exr -o a.png --stats a.json");
   const Image image = read_exr(folder / "a.exr");
   check_marked(folder, "a.exr", image, 16'000'000);
-  // Samples are independent: the noise is known, though no set of samples has ended.
+  // Independent samples: the noise is known although no replicate is complete.
   const double noise = std::stod(attribute<std::string>(folder / "a.exr", "sheaf/noise").value_or("-1"));
   CHECK(noise > 0);
   CHECK(noise < 1);
@@ -102,7 +102,7 @@ TEST_CASE("an interrupted image is marked in every file and reported by its read
   CHECK(contains(denoised.err, " of 16000000 samples per pixel, at a noise of "));
   check_marked(folder, "b.exr", image, 16'000'000);
   CHECK(contains(read_bytes(folder / "b.png"), "the render was interrupted after "));
-  // Of sets of which none has ended nothing is known of the noise; a part says what it is a part of.
+  // The noise is unknown before a replicate is complete. The header of a part names its range.
   render("-D size=64 --spp 16000000 --replicates 2 --crop 0,0,64,8 -o part.exr");
   CHECK(attribute<std::string>(folder / "part.exr", "sheaf/noise") == "unknown");
   const Image part = read_exr(folder / "part.exr");
@@ -111,7 +111,7 @@ TEST_CASE("an interrupted image is marked in every file and reported by its read
   CHECK(merged.code == 0);
   CHECK(contains(merged.err, "sheaf: warning: the render was interrupted after "));
   check_marked(folder, "whole.exr", part, 16'000'000);
-  // A render that ends says nothing of the kind.
+  // A finished render has no such attributes.
   REQUIRE(run(folder, "render scene.xml --spp 2 --quiet -o c.exr -o c.png --stats c.json").code == 0);
   CHECK_FALSE(attribute<int>(folder / "c.exr", "sheaf/interrupted").has_value());
   CHECK_FALSE(attribute<float>(folder / "c.exr", "sheaf/samplesTaken").has_value());
@@ -122,7 +122,7 @@ TEST_CASE("an interrupted image is marked in every file and reported by its read
 
 TEST_CASE("a second signal ends a render that does not stop") {
   const TemporaryFolder folder;
-  // Paths in a closed white ball, without roulette, are as long as paths can be.
+  // Paths in a closed white sphere without roulette are as long as paths can be.
   write_bytes(folder / "scene.xml", R"(<scene version="3.0.0">
     <integrator type="path"><integer name="rr_depth" value="1000000"/></integrator>
     <sensor type="perspective"><film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/>

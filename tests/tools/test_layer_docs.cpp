@@ -1,4 +1,4 @@
-// The table of layers in docs/layers.md against the list of them.
+// The table of layers in docs/layers.md against the list in the code.
 #include "kernels/film/aovs.h"
 
 #include <doctest/doctest.h>

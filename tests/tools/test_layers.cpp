@@ -1,5 +1,5 @@
-// The layering of the repository: includes point only from later layers to earlier ones, and each library from outside
-// is wrapped in one file.
+// The layering of the repository: includes point only from later to earlier layers, and each external library is
+// wrapped in one file.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 4> kLayers = {"core", "scene", "kernels", "tools"};
 
-/// A folder of scene/ and the others of them whose headers its files may include.
+/// A folder of scene/, and the other folders whose headers its files may include.
 struct Folder {
   std::string_view name;
   std::vector<std::string_view> may_include;
@@ -34,10 +34,10 @@ const std::vector<Folder> kSceneFolders = {
     {"compile", {"description", "data", "formats", "tables"}},
 };
 
-/// A library that one file alone (a header and a source of the same name count as one) may include.
+/// An external library that only one file may include; a header and a source of the same name count as one.
 struct Wrapped {
   std::string_view library;
-  std::vector<std::string_view> prefixes;  ///< how its headers begin
+  std::vector<std::string_view> prefixes;  ///< prefixes of its headers
   std::string_view wrapper;                ///< path without extension; empty: any one file
 };
 
@@ -56,7 +56,7 @@ const std::vector<Wrapped> kWrapped = {
 
 std::string without_extension(const fs::path& path) { return fs::path(path).replace_extension().generic_string(); }
 
-/// The place of a path's first folder among the layers, or -1 if it is none of them.
+/// Index of the layer of a path, or -1 if it is in none.
 int layer_of(std::string_view path) {
   const auto found = std::find(kLayers.begin(), kLayers.end(), path.substr(0, path.find('/')));
   return found == kLayers.end() ? -1 : static_cast<int>(found - kLayers.begin());
@@ -69,7 +69,7 @@ std::string_view scene_folder(std::string_view path) {
   return path.substr(0, path.find('/'));
 }
 
-/// Whether a file may include a header of scene/, as far as folders go.
+/// Whether a file may include a header of scene/, by the rules of its folders.
 bool keeps_to_folders(std::string_view file, std::string_view header) {
   const std::string_view from = scene_folder(file), to = scene_folder(header);
   if (to.empty() || from == to) return true;
@@ -79,7 +79,7 @@ bool keeps_to_folders(std::string_view file, std::string_view header) {
   return std::find(folder->may_include.begin(), folder->may_include.end(), to) != folder->may_include.end();
 }
 
-/// The header that a line includes, if it includes one.
+/// The header that a line includes, if any.
 std::optional<std::string> included_header(const std::string& line) {
   const auto hash = line.find_first_not_of(" \t");
   if (hash == std::string::npos || line[hash] != '#') return std::nullopt;
@@ -92,12 +92,12 @@ std::optional<std::string> included_header(const std::string& line) {
   return line.substr(open + 1, close - open - 1);
 }
 
-/// One include: who includes what. Paths from the root of the repository.
+/// An include, with paths from the root of the repository.
 struct Include {
   std::string file, header;
 };
 
-/// Every breach of the rules, as a sentence.
+/// Describes every include that breaks the rules.
 std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
   std::vector<std::string> breaches;
   for (const auto& [file, header] : includes) {

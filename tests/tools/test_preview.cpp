@@ -1,4 +1,4 @@
-// What can be seen of a render while it runs: --serve as browsers and others see it, --tev as the viewer does.
+// Previews of a running render: --serve as browsers and other clients use it, --tev as the viewer does.
 #include "core/exr.h"
 #include "core/progress.h"
 #include "tests/support/contains.h"
@@ -37,12 +37,12 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
   <emitter type="constant"><rgb name="radiance" value="0.2, 0.5, 1.5"/></emitter>
 </scene>)";
-/// So many that no test waits for them; other tests run beside.
+/// So many samples that no test waits for them, on one thread beside other tests.
 constexpr const char* kEndless = " --spp 16000000 --threads 1";
 
 void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-/// The program at work on kScene in a folder of its own.
+/// The program, rendering kScene in a folder of its own.
 class Render {
  public:
   explicit Render(const std::string& arguments) {
@@ -63,7 +63,7 @@ class Render {
   std::string log() const { return read_bytes(folder_ / "log.txt"); }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
-  /// The port of --serve 0; 0 if none is told within ten seconds.
+  /// The port of --serve 0; 0 if none is printed within 10 s.
   int port() const {
     for (int i = 0; i < 200; ++i, pause_for(0.05)) {
       const std::string text = log(), before = "http://127.0.0.1:";
@@ -74,7 +74,7 @@ class Render {
     return 0;
   }
 
-  /// Sends a signal, if any, and waits for the end. The exit code, or 128 and the signal that ended it.
+  /// Sends an optional signal and waits for the end. Returns the exit code, or 128 plus the signal that ended it.
   int end(int signal = 0) {
     if (signal != 0) kill(process_, signal);
     int status = 0;
@@ -88,11 +88,11 @@ class Render {
   pid_t process_ = 0;
 };
 
-/// All that a server answers to these bytes, until it ends the connection; empty if there is no server.
+/// Everything that a server replies to these bytes until it closes the connection; empty if there is no server.
 std::string ask(int port, const std::string& request) {
   const LoopbackSocket socket = LoopbackSocket::connect_to(port);
   if (!socket.is_open()) return {};
-  socket.send(request);  // it may be answered before all of it is sent
+  socket.send(request);  // the server may reply before it has received everything
   return socket.receive();
 }
 
@@ -109,7 +109,7 @@ std::string body_of(const std::string& answer) {
 
 nlohmann::json status(int port) { return nlohmann::json::parse(body_of(get(port, "/status.json")), nullptr, false); }
 
-/// Looks as a browser does until there is a picture of at least this number. Returns the status then.
+/// Polls as a browser does until an image with at least this number exists. Returns the status.
 nlohmann::json wait_for_picture(int port, int number) {
   nlohmann::json now;
   for (int i = 0; i < 600; ++i, pause_for(0.05)) {
@@ -195,7 +195,7 @@ TEST_CASE("slow and silent and malformed clients block neither the render nor ot
     }
   slow.back().send(std::string("\0\xff nonsense\r\n\r\n", 14));
   CHECK(status_of(ask(port, "GET /%00%ff%zz HTTP/1.1\r\nHost: [\r\n\r\n")) > 0);
-  // Refused: what is no request, and more than a request may have.
+  // Invalid requests and requests that are too long are rejected.
   const std::string endless(std::size_t{4} << 20, 'x');
   for (const std::string& nonsense :
        {"GET /" + endless, "GET / HTTP/1.1\r\nX: " + endless, std::string("GET / HTTP/9.9\r\n\r\n")})
@@ -240,15 +240,15 @@ TEST_CASE("viewers get the finished image and do not change its bytes") {
 
 namespace {
 
-/// What the viewer knows after some packets.
+/// State of the viewer after some packets.
 struct Viewer {
   std::string name;
   int width = 0, height = 0, updates = 0;
   std::vector<std::string> channels;
   std::vector<float> pixels;  ///< interleaved, of the whole frame
-  bool is_sound = true;       ///< all packets were what the protocol wants
+  bool is_sound = true;       ///< all packets follow the protocol
 
-  /// Takes packets, one after the other, each with its length before it.
+  /// Reads packets, each preceded by its length.
   void take(std::string_view bytes) {
     while (is_sound && !bytes.empty()) {
       const std::uint32_t size = bytes.size() >= 4 ? peek<std::uint32_t>(bytes) : 0;
@@ -360,7 +360,7 @@ TEST_CASE("a missing or late or closed or blocked tev does not stop the render")
   {
     const LoopbackSocket server = LoopbackSocket::listen();
     Render render("--tev 127.0.0.1:" + std::to_string(server.port()) + std::string(kEndless));
-    { const LoopbackSocket first = server.accept(); }  // gone at once
+    { const LoopbackSocket first = server.accept(); }  // disconnects at once
     const LoopbackSocket second = server.accept();
     REQUIRE(second.is_open());
     pause_for(2);
@@ -399,7 +399,7 @@ TEST_CASE("a browser shows the render") {
   }
   CHECK(contains(page, "data-state=\"rendering\""));
   CHECK(contains(page, "<span id=\"scene\">scene.xml</span>"));
-  CHECK(contains(page, "data-number="));  // a picture was loaded
+  CHECK(contains(page, "data-number="));  // an image has loaded
   CHECK(contains(page, "<td>camera_rays</td>"));
   CHECK(render.end(SIGINT) == 130);
 }

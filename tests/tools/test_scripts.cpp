@@ -1,4 +1,4 @@
-// The scripts of the repository can be run as their descriptions show it.
+// The scripts of the repository can be run as documented.
 #include <doctest/doctest.h>
 
 #include <filesystem>

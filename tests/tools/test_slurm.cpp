@@ -1,5 +1,5 @@
-// sheaf farm on a real Slurm cluster: this machine alone, started by tools/slurm.sh. Left out, with a message, where
-// the packages are missing or nobody may start daemons.
+// `sheaf farm` on a real Slurm cluster of this machine alone, started by tools/slurm.sh. Skipped with a message where
+// the packages are missing or daemons cannot be started.
 #include "core/exr.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
@@ -23,8 +23,8 @@ constexpr const char* kScene = R"(<scene version="3.0.0">
   <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
 </scene>)";
 
-/// Submits a farm, and stops three of its parts in the middle: one that Slurm is told to run again, one whose render is
-/// killed, and one whose time is up. Exits with 77 where there is no Slurm.
+/// Submits a farm and stops three of its parts: one is requeued by Slurm, one loses its renderer, one exceeds its time
+/// limit. Exits with 77 where there is no Slurm.
 constexpr const char* kScript = R"sh(
 set -u
 slurm=$PWD/slurm
