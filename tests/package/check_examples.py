@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Runs every command that an installed package's documentation has for its examples, as it stands there but for its
-size and number of samples: the makers of docs/gallery.md, every `sheaf` of docs/gallery.md and of README.md. Needs
-nothing but Python, and `sheaf` and `make_cloud` in PATH.
+"""Runs the commands in the documentation of an installed package, with smaller images and fewer samples: the generating
+scripts of docs/gallery.md, and every `sheaf` command of docs/gallery.md and README.md. Needs only Python, and `sheaf`
+and `make_cloud` in PATH.
 
-  tests/package/check_examples.py EXAMPLES DOCUMENTATION      such as /usr/share/sheaf /usr/share/doc/sheaf
+  tests/package/check_examples.py EXAMPLES DOCUMENTATION      e.g. /usr/share/sheaf /usr/share/doc/sheaf
 
 EXAMPLES is copied to a temporary folder. Exit status: 0 done, 1 a command failed, or an example has no command.
 """
@@ -26,7 +26,7 @@ SCENE = """<scene version="3.0.0">
 """
 MODEL = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
-# Commands of README.md that need more than a machine has, and why.
+# Commands of README.md that are skipped, and the reason.
 LEFT_OUT = {"farm": "submits jobs to a Slurm cluster", "--serve": "shows a page until the render ends",
             "--tev": "needs the viewer tev"}
 
@@ -40,7 +40,7 @@ def commands_of(text):
 
 
 def shortened(words):
-    """A render with few samples, of an example in a small size."""
+    """The command with few samples and, for examples, a small image."""
     if words[:2] != ["sheaf", "render"]:
         return words
     short = []
@@ -75,7 +75,7 @@ def main():
         shutil.copytree(examples, folder, ignore=shutil.ignore_patterns("generated", "__pycache__"))
         (folder / "scene.xml").write_text(SCENE)
         (folder / "model.obj").write_text(MODEL)
-        # What README.md denoises and compares has been rendered before.
+        # Inputs of the commands of README.md that denoise and compare.
         for name in ("noisy.exr", "a.exr", "b.exr"):
             failed += not run(["sheaf", "render", "scene.xml", "--spp", "4", "--scale", "0.05", "--replicates", "4",
                                "--quiet", "-o", name], folder)
@@ -88,7 +88,7 @@ def main():
                 if words[1] == "tools/make_instances.py":
                     words.append("500")
             elif words[0] != "sheaf":
-                print(f"examples: FAILED: no command that is known: {command}")
+                print(f"examples: FAILED: unknown command: {command}")
                 failed += 1
                 continue
             failed += not run(shortened(words), folder)

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs the package in a Debian of its own, that debootstrap makes and later runs use again, and uses it there as a
-# user does: dependencies, both builds of the program, manual pages, completion, examples.
+# Installs the package in a Debian system that debootstrap creates and later runs reuse, and tests it as a user would:
+# dependencies, both builds of the program, manual pages, completion, examples.
 #   tests/package/check_package.sh [PACKAGE [FOLDER]]     default: build/package/sheaf_*.deb, build/debian12
-# Run tools/make_package.sh first. Needs root, debootstrap and a mirror (see tools/debian_root.sh): without these it is
-# skipped, with exit status 77. SHEAF_DEBIAN_RELEASE is the release, default: bookworm.
+# Run tools/make_package.sh first. Needs root, debootstrap and a mirror (see tools/debian_root.sh), and is skipped with
+# exit status 77 without them. SHEAF_DEBIAN_RELEASE selects the release (default: bookworm).
 set -euo pipefail
 
 repository=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -30,7 +30,7 @@ open_debian_root "$root"
 as_user() { in_root setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/tmp "$@"; }  # as nobody
 
 apt() { in_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 "$@" >"$root.log" 2>&1; }
-apt purge --autoremove --yes sheaf || true  # not there in a new folder
+apt purge --autoremove --yes sheaf || true  # missing in a new folder
 cp "$package" "$root/tmp/sheaf.deb"
 apt update || fail "apt-get update: $(tail -n 5 "$root.log")"
 apt install --yes --no-install-recommends /tmp/sheaf.deb man-db python3 || fail "cannot be installed: $(tail -n 5 "$root.log")"
@@ -48,10 +48,10 @@ declare -A isa=([x86-64-v3]=avx2 [x86-64-v4]=avx512)
 best=x86-64-v3
 grep -q avx512vl /proc/cpuinfo && best=x86-64-v4
 [[ $(as_user sheaf --version) == *" ${isa[$best]}" ]] || fail "--version: $(as_user sheaf --version)"
-[[ $(as_user env SHEAF_ISA=x86-64-v3 sheaf --version) == *" avx2" ]] || fail "SHEAF_ISA does not choose"
-if message=$(as_user env SHEAF_ISA=sse sheaf --version 2>&1); then fail "SHEAF_ISA=sse is taken"; fi
+[[ $(as_user env SHEAF_ISA=x86-64-v3 sheaf --version) == *" avx2" ]] || fail "SHEAF_ISA does not select the build"
+if message=$(as_user env SHEAF_ISA=sse sheaf --version 2>&1); then fail "SHEAF_ISA=sse is accepted"; fi
 [[ $message == *"expected x86-64-v4, x86-64-v3"* ]] || fail "SHEAF_ISA=sse: $message"
-passed "$(as_user sheaf --version) is chosen here"
+passed "$(as_user sheaf --version) is selected on this machine"
 
 work=/tmp/sheaf_check
 rm -rf "${root:?}$work"
@@ -62,7 +62,7 @@ for level in x86-64-v3 "$best"; do
   as_user sheaf info "$work/$level.exr" | grep -q "sheaf/isa.*${isa[$level]}" || fail "$level: the header's isa"
 done
 limits=(--max-relmse 1e-4)
-as_user sheaf compare "$work/$best.exr" "$work/x86-64-v3.exr" "${limits[@]}" || fail "the builds' pictures differ"
+as_user sheaf compare "$work/$best.exr" "$work/x86-64-v3.exr" "${limits[@]}" || fail "the images of both builds differ"
 same=differ
 cmp -s "$root$work/x86-64-v3.png" "$root$work/$best.png" && same="are the same"
 passed "example rendered by x86-64-v3 and $best; the bytes of their PNG files $same"
@@ -74,7 +74,7 @@ if as_user sheaf render "$work/scenes/no.xml" -o "$work/no.exr" 2>/dev/null; the
 for command in "" render info compare denoise; do
   page=$(in_root env MANWIDTH=1000 man "sheaf${command:+-$command}" 2>/dev/null | tr -s '\n ' ' ')
   while read -r option; do
-    [[ $page == *"$option"* ]] || fail "the manual of sheaf $command is without $option"
+    [[ $page == *"$option"* ]] || fail "the manual of sheaf $command lacks $option"
   done < <(as_user sheaf $command --help | grep -oE -e '^ +(-[a-zA-Z],)?--[a-z-]+' | grep -oE -e '--[a-z-]+')
 done
 passed "manual pages with all options"

@@ -4,22 +4,22 @@
   pip install mitsuba
   tests/references/make_references.py [--spp N] [--variant NAME] [NAME ...]
 
-Without names, every scene of tests/references/scenes and the Cornell box are rendered, which takes some minutes. The
-variant llvm_ad_rgb needs a shared library of LLVM (16 or later); if Mitsuba does not find it, set DRJIT_LIBLLVM_PATH.
+Without names, all scenes of tests/references/scenes and the Cornell box are rendered, which takes some minutes. The
+variant llvm_ad_rgb needs a shared library of LLVM (16 or later). If Mitsuba does not find it, set DRJIT_LIBLLVM_PATH.
 
 Two files are written per scene, with the channels R, G and B:
-  NAME.exr      32-bit float: the mean of all samples. The string attribute "samples" says how many each pixel got.
-  NAME_var.exr  16-bit float: the variance of ONE sample of a pixel. Divide it by a sample count for the variance of a
-                mean over that many samples.
+  NAME.exr      32-bit float: the mean of all samples. The string attribute "samples" holds their number per pixel.
+  NAME_var.exr  16-bit float: the variance of one sample of a pixel. Divided by a sample count, it is the variance
+                of the mean of that many samples.
 
-The variant scalar_spectral makes the references of spectral mode, NAME_spectral.exr and NAME_spectral_var.exr, of the
-scenes in SPECTRAL. Their variance is that between pictures of few samples each, and so is that of sunsky and of scenes
-with media, medium_NAME, which are made with scalar_rgb.
+The variant scalar_spectral makes the references of spectral mode, NAME_spectral.exr and NAME_spectral_var.exr, for the
+scenes in SPECTRAL. Their variance is estimated between images of few samples each. The same holds for sunsky and for
+scenes with media (medium_NAME), which are made with scalar_rgb.
 
-The variance is the mean of the squares less the square of the mean, for filters w that are nowhere negative. For the
-others it is that of filter importance sampling: samples are placed with a density proportional to |w|, and each counts
-with the sign of w and the factor int |w| / int w. The mean is Mitsuba's own with every filter; scenes with a wide one
-set sample_border, so that the border pixels see the whole filter.
+For filters w without negative lobes, the variance is the mean of the squares minus the square of the mean. For the
+others, it is that of filter importance sampling: samples have a pdf proportional to |w|, and are weighted by the sign
+of w and the factor int |w| / int w. The mean is Mitsuba's for every filter. Scenes with a wide filter set
+sample_border, so that the whole filter applies to the border pixels.
 """
 
 import argparse
@@ -33,11 +33,11 @@ FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 CORNELL = FOLDER.parent.parent / "scenes" / "cornell" / "cornell.xml"
 CORNELL_BLOCK = 20  # pixels per side of one pixel of the Cornell reference
-# Without scenes of metals by name, whose data differ, and of emitters with pictures, which mean another colour in
-# Mitsuba's spectral variants than in its own RGB ones.
+# Excluded: metals by name, whose data differ, and textured emitters, whose colour differs between Mitsuba's spectral
+# and RGB variants.
 SPECTRAL = ["constant_environment", "glass_sphere", "medium_chromatic", "medium_dielectric", "medium_hg_forward",
             "plastics", "point_light", "spectra_emission", "spectra_reflectance", "textures"]
-WAVEFRONT = 1 << 21  # samples that are in flight at once
+WAVEFRONT = 1 << 21  # samples that are processed at once
 
 
 def mitsuba(variant="llvm_ad_rgb"):
@@ -62,7 +62,7 @@ def blackbody_rgb(temperature):
 
 
 def adapt(text):
-    """Black bodies as colours: Mitsuba knows them in spectral modes only."""
+    """Replaces black bodies by colours, because Mitsuba supports them in spectral variants only."""
     def colour(match):
         rgb = ", ".join(f"{max(v, 0):.7g}" for v in blackbody_rgb(float(match[2])))
         return f'<rgb name="{match[1]}" value="{rgb}"/>'
@@ -72,7 +72,7 @@ def adapt(text):
 
 
 def positive_indices(obj):
-    """An OBJ file whose faces count from the end, counting from the start as Mitsuba wants it."""
+    """Converts negative indices of an OBJ file to positive ones, which Mitsuba requires."""
     vertices = sum(line.startswith("v ") for line in obj.splitlines())
     return "\n".join(re.sub(r"-\d+", lambda m: str(vertices + 1 + int(m[0])), line) if line.startswith("f ") else line
                      for line in obj.splitlines())
@@ -129,7 +129,7 @@ def moments(scene, spp):
 
 
 def filter_weight(kind, x):
-    """The filters that have negative lobes, in one dimension; distance in pixels."""
+    """The filters with negative lobes in one dimension, with the distance in pixels."""
     x = np.abs(x)
     if kind.startswith("lanczos"):
         lobes = 2 if kind.endswith("two") else 3
@@ -141,7 +141,7 @@ def filter_weight(kind, x):
 
 
 def importance_sampling_square(kind, path, spp):
-    """The mean square of a filter importance sample: the squares at a quarter of a pixel, weighted with |w|."""
+    """The mean square of a filter importance sample: squares on a grid of quarter pixels, weighted by |w|."""
     fine = 4
     scale = [(f'name="{side}" value="(\\d+)"', lambda m, side=side: f'name="{side}" value="{int(m[1]) * fine}"')
              for side in ("width", "height")]
@@ -186,7 +186,7 @@ def make(name, spp):
 
 
 def make_by_pictures(name, output, spp):
-    """By pictures of a 32nd of the samples: colours of single samples don't reach an integrator in spectral variants."""
+    """Estimates the variance from 32 images, because spectral variants do not expose the colours of single samples."""
     pictures = 32
     scene = load(SCENES / f"{name}.xml")
     each = max(spp // pictures, 1)
@@ -196,7 +196,7 @@ def make_by_pictures(name, output, spp):
 
 
 def make_cornell(spp):
-    """Averages over square blocks; the variance is the average one of a sample within its own pixel."""
+    """Averages over square blocks. The variance is the mean variance of a sample within its pixel."""
     def blocks(a):
         n = CORNELL_BLOCK
         return a.reshape(a.shape[0] // n, n, a.shape[1] // n, n, 3).mean(axis=(1, 3))
@@ -208,10 +208,10 @@ def make_cornell(spp):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--spp", type=int, default=4096, help="samples per pixel (the Cornell box: a 32nd of it)")
+    parser.add_argument("--spp", type=int, default=4096, help="samples per pixel (1/32 of it for the Cornell box)")
     parser.add_argument("--variant", default="llvm_ad_rgb",
-                        help="scalar_rgb needs no LLVM. principled_thin was made with it: the other variant comes out up to "
-                        "4 %% darker on the cube there")
+                        help="scalar_rgb needs no LLVM. principled_thin was made with it, because the default variant is up "
+                        "to 4 %% darker on its cube")
     parser.add_argument("names", nargs="*")
     arguments = parser.parse_args()
     mitsuba(arguments.variant)

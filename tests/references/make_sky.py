@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Paints scenes/pictures/sky.exr, the environment map of the references: a sky, a sun of few pixels, ground."""
+"""Writes scenes/pictures/sky.exr, the environment map of the references: a sky, a sun of a few pixels, the ground."""
 
 from pathlib import Path
 

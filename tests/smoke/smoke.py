@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Runs every example scene, every script and program of tools/ and bench/, and every benchmark once, with the shortest
-settings, to see that they still work. Needs nothing but Python and a build.
+settings. Needs only Python and a build.
 
   tests/smoke/smoke.py scenes|scripts|benchmarks --build build/release --programs NAME...
 
-Scenes, scripts and benchmarks are found by themselves. Scripts and programs need their shortest arguments in SCRIPTS and
-PROGRAMS below, or a reason in EXEMPT. Scenes and scripts run in a copy of the tree, so that nothing is written into this
-one; benchmarks read their scenes from here, and meshes that aren't there yet are made.
-Exit status: 0 done, 1 something failed, each with its output.
+Scenes, scripts and benchmarks are found automatically. Scripts and programs need their shortest arguments in SCRIPTS
+and PROGRAMS below, or a reason in EXEMPT. Scenes and scripts run in a copy of the tree, so that nothing is written into
+the original. Benchmarks read their scenes from the original tree, where missing meshes are generated.
+Exit status: 0 all passed, 1 something failed; the output of each failure is printed.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 
-# Scripts that make what scenes need, in this order; the largest scenes are made small.
+# Scripts that generate files of scenes, in this order. The largest scenes are made small.
 MAKERS = {
     "tools/make_meshes.py": [],
     "tools/make_gallery.py": [],
@@ -63,10 +63,10 @@ SCRIPTS = {
                                   "1", "--photons", "100", "--output", "{out}/progressive.png"],
 }
 
-# Python modules outside of its own library that scripts import, and the Debian packages that hold them.
+# Python modules outside of the standard library that scripts import, and their Debian packages.
 PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib"}
 
-# The shortest arguments of programs other than those that have tests of their own; several commands in a row.
+# The shortest arguments of programs without tests of their own, as a list of commands.
 PROGRAMS = {
     "make_cloud": [[kind, "--kind", kind.split(".")[0], "--resolution", "8", "--temperature"]
                    for kind in ("cloud.nvdb", "smoke.nvdb", "ramp.nvdb", "constant.nvdb")],
@@ -78,12 +78,12 @@ PROGRAMS = {
     "vdb_to_nanovdb": [["ball.vdb", "ball.nvdb"]],
 }
 
-# What isn't run here, and why.
+# Scripts and programs that are not run here, and the reason.
 EXEMPT = {
     "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
     "tools/debian_root.sh": "functions, which other scripts use",
-    "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests what comes of it",
-    "tools/install_packages.sh": "needs root; .ci/run runs it by way of the two below",
+    "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests the package",
+    "tools/install_packages.sh": "needs root; .ci/run runs it through tools/quickstart.sh and tools/test.sh",
     "tools/quickstart.sh": "builds; .ci/run runs it",
     "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",
     "tools/check_format.sh": "a test of its own, format",
@@ -105,7 +105,7 @@ class Failures:
 
 
 def run(command, folder):
-    """Whether a command succeeds, and what it prints on either stream."""
+    """Returns whether a command succeeds, and its output on both streams."""
     environment = dict(os.environ, MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1")
     start = time.monotonic()
     done = subprocess.run([str(c) for c in command], cwd=folder, check=False, text=True, stdin=subprocess.DEVNULL,
@@ -115,7 +115,7 @@ def run(command, folder):
 
 
 def copy_tree(folder):
-    """What scripts read and write, in a folder of its own, without what they generate."""
+    """Copies the files that scripts read and write, without generated ones."""
     generated = shutil.ignore_patterns("generated", "__pycache__")
     for part in ("scenes", "tools", "bench", "core", "tests/references/scenes", "tests/smoke"):
         shutil.copytree(ROOT / part, folder / part, ignore=generated)
@@ -131,7 +131,7 @@ def make_scenes(arguments, folder, failures):
 
 
 def check_origins(arguments, folder, failures):
-    """Scenes whose files are yet to be made say which script does: those that need any, and one at the least."""
+    """Checks that scenes with missing generated files name the script that makes them, and that such scenes exist."""
     needy = [f for f in sorted((folder / "scenes").rglob("*.xml")) if "generated/" in f.read_text()]
     for scene in needy:
         good, output = run([arguments.build / "sheaf", "info", scene], folder)
@@ -143,8 +143,7 @@ def check_origins(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Every scene, a few pixels in the middle, in both colour modes, or in turns in one; those with photon maps with few
-    photons."""
+    """Renders a few pixels in the middle of every scene with few photons, in both colour modes or in alternating ones."""
     check_origins(arguments, folder, failures)
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
@@ -171,7 +170,7 @@ def check_scenes(arguments, folder, failures):
 
 
 def check_layers(sheaf, picture, folder, failures):
-    """One scene with all further layers, and what `info` says of them."""
+    """Renders one scene with all layers, and checks that `info` lists them."""
     for color in ("rgb", "spectral"):
         good, output = run([sheaf, "render", "scenes/cornell/cornell.xml", "-o", picture, "--spp", "2", "--color", color,
                             "--scale", "0.05", "--aov", "all", "--light-groups", "--quiet"], folder)
@@ -181,7 +180,7 @@ def check_layers(sheaf, picture, folder, failures):
 
 
 def missing_packages(script):
-    """Debian packages of the modules that a script imports and that aren't there."""
+    """Debian packages of the missing modules that a script imports."""
     modules = set(re.findall(r"^(?:import|from) (\w+)", script.read_text(), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
         if (script.parent / f"{module}.py").exists():
@@ -194,17 +193,17 @@ def missing_packages(script):
 
 
 def check_differences(folder, failures):
-    """Files of the repository that a script writes again are as the repository has them; pictures may be packed in
-    other ways by other versions of zlib."""
+    """Checks that scripts regenerate the files of the repository. Images are excluded, because their compression
+    depends on the version of zlib."""
     for file in sorted([*(folder / "scenes").rglob("*"), *(folder / "tests/references").rglob("*")]):
         kept = ROOT / file.relative_to(folder)
         if file.suffix in (".xml", ".obj", ".ply", ".hdr") and "generated" not in file.parts:
             if not kept.exists() or kept.read_bytes() != file.read_bytes():
-                failures.add(str(file.relative_to(folder)), "isn't what the script that writes it writes now")
+                failures.add(str(file.relative_to(folder)), "differs from the output of the script that writes it")
 
 
 def check_scripts(arguments, folder, failures):
-    """Every script of tools/ and bench/, and every program that is built from them."""
+    """Runs every script of tools/ and bench/, and every program built from them."""
     known = MAKERS.keys() | SCRIPTS.keys() | PROGRAMS.keys() | EXEMPT.keys()
     scripts = {str(f.relative_to(ROOT)) for part in ("tools", "bench") for f in (ROOT / part).glob("*")
                if f.suffix in (".py", ".sh")}
@@ -243,7 +242,7 @@ def check_scripts(arguments, folder, failures):
 
 
 def check_benchmarks(arguments, folder, failures):
-    """Every benchmark of sheaf_bench, for the shortest time. Not every stage has something to do in every scene."""
+    """Runs every benchmark of sheaf_bench for the shortest time. Not every stage has items in every scene."""
     good, output = True, ""
     if not (ROOT / "scenes/mesh_box/generated").exists():
         good, output = run([sys.executable, ROOT / "tools/make_meshes.py", "large"], folder)
@@ -257,7 +256,7 @@ def check_benchmarks(arguments, folder, failures):
     benchmarks = json.loads(report.read_text())["benchmarks"]
     nothing_to_do = ("no items reach this stage", "the scene has no use for this stage")
     idle = [b for b in benchmarks if b.get("error_message") in nothing_to_do]
-    print(f"{len(benchmarks)} benchmarks, {len(idle)} of them with nothing to do: {', '.join(b['name'] for b in idle)}")
+    print(f"{len(benchmarks)} benchmarks, {len(idle)} of them without items: {', '.join(b['name'] for b in idle)}")
     if len(benchmarks) == len(idle):
         failures.add("sheaf_bench", "there are no benchmarks")
     for benchmark in benchmarks:
@@ -271,8 +270,9 @@ def main():
     kinds = {"scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("--build", type=lambda p: Path(p).resolve(), default=ROOT / "build/release")
-    parser.add_argument("--one-color", action="store_true", help="scenes in RGB and spectral mode in turns, not in both")
-    parser.add_argument("--programs", nargs="*", default=[], help="what is built besides tests")
+    parser.add_argument("--one-color", action="store_true",
+                        help="alternate between RGB and spectral mode instead of using both")
+    parser.add_argument("--programs", nargs="*", default=[], help="programs of the build except tests")
     arguments = parser.parse_args()
     failures = Failures()
     with tempfile.TemporaryDirectory() as folder:
