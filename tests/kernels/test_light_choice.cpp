@@ -81,8 +81,8 @@ TEST_CASE("choice of lights: the MIS weights of light and BSDF sampling add up t
         ++pairs;
       }
     }
-    MESSAGE(count << " lights: the weights miss one by " << worst << " at worst, " << sum / pairs
-                  << " on average, more than 1e-4 in " << 100.0 * above / pairs << " % of the cases");
+    MESSAGE(count << " lights: the MIS weights differ from one by at most " << worst << ", " << sum / pairs
+                  << " on average, and by more than 1e-4 in " << 100.0 * above / pairs << " % of the cases");
     // The rest are points that almost touch a light, where the offset of the ray's origin matters.
     CHECK(sum / pairs < 5e-6);
     CHECK(above < pairs / 1000);

@@ -210,8 +210,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--spp", type=int, default=4096, help="samples per pixel (1/32 of it for the Cornell box)")
     parser.add_argument("--variant", default="llvm_ad_rgb",
-                        help="scalar_rgb needs no LLVM. principled_thin was made with it, because the default variant is up "
-                        "to 4 %% darker on its cube")
+                        help="scalar_rgb needs no LLVM. principled_thin was made with it, because the default "
+                        "variant is up to 4 %% darker on its cube")
     parser.add_argument("names", nargs="*")
     arguments = parser.parse_args()
     mitsuba(arguments.variant)

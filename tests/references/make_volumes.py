@@ -9,7 +9,7 @@ FOLDER = Path(__file__).resolve().parent / "scenes" / "volumes"
 
 
 def write_vol(name, size, channels, value):
-    """Writes version 3, 32-bit floats, x fastest, from value(x, y, z, channel). The box in the file is the unit cube."""
+    """Writes version 3, 32-bit floats, x fastest, from value(x, y, z, channel). The box is the unit cube."""
     x, y, z = size
     header = b"VOL\x03" + struct.pack("<5i6f", 1, x, y, z, channels, 0, 0, 0, 1, 1, 1)
     values = [value(i, j, k, c) for k in range(z) for j in range(y) for i in range(x) for c in range(channels)]

@@ -143,7 +143,7 @@ def check_origins(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Renders a few pixels in the middle of every scene with few photons, in both colour modes or in alternating ones."""
+    """Renders a few pixels in the middle of every scene with few photons, in both or alternating colour modes."""
     check_origins(arguments, folder, failures)
     make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
