@@ -173,7 +173,7 @@ def compare(arguments, scene):
     print(f"{scene.file.stem}, {scene.size[0]} x {scene.size[1]} pixels", flush=True)
     references = {kind: [scene.render(kind, {}, arguments.reference_spp, seed)[1] for seed in (1001, 1002)]
                   for kind in {"path", settings["part_reference"]}}
-    print(f"{'way':16} {'spp':>7} {'cpu s':>7} {'MB':>5} {'MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7} |"
+    print(f"{'method':16} {'spp':>7} {'cpu s':>7} {'MB':>5} {'MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7} |"
           f"{'part: MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7}")
     paths_cost = None
     for name, kind, properties, spp in METHODS:
