@@ -42,12 +42,6 @@ std::string range_text(NumberRange range) {
          (range.open ? " and " : " to ") + shown(range.high);
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 void ReadContext::note(const SourceLocation& where, const std::string& message) {
@@ -413,7 +407,7 @@ void Properties::reject_unused() {
       if (const auto known = asked_objects_.find(entry.target->name); known != asked_objects_.end()) {
         message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
         message += did_you_mean(spelling_key(entry.name), known->second);
-        throw ElementError(place, message + " (known: " + joined(known->second) + ")");
+        throw ElementError(place, message + known_names(known->second));
       }
       if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
       throw ElementError(place, message);
@@ -437,9 +431,14 @@ void Properties::fail_at(const char* name, const std::string& message) {
   throw ElementError(*entry->written, "property " + in_quotes(entry->name) + " of " + title() + " " + message);
 }
 
-void Properties::fail_plugin(const std::vector<std::string>& known) const {
-  std::string message = "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known);
-  throw ElementError(object_, message + " (known: " + (known.empty() ? "none" : joined(known)) + ")");
+void Properties::fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known) {
+  fail_at(name, "is " + in_quotes(text) + ", expected " + one_of(known) + did_you_mean(text, known));
+}
+
+void Properties::fail_plugin(std::vector<std::string> known) const {
+  std::sort(known.begin(), known.end());
+  throw ElementError(object_, "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) +
+                                  known_names(known));
 }
 
 void Properties::fail_type(const Entry& entry, const char* expected) const {

@@ -2,6 +2,7 @@
 // itself is the list of known names, and unused properties can be reported.
 #pragma once
 
+#include "core/name_table.h"
 #include "scene/xml/spectrum_text.h"
 #include "scene/xml/xml_expand.h"
 
@@ -138,6 +139,15 @@ class Properties {
   int integer(const char* name, int default_value, int low, int high);
   bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
+  /// The value that a string names in a table. Throws SceneError for a name that is not in the table.
+  template <class Value> Value choice(const char* name, const NameTable<Value>& table, Value default_value) {
+    const std::optional<std::string> text = find_string(name);
+    if (!text) return default_value;
+    if (const Value* found = table.find(*text)) return *found;
+    fail_choice(name, *text, table.names());
+  }
+  /// Throws SceneError: the text of the property is not one of `known`.
+  [[noreturn]] void fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known);
   /// Whether the property exists and is a string.
   bool is_string(const char* name);
   /// Whether the property exists and is a texture.
@@ -185,8 +195,24 @@ class Properties {
   [[noreturn]] void fail(const std::string& message) const;
   /// Throws SceneError at the property, or at the object if it is absent.
   [[noreturn]] void fail_at(const char* name, const std::string& message);
+  /// Returns the value of the object's plugin in `table`, such as the function that reads it. Throws SceneError for a
+  /// plugin that is not in the table; the message lists the names of all tables.
+  template <class Value, class... More>
+  const Value& plugin(const NameTable<Value>& table, const NameTable<More>&... others) const {
+    if (const Value* found = table.find(type_)) return *found;
+    fail_plugin(table, others...);
+  }
+  /// Throws SceneError: the object's plugin is in none of the tables, whose names the message lists.
+  template <class... Values> [[noreturn]] void fail_plugin(const NameTable<Values>&... tables) const {
+    std::vector<std::string> known;
+    const auto add = [&](const std::vector<std::string>& names) {
+      known.insert(known.end(), names.begin(), names.end());
+    };
+    (add(tables.names()), ...);
+    fail_plugin(std::move(known));
+  }
   /// Throws SceneError: the object's plugin is not one of `known`.
-  [[noreturn]] void fail_plugin(const std::vector<std::string>& known) const;
+  [[noreturn]] void fail_plugin(std::vector<std::string> known) const;
 
  private:
   /// A child element: a property with a name, or a nested object.
