@@ -23,7 +23,7 @@ void read_shutter(Properties& p) {
 
 CameraDescription::FovAxis read_fov_axis(Properties& p) {
   using Axis = CameraDescription::FovAxis;
-  const std::string axis = p.find_string("fov_axis").value_or("x");
+  const std::string axis = p.string("fov_axis", "x");
   if (axis == "x") return Axis::kX;
   if (axis == "y") return Axis::kY;
   if (axis == "diagonal") return Axis::kDiagonal;
