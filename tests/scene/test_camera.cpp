@@ -1,5 +1,5 @@
 // Cameras: fields of view, orientation, lenses, orthographic rays, clip planes, meters.
-#include "scene/tables/camera.h"
+#include "scene/compile/compile_camera.h"
 
 #include "tests/support/records_testing.h"
 

@@ -102,7 +102,7 @@ TEST_CASE("model: in lenient mode faces with missing vertices are dropped and ot
   // No face remains.
   write_below(folder, "none.obj", "v 0 0 0\nf 1 2 3\n");
   CHECK_THROWS_WITH_AS(read_scene(folder.path() / "none.obj", leniently),
-                       doctest::Contains("no face is whole: line 2: a face refers to vertex 3, but there are 1"),
+                       doctest::Contains("no face is complete: line 2: a face refers to vertex 3, but there are 1"),
                        SceneError);
 }
 

@@ -198,9 +198,9 @@ TEST_CASE("texture: compiled rows match their descriptions") {
   write_pnm(folder / "a.ppm", 9, 5, 3, 255, ramp(135));
   TextureDescription texture = bitmap(folder / "a.ppm");
   auto& model = std::get<BitmapDescription>(texture.model);
-  model.filter = BitmapDescription::Filter::kNearest;
-  model.wrap_u = BitmapDescription::Wrap::kMirror;
-  model.wrap_v = BitmapDescription::Wrap::kClamp;
+  model.filter = TextureFilter::kNearest;
+  model.wrap_u = TextureWrap::kMirror;
+  model.wrap_v = TextureWrap::kClamp;
   texture.to_uv = {2, 0, 0.5f, 0, -1, 1};
   const CompiledTextures compiled = compile_textures(
       {texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
@@ -210,9 +210,9 @@ TEST_CASE("texture: compiled rows match their descriptions") {
   CHECK(row.bitmap.width == 9);
   CHECK(row.bitmap.height == 5);
   CHECK(row.bitmap.tiles_per_row == 3);
-  CHECK(row.bitmap.filter == BitmapDescription::Filter::kNearest);
-  CHECK(row.bitmap.wrap_u == BitmapDescription::Wrap::kMirror);
-  CHECK(row.bitmap.wrap_v == BitmapDescription::Wrap::kClamp);
+  CHECK(row.bitmap.filter == TextureFilter::kNearest);
+  CHECK(row.bitmap.wrap_u == TextureWrap::kMirror);
+  CHECK(row.bitmap.wrap_v == TextureWrap::kClamp);
   CHECK(row.bitmap.format == TexelFormat::kSrgbByte4);
   CHECK(row.to_uv[0] == 2.0f);
   CHECK(row.to_uv[5] == 1.0f);
@@ -251,8 +251,8 @@ TEST_CASE("texture: unreadable files are errors with the line of the scene") {
   const std::string missing = compile_error({bitmap(folder / "none.png")});
   CHECK(contains(missing, "scene.xml:12: "));
   CHECK(contains(missing, "texture 'wood'"));
-  CHECK(contains(missing, "none.png: there is no such image file"));
-  CHECK(contains(compile_error({bitmap(folder.path())}), "no such image file"));
+  CHECK(contains(missing, "none.png: image file not found"));
+  CHECK(contains(compile_error({bitmap(folder.path())}), "image file not found"));
   write_bytes(folder / "text.png", "not a picture");
   CHECK(contains(compile_error({bitmap(folder / "text.png")}), "scene.xml:12: "));
   write_bytes(folder / "empty.png", "");
@@ -360,8 +360,9 @@ TEST_CASE("texture: invalid attributes are errors with the line of the shape") {
   const auto error = [&](const Mesh::Attribute& attribute) {
     return message_of([&] { table.add(0, 0, 2, 4, attribute, where); });
   };
-  CHECK(contains(error({"vertex_a", 1, {1, 2, 3}}), "scene.xml:33: mesh attribute 'vertex_a' has 3 values, where 4"));
-  CHECK(contains(error({"face_a", 3, {1, 2, 3}}), "has 3 values, where 6"));
+  CHECK(
+      contains(error({"vertex_a", 1, {1, 2, 3}}), "scene.xml:33: mesh attribute 'vertex_a' has 3 values (expected 4)"));
+  CHECK(contains(error({"face_a", 3, {1, 2, 3}}), "has 3 values (expected 6)"));
   CHECK(contains(error({"vertex_a", 2, {1, 2, 3, 4, 5, 6, 7, 8}}), "2 channels"));
   CHECK(contains(error({"color", 1, {1, 2, 3, 4}}), "begins neither"));
   CHECK(contains(error({"vertex_a", 1, {1, 2, std::numeric_limits<float>::quiet_NaN(), 4}}), "not finite"));
@@ -369,7 +370,7 @@ TEST_CASE("texture: invalid attributes are errors with the line of the shape") {
   CHECK(contains(error({"vertex_a", 1, {1, 2, 3, 4}}), "twice"));
   TextureDescription texture;
   texture.model = MeshAttributeDescription{"color", 1};
-  CHECK(contains(compile_error({texture}), "'color' is no mesh attribute"));
+  CHECK(contains(compile_error({texture}), "'color' is not a mesh attribute"));
 }
 
 }  // namespace sheaf::test_texture

@@ -25,8 +25,8 @@ namespace sheaf::test_texture_lookup {
 
 namespace {
 
-using Wrap = BitmapDescription::Wrap;
-using Filter = BitmapDescription::Filter;
+using Wrap = TextureWrap;
+using Filter = TextureFilter;
 constexpr Wrap kWraps[] = {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp};
 
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
@@ -445,7 +445,7 @@ TEST_CASE("texture lookup: volumes are evaluated at the position in world space"
   rgb.model = VolumeTextureDescription{vol(colors, place), 0.5f};
   grey.model = VolumeTextureDescription{vol(numbers, place), 1};
   VolumeTextureDescription blocks{vol(colors, place), 1};
-  blocks.grid.filter = GridVolumeDescription::Filter::kNearest;
+  blocks.grid.filter = GridFilter::kNearest;
   blocks.grid.wrap = GridVolumeDescription::Wrap::kRepeat;
   nearest.model = blocks;
   const CompiledTextures compiled = compile_textures({rgb, grey, nearest});
@@ -486,7 +486,7 @@ TEST_CASE("texture lookup: volumes as light or bump textures are rejected") {
   d.shapes[0].radiance.reset();
   CHECK_NOTHROW(compile_scene(d));
   d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
-  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a picture"), SceneError);
+  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a texture over uv"), SceneError);
 }
 
 TEST_CASE("texture lookup: wireframes follow the edges of triangles") {

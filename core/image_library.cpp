@@ -1,5 +1,5 @@
-// Loading of sheaf_pictures.so, detection of image formats, and checks of headers that OpenImageIO trusts.
-#include "core/picture_library.h"
+// Loading of sheaf_image_io.so, detection of image formats, and checks of headers that OpenImageIO trusts.
+#include "core/image_library.h"
 
 #include "core/error.h"
 #include "core/image.h"
@@ -21,24 +21,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const PictureLibrary* load() {
+const ImageLibrary* load() {
   std::error_code error;
   const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const fs::path beside = folder / "sheaf_pictures.so";
-  const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_pictures.so";
+  const fs::path beside = folder / "sheaf_image_io.so";
+  const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
   const fs::path& file = fs::exists(beside, error) ? beside : installed;
   const auto fail = [&](const std::string& why) {
-    return Error(ExitCode::kRuntime, "pictures other than OpenEXR can be neither read nor written: " + why +
-                                         ". The file sheaf_pictures.so "
-                                         "belongs beside the program, or into ../lib/sheaf");
+    return Error(ExitCode::kRuntime, "cannot read or write image formats other than OpenEXR: " + why +
+                                         " (expected sheaf_image_io.so next to the program or in ../lib/sheaf)");
   };
-  if (!fs::exists(file, error))
-    throw fail("there is neither '" + beside.string() + "' nor '" + installed.string() + "'");
+  if (!fs::exists(file, error)) throw fail("neither '" + beside.string() + "' nor '" + installed.string() + "' exists");
   void* const handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (handle == nullptr) throw fail(dlerror());
-  void* const function = dlsym(handle, kPictureLibraryFunction);
-  if (function == nullptr) throw fail("'" + file.string() + "' is another library");
-  return reinterpret_cast<PictureLibraryFunction*>(function)();
+  void* const function = dlsym(handle, kImageLibraryFunction);
+  if (function == nullptr) throw fail("'" + file.string() + "' is not Sheaf's image library");
+  return reinterpret_cast<ImageLibraryFunction*>(function)();
 }
 
 [[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
@@ -90,7 +88,7 @@ void check_bmp(const fs::path& path) {
 void check_pnm(const fs::path& path) {
   constexpr double kCopies = 3;
   const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
-                         "Files of other formats take less"};
+                         "use another format"};
   check_memory("reading the image '" + path.string() + "'", {&copies, 1});
 }
 
@@ -114,12 +112,12 @@ void check_png(const fs::path& path) {
 
 }  // namespace
 
-const PictureLibrary& picture_library() {
-  static const PictureLibrary* const library = load();
+const ImageLibrary& image_library() {
+  static const ImageLibrary* const library = load();
   return *library;
 }
 
-std::string checked_picture_format(const fs::path& path) {
+std::string checked_image_format(const fs::path& path) {
   std::string format = format_of(path);
   if (format == "bmp") check_bmp(path);
   if (format == "pnm") check_pnm(path);

@@ -1,6 +1,7 @@
-#include "scene/tables/camera.h"
+#include "scene/compile/compile_camera.h"
 
 #include "core/frame.h"
+#include "scene/description/field_of_view.h"
 #include "scene/tables/shape.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ void set_axes(Camera& camera, const CameraDescription& d) {
   const float mixed =
       std::max({std::fabs(dot(camera.lens_x, camera.lens_y)), std::fabs(dot(camera.lens_y, camera.forward)),
                 std::fabs(dot(camera.forward, camera.lens_x))});
-  if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform, expected a rotation");
+  if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform (expected a rotation)");
 }
 
 /// Throws SceneError if the distortion is not monotonic on the film. `radius` is the largest tangent shown.
@@ -48,8 +49,7 @@ void check_distortion(const CameraDescription& d, double radius) {
   for (double r = 0; r * (1 + r * r * (k1 + r * r * k2)) < radius; r += radius / kSteps) {
     const double slope = 1 + r * r * (3 * k1 + r * r * 5 * k2);
     if (!(slope > 1e-3))
-      throw SceneError(d.where, "the distortion 'kc' folds the picture at the tangent " + std::to_string(r) +
-                                    ", which lies on the film");
+      throw SceneError(d.where, "the distortion 'kc' folds the image on the film, at the tangent " + std::to_string(r));
   }
 }
 
@@ -96,27 +96,6 @@ Vec3f z_axis_of(const Camera& camera) {
 }
 
 }  // namespace
-
-double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
-                     const SourceLocation& where) {
-  if (!(fov > 0.0f && fov < 180.0f))
-    throw SceneError(where, "field of view must lie between 0 and 180 degrees, found " + std::to_string(fov));
-  const double t = std::tan(0.5 * fov * (3.14159265358979323846 / 180.0));
-  using Axis = CameraDescription::FovAxis;
-  switch (axis) {
-    case Axis::kX:
-      return t;
-    case Axis::kY:
-      return t * width / height;
-    case Axis::kDiagonal:
-      return t * width / std::hypot(width, height);
-    case Axis::kSmaller:
-      return width <= height ? t : t * width / height;
-    case Axis::kLarger:
-      return width >= height ? t : t * width / height;
-  }
-  return t;
-}
 
 Camera make_camera(const CameraDescription& description, int width, int height) {
   check(description);
