@@ -25,13 +25,14 @@ struct Folder {
 };
 
 const std::vector<Folder> kSceneFolders = {
+    {"tables", {}},
     {"description", {"tables"}},
     {"data", {"description"}},
     {"xml", {"description"}},
     {"formats", {"description"}},
-    {"tables", {}},
-    {"dialects", {"description", "xml", "formats", "data", "tables"}},
-    {"compile", {"description", "data", "formats", "tables"}},
+    {"lights", {"tables", "description", "data", "formats", "xml"}},
+    {"dialects", {"tables", "description", "data", "xml", "formats", "lights"}},
+    {"compile", {"tables", "description", "data", "formats", "lights"}},
 };
 
 /// Every folder comes after those that it may include: there are no cycles.
