@@ -3,7 +3,7 @@
 #include "core/error.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
-#include "kernels/film/light_task.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/compile/compile.h"

@@ -58,8 +58,8 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   }
   Description description = read_scene(arguments.scene, options);
   if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
-  description.sampler.kind =
-      arguments.sampler.empty() ? rendered_sampler(description.sampler.kind) : sampler_from_name(arguments.sampler);
+  description.sampler.kind = arguments.sampler.empty() ? rendered_sampler(description.sampler.kind)
+                                                       : kSamplers.option("sampler", arguments.sampler);
   if (arguments.rr_depth) description.integrator.rr_depth = *arguments.rr_depth;
   if (arguments.filter_mode == "importance") description.film.filter_mode = FilterMode::kImportance;
   std::unique_ptr<Scene> scene = compile_scene(description);
@@ -173,7 +173,7 @@ void add_options(Command& program, Arguments& arguments) {
                   "Measure instead how photons are stored: so many in a photon map, and a picture of one pixel")
       .in_range(0, 1'000'000'000);
   program.add_option("--filter-mode", arguments.filter_mode, "As in sheaf render").one_of({"weighted", "importance"});
-  program.add_option("--sampler", arguments.sampler, "As in sheaf render").one_of(sampler_names());
+  program.add_option("--sampler", arguments.sampler, "As in sheaf render").one_of(kSamplers.names());
   program.add_option("--rr-depth", arguments.rr_depth, "As in sheaf render").in_range(1, 1 << 20);
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
   program.add_flag("--null", arguments.null_hypothesis,

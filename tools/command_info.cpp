@@ -116,8 +116,8 @@ std::string describe(const Description& description, const Scene& scene, const C
   }
   const SamplerSettings& sampler = description.sampler;
   const SamplerKind rendered = rendered_sampler(sampler.kind);
-  fmt::format_to(out, "\nsampler     {}{}, {} samples per pixel, seed {}\n", sampler_name(rendered),
-                 rendered == sampler.kind ? "" : fmt::format(" for {}", sampler_name(sampler.kind)),
+  fmt::format_to(out, "\nsampler     {}{}, {} samples per pixel, seed {}\n", kSamplers.name_of(rendered),
+                 rendered == sampler.kind ? "" : fmt::format(" for {}", kSamplers.name_of(sampler.kind)),
                  sampler.sample_count, sampler.seed);
   fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,

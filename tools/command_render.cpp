@@ -79,9 +79,10 @@ void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
   if (arguments.candidates) integrator.candidates = *arguments.candidates;
-  if (!arguments.light_sampler.empty()) integrator.light_selector = light_selector_from_name(arguments.light_sampler);
+  if (!arguments.light_sampler.empty())
+    integrator.light_selector = kLightSelectors.option("light sampler", arguments.light_sampler);
   if (!arguments.medium_estimator.empty())
-    integrator.medium_estimator = medium_estimator_from_name(arguments.medium_estimator);
+    integrator.medium_estimator = kMediumEstimators.option("medium estimator", arguments.medium_estimator);
   if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
@@ -100,7 +101,7 @@ void apply_sampler(const RenderArguments& arguments, Description& scene) {
     note(rendered_sampler_note(sampler.kind));
     sampler.kind = rendered_sampler(sampler.kind);
   } else {
-    sampler.kind = sampler_from_name(arguments.sampler);
+    sampler.kind = kSamplers.option("sampler", arguments.sampler);
     note(stand_in_sampler_note(arguments.sampler));
   }
   const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
@@ -201,7 +202,7 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
                          {"sheaf/isa", report.isa},
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},
-                         {"sheaf/sampler", std::string(sampler_name(scene.sampler.kind))},
+                         {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
                          {"sheaf/seed", std::to_string(report.seed)},
                          {"sheaf/samplesPerPixel", taken_samples(report)},
                          {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},

@@ -28,7 +28,7 @@
 #include "kernels/phase/rayleigh.h"
 #include "kernels/phase/sggx.h"
 #include "kernels/phase/tabulated_phase.h"
-#include "kernels/wave/wave.h"
+#include "scene/tables/scene.h"
 
 namespace sheaf {
 
@@ -79,14 +79,6 @@ static_assert(AllBsdfs::is_complete(), "a closure has no BSDF, or they are not i
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.
 template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) { AllBsdfs::for_each(f); }
-
-/// Loads the BSDFs of the items [column, column + L::width) of the wave's closure queue.
-template <class L, template <class> class Bsdf>
-SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int column) {
-  float* const* words = wave.closures.columns().words;
-  return bsdf_of_words<Bsdf<L>>(scene.closure_tables, [words, column](int k, Float<L>& word)
-                                                          SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
-}
 
 /// Spectral mode: evaluates spectrum `k` of each lane's material at the path's wavelengths.
 template <class L>

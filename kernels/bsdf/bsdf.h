@@ -1,4 +1,4 @@
-// The interface that every BSDF and phase function implements.
+// The interface that every BSDF implements; kernels/phase/phase_function.h states that of phase functions.
 //
 // A BSDF is a template over the lane policy that stores its parameters (scene/tables/material.h). It has
 //   kKind              its ClosureKind
@@ -17,21 +17,14 @@
 // in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
 // BSDFs would contain a copy.
 //
-// scene/tables/material.h also lists which BSDFs are thin dielectrics and which are phase functions. A thin dielectric
-// also has
+// scene/tables/material.h also lists which BSDFs are thin dielectrics. A thin dielectric also has
 //   passage(cos)       transmittance straight through, for light at this cosine to the normal
-//
-// A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the z axis of the frame is wo,
-// so wo is (0, 0, 1), and forward scattering has wi near -wo. f_cos is the phase function without a cosine. It is the
-// same in all four lanes and equals the pdf with which sample() returns wi, so the sample weight is 1. The albedo
-// belongs to the medium. If a phase function depends on world-space directions (microflakes), the stage surface_inputs
-// writes its parameters for each vertex, relative to the vertex frame.
 //
 // CONTRIBUTING.md explains how to add a BSDF.
 #pragma once
 
 #include "core/sampler.h"
-#include "core/spectrum.h"
+#include "core/scattering.h"
 #include "scene/tables/material.h"
 
 namespace sheaf {
@@ -61,9 +54,6 @@ template <class Bsdf> constexpr unsigned numbers_of() {
   return kNumberX | kNumberY | kNumberZ;
 }
 
-/// Whether a BSDF is a phase function.
-template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;
-
 /// Whether a BSDF reads tables.
 template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };
 
@@ -81,26 +71,10 @@ template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* t
   return bsdf;
 }
 
-/// Value of a BSDF for a pair of directions.
-template <class L> struct BsdfValue {
-  Spectrum<L> f_cos;                  ///< f |cos(wi)|; 0 if nothing is scattered
-  typename L::Float pdf_solid_angle;  ///< pdf of sample()
-};
-
 /// Transmission of a thin dielectric straight through.
 template <class L> struct PanePassage {
   Spectrum<L> share;              ///< transmittance
   typename L::Float probability;  ///< probability that sample() transmits
-};
-
-/// A direction sampled from a BSDF.
-template <class L> struct BsdfSample {
-  Vec3<L> wi;
-  /// f |cos(wi)| / pdf; delta lobes: scattered fraction over the lobe's probability
-  Spectrum<L> weight;
-  typename L::Float pdf_solid_angle;  ///< 0 for delta lobes
-  typename L::Float eta_scale;        ///< 1, or the squared relative index of the medium entered
-  typename L::Mask valid;             ///< false: absorbed
 };
 
 }  // namespace sheaf

@@ -1,6 +1,6 @@
 // Runs a pass by the schedule of kernels/stages/stage_list.h.
-#include "kernels/film/light_task.h"
 #include "kernels/passes/passes.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"
 
 #include <cassert>

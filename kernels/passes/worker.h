@@ -3,8 +3,8 @@
 
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_tile.h"
-#include "kernels/film/light_task.h"
 #include "kernels/guiding/guide_record.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/wave/wave.h"
 
 #include <tbb/enumerable_thread_specific.h>

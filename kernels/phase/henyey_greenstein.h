@@ -9,8 +9,7 @@
 #pragma once
 
 #include "core/warp.h"
-#include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "kernels/phase/phase_function.h"
 
 namespace sheaf {
 

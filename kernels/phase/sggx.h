@@ -11,8 +11,7 @@
 
 #include "core/frame.h"
 #include "core/warp.h"
-#include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "kernels/phase/phase_function.h"
 
 namespace sheaf {
 

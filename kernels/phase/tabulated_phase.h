@@ -2,11 +2,10 @@
 // integral is quadratic between two values and is inverted exactly.
 #pragma once
 
+#include "core/find_interval.h"
 #include "core/warp.h"
-#include "kernels/bsdf/bsdf.h"
-#include "kernels/bsdf/table_warp.h"
+#include "kernels/phase/phase_function.h"
 #include "scene/tables/closure_tables.h"
-#include "scene/tables/material.h"
 
 namespace sheaf {
 

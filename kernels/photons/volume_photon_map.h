@@ -10,19 +10,6 @@
 
 namespace sheaf {
 
-/// A photon near a ray, with the transmittance from the origin of the ray.
-struct NearPhoton {
-  NearPoint point;
-  Spectrum4 transmittance;
-};
-
-/// Scratch memory for lookups along rays.
-struct BeamScratch {
-  std::vector<NearPoint> found;
-  std::vector<NearPhoton> photons;
-  std::vector<NearLine> lines;
-};
-
 /// Owns the photons. Immutable.
 class VolumePhotonMap {
  public:

@@ -4,6 +4,7 @@
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/surface_albedo.h"
+#include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"

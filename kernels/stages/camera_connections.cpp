@@ -6,11 +6,12 @@
 #include "core/sampler.h"
 #include "core/warp.h"
 #include "kernels/bsdf/all.h"
-#include "kernels/film/light_task.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
+#include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {

@@ -2,7 +2,7 @@
 // and shadow rays share parts of this code.
 #pragma once
 
-#include "kernels/media/medium_boundary.h"
+#include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
 

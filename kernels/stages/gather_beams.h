@@ -13,10 +13,10 @@
 #pragma once
 
 #include "core/wavelengths.h"
-#include "kernels/media/medium_ray.h"
-#include "kernels/phase/phase_value.h"
+#include "kernels/media/phase_value.h"
 #include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/stages/medium_ray.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,14 +4,14 @@
 //
 // Paths diverge here, so each is processed alone, with its four spectral lanes in one register
 // (kernels/media/medium_tracking.h).
-#include "kernels/film/light_task.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
-#include "kernels/media/medium_ray.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/light_sample_context.h"
+#include "kernels/stages/medium_ray.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/add_radiance.h"

@@ -4,8 +4,8 @@
 // that Russian roulette treats both alike. RadianceState::weight holds the flux of that lane, W. The random numbers are
 // those of one long sequence of samples (kPhotonPixel).
 #include "core/sampler.h"
-#include "kernels/film/light_task.h"
 #include "kernels/lights/light_emit.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/start_medium.h"

@@ -21,6 +21,7 @@
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
+#include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {

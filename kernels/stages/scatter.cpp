@@ -1,7 +1,7 @@
 // Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
-#include "kernels/film/light_task.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/continue_ray.h"
@@ -9,6 +9,7 @@
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/roulette.h"
 #include "kernels/stages/stages.h"
+#include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"

@@ -1,7 +1,7 @@
 // Stage: splat. Turns the visible camera connections of photons' vertices into splats of the task.
 #include "core/color.h"
 #include "kernels/bsdf/all.h"
-#include "kernels/film/light_task.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"

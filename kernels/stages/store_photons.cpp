@@ -3,8 +3,8 @@
 // mapped normals and weights photons for it.
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
-#include "kernels/film/light_task.h"
 #include "kernels/media/pass_through_probability.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"

@@ -3,7 +3,7 @@
 
 #include "core/float4.h"
 #include "core/stats.h"
-#include "kernels/photons/volume_photon_map.h"
+#include "kernels/wave/beam_scratch.h"
 #include "kernels/wave/light_groups.h"
 #include "kernels/wave/path_pool.h"
 #include "kernels/wave/shading_columns.h"

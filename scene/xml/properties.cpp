@@ -24,30 +24,6 @@ bool contains(const std::vector<std::string>& list, const std::string& name) {
 
 bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 
-bool is_inside(double number, NumberRange range) {
-  return range.open ? number > range.low && number < range.high : number >= range.low && number <= range.high;
-}
-
-std::string range_text(NumberRange range) {
-  auto shown = [](double v) {
-    std::string text = std::to_string(v);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return text;
-  };
-  const bool bounded = range.high < std::numeric_limits<double>::infinity();
-  if (!bounded && range.low == 0) return range.open ? "a positive number" : "no negative number";
-  if (!bounded) return "a number of at least " + shown(range.low);
-  return "a number " + std::string(range.open ? "between " : "from ") + shown(range.low) +
-         (range.open ? " and " : " to ") + shown(range.high);
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
 
 void ReadContext::note(const SourceLocation& where, const std::string& message) {
@@ -113,7 +89,7 @@ void Properties::add(const XmlElement& child) {
   const std::string* name = child.find_attribute("name");
   const bool nameless = name == nullptr || name->empty();
   if (contains(kObjectTags, target->name) || (target->name == "texture" && nameless)) {
-    entries_.push_back({"", name != nullptr ? *name : "", &child, target});
+    entries_.emplace_back("", name != nullptr ? *name : "", child, *target);
     return;
   }
   if (!contains(kPropertyTags, target->name)) {
@@ -132,92 +108,63 @@ void Properties::add(const XmlElement& child) {
     context_.stand_in(child.where, message + " (the last counts)");
     entries_.erase(same);
   }
-  entries_.push_back({key, *name, &child, target});
+  entries_.emplace_back(key, *name, child, *target);
 }
 
-Properties::Entry* Properties::find(const char* name) {
+Properties::Entry* Properties::look(const char* name) {
   const std::string key = spelling_key(name);
   for (Entry& entry : entries_)
     if (!entry.key.empty() && entry.key == key) return &entry;
   return nullptr;
 }
 
-Properties::Entry* Properties::use(const char* name) {
-  asked_.emplace_back(name);
-  Entry* entry = find(name);
-  if (entry != nullptr) entry->used = true;
-  return entry;
-}
-
-const std::string* Properties::value(const char* name, std::initializer_list<const char*> types) {
-  const Entry* entry = use(name);
-  if (entry == nullptr) return nullptr;
-  const bool fits = std::any_of(types.begin(), types.end(), [&](const char* t) { return entry->target->name == t; });
-  if (!fits) fail_type(*entry, *types.begin());
-  expect_attributes(*entry->target, {"name", "id", "value"});
-  if (!entry->target->children.empty())
-    throw ElementError(*entry->written, "<" + entry->target->name + "> holds no elements");
-  return parsed(*entry, [&] { return &entry->target->attribute("value"); });
-}
-
-bool Properties::has(const char* name) {
-  asked_.emplace_back(name);
-  return find(name) != nullptr;
+const std::string& Properties::text_of(const Entry& entry, std::initializer_list<const char*> types) const {
+  const bool fits = std::any_of(types.begin(), types.end(), [&](const char* t) { return entry.target->name == t; });
+  if (!fits) fail_type(entry, *types.begin());
+  expect_attributes(*entry.target, {"name", "id", "value"});
+  if (!entry.target->children.empty())
+    throw ElementError(*entry.written, "<" + entry.target->name + "> holds no elements");
+  return *parsed(entry, [&] { return &entry.target->attribute("value"); });
 }
 
 bool Properties::is_texture(const char* name) {
-  const Entry* entry = find(name);
+  const Entry* entry = look(name);
   return entry != nullptr && entry->target->name == "texture";
 }
 
 bool Properties::is_string(const char* name) {
-  const Entry* entry = find(name);
+  const Entry* entry = look(name);
   return entry != nullptr && entry->target->name == "string";
 }
 
-std::optional<float> Properties::find_number(const char* name, NumberRange range) {
-  const std::string* text = value(name, {"float", "integer"});
-  if (text == nullptr) return std::nullopt;
-  const Entry& entry = *find(name);
+NamedValues::Number Properties::read_number(const NamedValue& value) const {
+  const Entry& entry = entry_of(value);
+  const std::string& text = text_of(entry, {"float", "integer"});
   const float number =
-      parsed(entry, [&] { return parse_float(*text, entry.target->where, "property " + in_quotes(entry.name)); });
-  if (!is_inside(number, range)) fail_at(name, "is " + in_quotes(*text) + ", expected " + range_text(range));
-  return number;
+      parsed(entry, [&] { return parse_float(text, entry.target->where, "property " + in_quotes(entry.name)); });
+  return {double{number}, in_quotes(text)};
 }
 
-float Properties::number(const char* name, float default_value, NumberRange range) {
-  return find_number(name, range).value_or(default_value);
-}
-
-int Properties::integer(const char* name, int default_value, int low, int high) {
-  const std::string* text = value(name, {"integer", "float"});
-  if (text == nullptr) return default_value;
-  const Entry& entry = *find(name);
+NamedValues::Number Properties::read_integer(const NamedValue& value) const {
+  const Entry& entry = entry_of(value);
+  const std::string& text = text_of(entry, {"integer", "float"});
   const std::int64_t number =
-      parsed(entry, [&] { return parse_integer(*text, entry.target->where, "property " + in_quotes(entry.name)); });
-  if (number < low || number > high)
-    fail_at(name, "is " + in_quotes(*text) + ", expected an integer from " + std::to_string(low) + " to " +
-                      std::to_string(high));
-  return static_cast<int>(number);
+      parsed(entry, [&] { return parse_integer(text, entry.target->where, "property " + in_quotes(entry.name)); });
+  return {static_cast<double>(number), in_quotes(text)};
 }
 
-bool Properties::boolean(const char* name, bool default_value) {
-  const std::string* text = value(name, {"boolean"});
-  if (text == nullptr) return default_value;
-  const Entry& entry = *find(name);
-  return parsed(entry, [&] { return parse_boolean(*text, entry.target->where, "property " + in_quotes(entry.name)); });
+bool Properties::read_boolean(const NamedValue& value) const {
+  const Entry& entry = entry_of(value);
+  const std::string& text = text_of(entry, {"boolean"});
+  return parsed(entry, [&] { return parse_boolean(text, entry.target->where, "property " + in_quotes(entry.name)); });
 }
 
-std::optional<std::string> Properties::find_string(const char* name) {
-  const std::string* text = value(name, {"string"});
-  return text != nullptr ? std::optional<std::string>(*text) : std::nullopt;
-}
+std::string Properties::read_string(const NamedValue& value) const { return text_of(entry_of(value), {"string"}); }
 
-std::optional<Vec3f> Properties::find_vec3(const char* name) {
-  const Entry* entry = use(name);
-  if (entry == nullptr) return std::nullopt;
-  if (entry->target->name != "point" && entry->target->name != "vector") fail_type(*entry, "point or vector");
-  return parsed(*entry, [&] { return parse_vec3_element(*entry->target, 0); });
+Vec3f Properties::read_vec3(const NamedValue& value) const {
+  const Entry& entry = entry_of(value);
+  if (entry.target->name != "point" && entry.target->name != "vector") fail_type(entry, "point or vector");
+  return parsed(entry, [&] { return parse_vec3_element(*entry.target, 0); });
 }
 
 std::optional<Vec2f> Properties::find_vec2(const char* name) {
@@ -239,8 +186,6 @@ std::optional<Vec2f> Properties::find_vec2(const char* name) {
   return Vec2f{v[0], v[1]};
 }
 
-Vec3f Properties::vec3(const char* name, Vec3f default_value) { return find_vec3(name).value_or(default_value); }
-
 Transform Properties::transform(const char* name) {
   const Entry* entry = use(name);
   if (entry == nullptr) return Transform();
@@ -257,7 +202,7 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
     fail_type(*entry, "rgb, srgb, spectrum or float");
   return parsed(*entry, [&] {
     SpectrumDescription result = context_.readers.spectrum(target, role, context_);
-    check_role(result, role, target.where, "property " + in_quotes(entry->name) + " of " + title());
+    check_role(result, role, target.where, subject(*entry));
     return result;
   });
 }
@@ -273,7 +218,7 @@ std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, S
   return parsed(entry, [&] {
     SpectrumInput input = context_.readers.texture(*entry.target, context_);
     if (const auto* constant = std::get_if<SpectrumDescription>(&input))
-      check_role(*constant, role, entry.target->where, "property " + in_quotes(entry.name) + " of " + title());
+      check_role(*constant, role, entry.target->where, subject(entry));
     return input;
   });
 }
@@ -283,7 +228,7 @@ SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput default
 }
 
 std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
-  const Entry* entry = find(name);
+  const Entry* entry = look(name);
   if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
     return find_number(name, range);
   const char* const types[] = {"texture", "spectrum", "rgb", "srgb", "color"};
@@ -300,7 +245,7 @@ std::optional<ScalarInput> Properties::find_scalar_input(const char* name, Numbe
   } else {
     fail_at(name, "depends on the wavelength, expected a number or a texture");
   }
-  if (!is_inside(number, range)) fail_at(name, "is " + std::to_string(number) + ", expected " + range_text(range));
+  check_range(name, {double{number}, number_text(double{number})}, range);
   return number;
 }
 
@@ -342,11 +287,9 @@ const XmlElement* Properties::any_texture() {
   return found->target;
 }
 
-std::filesystem::path Properties::file(const char* name) {
-  const std::optional<std::string> text = find_string(name);
-  if (!text) fail("needs the string '" + std::string(name) + "'");
+std::filesystem::path Properties::find_file(const std::string& file, const NamedValue& value) const {
   try {
-    return context_.scene.find_file(*text, find(name)->target->where);
+    return context_.scene.find_file(file, entry_of(value).target->where);
   } catch (const SceneError& error) { throw ElementError(object_, error); }
 }
 
@@ -384,10 +327,6 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   return found->target;
 }
 
-void Properties::ignore(std::initializer_list<const char*> names) {
-  for (const char* name : names) use(name);
-}
-
 bool Properties::ignore_prefixed(const char* prefix) {
   const std::string key = spelling_key(prefix);
   bool any = false;
@@ -405,46 +344,41 @@ void Properties::ignore_all() {
 void Properties::reject_unused() {
   for (const Entry& entry : entries_) {
     if (entry.used) continue;
-    const XmlElement& place = *entry.written;
-    if (entry.key.empty()) {
-      if (entry.target->name == "texture")
-        throw ElementError(place, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
-      std::string message = title() + " takes no nested <" + entry.target->name + ">";
-      if (const auto known = asked_objects_.find(entry.target->name); known != asked_objects_.end()) {
-        message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
-        message += did_you_mean(spelling_key(entry.name), known->second);
-        throw ElementError(place, message + " (known: " + joined(known->second) + ")");
-      }
-      if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
-      throw ElementError(place, message);
-    }
-    std::vector<std::string> keys;
-    for (const std::string& name : asked_) keys.push_back(spelling_key(name));
-    std::string message = "unknown property " + in_quotes(entry.name) + " of " + title();
-    const std::string nearest = nearest_name(entry.key, keys);
-    const auto at = std::find(keys.begin(), keys.end(), nearest) - keys.begin();
-    if (!nearest.empty()) message += ", did you mean '" + asked_[static_cast<std::size_t>(at)] + "'?";
-    if (!context_.lenient) throw ElementError(place, message);
-    context_.stand_in(place.where, message + " (left out)");
+    if (entry.key.empty()) fail_unused_object(entry);
+    reject(entry);
   }
 }
 
-void Properties::fail(const std::string& message) const { throw ElementError(object_, title() + " " + message); }
-
-void Properties::fail_at(const char* name, const std::string& message) {
-  const Entry* entry = find(name);
-  if (entry == nullptr) fail("property '" + std::string(name) + "' " + message);
-  throw ElementError(*entry->written, "property " + in_quotes(entry->name) + " of " + title() + " " + message);
+void Properties::fail_unused_object(const Entry& entry) const {
+  const std::string& kind = entry.target->name;
+  if (kind == "texture") raise(&entry, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
+  std::string message = title() + " takes no nested <" + kind + ">";
+  if (const auto known = asked_objects_.find(kind); known != asked_objects_.end()) {
+    message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
+    message += did_you_mean(spelling_key(entry.name), known->second);
+    raise(&entry, message + known_names(known->second));
+  }
+  if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
+  raise(&entry, message);
 }
 
-void Properties::fail_plugin(const std::vector<std::string>& known) const {
-  std::string message = "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known);
-  throw ElementError(object_, message + " (known: " + (known.empty() ? "none" : joined(known)) + ")");
+void Properties::raise(const NamedValue* value, const std::string& message) const {
+  throw ElementError(value != nullptr ? *entry_of(*value).written : object_, message);
+}
+
+void Properties::leave_out(const NamedValue& value, const std::string& message) const {
+  if (!context_.lenient) raise(&value, message);
+  context_.stand_in(entry_of(value).written->where, message + " (left out)");
+}
+
+void Properties::fail_plugin(std::vector<std::string> known) const {
+  std::sort(known.begin(), known.end());
+  throw ElementError(object_, "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) +
+                                  known_names(known));
 }
 
 void Properties::fail_type(const Entry& entry, const char* expected) const {
-  throw ElementError(*entry.written, "property " + in_quotes(entry.name) + " of " + title() + " is given as <" +
-                                         entry.target->name + ">, expected " + expected);
+  fail_value(entry, "is given as <" + entry.target->name + ">, expected " + expected);
 }
 
 std::string Properties::title() const { return object_.name + " " + in_quotes(type_); }

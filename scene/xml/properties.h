@@ -1,12 +1,10 @@
-// Typed access to the properties of an object of a scene file. It records the names that the code queries. So the code
-// itself is the list of known names, and unused properties can be reported.
+// The properties and nested objects of an XML element, and the state that is shared by all readers of an XML scene.
 #pragma once
 
+#include "scene/xml/named_values.h"
 #include "scene/xml/spectrum_text.h"
 #include "scene/xml/xml_expand.h"
 
-#include <initializer_list>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -100,52 +98,30 @@ template <class Read> void read_or_leave_out(const XmlElement& element, ReadCont
     context.description.stand_ins.push_back(*error + " (" + element.name + " left out)");
 }
 
-/// Valid range of a number.
-struct NumberRange {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool open = false;  ///< excludes the ends
-};
-inline constexpr NumberRange kAnyNumber{};
-inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
-inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
-inline constexpr NumberRange kUnitInterval{0, 1, false};
-
 /// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.
 std::string spelling_key(std::string_view name);
 
 /// The properties and nested objects of one XML element. Names are compared by spelling_key(). All functions throw
 /// SceneError for a property of the wrong type or out of its range.
-class Properties {
+class Properties : public NamedValues {
  public:
   /// Resolves <ref>s. Throws SceneError for unknown elements, unnamed or repeated properties, missing ids, and an
   /// object that refers to itself.
   Properties(const XmlElement& object, ReadContext& context);
-  ~Properties();
-  Properties(const Properties&) = delete;
-  Properties& operator=(const Properties&) = delete;
+  ~Properties() override;
 
   const std::string& type() const { return type_; }
   const XmlElement& element() const { return object_; }
   const SourceLocation& where() const { return object_.where; }
   ReadContext& context() const { return context_; }
+  std::string title() const override;
 
-  /// Whether the property exists. Marks its name as known, but not the property as used.
-  bool has(const char* name);
-  std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
-  float number(const char* name, float default_value, NumberRange range = kAnyNumber);
-  /// Also accepts a <float> of integral value.
-  int integer(const char* name, int default_value, int low, int high);
-  bool boolean(const char* name, bool default_value);
-  std::optional<std::string> find_string(const char* name);
   /// Whether the property exists and is a string.
   bool is_string(const char* name);
   /// Whether the property exists and is a texture.
   bool is_texture(const char* name);
   /// Two numbers, or one for both.
   std::optional<Vec2f> find_vec2(const char* name);
-  std::optional<Vec3f> find_vec3(const char* name);
-  Vec3f vec3(const char* name, Vec3f default_value);
   /// Identity if absent.
   Transform transform(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
@@ -162,9 +138,6 @@ class Properties {
   const XmlElement* any_texture();
   /// any_texture(), or if null the only unused colour.
   const XmlElement* any_texture_or_color();
-  /// The file named by a string property, resolved to a regular file. Throws SceneError if the file or the property is
-  /// missing.
-  std::filesystem::path file(const char* name);
   /// Nested objects of a kind (such as "bsdf"), in file order.
   std::vector<const XmlElement*> objects(const char* kind);
   /// The nested object of a kind, or null. Throws SceneError if there are several.
@@ -172,8 +145,6 @@ class Properties {
   /// The nested object of a kind with this name (such as "interior"), or null. Throws SceneError if there are several.
   const XmlElement* named_object(const char* kind, const char* name);
 
-  /// Accepts any value of documented properties that have no effect.
-  void ignore(std::initializer_list<const char*> names);
   /// Ignores all properties with the given prefix; returns whether there are any.
   bool ignore_prefixed(const char* prefix);
   /// Ignores all remaining properties and objects.
@@ -181,21 +152,33 @@ class Properties {
   /// Throws SceneError for unused properties and objects; in lenient contexts unknown properties are only reported.
   void reject_unused();
 
-  /// Throws SceneError at the object; the message starts with its kind and plugin.
-  [[noreturn]] void fail(const std::string& message) const;
-  /// Throws SceneError at the property, or at the object if it is absent.
-  [[noreturn]] void fail_at(const char* name, const std::string& message);
+  /// Returns the value of the object's plugin in `table`, such as the function that reads it. Throws SceneError for a
+  /// plugin that is not in the table; the message lists the names of all tables.
+  template <class Value, class... More>
+  const Value& plugin(const NameTable<Value>& table, const NameTable<More>&... others) const {
+    if (const Value* found = table.find(type_)) return *found;
+    fail_plugin(table, others...);
+  }
+  /// Throws SceneError: the object's plugin is in none of the tables, whose names the message lists.
+  template <class... Values> [[noreturn]] void fail_plugin(const NameTable<Values>&... tables) const {
+    std::vector<std::string> known;
+    const auto add = [&](const std::vector<std::string>& names) {
+      known.insert(known.end(), names.begin(), names.end());
+    };
+    (add(tables.names()), ...);
+    fail_plugin(std::move(known));
+  }
   /// Throws SceneError: the object's plugin is not one of `known`.
-  [[noreturn]] void fail_plugin(const std::vector<std::string>& known) const;
+  [[noreturn]] void fail_plugin(std::vector<std::string> known) const;
 
  private:
   /// A child element: a property with a name, or a nested object.
-  struct Entry {
+  struct Entry : NamedValue {
+    Entry(std::string spelling, std::string given_name, const XmlElement& child, const XmlElement& referent)
+        : NamedValue{std::move(given_name)}, key(std::move(spelling)), written(&child), target(&referent) {}
     std::string key;            ///< spelling_key() of the name; empty for objects
-    std::string name;           ///< as in the file
     const XmlElement* written;  ///< the child itself
     const XmlElement* target;   ///< the child itself, or the target of its <ref>
-    bool used = false;
   };
 
   void add(const XmlElement& child);
@@ -209,18 +192,29 @@ class Properties {
       throw ElementError(*entry.written, error);
     }
   }
-  Entry* find(const char* name);
-  Entry* use(const char* name);
-  /// The text of attribute `value` of a property that must have one of the types.
-  const std::string* value(const char* name, std::initializer_list<const char*> types);
+  static const Entry& entry_of(const NamedValue& value) { return static_cast<const Entry&>(value); }
+  Entry* look(const char* name) override;
+  const Entry* use(const char* name) { return static_cast<const Entry*>(NamedValues::use(name)); }
+  const char* value_kind() const override { return "property"; }
+  std::string key_of(std::string_view name) const override { return spelling_key(name); }
+  Number read_number(const NamedValue& value) const override;
+  Number read_integer(const NamedValue& value) const override;
+  bool read_boolean(const NamedValue& value) const override;
+  std::string read_string(const NamedValue& value) const override;
+  Vec3f read_vec3(const NamedValue& value) const override;
+  std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
+  [[noreturn]] void raise(const NamedValue* value, const std::string& message) const override;
+  void leave_out(const NamedValue& value, const std::string& message) const override;
+  /// The attribute `value` of a property that must have one of the types.
+  const std::string& text_of(const Entry& entry, std::initializer_list<const char*> types) const;
+  /// Reports an unused nested object.
+  [[noreturn]] void fail_unused_object(const Entry& entry) const;
   [[noreturn]] void fail_type(const Entry& entry, const char* expected) const;
-  std::string title() const;
 
   const XmlElement& object_;
   ReadContext& context_;
   std::string type_;
   std::vector<Entry> entries_;
-  std::vector<std::string> asked_;                                 ///< queried property names, as spelled in the code
   std::vector<std::string> asked_kinds_;                           ///< queried kinds of nested objects
   std::map<std::string, std::vector<std::string>> asked_objects_;  ///< queried names of nested objects, by kind
 };

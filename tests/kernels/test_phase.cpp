@@ -1,6 +1,6 @@
 // Phase functions: sampling against pdfs over the whole sphere, their integrals and their mean cosines.
 #include "kernels/bsdf/all.h"
-#include "kernels/phase/phase_value.h"
+#include "kernels/media/phase_value.h"
 #include "scene/compile/compile_materials.h"
 
 #include "scene/compile/closure_tables.h"

@@ -416,17 +416,17 @@ TEST_CASE("media: volumetric integrator names select strategy and estimator") {
     return "<integrator type='" + type + "'><string name='medium_estimator' value='" + estimator +
            "'/><float name='stepSize' value='0.25'/></integrator>";
   };
-  for (const std::string& name : medium_estimator_names()) {
+  for (const std::string& name : kMediumEstimators.names()) {
     const auto nori = read_volumes(nori_scene("", integrator("vol_path_mis", name))).integrator;
     const auto mitsuba =
         read_volumes(mitsuba_scene("", "<sensor type='perspective'/>", integrator("volpathmis", name))).integrator;
     for (const IntegratorSettings& read : {nori, mitsuba}) {
-      CHECK(medium_estimator_name(read.medium_estimator) == name);
+      CHECK(kMediumEstimators.name_of(read.medium_estimator) == name);
       CHECK(read.step_size == 0.25f);
     }
-    CHECK(medium_estimator_name(medium_estimator_from_name(name)) == name);
+    CHECK(kMediumEstimators.name_of(kMediumEstimators.option("medium estimator", name)) == name);
   }
-  CHECK_THROWS_WITH_AS(medium_estimator_from_name("deltas"),
+  CHECK_THROWS_WITH_AS(kMediumEstimators.option("medium estimator", "deltas"),
                        "unknown medium estimator 'deltas', did you mean 'delta'? (known: null_mis, delta, ratio, "
                        "marching)",
                        Error);

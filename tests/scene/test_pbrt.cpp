@@ -137,7 +137,7 @@ TEST_SUITE("pbrt") {
     CHECK(d.integrator.max_depth == 8);
     CHECK(d.sampler.sample_count == 16);
     CHECK(contains(error_of_world("Shape \"sphere\"", "Integrator \"path\" \"float maxdepth\" 7.5"),
-                   "'maxdepth' is 7.500000, expected a whole number"));
+                   "parameter 'maxdepth' of Integrator 'path' is 7.5, expected an integer"));
   }
 
   TEST_CASE("pbrt: crop windows between pixels are rounded up at both ends") {
@@ -506,11 +506,11 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     check("\nShap \"sphere\"", "scene.pbrt:4: found 'Shap', expected a directive, did you mean 'Shape'?");
     check("Shape \"spere\"", "scene.pbrt:3: unknown shape 'spere', did you mean 'sphere'?");
     check("Shape \"sphere\" \"float radios\" 2",
-          "scene.pbrt:3: Shape 'sphere' has the unknown parameter 'radios', did you mean 'radius'?");
+          "scene.pbrt:3: unknown parameter 'radios' of Shape 'sphere', did you mean 'radius'?");
     check("Shape \"sphere\"\n\"float radius\" [ 1 2 ]",
-          "scene.pbrt:4: Shape 'sphere': 'radius' has 2 values, expected 1");
+          "scene.pbrt:4: parameter 'radius' of Shape 'sphere' has 2 values, expected 1");
     check("Shape \"sphere\" \"float radius\" -1",
-          "scene.pbrt:3: Shape 'sphere': 'radius' is -1.000000, expected a number between 0.000000 and infinity");
+          "scene.pbrt:3: parameter 'radius' of Shape 'sphere' is -1, expected a positive number");
     check("Shape \"sphere\" \"flot radius\" 1",
           "scene.pbrt:3: unknown type 'flot' of a parameter, did you mean 'float'? (known: integer, float, point2, "
           "vector2, point3, vector3, normal3, point, vector, normal, rgb, blackbody, spectrum, bool, string, texture)");

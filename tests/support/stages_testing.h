@@ -3,7 +3,7 @@
 
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
-#include "kernels/film/light_task.h"
+#include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"

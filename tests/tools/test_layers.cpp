@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 4> kLayers = {"core", "scene", "kernels", "tools"};
 
-/// A folder of scene/, and the other folders whose headers its files may include.
+/// A folder of scene/ or kernels/, and the other folders of the same layer whose headers its files may include.
 struct Folder {
   std::string_view name;
   std::vector<std::string_view> may_include;
@@ -34,7 +34,23 @@ const std::vector<Folder> kSceneFolders = {
     {"compile", {"description", "data", "formats", "tables"}},
 };
 
-/// An external library that only one file may include; a header and a source of the same name count as one.
+/// Every folder comes after those that it may include: there are no cycles.
+const std::vector<Folder> kKernelFolders = {
+    // Models know of no wave, film or stage.
+    {"phase", {}},
+    {"bsdf", {"phase"}},
+    {"lights", {}},
+    {"media", {"phase", "bsdf"}},
+    {"guiding", {}},
+    {"film", {}},
+    {"wave", {"phase", "bsdf", "lights", "media", "guiding"}},
+    {"photons", {"film", "wave"}},
+    {"stages", {"phase", "bsdf", "lights", "media", "guiding", "film", "wave", "photons"}},
+    {"passes", {"phase", "bsdf", "lights", "media", "guiding", "film", "wave", "photons", "stages"}},
+    {"denoise", {}},  // works on images
+};
+
+/// A library that one file alone (a header and a source of the same name count as one) may include.
 struct Wrapped {
   std::string_view library;
   std::vector<std::string_view> prefixes;  ///< prefixes of its headers
@@ -62,24 +78,31 @@ int layer_of(std::string_view path) {
   return found == kLayers.end() ? -1 : static_cast<int>(found - kLayers.begin());
 }
 
-/// The folder "b" of a path "scene/b/c"; empty for other paths.
-std::string_view scene_folder(std::string_view path) {
-  if (!path.starts_with("scene/")) return {};
-  path.remove_prefix(6);
+/// The folder "b" of a path "a/b/c" in layer "a"; empty for paths outside of that layer.
+std::string_view folder_in(std::string_view layer, std::string_view path) {
+  if (!path.starts_with(layer) || !path.substr(layer.size()).starts_with('/')) return {};
+  path.remove_prefix(layer.size() + 1);
   return path.substr(0, path.find('/'));
 }
 
-/// Whether a file may include a header of scene/, by the rules of its folders.
-bool keeps_to_folders(std::string_view file, std::string_view header) {
-  const std::string_view from = scene_folder(file), to = scene_folder(header);
-  if (to.empty() || from == to) return true;
-  if (from.empty()) return !file.starts_with("kernels/") || to == "tables";
-  const auto folder = std::find_if(kSceneFolders.begin(), kSceneFolders.end(), [&](auto& f) { return f.name == from; });
-  if (folder == kSceneFolders.end()) return false;
+/// Whether a file of a layer may include a header of the same layer, by the layer's folders. A folder that is not
+/// listed may include no other folder.
+bool keeps_to_folders(std::string_view layer, const std::vector<Folder>& folders, std::string_view file,
+                      std::string_view header) {
+  const std::string_view from = folder_in(layer, file), to = folder_in(layer, header);
+  if (from.empty() || to.empty() || from == to) return true;
+  const auto folder = std::find_if(folders.begin(), folders.end(), [&](const Folder& f) { return f.name == from; });
+  if (folder == folders.end()) return false;
   return std::find(folder->may_include.begin(), folder->may_include.end(), to) != folder->may_include.end();
 }
 
-/// The header that a line includes, if any.
+/// Whether a file of kernels/ keeps to the tables of the scene.
+bool keeps_to_tables(std::string_view file, std::string_view header) {
+  const std::string_view folder = folder_in("scene", header);
+  return folder.empty() || folder == "tables" || !file.starts_with("kernels/");
+}
+
+/// The header that a line includes, if it includes one.
 std::optional<std::string> included_header(const std::string& line) {
   const auto hash = line.find_first_not_of(" \t");
   if (hash == std::string::npos || line[hash] != '#') return std::nullopt;
@@ -104,8 +127,12 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
     if (header.starts_with("tests/") || header.starts_with("bench/"))
       breaches.push_back(file + " includes " + header + ", which is no layer");
     if (layer_of(header) > layer_of(file)) breaches.push_back(file + " includes " + header + ", of a later layer");
-    if (!keeps_to_folders(file, header))
+    if (!keeps_to_folders("scene", kSceneFolders, file, header))
       breaches.push_back(file + " includes " + header + ", against the arrows of scene/");
+    if (!keeps_to_folders("kernels", kKernelFolders, file, header))
+      breaches.push_back(file + " includes " + header + ", against the arrows of kernels/");
+    if (!keeps_to_tables(file, header))
+      breaches.push_back(file + " includes " + header + ", which is not in scene/tables/");
     if (header.starts_with(".")) breaches.push_back(file + " includes " + header + ", not from the repository's root");
   }
   for (const Wrapped& wrapped : kWrapped) {
@@ -121,6 +148,20 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
     breaches.push_back(breach);
   }
   return breaches;
+}
+
+/// Names of the folders of a layer.
+std::set<std::string> folders_of(const fs::path& layer) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(layer))
+    if (entry.is_directory()) names.insert(entry.path().filename().string());
+  return names;
+}
+
+std::set<std::string> names_of(const std::vector<Folder>& folders) {
+  std::set<std::string> names;
+  for (const Folder& folder : folders) names.emplace(folder.name);
+  return names;
 }
 
 std::vector<Include> read_includes(const fs::path& root) {
@@ -146,7 +187,23 @@ TEST_CASE("every include respects the layers") {
   for (const std::string& breach : find_breaches(includes)) FAIL_CHECK(breach);
 }
 
-TEST_CASE("include lines are recognised with any spacing") {
+TEST_CASE("the folders of scene/ and kernels/ are listed") {
+  CHECK(folders_of(SHEAF_SOURCE_DIR "/scene") == names_of(kSceneFolders));
+  CHECK(folders_of(SHEAF_SOURCE_DIR "/kernels") == names_of(kKernelFolders));
+}
+
+TEST_CASE("folders are listed after the folders that they may include") {
+  for (const auto& folders : {kSceneFolders, kKernelFolders}) {
+    std::set<std::string_view> earlier;
+    for (const Folder& folder : folders) {
+      CAPTURE(std::string(folder.name));
+      for (const std::string_view included : folder.may_include) CHECK(earlier.contains(included));
+      earlier.insert(folder.name);
+    }
+  }
+}
+
+TEST_CASE("an include line is recognised however it is spaced") {
   CHECK(included_header("#include \"core/vec.h\"") == "core/vec.h");
   CHECK(included_header("  #  include <xsimd/xsimd.hpp>  // why") == "xsimd/xsimd.hpp");
   CHECK_FALSE(included_header("// #include <vector>").has_value());
@@ -179,7 +236,24 @@ TEST_CASE("includes against the folders of scene/ are found") {
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "scene/description/description.h"}}).size() == 1);
 }
 
-TEST_CASE("includes of a library beside its wrapper are found") {
+TEST_CASE("breaches of the folders of kernels/ are found") {
+  CHECK(find_breaches({{"kernels/bsdf/plastic.h", "kernels/bsdf/bsdf.h"},
+                       {"kernels/wave/wave.h", "kernels/lights/light_tree.h"},
+                       {"kernels/photons/light_task.h", "kernels/film/splat.h"},
+                       {"kernels/stages/aovs.cpp", "kernels/film/camera_task.h"},
+                       {"tools/sheaf.cpp", "kernels/passes/render.h"}})
+            .empty());
+  CHECK(find_breaches({{"kernels/phase/sggx.h", "kernels/bsdf/bsdf.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/bsdf/bsdf.h", "kernels/wave/wave.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/media/medium_tracking.h", "kernels/wave/path_state.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/wave/wave.h", "kernels/photons/photon.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/film/film.h", "kernels/photons/photon.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/stages/shadow.cpp", "kernels/passes/run_pass.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/denoise/denoise.cpp", "kernels/film/film.h"}}).size() == 1);
+  CHECK(find_breaches({{"kernels/new/file.cpp", "kernels/bsdf/bsdf.h"}}).size() == 1);
+}
+
+TEST_CASE("a library included past its wrapper is found") {
   CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/accel.cpp", "embree3/rtcore.h"}}).empty());
   CHECK(find_breaches({{"core/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/intersect.cpp", "embree4/rtcore.h"}}).size() == 1);

@@ -1,6 +1,7 @@
 // Names of integrators, shared by all dialects and the command line.
 #pragma once
 
+#include "core/name_table.h"
 #include "scene/description/description.h"
 
 #include <string_view>
@@ -8,30 +9,28 @@
 namespace sheaf {
 
 /// Integrator settings that a name selects.
-struct NamedIntegrator {
-  const char* name;
+struct IntegratorChoice {
   IntegratorKind kind;
   LightStrategy strategy;
-  bool direct;                             ///< direct lighting only: max_depth is 2
+  bool direct = false;                     ///< direct lighting only: max_depth is 2
   int candidates = 1;                      ///< sets IntegratorSettings::candidates if above 1
   bool thin_dielectrics_are_free = false;  ///< IntegratorSettings::thin_dielectrics_are_free
   bool progressive = false;                ///< PhotonMappingSettings::progressive
   bool ends_at_diffuse = false;            ///< IntegratorSettings::ends_at_diffuse
 };
 
-/// Maps an integrator of another renderer to the name of Sheaf's integrator with the same expected image. Null for
-/// other names.
-const char* same_expectation(std::string_view name);
+/// Integrators of other renderers, and Sheaf's integrators with the same expected image.
+extern const NameTable<const char*> kStandInIntegrators;
 
 /// Returns the integrator of this name, or the one with the same expected image, or null.
-const NamedIntegrator* find_integrator(std::string_view name);
+const IntegratorChoice* find_integrator(std::string_view name);
 
 /// Returns all integrator names, sorted.
 std::vector<std::string> integrator_names();
 
 /// Sets kind, strategy, thin_dielectrics_are_free, ends_at_diffuse and photons.progressive. Sets candidates and
 /// max_depth only if the name determines them.
-void apply(const NamedIntegrator& named, IntegratorSettings& integrator);
+void apply(const IntegratorChoice& choice, IntegratorSettings& integrator);
 
 /// Returns a note for the user if another integrator with the same expected image replaces this one; else empty.
 std::string stand_in_note(std::string_view name);

@@ -253,7 +253,7 @@ ScalarInput read_alpha(Properties& p, const char* name, ScalarInput default_valu
 
 RoughnessDescription read_roughness(Properties& p) {
   RoughnessDescription result;
-  const std::string distribution = p.find_string("distribution").value_or("beckmann");
+  const std::string distribution = p.string("distribution", "beckmann");
   if (distribution == "ggx") {
     result.distribution = RoughnessDescription::Distribution::kGgx;
   } else if (distribution == "phong" || distribution == "as") {

@@ -23,7 +23,7 @@ void read_shutter(Properties& p) {
 
 CameraDescription::FovAxis read_fov_axis(Properties& p) {
   using Axis = CameraDescription::FovAxis;
-  const std::string axis = p.find_string("fov_axis").value_or("x");
+  const std::string axis = p.string("fov_axis", "x");
   if (axis == "x") return Axis::kX;
   if (axis == "y") return Axis::kY;
   if (axis == "diagonal") return Axis::kDiagonal;
@@ -34,10 +34,9 @@ CameraDescription::FovAxis read_fov_axis(Properties& p) {
 }
 
 SamplerKind read_sampler_kind(Properties& p) {
-  const NamedSampler* named = find_sampler(p.type());
-  if (named == nullptr) p.fail_plugin(sampler_names());
+  const SamplerKind kind = p.plugin(kSamplers);
   if (const std::string note = stand_in_sampler_note(p.type()); !note.empty()) p.context().note(p.where(), note);
-  return named->kind;
+  return kind;
 }
 
 }  // namespace sheaf

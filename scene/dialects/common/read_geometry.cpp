@@ -88,7 +88,7 @@ SdfGrid read_sdf_grid(Properties& p) {
   SdfGrid grid{volume.size, std::move(volume.values)};
   for (const int side : grid.size)
     if (side < 2) throw SceneError({file.string()}, "a grid of distances needs two points along each axis at least");
-  const std::string normals = p.find_string("normals").value_or("smooth");
+  const std::string normals = p.string("normals", "smooth");
   if (normals != "smooth" && normals != "analytic")
     p.fail_at("normals", "is " + in_quotes(normals) + ", expected smooth or analytic");
   grid.smooth_normals = normals == "smooth";

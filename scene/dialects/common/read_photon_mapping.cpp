@@ -31,7 +31,7 @@ void read_gathering(Properties& p, PhotonMappingSettings& mapping) {
 }
 
 PhotonKernel read_kernel(Properties& p) {
-  const std::string name = p.find_string("kernel").value_or("disc");
+  const std::string name = p.string("kernel", "disc");
   if (name == "disc" || name == "constant") return PhotonKernel::kDisc;
   if (name == "cone") return PhotonKernel::kCone;
   if (name == "epanechnikov") return PhotonKernel::kEpanechnikov;
@@ -39,7 +39,7 @@ PhotonKernel read_kernel(Properties& p) {
 }
 
 MediumPhotons read_medium_photons(Properties& p) {
-  const std::string name = p.find_string("medium_photons").value_or("auto");
+  const std::string name = p.string("medium_photons", "auto");
   if (name == "auto") return MediumPhotons::kAuto;
   if (name == "points") return MediumPhotons::kPoints;
   if (name == "beams") return MediumPhotons::kBeams;

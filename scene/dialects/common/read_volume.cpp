@@ -46,7 +46,7 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
 }
 
 Grid::Filter read_grid_filter(Properties& p) {
-  const std::string filter = p.find_string("filter_type").value_or("trilinear");
+  const std::string filter = p.string("filter_type", "trilinear");
   if (filter == "trilinear") return Grid::Filter::kTrilinear;
   if (filter == "nearest") return Grid::Filter::kNearest;
   p.fail_at("filter_type", "is " + in_quotes(filter) + ", expected trilinear or nearest" +
@@ -54,7 +54,7 @@ Grid::Filter read_grid_filter(Properties& p) {
 }
 
 Grid::Wrap read_wrap(Properties& p) {
-  const std::string wrap = p.find_string("wrap_mode").value_or("clamp");
+  const std::string wrap = p.string("wrap_mode", "clamp");
   if (wrap == "clamp") return Grid::Wrap::kClamp;
   if (wrap == "repeat") return Grid::Wrap::kRepeat;
   if (wrap == "mirror") return Grid::Wrap::kMirror;
@@ -163,7 +163,7 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
   if (format && *format != grid.format)
     p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
                               (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
-  grid.grid = p.find_string("grid_name").value_or("");
+  grid.grid = p.string("grid_name", "");
   if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
     p.fail_at("grid_name", "is given for a .vol file, whose one grid has no name");
   read_placement(p, dialect, grid);

@@ -1,33 +1,27 @@
 // Names of samplers, shared by all dialects and the command line.
 #pragma once
 
+#include "core/name_table.h"
 #include "core/sampler.h"
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace sheaf {
 
-/// A name and its sampler kind.
-struct NamedSampler {
-  const char* name;
-  SamplerKind kind;
-  bool alike;  ///< a similar sampler of Sheaf replaces the named one
-};
-
-/// Returns the sampler of this name, or null.
-const NamedSampler* find_sampler(std::string_view name);
-
-/// Returns all sampler names.
-std::vector<std::string> sampler_names();
-
-/// Returns the name of a kind.
-const char* sampler_name(SamplerKind kind);
-
-/// Returns the kind of `name`: independent, stratified, multijitter, sobol, zsobol, or sobol in place of other samplers
-/// of Mitsuba and pbrt. Throws Error (usage) for an unknown name; the message lists the nearest name and all names.
-SamplerKind sampler_from_name(std::string_view name);
+/// Names of samplers. The first name of a kind is its own; similar samplers of Sheaf replace those of Mitsuba and pbrt
+/// that have the other names.
+inline constexpr NameTable<SamplerKind> kSamplers{{{"independent", SamplerKind::kIndependent},
+                                                   {"stratified", SamplerKind::kStratified},
+                                                   {"multijitter", SamplerKind::kMultijitter},
+                                                   {"sobol", SamplerKind::kSobol},
+                                                   {"zsobol", SamplerKind::kZSobol},
+                                                   {"ldsampler", SamplerKind::kSobol},
+                                                   {"orthogonal", SamplerKind::kSobol},
+                                                   {"halton", SamplerKind::kSobol},
+                                                   {"hammersley", SamplerKind::kSobol},
+                                                   {"paddedsobol", SamplerKind::kSobol},
+                                                   {"pmj02bn", SamplerKind::kSobol}}};
 
 /// Returns a note for the user if another sampler replaces the named one; else empty.
 std::string stand_in_sampler_note(std::string_view name);

@@ -29,11 +29,11 @@ void read_photon_maps(Properties& p, IntegratorSettings& integrator) {
             "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
 }
 
-void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorSettings& integrator) {
+void read_path_like(Properties& p, const IntegratorChoice& choice, IntegratorSettings& integrator) {
   integrator.max_depth = p.integer("max_depth", usual_depth(p.type()), -1, kMaxDepth);
   if (p.has("rr_depth")) integrator.rr_depth = p.integer("rr_depth", 0, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
-  apply(named, integrator);
+  apply(choice, integrator);
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
@@ -46,8 +46,8 @@ void read_path_like(Properties& p, const NamedIntegrator& named, IntegratorSetti
 }
 
 /// Reads an integrator with the same expected image; ignores its own properties.
-void read_stand_in(Properties& p, const NamedIntegrator& named, IntegratorSettings& integrator) {
-  read_path_like(p, named, integrator);
+void read_stand_in(Properties& p, const IntegratorChoice& choice, IntegratorSettings& integrator) {
+  read_path_like(p, choice, integrator);
   p.ignore_all();
   p.context().note(p.where(), stand_in_note(p.type()));
 }
@@ -98,22 +98,22 @@ void read_plugin(const XmlElement& element, Reader& reader) {
     p.reject_unused();
     return apply_visibility_integrator(p.type(), length, true, reader.context.description);
   }
-  const NamedIntegrator* named = find_integrator(p.type());
-  if (named == nullptr) {
+  const IntegratorChoice* choice = find_integrator(p.type());
+  if (choice == nullptr) {
     std::vector<std::string> known = integrator_names();
     known.insert(known.end(), {"aov", "moment", "multichannel", "stokes"});
     p.fail_plugin(known);
   }
-  if (same_expectation(p.type()) != nullptr) {
-    read_stand_in(p, *named, integrator);
+  if (kStandInIntegrators.find(p.type()) != nullptr) {
+    read_stand_in(p, *choice, integrator);
   } else if (p.type() == "direct") {
     read_direct(p, integrator);
-  } else if (!transports_light(named->kind)) {
-    integrator.kind = named->kind;
+  } else if (!transports_light(choice->kind)) {
+    integrator.kind = choice->kind;
     p.ignore({"samples_per_pass", "block_size", "timeout"});
   } else {
-    read_path_like(p, *named, integrator);
-    if (named->direct) integrator.max_depth = 2;
+    read_path_like(p, *choice, integrator);
+    if (choice->direct) integrator.max_depth = 2;
   }
   p.reject_unused();
 }

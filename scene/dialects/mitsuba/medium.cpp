@@ -6,7 +6,7 @@
 namespace sheaf::mitsuba {
 
 const MeasuredMedium& read_measured_medium(Properties& p) {
-  const std::string name = p.find_string("material").value_or("skin1");
+  const std::string name = p.string("material", "skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
     std::string list;
@@ -52,7 +52,7 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
     p.fail(
         "has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
         "the matrices of the phase function 'sggx'");
-  const std::string method = p.find_string("method").value_or("woodcock");
+  const std::string method = p.string("method", "woodcock");
   IntegratorSettings& integrator = p.context().description.integrator;
   if (method == "simpson") {
     integrator.medium_estimator = MediumEstimator::kMarching;

@@ -31,7 +31,7 @@ Vec3f brightest(const SpectrumDescription& spectrum) {
 
 WardDescription::Variant read_variant(Properties& p) {
   using Variant = WardDescription::Variant;
-  const std::string name = p.find_string("variant").value_or("balanced");
+  const std::string name = p.string("variant", "balanced");
   if (name == "ward") return Variant::kWard;
   if (name == "ward-duer") return Variant::kDuer;
   if (name == "balanced") return Variant::kBalanced;
@@ -41,7 +41,7 @@ WardDescription::Variant read_variant(Properties& p) {
 
 /// Sets the coefficients of the measured medium that `material` names, by default skin1.
 void read_material(Properties& p, HanrahanKruegerDescription& slab) {
-  const std::string name = p.find_string("material").value_or("skin1");
+  const std::string name = p.string("material", "skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr)
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +

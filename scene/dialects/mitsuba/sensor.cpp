@@ -111,7 +111,7 @@ float parse_focal_length(Properties& p, std::string text) {
 
 /// Reads the distortion coefficients `kc`: a string of two numbers.
 std::array<float, 2> read_distortion(Properties& p) {
-  const std::vector<float> kc = parse_floats(p.find_string("kc").value_or("0, 0"), p.where(), "kc");
+  const std::vector<float> kc = parse_floats(p.string("kc", "0, 0"), p.where(), "kc");
   if (kc.size() != 2) p.fail_at("kc", "holds " + std::to_string(kc.size()) + " numbers, expected two");
   return {kc[0], kc[1]};
 }

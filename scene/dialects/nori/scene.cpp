@@ -106,26 +106,26 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
 void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (nori::read_exercise(p)) return p.reject_unused();
-  const NamedIntegrator* named = find_integrator(p.type());
-  if (named == nullptr) {
+  const IntegratorChoice* choice = find_integrator(p.type());
+  if (choice == nullptr) {
     std::vector<std::string> known = integrator_names();
     known.emplace_back("simple");
     p.fail_plugin(known);
   }
   IntegratorSettings& integrator = context.description.integrator;
-  apply(*named, integrator);
-  if (transports_light(named->kind)) {
-    if (!named->direct) {
+  apply(*choice, integrator);
+  if (transports_light(choice->kind)) {
+    if (!choice->direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
       if (p.has("rrDepth")) integrator.rr_depth = p.integer("rrDepth", 0, 1, 1'000'000);
     }
     integrator.hide_emitters = p.boolean("hideEmitters", false);
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
-    if (named->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
+    if (choice->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
     p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
   }
-  if (same_expectation(p.type()) != nullptr) {
+  if (kStandInIntegrators.find(p.type()) != nullptr) {
     p.ignore_all();
     context.note(element.where, stand_in_note(p.type()));
   }

@@ -13,17 +13,20 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// An integrator of pbrt and its replacement.
+/// Sheaf's integrator in place of one of pbrt.
 struct Counterpart {
   const char* name;
-  const char* ours;
   bool alike;  ///< same expected image by another algorithm
 };
-constexpr Counterpart kIntegrators[] = {
-    {"volpath", "path", false}, {"path", "path", false},         {"simplevolpath", "path", false},
-    {"bdpt", "path", true},     {"simplepath", "path", false},   {"mlt", "path", true},
-    {"sppm", "sppm", false},    {"lightpath", "ptracer", false}, {"randomwalk", "path", true},
-};
+constexpr NameTable<Counterpart> kIntegrators{{{"volpath", {"path", false}},
+                                               {"path", {"path", false}},
+                                               {"simplevolpath", {"path", false}},
+                                               {"bdpt", {"path", true}},
+                                               {"simplepath", {"path", false}},
+                                               {"mlt", {"path", true}},
+                                               {"sppm", {"sppm", false}},
+                                               {"lightpath", {"ptracer", false}},
+                                               {"randomwalk", {"path", true}}}};
 
 constexpr int kMaxDepth = 1'000'000;
 
@@ -47,15 +50,14 @@ void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
 /// Finds an integrator by its name in pbrt or in the other dialects. Throws SceneError for an unknown name.
 Counterpart find_counterpart(Parameters& p, const Entity& entity) {
   const std::string& type = entity.type;
-  for (const Counterpart& c : kIntegrators)
-    if (type == c.name) return c;
+  if (const Counterpart* found = kIntegrators.find(type)) return *found;
   if (type == "function") {
     p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
     p.ignore({"function", "filename", "skipbad"});
-    return kIntegrators[0];
+    return {"path", false};
   }
-  if (const NamedIntegrator* named = find_integrator(type))
-    return {named->name, named->name, same_expectation(type) != nullptr};
+  if (const char* const* ours = kStandInIntegrators.find(type)) return {*ours, true};
+  if (find_integrator(type) != nullptr) return {type.c_str(), false};
   std::vector<std::string> known = integrator_names();
   known.emplace_back("function");
   throw SceneError(entity.where, "unknown integrator '" + type + "'" + did_you_mean(type, known));
@@ -73,11 +75,11 @@ void read_integrator(Reader& reader, Entity entity) {
   const Counterpart found = find_counterpart(p, entity);
   // In pbrt depth 0 is emission only, here depth 1.
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
-  apply(*find_integrator(found.ours), integrator);
+  apply(*find_integrator(found.name), integrator);
   if (integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive)
     read_progressive(p, integrator.photons);
   if (found.alike)
-    reader.note(entity.where, "integrator '" + entity.type + "' is rendered with '" + found.ours +
+    reader.note(entity.where, "integrator '" + entity.type + "' is rendered with '" + found.name +
                                   "', which has the same expectation");
   const std::string selector = p.string("lightsampler", "bvh");
   if (selector == "uniform" || selector == "power")
@@ -93,18 +95,12 @@ void read_sampler(Reader& reader, Entity entity) {
   Parameters p(reader, "Sampler '" + entity.type + "'", entity.where, std::move(entity.parameters));
   SamplerSettings& sampler = reader.description.sampler;
   const std::string& type = entity.type;
-  if (type == "independent") {
-    sampler.kind = SamplerKind::kIndependent;
-  } else if (type == "stratified") {
-    sampler.kind = SamplerKind::kStratified;
-  } else if (type == "halton" || type == "paddedsobol" || type == "pmj02bn" || type == "sobol") {
-    sampler.kind = SamplerKind::kSobol;
-  } else if (const NamedSampler* named = find_sampler(type)) {
-    sampler.kind = named->kind;
-    if (const std::string note = stand_in_sampler_note(type); !note.empty()) reader.note(entity.where, note);
-  } else {
-    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, sampler_names()));
-  }
+  const SamplerKind* kind = kSamplers.find(type);
+  if (kind == nullptr)
+    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, kSamplers.names()));
+  sampler.kind = *kind;
+  const bool is_own = type == "halton" || type == "paddedsobol" || type == "pmj02bn";
+  if (const std::string note = stand_in_sampler_note(type); !is_own && !note.empty()) reader.note(entity.where, note);
   int count = 0;
   if (type == "stratified") {
     constexpr int kMaxPerSide = 1 << 12;

@@ -38,7 +38,7 @@ std::optional<SpectrumDescription> find_illuminant_spectrum(const std::string& n
   return SpectrumDescription{std::move(*table)};
 }
 
-std::string known_names() {
+std::string known_spectra() {
   std::string list;
   for (const std::string& metal : metal_names()) list += "metal-" + metal + "-eta, metal-" + metal + "-k, ";
   for (const std::string& light : illuminant_names()) list += "stdillum-" + light + ", ";
@@ -102,7 +102,8 @@ SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const s
     const bool known_to_pbrt = name.starts_with("metal-") || name.starts_with("glass-") ||
                                name.starts_with("stdillum-") || name.starts_with("illum-");
     if (known_to_pbrt) {
-      p.unsupported("'" + std::string(parameter) + "' is '" + name + "', expected " + known_names(), "a grey is taken");
+      p.unsupported("'" + std::string(parameter) + "' is '" + name + "', expected " + known_spectra(),
+                    "a grey is taken");
       return SpectrumDescription::constant(1);
     }
     spectrum = read_spectrum_file(p.reader().find_file(name, p.find(parameter)->where));

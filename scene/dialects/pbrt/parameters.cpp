@@ -31,10 +31,8 @@ const Type& type_of(std::string_view name, const SourceLocation& where) {
     if (name == type.name) return type;
     known.emplace_back(type.name);
   }
-  std::string list;
-  for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
   throw SceneError(where, "unknown type '" + std::string(name.substr(0, 40)) + "' of a parameter" +
-                              did_you_mean(name, known) + " (known: " + list + ")");
+                              did_you_mean(name, known) + known_names(known));
 }
 
 void read_value(Tokens& tokens, const Type& type, Parameter& parameter) {
@@ -114,78 +112,38 @@ std::vector<Parameter> read_parameters(Tokens& tokens) {
 Parameters::Parameters(Reader& reader, std::string title, SourceLocation where, std::vector<Parameter> list)
     : reader_(reader), title_(std::move(title)), where_(std::move(where)), list_(std::move(list)) {}
 
-const Parameter* Parameters::look(const char* name) const {
+Parameter* Parameters::look(const char* name) {
   const auto found = std::find_if(list_.begin(), list_.end(), [&](const Parameter& p) { return p.name == name; });
   return found != list_.end() ? &*found : nullptr;
 }
 
-const Parameter* Parameters::find(const char* name) {
-  asked_.emplace_back(name);
-  for (Parameter& parameter : list_)
-    if (parameter.name == name) parameter.used = true;
-  return look(name);
-}
-
-bool Parameters::has(const char* name) {
-  asked_.emplace_back(name);
-  return look(name) != nullptr;
-}
-
-const Parameter& Parameters::expect(const char* name, std::initializer_list<const char*> types, std::size_t values) {
-  const Parameter& parameter = *find(name);
-  std::string list;
-  bool fits = false;
-  for (const char* type : types) {
-    fits = fits || parameter.type == type;
-    list += (list.empty() ? "" : " or ") + std::string(type);
-  }
-  if (!fits) fail_at(name, "is of the type " + parameter.type + ", expected " + list);
-  const std::size_t count = parameter.numbers.size() + parameter.strings.size();
-  if (values != 0 && count != values)
-    fail_at(name, "has " + std::to_string(count) + " values, expected " + std::to_string(values));
+const Parameter& Parameters::expect(const NamedValue& value, std::initializer_list<const char*> types,
+                                    std::size_t count) const {
+  const auto& parameter = static_cast<const Parameter&>(value);
+  if (std::find(types.begin(), types.end(), parameter.type) == types.end())
+    fail_value(value, "is of the type " + parameter.type + ", expected " + one_of({types.begin(), types.end()}));
+  const std::size_t found = parameter.numbers.size() + parameter.strings.size();
+  if (found != count) fail_value(value, "has " + std::to_string(found) + " values, expected " + std::to_string(count));
   return parameter;
 }
 
-std::optional<float> Parameters::find_number(const char* name, NumberRange range) {
-  if (!has(name)) return std::nullopt;
-  const double value = expect(name, {"float", "integer"}, 1).numbers[0];
-  if (value < range.low || value > range.high || (range.open && (value == range.low || value == range.high))) {
-    const auto shown_end = [](double end) { return std::isinf(end) ? "infinity" : std::to_string(end); };
-    fail_at(name, "is " + std::to_string(value) + ", expected a number " + (range.open ? "between " : "from ") +
-                      shown_end(range.low) + (range.open ? " and " : " to ") + shown_end(range.high));
-  }
-  return static_cast<float>(value);
+NamedValues::Number Parameters::read_number(const NamedValue& value) const {
+  const double number = expect(value, {"float", "integer"}, 1).numbers[0];
+  return {number, number_text(number)};
 }
 
-float Parameters::number(const char* name, float default_value, NumberRange range) {
-  return find_number(name, range).value_or(default_value);
+NamedValues::Number Parameters::read_integer(const NamedValue& value) const {
+  const double number = expect(value, {"integer", "float"}, 1).numbers[0];
+  if (number != std::floor(number)) fail_value(value, "is " + number_text(number) + ", expected an integer");
+  return {number, number_text(number)};
 }
 
-int Parameters::integer(const char* name, int default_value, int low, int high) {
-  if (!has(name)) return default_value;
-  const double value = expect(name, {"integer", "float"}, 1).numbers[0];
-  if (value < low || value > high || value != std::floor(value))
-    fail_at(name, "is " + std::to_string(value) + ", expected a whole number from " + std::to_string(low) + " to " +
-                      std::to_string(high));
-  return static_cast<int>(value);
-}
+bool Parameters::read_boolean(const NamedValue& value) const { return expect(value, {"bool"}, 1).numbers[0] != 0; }
 
-bool Parameters::boolean(const char* name, bool default_value) {
-  return has(name) ? expect(name, {"bool"}, 1).numbers[0] != 0 : default_value;
-}
+std::string Parameters::read_string(const NamedValue& value) const { return expect(value, {"string"}, 1).strings[0]; }
 
-std::optional<std::string> Parameters::find_string(const char* name) {
-  if (!has(name)) return std::nullopt;
-  return expect(name, {"string"}, 1).strings[0];
-}
-
-std::string Parameters::string(const char* name, const std::string& default_value) {
-  return find_string(name).value_or(default_value);
-}
-
-Vec3f Parameters::vec3(const char* name, Vec3f default_value) {
-  if (!has(name)) return default_value;
-  const auto& n = expect(name, {"point3", "vector3", "normal3", "point", "vector", "normal"}, 3).numbers;
+Vec3f Parameters::read_vec3(const NamedValue& value) const {
+  const auto& n = expect(value, {"point3", "vector3", "normal3", "point", "vector", "normal"}, 3).numbers;
   return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
 }
 
@@ -198,31 +156,22 @@ std::vector<float> Parameters::numbers(const char* name, std::size_t stride) {
   return {parameter->numbers.begin(), parameter->numbers.end()};
 }
 
-std::filesystem::path Parameters::file(const char* name) {
-  const std::optional<std::string> text = find_string(name);
-  if (!text) fail("needs the string '" + std::string(name) + "', a file");
-  return reader_.find_file(*text, look(name)->where);
-}
-
-void Parameters::ignore(std::initializer_list<const char*> names) {
-  for (const char* name : names) find(name);
+std::filesystem::path Parameters::find_file(const std::string& file, const NamedValue& value) const {
+  return reader_.find_file(file, static_cast<const Parameter&>(value).where);
 }
 
 void Parameters::reject_unused() {
-  for (const Parameter& parameter : list_) {
-    if (parameter.used || parameter.optional) continue;
-    const std::string message =
-        title_ + " has the unknown parameter '" + parameter.name + "'" + did_you_mean(parameter.name, asked_);
-    if (!reader_.lenient) throw SceneError(parameter.where, message);
-    reader_.stand_in(parameter.where, message + " (left out)");
-  }
+  for (const Parameter& parameter : list_)
+    if (!parameter.used && !parameter.optional) reject(parameter);
 }
 
-void Parameters::fail(const std::string& message) const { throw SceneError(where_, title_ + " " + message); }
+void Parameters::raise(const NamedValue* value, const std::string& message) const {
+  throw SceneError(value != nullptr ? static_cast<const Parameter&>(*value).where : where_, message);
+}
 
-void Parameters::fail_at(const char* name, const std::string& message) const {
-  const Parameter* parameter = look(name);
-  throw SceneError(parameter != nullptr ? parameter->where : where_, title_ + ": '" + name + "' " + message);
+void Parameters::leave_out(const NamedValue& value, const std::string& message) const {
+  if (!reader_.lenient) raise(&value, message);
+  reader_.stand_in(static_cast<const Parameter&>(value).where, message + " (left out)");
 }
 
 void Parameters::unsupported(const std::string& what, const std::string& instead) const {

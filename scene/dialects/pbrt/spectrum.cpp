@@ -97,7 +97,7 @@ std::optional<SpectrumDescription> find_spectrum(Parameters& p, const char* name
   if (parameter == nullptr) return std::nullopt;
   SpectrumDescription spectrum = read_spectrum(p, name, *parameter, use);
   const SpectrumRole role = use == Use::kReflectance ? SpectrumRole::kReflectance : SpectrumRole::kEmission;
-  check_role(spectrum, role, parameter->where, p.title() + ": '" + name + "'");
+  check_role(spectrum, role, parameter->where, p.subject(*parameter));
   return spectrum;
 }
 

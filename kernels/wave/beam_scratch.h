@@ -1,0 +1,24 @@
+// Scratch memory with which the stage gather_volume looks photons up along rays.
+#pragma once
+
+#include "core/spectrum.h"
+#include "scene/tables/accel.h"
+
+#include <vector>
+
+namespace sheaf {
+
+/// A photon near a ray, with the transmittance from the origin of the ray.
+struct NearPhoton {
+  NearPoint point;
+  Spectrum4 transmittance;
+};
+
+/// Scratch memory for lookups along rays.
+struct BeamScratch {
+  std::vector<NearPoint> found;
+  std::vector<NearPhoton> photons;
+  std::vector<NearLine> lines;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,120 @@
+// Typed access to the named values of one object of a scene file: the properties of an XML element, or the parameters
+// of a pbrt directive. It records the names that the code queries. So the code itself is the list of known names, and
+// unused values can be reported.
+#pragma once
+
+#include "core/name_table.h"
+#include "core/vec.h"
+
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+/// Valid range of a number.
+struct NumberRange {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool open = false;  ///< excludes the ends
+};
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+inline constexpr NumberRange kUnitInterval{0, 1, false};
+
+/// Formats a number without trailing zeros for messages.
+std::string number_text(double number);
+
+/// One named value. The syntax of a dialect derives from it.
+struct NamedValue {
+  std::string name;   ///< as in the file
+  bool used = false;  ///< whether the reader has taken the value
+};
+
+/// The named values of an object. All functions throw SceneError for a value of the wrong type or out of its range.
+class NamedValues {
+ public:
+  NamedValues() = default;
+  virtual ~NamedValues() = default;
+  NamedValues(const NamedValues&) = delete;
+  NamedValues& operator=(const NamedValues&) = delete;
+
+  /// The object in messages: "shape 'sphere'".
+  virtual std::string title() const = 0;
+  /// A value in messages: "property 'radius' of shape 'sphere'".
+  std::string subject(const NamedValue& value) const;
+
+  /// Whether the value exists. Marks its name as known, but not the value as used.
+  bool has(const char* name);
+  std::optional<float> find_number(const char* name, NumberRange range = kAnyNumber);
+  float number(const char* name, float default_value, NumberRange range = kAnyNumber);
+  /// Also accepts a floating-point number of integral value.
+  int integer(const char* name, int default_value, int low, int high);
+  bool boolean(const char* name, bool default_value);
+  std::optional<std::string> find_string(const char* name);
+  std::string string(const char* name, const std::string& default_value);
+  std::optional<Vec3f> find_vec3(const char* name);
+  Vec3f vec3(const char* name, Vec3f default_value);
+  /// The value that a string names in a table. Throws SceneError for a name that is not in the table.
+  template <class Value> Value choice(const char* name, const NameTable<Value>& table, Value default_value) {
+    const std::optional<std::string> text = find_string(name);
+    if (!text) return default_value;
+    if (const Value* found = table.find(*text)) return *found;
+    fail_choice(name, *text, table.names());
+  }
+  /// The file named by a string, resolved to a regular file. Throws SceneError if the file or the string is missing.
+  std::filesystem::path file(const char* name);
+
+  /// Accepts any value of documented names that have no effect.
+  void ignore(std::initializer_list<const char*> names);
+
+  /// Throws SceneError at the object; the message starts with its title.
+  [[noreturn]] void fail(const std::string& message) const;
+  /// Throws SceneError at the value, or at the object if the value is absent.
+  [[noreturn]] void fail_at(const char* name, const std::string& message);
+  /// Throws SceneError: the text of a string is not one of `known`.
+  [[noreturn]] void fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known);
+
+ protected:
+  /// A number and its text for messages.
+  struct Number {
+    double value;
+    std::string text;
+  };
+
+  /// Returns the value of this name, or null.
+  virtual NamedValue* look(const char* name) = 0;
+  /// What the syntax calls a value: "property" or "parameter".
+  virtual const char* value_kind() const = 0;
+  /// Returns the form of a name by which names are compared.
+  virtual std::string key_of(std::string_view name) const { return std::string(name); }
+  virtual Number read_number(const NamedValue& value) const = 0;
+  virtual Number read_integer(const NamedValue& value) const = 0;
+  virtual bool read_boolean(const NamedValue& value) const = 0;
+  virtual std::string read_string(const NamedValue& value) const = 0;
+  virtual Vec3f read_vec3(const NamedValue& value) const = 0;
+  /// Returns the regular file of this name. Throws SceneError if it does not exist.
+  virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
+  /// Throws SceneError at the value, or at the object if it is null.
+  [[noreturn]] virtual void raise(const NamedValue* value, const std::string& message) const = 0;
+  /// Throws SceneError at the value; in lenient mode only reports that it is left out.
+  virtual void leave_out(const NamedValue& value, const std::string& message) const = 0;
+
+  /// Returns the value of this name and marks it as used; null if absent. Marks the name as known.
+  const NamedValue* use(const char* name);
+  /// Throws SceneError at the value; the message starts with its subject().
+  [[noreturn]] void fail_value(const NamedValue& value, const std::string& message) const;
+  /// Throws SceneError at the value unless the number is in the range.
+  void check_range(const char* name, const Number& number, NumberRange range);
+  /// Handles a value that is not used, so its name is unknown.
+  void reject(const NamedValue& value) const;
+
+ private:
+  std::vector<std::string> asked_;  ///< queried names, as spelled in the code
+};
+
+}  // namespace sheaf
