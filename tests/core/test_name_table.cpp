@@ -8,7 +8,7 @@ namespace sheaf::test_name_table {
 enum class Shape { kRound, kSquare };
 constexpr NameTable<Shape> kShapes{{{"round", Shape::kRound}, {"square", Shape::kSquare}, {"ball", Shape::kRound}}};
 
-TEST_CASE("name table: a name has one value, and a value's first name is its own") {
+TEST_CASE("name table: each name has one value and the first name of a value is its own") {
   static_assert(*kShapes.find("ball") == Shape::kRound);
   static_assert(kShapes.find("cube") == nullptr);
   CHECK(std::string(kShapes.name_of(Shape::kRound)) == "round");

@@ -50,7 +50,7 @@ const std::vector<Folder> kKernelFolders = {
     {"denoise", {}},  // works on images
 };
 
-/// A library that one file alone (a header and a source of the same name count as one) may include.
+/// An external library that only one file may include; a header and a source of the same name count as one.
 struct Wrapped {
   std::string_view library;
   std::vector<std::string_view> prefixes;  ///< prefixes of its headers
