@@ -13,8 +13,8 @@ function(sheaf_find_fuzzer)
     extern \"C\" int LLVMFuzzerTestOneInput(const unsigned char*, std::size_t) { return 0; }" SHEAF_HAS_FUZZER)
   if(NOT SHEAF_HAS_FUZZER)
     add_test(NAME fuzz
-      COMMAND "${CMAKE_COMMAND}" -E echo "left out: no clang++ with libFuzzer (packages clang, libclang-rt-dev)")
-    set_tests_properties(fuzz PROPERTIES LABELS fuzz SKIP_REGULAR_EXPRESSION "left out: ")
+      COMMAND "${CMAKE_COMMAND}" -E echo "skipped: no clang++ with libFuzzer (packages clang, libclang-rt-dev)")
+    set_tests_properties(fuzz PROPERTIES LABELS fuzz SKIP_REGULAR_EXPRESSION "skipped: ")
   endif()
 endfunction()
 

@@ -19,7 +19,7 @@ set(SHEAF_LONG_TESTS
 # with complete stack traces.
 set(SHEAF_WHOLE_STACK_TESTS image)
 
-# Tests that are skipped if a program is missing; they then print "left out: ".
+# Tests that are skipped if a program is missing; they then print "skipped: ".
 set(SHEAF_OPTIONAL_TESTS slurm)
 
 # sheaf_test_support(DEPENDS <target>...): adds the library sheaf_test_support, which all test programs link: main() and
@@ -91,7 +91,7 @@ function(sheaf_tests folder)
     sheaf_test_cost(${unit})
     set_tests_properties(${unit} PROPERTIES LABELS ${folder})
     if(unit IN_LIST SHEAF_OPTIONAL_TESTS)
-      set_tests_properties(${unit} PROPERTIES SKIP_REGULAR_EXPRESSION "left out: ")
+      set_tests_properties(${unit} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
     endif()
     if(unit IN_LIST SHEAF_WHOLE_STACK_TESTS)
       set_tests_properties(${unit} PROPERTIES ENVIRONMENT "ASAN_OPTIONS=intercept_tls_get_addr=0:fast_unwind_on_malloc=0")
@@ -130,5 +130,5 @@ endfunction()
 # sheaf_format_test(): checks that clang-format leaves every C++ file unchanged.
 function(sheaf_format_test)
   add_test(NAME format COMMAND tools/check_format.sh WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
-  set_tests_properties(format PROPERTIES LABELS format SKIP_REGULAR_EXPRESSION "left out: ")
+  set_tests_properties(format PROPERTIES LABELS format SKIP_REGULAR_EXPRESSION "skipped: ")
 endfunction()

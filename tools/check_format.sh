@@ -9,7 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 version=14
 program=$(command -v "clang-format-$version" || command -v clang-format || true)
 if [[ -z $program ]] || ! "$program" --version | grep -q "version $version\."; then
-  echo "left out: no clang-format $version (Debian 12: apt-get install clang-format)"
+  echo "skipped: no clang-format $version (Debian 12: apt-get install clang-format)"
   exit 0
 fi
 mode=(--dry-run -Werror)

@@ -8,7 +8,7 @@ namespace sheaf::test_name_table {
 enum class Shape { kRound, kSquare };
 constexpr NameTable<Shape> kShapes{{{"round", Shape::kRound}, {"square", Shape::kSquare}, {"ball", Shape::kRound}}};
 
-TEST_CASE("name table: a name has one value, and a value's first name is its own") {
+TEST_CASE("name table: each name has one value and the first name of a value is its own") {
   static_assert(*kShapes.find("ball") == Shape::kRound);
   static_assert(kShapes.find("cube") == nullptr);
   CHECK(std::string(kShapes.name_of(Shape::kRound)) == "round");
@@ -16,7 +16,7 @@ TEST_CASE("name table: a name has one value, and a value's first name is its own
   CHECK(kShapes.names() == std::vector<std::string>{"round", "square", "ball"});
 }
 
-TEST_CASE("name table: an unknown option is an error of usage with the nearest name") {
+TEST_CASE("name table: an unknown option is a usage error with the nearest name") {
   CHECK(kShapes.option("shape", "square") == Shape::kSquare);
   CHECK_THROWS_WITH_AS(kShapes.option("shape", "sqare"),
                        "unknown shape 'sqare', did you mean 'square'? (known: round, square, ball)", Error);
@@ -25,7 +25,7 @@ TEST_CASE("name table: an unknown option is an error of usage with the nearest n
   } catch (const Error& error) { CHECK(error.code() == ExitCode::kUsage); }
 }
 
-TEST_CASE("name table: lists of names in messages") {
+TEST_CASE("name table: messages list the names") {
   CHECK(joined({"a", "b"}) == "a, b");
   CHECK(known_names({"a", "b"}) == " (known: a, b)");
   CHECK(known_names({}) == " (known: none)");

@@ -160,7 +160,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
   }
   CHECK(told);
   if (megabytes >= 8000) {
-    MESSAGE("left out: nothing is rendered under a limit of addresses");
+    MESSAGE("skipped: no render succeeds under an address space limit");
     return;
   }
   for (const char* name : {"scene.xml", "picture.xml"}) {

@@ -109,7 +109,7 @@ std::optional<std::string> as_nobody() {
   if (geteuid() != 0) return "";
   const std::string nobody = "setpriv --reuid=65534 --regid=65534 --clear-groups ";
   if (std::system((nobody + "true >/dev/null 2>&1").c_str()) == 0) return nobody;
-  MESSAGE("left out: setpriv is missing");
+  MESSAGE("skipped: setpriv is missing");
   return std::nullopt;
 }
 
@@ -191,7 +191,7 @@ TEST_CASE("outputs: links are followed") {
   Workplace place;
   const fs::path far = fs::path("/dev/shm") / ("sheaf_test_" + std::to_string(getpid()));
   const bool has_far = fs::is_directory("/dev/shm") && access("/dev/shm", W_OK) == 0;
-  if (!has_far) MESSAGE("left out: there is no other file system to write to");
+  if (!has_far) MESSAGE("skipped: no second file system is writable");
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
     for (const bool is_there : {true, false})
@@ -250,7 +250,7 @@ exit $rc
   const std::string tried =
       "cd '" + place.folder.path().string() + "' && mkdir -p place && unshare -m mount -t tmpfs none place";
   if (std::system((tried + " >/dev/null 2>&1").c_str()) != 0) {
-    MESSAGE("left out: file systems cannot be mounted here");
+    MESSAGE("skipped: file systems cannot be mounted");
     return;
   }
   for (const Written& written : kWritten) {

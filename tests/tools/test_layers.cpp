@@ -51,7 +51,7 @@ const std::vector<Folder> kKernelFolders = {
     {"denoise", {}},  // works on images
 };
 
-/// A library that one file alone (a header and a source of the same name count as one) may include.
+/// An external library that only one file may include; a header and a source of the same name count as one.
 struct Wrapped {
   std::string_view library;
   std::vector<std::string_view> prefixes;  ///< prefixes of its headers
@@ -207,7 +207,7 @@ TEST_CASE("folders are listed after the folders that they may include") {
   }
 }
 
-TEST_CASE("an include line is recognised however it is spaced") {
+TEST_CASE("include lines are recognised with any spacing") {
   CHECK(included_header("#include \"core/vec.h\"") == "core/vec.h");
   CHECK(included_header("  #  include <xsimd/xsimd.hpp>  // why") == "xsimd/xsimd.hpp");
   CHECK_FALSE(included_header("// #include <vector>").has_value());
@@ -241,7 +241,7 @@ TEST_CASE("includes against the folders of scene/ are found") {
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "scene/description/description.h"}}).size() == 1);
 }
 
-TEST_CASE("breaches of the folders of kernels/ are found") {
+TEST_CASE("includes against the folders of kernels/ are found") {
   CHECK(find_breaches({{"kernels/bsdf/plastic.h", "kernels/bsdf/bsdf.h"},
                        {"kernels/wave/wave.h", "kernels/lights/light_tree.h"},
                        {"kernels/photons/light_task.h", "kernels/film/splat.h"},
@@ -258,7 +258,7 @@ TEST_CASE("breaches of the folders of kernels/ are found") {
   CHECK(find_breaches({{"kernels/new/file.cpp", "kernels/bsdf/bsdf.h"}}).size() == 1);
 }
 
-TEST_CASE("a library included past its wrapper is found") {
+TEST_CASE("includes of a library beside its wrapper are found") {
   CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/accel.cpp", "embree3/rtcore.h"}}).empty());
   CHECK(find_breaches({{"core/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/intersect.cpp", "embree4/rtcore.h"}}).size() == 1);

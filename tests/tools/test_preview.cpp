@@ -382,7 +382,7 @@ TEST_CASE("a missing or late or closed or blocked tev does not stop the render")
 
 TEST_CASE("a browser shows the render") {
   if (std::system("command -v chromium >/dev/null") != 0) {
-    MESSAGE("skipped: there is no chromium (Debian's package chromium)");
+    MESSAGE("skipped: chromium is missing (Debian package chromium)");
     return;
   }
   Render render("--serve 0" + std::string(kEndless));
