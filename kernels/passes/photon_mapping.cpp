@@ -122,8 +122,7 @@ void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, Photon
                                     {volume_emitted_, radius_of(settings_.volume), PhotonKind::kVolume, index,
                                      beam_radius(), count_of(settings_.volume)},
                                     tracing);
-  set.maps.volume = &set.volume.points;
-  if (settings_.uses_beams()) set.maps.beams = &set.volume.beams;
+  set.maps.volume = &set.volume;
 }
 
 void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context) {
@@ -142,7 +141,7 @@ void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracin
     make(set, at, workers, tracing, context);
     at.is_made = true;
   }
-  context.maps = &at.maps;
+  context.gather_from(at.maps);
 }
 
 }  // namespace sheaf

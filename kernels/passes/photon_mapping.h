@@ -8,7 +8,6 @@
 #pragma once
 
 #include "kernels/passes/trace_photons.h"
-#include "kernels/photons/photon_maps.h"
 
 #include <cstdint>
 #include <vector>
@@ -26,7 +25,8 @@ class PhotonMapping {
 
   /// How many of the next `most` samples use the same set.
   std::uint32_t samples_alike(std::uint32_t most) const { return sets_ == 1 ? most : 1u; }
-  /// Builds the maps of sample `sample` if they do not exist yet, and sets `context.maps`. The maps remain valid until
+  /// Builds the maps of sample `sample` if they do not exist yet, and makes `context` gather from
+  /// them. The maps remain valid until
   /// they are built for another sample, at most as long as this object. The first sample may be any; the others follow
   /// in order.
   void prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context);

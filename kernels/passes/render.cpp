@@ -53,11 +53,15 @@ void check_guiding(const IntegratorSettings& integrator) {
 StageContext context_of(const Scene& scene, const RenderOptions& options) {
   StageContext context(scene);
   if (options.guiding) check_guiding(context.integrator);
-  context.guides = options.guiding;
-  // Shadow rays of photons to the camera must pass hidden lights.
-  if (context.integrator.kind == IntegratorKind::kLightTracer && context.integrator.hide_emitters)
-    context.scene.needs_transmittance = true;
+  // Photons do not find light that reaches the camera unscattered, so the camera pass takes only that.
+  if (context.integrator.kind == IntegratorKind::kLightTracer) context.max_depth = 1;
   return context;
+}
+
+WaveNeeds needs_of(const StageContext& context, const RenderOptions& options) {
+  WaveNeeds needs = WaveNeeds::of(context);
+  needs.guides = options.guiding;
+  return needs;
 }
 
 /// A render in progress.
@@ -66,7 +70,7 @@ class Renderer {
   Renderer(const Scene& scene, const RenderOptions& options, SamplePlan plan)
       : scene_(scene),
         context_(context_of(scene, options)),
-        needs_(WaveNeeds::of(context_)),
+        needs_(needs_of(context_, options)),
         options_(options),
         plan_(std::move(plan)),
         threads_(threads_of(options)),
@@ -82,7 +86,7 @@ class Renderer {
     context_.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                     plan_.replicate_samples, static_cast<std::uint32_t>(plan_.frame.row_length()));
     total_ = plan_.wanted.area() * plan_.range.count;
-    context_.guide = guide_.view();
+    if (options.guiding) context_.sample_from(guide_.view());
     if (options.guiding) training_passes_ = training_passes(state_.film.width(), state_.film.height(), plan_.spp);
     total_ += training_samples(state_.film.width(), state_.film.height(), training_passes_);
     if (context_.integrator.kind == IntegratorKind::kPhotonMapper) {
@@ -151,7 +155,7 @@ class Renderer {
   void train() {
     guide_ =
         train_guide(context_, workers_, state_.film.width(), state_.film.height(), training_passes_, guide_training_);
-    context_.guide = guide_.view();
+    context_.sample_from(guide_.view());
   }
 
   /// Resumes from the state of a paused render.
@@ -311,13 +315,15 @@ class Renderer {
   }
 
   /// Channels of the light groups in the samples of the worker's task.
-  LightGroupSink group_sink(CameraTask& task) const {
-    if (plan_.light_groups.empty()) return {};
+  std::optional<LightGroupSink> group_sink(CameraTask& task) const {
+    if (plan_.light_groups.empty()) return std::nullopt;
     const auto channels = static_cast<std::size_t>(state_.film.layout().size());
-    const bool spectral = context_.scene.color == ColorMode::kSpectral;
-    return {task.samples[0] + channels - 3 * plan_.light_groups.size(), channels, group_of_light_.data(),
-            static_cast<std::uint16_t>(plan_.light_groups.size() - 1),
-            spectral ? context_.scene.spectral.sensor : nullptr};
+    return LightGroupSink{task.samples[0] + channels - 3 * plan_.light_groups.size(),
+                          channels,
+                          group_of_light_.data(),
+                          static_cast<std::uint16_t>(plan_.light_groups.size() - 1),
+                          context_.scene.color,
+                          context_.scene.spectral.sensor};
   }
 
   void report_done(std::uint64_t more) {
@@ -346,12 +352,10 @@ class Renderer {
                         AovChannels(state_.film.layout(), options_.aovs));
     worker.wave.light_groups = group_sink(worker.camera);
     StageContext context = context_;
-    context.camera = &worker.camera;
+    context.set_camera_task(worker.camera);
     context.sampler = sampler;
-    // Photons do not find light that reaches the camera unscattered, so the camera pass takes only that.
-    if (context.integrator.kind == IntegratorKind::kLightTracer) context.integrator.max_depth = 1;
     sheaf::run_pass<Wide>(context, worker.wave);
-    worker.wave.light_groups = {};
+    worker.wave.light_groups.reset();
     reduce(worker.camera, worker.tile);
     report_done(static_cast<std::uint64_t>(worker.camera.total()));
   }
@@ -387,8 +391,8 @@ class Renderer {
     Worker& worker = workers_.local();
     worker.photons.begin(first, count, splat_filter_->bounds(state_.film.crop()));
     StageContext context = context_;
-    context.pass = PassKind::kLight;
-    context.photons = &worker.photons;
+    context.start_at_lights(PassKind::kLight, worker.photons);
+    context.max_depth = context.integrator.max_depth;
     context.sampler = without_frame(context.sampler);
     sheaf::run_pass<Wide>(context, worker.wave);
     worker.photons.sort_splats();

@@ -114,9 +114,9 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
 }
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan) {
-  StageContext context(scene);
-  context.guides = options.guiding;
-  const WaveNeeds needs = WaveNeeds::of(context);
+  const StageContext context(scene);
+  WaveNeeds needs = WaveNeeds::of(context);
+  needs.guides = options.guiding;
   const FilmSize film = film_size(plan, options);
   const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
   const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";

@@ -72,10 +72,10 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           worker.camera.begin(tasks[i], frame, kBeautyChannels);
           worker.guide.begin(worker.camera.total());
           StageContext of_task = context;
-          of_task.camera = &worker.camera;
-          of_task.training = &worker.guide;
+          of_task.set_camera_task(worker.camera);
+          of_task.record_in(worker.guide);
           run_pass<Wide>(of_task, worker.wave);
-          told[i] = worker.guide.records(context.guide, means);
+          told[i] = worker.guide.records(context.guide(), means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
@@ -121,7 +121,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
   for (const TrainingPass& pass : passes) {
     if (training.stopped()) break;
     std::uint64_t start = timestamp();
-    of_passes.guide = field.view();
+    of_passes.sample_from(field.view());
     const auto told = run_pass(of_passes, workers, width, height, pass, field.means(), training);
     training.report.trace_seconds += seconds_since(start);
     start = timestamp();
