@@ -1,5 +1,5 @@
 // Stage: accumulate. Moves the radiance of finished paths to the samples of the task. At the end of the task the film
-// adds them in order (kernels/passes/render.cpp).
+// adds them in order (kernels/passes/task_runner.cpp).
 //
 // In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The colour of a single sample
 // is usually out of gamut, and its negative components must be kept. So samples are dropped for negative radiances,
