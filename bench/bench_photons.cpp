@@ -40,8 +40,8 @@ template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float ra
 class GatheringWave {
  public:
   GatheringWave(const Scene& scene, const PhotonMaps& maps, Stage end)
-      : context_(scene, &task_), wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
-    context_.maps = &maps;
+      : context_(scene, task_), wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
+    context_.gather_from(maps);
     const FilmSettings& film = scene.film();
     const int side = 16;
     pixels_ = samples_of({film.width / 2 - side, film.height / 4, film.width / 2 + side, film.height / 4 * 3},
@@ -107,8 +107,9 @@ void gather_around(benchmark::State& state, float radius, int lookup_size) {
 void gather_along(benchmark::State& state, float radius) {
   const FlushDenormals flush;
   const auto scene = load_scene("scenes/media/fog.xml");
-  const VolumePhotonMap map = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons).points;
-  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
+  const VolumePhotonMaps volume = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons);
+  const VolumePhotonMap& map = volume.points;
+  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
   GatheringWave gathering(*scene, maps, Stage::kGatherVolume);
   Wave& wave = gathering.wave();
   std::vector<NearPoint> found;

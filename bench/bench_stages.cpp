@@ -23,14 +23,12 @@ namespace sheaf {
 
 namespace {
 
-/// The settings of the scene; with `photons` those of the light pass.
-StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photons) {
+/// The context of a pass of this kind, with the settings of the scene.
+StageContext context_of(const Scene& scene, CameraTask& camera, LightTask& photons, PassKind pass) {
   StageContext context(scene, camera);
-  context.photons = photons;
-  if (photons != nullptr) {
-    context.integrator.kind = IntegratorKind::kLightTracer;
-    context.pass = PassKind::kLight;
-  }
+  if (pass != PassKind::kLight) return context;
+  context.integrator.kind = IntegratorKind::kLightTracer;
+  context.start_at_lights(pass, photons);
   return context;
 }
 
@@ -38,8 +36,8 @@ StageContext context_of(const Scene& scene, CameraTask* camera, LightTask* photo
 /// the light pass.
 class WarmWave {
  public:
-  WarmWave(const Scene& scene, bool photons)
-      : context_(context_of(scene, &task_, photons ? &photons_ : nullptr)),
+  WarmWave(const Scene& scene, PassKind pass)
+      : context_(context_of(scene, task_, photons_, pass)),
         wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
     const FilmSettings& film = scene.film();
     bounds_ = {-0.5f, -0.5f, static_cast<float>(film.width) + 0.5f, static_cast<float>(film.height) + 0.5f};
@@ -90,7 +88,7 @@ const Scene& load_scene(const char* file) {
 /// Times one stage by its own counter, which excludes restoring the wave.
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
-  WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons);
+  WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons ? PassKind::kLight : PassKind::kPath);
   if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene has no use for this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();

@@ -62,7 +62,7 @@ void run_round(const Scene& scene, const std::vector<std::vector<PixelSamples>>&
                Contender& contender) {
   const FlushDenormals flush;
   CameraTask task;
-  const StageContext context(scene, &task);
+  const StageContext context(scene, task);
   Wave wave(contender.wave_size, WaveNeeds::of(context));
   const Stopwatch watch;
   for (const std::vector<PixelSamples>& tile : tiles) {

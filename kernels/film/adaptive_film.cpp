@@ -71,13 +71,15 @@ bool AdaptiveFilm::begin_round() {
     Tile& tile = tiles_[i];
     const std::uint32_t taken = tile.sets[0].samples;
     if (tile.is_content()) continue;
-    // Test both halves, and estimate the final number of samples: the variance is proportional to 1 / n.
-    double expected = most;
+    // Test both halves, and estimate the final number of samples by the noisier one: the variance is proportional to
+    // 1 / n.
+    const bool is_known = wanted > 0 && taken >= kMinSamples;
+    double expected = is_known ? taken : most;
     for (int half = 0; half < 2; ++half) {
-      const bool is_known = wanted > 0 && taken >= kMinSamples;
       tile.content[half] = tile.content[half] || taken >= most || (is_known && noise[half][i] <= wanted);
-      if (is_known) expected = std::clamp(taken * noise[half][i] / wanted, 1.0 * taken, 1.0 * most);
+      if (is_known && !tile.content[half]) expected = std::max(expected, taken * noise[half][i] / wanted);
     }
+    expected = std::min(expected, 1.0 * most);
     const std::uint32_t next = tile.is_content() ? 0 : std::min(next_samples(taken), most - taken);
     expected_[i] = kSets * (tile.is_content() ? taken : std::max(expected, 1.0 * (taken + next)));
     if (tile.is_content()) continue;

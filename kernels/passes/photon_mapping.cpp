@@ -41,19 +41,21 @@ bool has_phase_functions(const SceneView& scene) {
   return any;
 }
 
+std::uint32_t photon_map_sets(const PhotonMappingSettings& settings, ColorMode color, std::uint32_t samples) {
+  if (settings.progressive) return samples;
+  return color == ColorMode::kSpectral ? std::min(samples, kWavelengthSets) : 1;
+}
+
 PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side)
     : settings_(context.integrator.photons),
       scene_radius_(context.scene.radius),
-      pixel_(context.scene.radius / static_cast<float>(film_side)) {
-  if (settings_.progressive) {
-    if (samples > kMaxPhotonSets)
-      throw Error(ExitCode::kUsage, "progressive photon mapping has a pass for each sample per pixel, at most " +
-                                        std::to_string(kMaxPhotonSets));
-    sets_ = samples;
-  }
+      pixel_(context.scene.radius / static_cast<float>(film_side)),
+      sets_(photon_map_sets(settings_, context.scene.color, samples)) {
+  if (settings_.progressive && samples > kMaxPhotonSets)
+    throw Error(ExitCode::kUsage, "progressive photon mapping has a pass for each sample per pixel, at most " +
+                                      std::to_string(kMaxPhotonSets));
   if (!has_phase_functions(context.scene)) settings_.volume.count = 0;
   if (context.scene.color != ColorMode::kSpectral) return;
-  if (!settings_.progressive) sets_ = std::min(samples, kWavelengthSets);
   std::uint32_t x = context.sampler.seed, y = 0, z = 0, w = 0;
   hash4(x, y, z, w);
   offset_ = static_cast<float>(x >> 8) * 0x1p-24f;
@@ -122,8 +124,7 @@ void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, Photon
                                     {volume_emitted_, radius_of(settings_.volume), PhotonKind::kVolume, index,
                                      beam_radius(), count_of(settings_.volume)},
                                     tracing);
-  set.maps.volume = &set.volume.points;
-  if (settings_.uses_beams()) set.maps.beams = &set.volume.beams;
+  set.maps.volume = &set.volume;
 }
 
 void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context) {
@@ -142,7 +143,7 @@ void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracin
     make(set, at, workers, tracing, context);
     at.is_made = true;
   }
-  context.maps = &at.maps;
+  context.gather_from(at.maps);
 }
 
 }  // namespace sheaf

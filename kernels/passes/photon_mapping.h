@@ -1,14 +1,13 @@
 // The photon maps of a render: the number of sets of maps, when they are built, and which samples use them.
 //
-// Usually one set serves all samples. Progressive photon mapping has one set per sample per pixel, with shrinking
-// radii, and keeps only one at a time (Knaus and Zwicker, "Progressive Photon Mapping: A Probabilistic Approach", 2011;
-// Jarosz et al., "Progressive Photon Beams", 2011). In spectral mode photons and paths must agree on their wavelengths.
-// So each set of maps and the samples that use it share the same four wavelengths, and the requested photons are
-// divided among the sets.
+// Usually one set serves all samples. If there are more, adjacent samples use different sets. Progressive photon
+// mapping has one set per sample per pixel, with shrinking radii, and keeps only one at a time (Knaus and Zwicker,
+// "Progressive Photon Mapping: A Probabilistic Approach", 2011; Jarosz et al., "Progressive Photon Beams", 2011). In
+// spectral mode photons and paths must agree on their wavelengths. So each set of maps and the samples that use it
+// share the same four wavelengths, and the requested photons are divided among the sets.
 #pragma once
 
 #include "kernels/passes/trace_photons.h"
-#include "kernels/photons/photon_maps.h"
 
 #include <cstdint>
 #include <vector>
@@ -18,15 +17,17 @@ namespace sheaf {
 /// Whether any medium scatters, so that media can store photons.
 bool has_phase_functions(const SceneView& scene);
 
+/// Number of sets of maps for `samples` samples per pixel.
+std::uint32_t photon_map_sets(const PhotonMappingSettings& settings, ColorMode color, std::uint32_t samples);
+
 class PhotonMapping {
  public:
   /// For a render of `samples` samples per pixel (camera samples times gather rays). `context`: of the camera pass.
   /// `film_side`: longer side of the frame, pixels. Throws Error (usage) if there are too many passes.
   PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side);
 
-  /// How many of the next `most` samples use the same set.
-  std::uint32_t samples_alike(std::uint32_t most) const { return sets_ == 1 ? most : 1u; }
-  /// Builds the maps of sample `sample` if they do not exist yet, and sets `context.maps`. The maps remain valid until
+  /// Builds the maps of sample `sample` if they do not exist yet, and makes `context` gather from
+  /// them. The maps remain valid until
   /// they are built for another sample, at most as long as this object. The first sample may be any; the others follow
   /// in order.
   void prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context);
@@ -58,9 +59,9 @@ class PhotonMapping {
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
 
   PhotonMappingSettings settings_;
-  std::uint64_t sets_ = 1;
   /// Radius of the scene's bounding sphere, m, and this radius over the number of pixels of the frame's longer side.
   float scene_radius_, pixel_;
+  std::uint64_t sets_;
   float offset_ = -1;       ///< shift in [0, 1) of the numbers that give wavelengths; -1: RGB mode
   std::uint32_t pass_ = 0;  ///< pass to which `shrunk_` belongs
   /// Squared radius over that of the first pass; for beams, the radius over that of the first pass.

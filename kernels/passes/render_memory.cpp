@@ -3,7 +3,7 @@
 
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/photon_mapping.h"
-#include "kernels/passes/sample_plan.h"
+#include "kernels/passes/sample_layout.h"
 #include "kernels/passes/tiles.h"
 #include "kernels/photons/photon.h"
 #include "kernels/photons/photon_beam.h"
@@ -24,43 +24,43 @@ double area_of(const PixelRect& rect) { return static_cast<double>(rect.width())
 
 /// Layout and size of the film per pixel.
 struct FilmSize {
-  FilmLayout layout;
+  FilmLayout channels;
   FilmRow row;
   double pixels, numbers;  ///< `numbers`: of 8 bytes, per pixel
   double coverage;         ///< bytes per pixel
 };
 
-FilmSize film_size(const SamplePlan& plan, const RenderOptions& options) {
-  const FilmLayout layout = film_layout(options.aovs, plan.has_variances, plan.light_groups);
-  const FilmRow row(layout, options.spectral_bins, plan.unit == VarianceUnit::kSample);
+FilmSize film_size(const SampleLayout& layout, const RenderOptions& options) {
+  const FilmLayout channels = film_layout(options.aovs, layout.has_variances, layout.light_groups);
+  const FilmRow row(channels, options.spectral_bins, layout.unit == VarianceUnit::kSample);
   const auto variances = static_cast<double>(row.variances);
   double numbers = 1 + static_cast<double>(row.film_size());
-  if (plan.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;
-  if (layout.half_count() > 0) numbers += 1 + layout.half_count();
+  if (layout.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;
+  if (channels.half_count() > 0) numbers += 1 + channels.half_count();
   const double coverage = options.aovs.contains(AovSource::kSurfaceId) ? kCoverageBytes : 0;
-  return {layout, row, area_of(plan.crop), numbers, coverage};
+  return {channels, row, area_of(layout.crop), numbers, coverage};
 }
 
 /// Area of a square of `side` pixels grown by `reach` on each side, over the area of the square.
 double spread_of(int side, int reach) { return std::pow(1 + 2.0 * reach / side, 2); }
 
 /// Bytes per pixel of the borders that tiles add to each other. All of them are kept until the pass ends.
-double border_bytes(const FilmSize& film, const SamplePlan& plan) {
-  if (plan.reach == 0) return 0;
-  const int side = tile_side(std::min({kPassSamples, plan.range.count, plan.replicate_samples}));
-  return (spread_of(side, plan.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+double border_bytes(const FilmSize& film, const SampleLayout& layout) {
+  if (layout.reach == 0) return 0;
+  const int side = tile_side(std::min({kPassSamples, layout.range.count, layout.replicate_samples}));
+  return (spread_of(side, layout.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
 }
 
 /// Bytes per pixel of the sums of adaptive sampling.
-double adaptive_bytes(const FilmSize& film, const SamplePlan& plan) {
+double adaptive_bytes(const FilmSize& film, const SampleLayout& layout) {
   const double sums = 8 * static_cast<double>(1 + film.row.channels + film.row.bins) + film.coverage;
-  return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, plan.reach) + 8 + 16);
+  return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, layout.reach) + 8 + 16);
 }
 
 /// Bytes per pixel of the final image, and of its copy from before the id layers were added.
 double picture_bytes(const FilmSize& film, const RenderOptions& options) {
   const double channels =
-      film.layout.size() + static_cast<double>(film.row.variances + film.row.bins) + film.layout.half_count() + 1;
+      film.channels.size() + static_cast<double>(film.row.variances + film.row.bins) + film.channels.half_count() + 1;
   double ids = 0;
   for (const Aov aov : {Aov::kObjectId, Aov::kMaterialId}) ids += options.aovs.contains(aov) ? 1 : 0;
   for (const Aov aov : {Aov::kCryptomatteObject, Aov::kCryptomatteMaterial})
@@ -90,12 +90,13 @@ double photon_bytes(const StageContext& context) {
 }
 
 /// Bytes per thread: its wave, the samples of its task, and its tile.
-double worker_bytes(const FilmSize& film, const SamplePlan& plan, const WaveNeeds& needs, int wave_size) {
-  const double sample = 4.0 * film.layout.size() + sizeof(SampleOffset) +
+double worker_bytes(const FilmSize& film, const SampleLayout& layout, const WaveNeeds& needs, int wave_size) {
+  const double sample = 4.0 * film.channels.size() + sizeof(SampleOffset) +
                         (film.row.bins > 0 ? sizeof(SpectralSample) : 0) +
                         (film.coverage > 0 ? sizeof(SurfaceSample) : 0);
-  const double side = plan.adapts ? kAdaptiveSide : 64;
-  const double tile = std::pow(side + 2.0 * plan.reach, 2) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+  const double side = layout.adapts ? kAdaptiveSide : 64;
+  const double tile =
+      std::pow(side + 2.0 * layout.reach, 2) * (8 * static_cast<double>(film.row.size()) + film.coverage);
   return static_cast<double>(Wave::bytes_per_path(needs)) * wave_size + kTaskSamples * sample + tile;
 }
 
@@ -110,26 +111,26 @@ int wave_size_of(const RenderOptions& options, const WaveNeeds& needs) {
 }
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options) {
-  return render_memory(scene, options, make_sample_plan(scene, options, scene.integrator()));
+  return render_memory(scene, options, make_sample_layout(scene, options));
 }
 
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan) {
-  StageContext context(scene);
-  context.guides = options.guiding;
-  const WaveNeeds needs = WaveNeeds::of(context);
-  const FilmSize film = film_size(plan, options);
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
+  const StageContext context(scene);
+  WaveNeeds needs = WaveNeeds::of(context);
+  needs.guides = options.guiding;
+  const FilmSize film = film_size(layout, options);
   const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
   const std::string parts = "render parts of it by --crop and join them by 'sheaf merge'";
   std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
                                parts + ", or write fewer layers"}};
   // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
-  const double edges = plan.adapts ? adaptive_bytes(film, plan) : border_bytes(film, plan);
-  uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
+  const double edges = layout.adapts ? adaptive_bytes(film, layout) : border_bytes(film, layout);
+  uses.push_back({layout.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
                   parts + ", or write fewer layers"});
   uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + ", or write fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "use fewer photons"});
-  uses.push_back({"rays", threads_of(options) * worker_bytes(film, plan, needs, wave_size_of(options, needs)),
+  uses.push_back({"rays", threads_of(options) * worker_bytes(film, layout, needs, wave_size_of(options, needs)),
                   "use fewer --threads or smaller waves (--wave-size)"});
   return uses;
 }

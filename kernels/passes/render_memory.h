@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-struct SamplePlan;
+struct SampleLayout;
 
 /// Number of threads, and of paths in flight per worker, for these options.
 int threads_of(const RenderOptions& options);
@@ -19,7 +19,7 @@ int wave_size_of(const RenderOptions& options, const WaveNeeds& needs);
 /// before rendering and are estimated. Throws as render() does for invalid options.
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options);
 
-/// The same with the sample plan of these options.
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SamplePlan& plan);
+/// The same with the sample layout of these options.
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout);
 
 }  // namespace sheaf

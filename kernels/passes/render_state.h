@@ -13,7 +13,8 @@
 
 namespace sheaf {
 
-/// Everything from which a render resumes. Photon maps and the guide are not stored but computed again.
+/// The state of a sample plan: everything from which a render resumes. Photon maps and the guide are not stored but
+/// computed again.
 struct RenderState {
   Film film;                             ///< without the borders of the tiles of the current pass
   std::uint32_t first_sample = 0;        ///< per pixel, of the current pass, or of the next one between passes
@@ -22,7 +23,7 @@ struct RenderState {
   std::optional<AdaptiveFilm> adaptive;  ///< adaptive sampling: sums of tiles, from which `film` is assembled
   std::optional<SplatFilm> splats;       ///< light tracing: contributions of photons
   std::uint64_t photons = 0;             ///< number of photons emitted
-  Stats::Dropped dropped;                ///< up to the last time the render was resumed
+  Stats::Dropped dropped;                ///< of this render and of those that it resumes
 };
 
 /// Settings on which a render depends, as readable names and values.

@@ -62,7 +62,9 @@ template <class L> class Schedule {
 };
 
 /// Whether the source has paths left to start. Camera rays never fail to start, photons may.
-bool has_paths_left(const StageContext& context) { return context.starts_at_lights() && context.photons->left() > 0; }
+bool has_paths_left(const StageContext& context) {
+  return context.starts_at_lights() && context.light_task().left() > 0;
+}
 
 }  // namespace
 

@@ -1,172 +1,221 @@
-// Validates the options of a render and derives its sample plan.
+// Divides samples into rounds and tasks, and adds what the tasks have found to the film.
 #include "kernels/passes/sample_plan.h"
 
 #include "core/error.h"
-#include "kernels/passes/render_report.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace sheaf {
 
 namespace {
 
-/// Number of replicates where they cost nothing.
-constexpr std::uint32_t kFreeReplicates = 8;
+/// Samples per pixel that adaptive sampling takes at once.
+constexpr std::uint32_t kAdaptiveSamples = 16;
 
-/// Maximum of samples per pixel times gather rays.
-constexpr std::uint32_t kMaxSamples = 1 << 24;
-[[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
+/// Photons per task, and tasks per round. The splats of a round are kept until it ends.
+constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
-PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
-  const FilmSettings& film = scene.film();
-  const PixelRect whole{0, 0, film.width, film.height};
-  const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
-  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
-      crop.height() <= 0)
-    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
-                                      std::to_string(film.height) + " pixels");
-  return crop;
-}
-
-/// Checks that the pixels of the frame and of its border can be numbered by 31 bits.
-void check_frame(const FilmSettings& film, const SampledFrame& frame) {
-  constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
-  if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
-  refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
-         " pixels is too large: expected 2^31 pixels at most, also where a part of them is rendered");
-}
-
-void check_spectral_bins(const Scene& scene, int bins) {
-  if (bins == 0) return;
-  if (bins < 0 || bins > kMaxSpectralBins)
-    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
-  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
-    throw Error(ExitCode::kUsage,
-                "spectral bins need spectral mode and an integrator that follows light from the camera");
-}
-
-/// Samples per pixel if the options do not set them.
-std::uint32_t default_samples(const Scene& scene) {
-  const IntegratorSettings& integrator = scene.integrator();
-  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
-  if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
-  return scene.sampler().sample_count;
-}
-
-/// Whether layers that come from replicates are requested.
-bool wants_halves(const RenderOptions& options) {
-  return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
-}
-
-void check_layers(const RenderOptions& options, const IntegratorSettings& transport, std::uint32_t spp) {
-  const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
-  const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
-  if ((options.light_groups || of_surfaces) && !follows_paths)
-    refuse("layers of surfaces and of lights need an integrator that follows light from the camera, such as path; " +
-           integrator_name(transport) + " is none");
-  if (of_surfaces && transport.max_depth == 1)
-    refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
-  if (options.aovs.contains(Aov::kHalf) && transport.kind == IntegratorKind::kLightTracer)
-    refuse("the layer half is of samples from the camera, and ptracer follows light the other way");
-  if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
-}
-
-void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, std::uint32_t spp) {
-  if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
-    refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
-  if (transport.kind != IntegratorKind::kPath)
-    refuse("a noise target or a time limit needs an integrator that follows paths from the camera, such as path; " +
-           integrator_name(transport) + " is none");
-  if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
-}
-
-/// Names of the light groups with layers.
-std::vector<std::string> group_lights(const SceneNames& names, const IntegratorSettings& transport) {
-  std::vector<std::string> groups = names.lights;
-  // Photon maps mix the light of all groups.
-  if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
-  if (groups.size() > kMaxLightGroups)
-    refuse("the scene has " + std::to_string(groups.size()) + " lights with names of their own, expected at most " +
-           std::to_string(kMaxLightGroups) +
-           " for light groups: those of the same id are one group, and those without an id");
-  return groups;
-}
-
-/// Plans replicates, halves and the unit of variances.
-void plan_sets(const RenderOptions& options, SamplerKind sampler, SamplePlan& plan) {
-  std::uint32_t replicates =
-      options.replicates > 0 ? static_cast<std::uint32_t>(options.replicates) : default_replicates(sampler, plan.spp);
-  if (wants_halves(options)) replicates = std::max(replicates, 2u);
-  const bool by_samples = sampler == SamplerKind::kIndependent && plan.reach == 0 && !plan.adapts;
-  plan.replicate_samples = by_samples ? plan.spp : (plan.spp + replicates - 1) / replicates;
-  const std::uint32_t made = (plan.spp + plan.replicate_samples - 1) / plan.replicate_samples;
-  plan.half_samples = by_samples ? plan.spp / 2 : made / 2 * plan.replicate_samples;
-  plan.unit = by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate;
-  plan.has_variances = by_samples || plan.adapts || plan.replicate_samples < plan.spp;
-}
-
-/// Converts the requested samples to samples of the plan. Throws if they cannot be taken alone.
-SampleRange plan_range(const SampleRange& asked, const SamplePlan& plan, const IntegratorSettings& transport) {
-  const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
-  const std::uint32_t samples = plan.spp / plan.rays;
-  if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
-    refuse("the samples " + name + " are none of the " + std::to_string(samples) +
-           " samples per pixel, which count from 0");
-  if (transport.kind == IntegratorKind::kLightTracer)
-    refuse("some of the samples can be taken alone where they come from the camera; " + integrator_name(transport) +
-           " follows light the other way");
-  if (plan.adapts) refuse("a noise target or a time limit cannot judge some of the samples alone");
-  const SampleRange range{asked.first * plan.rays, asked.count * plan.rays};
-  const std::uint32_t set = plan.replicate_samples;
-  const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == plan.spp);
-  if (is_whole || set == plan.spp) return range;  // a single set may be split anywhere
-  const std::string size = std::to_string(set);
-  refuse("the samples " + name + " cut through one of the " + std::to_string((plan.spp + set - 1) / set) + " sets of " +
-         size + " samples that tell the variance: they must begin and end at multiples of " + size +
-         (plan.rays > 1 ? " gather rays" : "") + ", or --replicates make other sets");
-}
+[[noreturn]] void refuse_checkpoint() { throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render"); }
 
 }  // namespace
 
-std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
-  if (kind == SamplerKind::kIndependent) return kFreeReplicates;
-  if (samples < 32) return 1;
-  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleLayout layout)
+    : layout_(std::move(layout)) {
+  state_.film = layout_.make_film(scene, options);
+  state_.first_sample = layout_.range.first;
+  if (layout_.adapts) set_adaptive({options.noise_target, layout_.spp});
+  if (options.guiding) training_ = training_passes(state_.film.width(), state_.film.height(), layout_.spp);
+  if (scene.integrator().kind == IntegratorKind::kLightTracer) set_photons(scene);
+  if (options.resume != nullptr) resume(*options.resume);
+  is_trained_ = training_.empty() || state_.first_sample == layout_.range.end();
 }
 
-SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, const IntegratorSettings& transport) {
-  SamplePlan plan;
-  const SamplerKind sampler = scene.sampler().kind;
-  plan.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
-  if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
-    plan.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
-  if (plan.spp > kMaxSamples / plan.rays)
-    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMaxSamples));
-  plan.spp *= plan.rays;
-  if (plan.spp == 0) refuse("samples per pixel must be at least 1");
-  plan.crop = checked_crop(scene, options);
-  check_spectral_bins(scene, options.spectral_bins);
-  check_layers(options, transport, plan.spp);
-  plan.adapts = options.noise_target > 0 || options.time_limit > 0;
-  if (plan.adapts) check_adaptive(sampler, transport, plan.spp);
-
-  const FilmSettings& film = scene.film();
-  const FilterWeights* const weights = scene.view().filter_weights;
-  plan.reach = weights != nullptr ? weights->reach() : 0;
-  plan.frame = {film.width, film.sample_border ? plan.reach : 0};
-  check_frame(film, plan.frame);
-  const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(plan.frame.border);
-  plan.wanted = plan.crop.grown(plan.reach).intersection(sampled);
-  plan_sets(options, sampler, plan);
-  plan.range = options.samples ? plan_range(*options.samples, plan, transport) : SampleRange{0, plan.spp};
-  if (options.light_groups) plan.light_groups = group_lights(scene.names(), transport);
-  return plan;
+void SamplePlan::set_adaptive(const AdaptiveGoal& goal) {
+  tiles_ = make_tiles(layout_.wanted, kAdaptiveSide);
+  std::vector<PixelRect> squares;
+  for (const Tile& tile : tiles_) squares.push_back(tile.pixels);
+  state_.adaptive.emplace(state_.film, squares, layout_.reach, goal);
 }
 
-Film SamplePlan::make_film(const Scene& scene, const RenderOptions& options) const {
-  return Film(scene.film().width, scene.film().height, crop, film_layout(options.aovs, has_variances, light_groups),
-              options.spectral_bins, unit, options.aovs.contains(AovSource::kSurfaceId));
+/// Sets the number of photons, and allocates the film of their splats.
+void SamplePlan::set_photons(const Scene& scene) {
+  const int width = state_.film.width(), height = state_.film.height();
+  // One photon per sample of the whole frame, so that a crop gets the same photons.
+  const auto count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * layout_.spp;
+  const bool splats = scene.integrator().max_depth != 1 && scene.view().light_count > 0;
+  const bool turns = scene.view().camera.rays == CameraRays::kSpherical;
+  const PixelRect frame{0, 0, width, height};
+  photons_.emplace(PhotonRounds{
+      splats ? count : 0, SplatFilter(scene.film().filter, scene.film().filter_mode, frame.grown(layout_.frame.border),
+                                      turns ? static_cast<float>(width) : 0.0f)});
+  state_.splats.emplace(layout_.crop);
+}
+
+void SamplePlan::resume(RenderState& from) {
+  const bool same = from.film.width() == state_.film.width() && from.film.height() == state_.film.height() &&
+                    from.film.crop() == state_.film.crop() && from.film.layout() == state_.film.layout() &&
+                    from.film.spectral_bins() == state_.film.spectral_bins() &&
+                    from.film.variance_unit() == state_.film.variance_unit() &&
+                    from.film.has_surface_ids() == state_.film.has_surface_ids() &&
+                    from.splats.has_value() == state_.splats.has_value() &&
+                    from.adaptive.has_value() == state_.adaptive.has_value() &&
+                    from.first_sample >= layout_.range.first && from.first_sample <= layout_.range.end() &&
+                    from.photons <= photon_count();
+  if (!same) refuse_checkpoint();
+  state_ = std::move(from);
+  dropped_before_ = state_.dropped;
+  if (state_.tiles.empty()) return;
+  if (state_.adaptive || state_.first_sample == layout_.range.end()) refuse_checkpoint();
+  begin_pass();
+}
+
+std::uint64_t SamplePlan::sample_total() const {
+  const std::uint64_t others = training_samples(state_.film.width(), state_.film.height(), training_) + photon_count();
+  if (!state_.adaptive) return others + layout_.wanted.area() * layout_.range.count;
+  double samples = 0;
+  for (std::size_t i = 0; i < tiles_.size(); ++i)
+    samples += state_.adaptive->expected_samples(i) * static_cast<double>(tiles_[i].wanted.area());
+  return others + static_cast<std::uint64_t>(samples);
+}
+
+std::uint64_t SamplePlan::samples_before() const {
+  std::uint64_t samples = layout_.wanted.area() * (state_.first_sample - layout_.range.first) + state_.photons;
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    if (state_.adaptive) samples += tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
+    if (!state_.tiles.empty() && state_.tiles[i] != 0) samples += tiles_[i].wanted.area() * pass_samples();
+  }
+  return samples;
+}
+
+bool SamplePlan::begin_round() {
+  if (!is_trained_) {
+    round_ = RoundKind::kTraining;
+    return true;
+  }
+  round_ = RoundKind::kCamera;
+  if (state_.adaptive) return state_.adaptive->begin_round();
+  if (state_.first_sample < layout_.range.end()) {
+    begin_pass();
+    return true;
+  }
+  round_ = RoundKind::kPhotons;
+  if (state_.photons == photon_count()) return false;
+  const std::uint64_t taken = std::min(photon_count() - state_.photons, std::uint64_t{kTaskPhotons} * kRoundTasks);
+  photons_->splats.assign((taken + kTaskPhotons - 1) / kTaskPhotons, {});
+  photons_->done.assign(photons_->splats.size(), 0);
+  return true;
+}
+
+/// Samples per pixel of the pass that begins at state_.first_sample.
+std::uint32_t SamplePlan::pass_samples() const {
+  const std::uint32_t first = state_.first_sample;
+  const std::uint32_t count = std::min({layout_.max_pass_samples, layout_.range.end() - first,
+                                        layout_.replicate_samples - first % layout_.replicate_samples});
+  const bool has_halves = state_.film.layout().half_count() > 0;
+  return has_halves && first < layout_.half_samples ? std::min(count, layout_.half_samples - first) : count;
+}
+
+/// Begins the next pass, or continues the one of a checkpoint.
+void SamplePlan::begin_pass() {
+  tiles_ = make_tiles(layout_.wanted, tile_side(pass_samples()));
+  // Without filter weights, tiles add nothing to each other.
+  const std::size_t borders = layout_.filter_weights != nullptr ? tiles_.size() : 0;
+  if (state_.tiles.empty()) {
+    state_.tiles.assign(tiles_.size(), 0);
+    state_.borders.assign(borders, {});
+  }
+  if (state_.tiles.size() != tiles_.size() || state_.borders.size() != borders) refuse_checkpoint();
+}
+
+void SamplePlan::end_pass() {
+  const std::uint32_t end = state_.first_sample + pass_samples();
+  state_.film.add(state_.borders);
+  state_.tiles.clear();
+  state_.borders.clear();
+  if (end % layout_.replicate_samples == 0) state_.film.end_replicate();
+  if (end == layout_.half_samples || (end == layout_.range.end() && end < layout_.half_samples))
+    state_.film.end_first_half();
+  state_.first_sample = end;
+}
+
+std::size_t SamplePlan::task_count() const {
+  if (round_ == RoundKind::kTraining) return 0;
+  if (round_ == RoundKind::kPhotons) return photons_->done.size();
+  return state_.adaptive ? state_.adaptive->units().size() : tiles_.size();
+}
+
+bool SamplePlan::is_done(std::size_t task) const {
+  if (round_ == RoundKind::kPhotons) return photons_->done[task] != 0;
+  return (state_.adaptive ? state_.adaptive->units()[task].done : state_.tiles[task]) != 0;
+}
+
+TileTask SamplePlan::tile_task(std::size_t task) const {
+  if (state_.adaptive) {
+    const AdaptiveUnit& unit = state_.adaptive->units()[task];
+    return {tiles_[unit.tile], unit.first_sample, unit.samples, kAdaptiveSamples, unit.set, 0};
+  }
+  const std::uint32_t first = state_.first_sample, count = pass_samples(), set = layout_.replicate_samples;
+  return {tiles_[task], first, count, count, first / set, set};
+}
+
+PhotonTask SamplePlan::photon_task(std::size_t task) const {
+  const std::uint64_t first = state_.photons + task * kTaskPhotons;
+  return {first, static_cast<int>(std::min<std::uint64_t>(kTaskPhotons, photon_count() - first))};
+}
+
+void SamplePlan::begin_tile(const TileTask& task, FilmTile& tile) const {
+  state_.film.begin(tile, task.tile.pixels, layout_.filter_weights);
+}
+
+void SamplePlan::finish_tile(std::size_t task, const FilmTile& samples) {
+  if (state_.adaptive) return state_.adaptive->add(task, samples);
+  state_.film.add(samples);
+  if (!state_.borders.empty()) state_.borders[task] = samples.border();
+  state_.tiles[task] = 1;
+}
+
+void SamplePlan::finish_photons(std::size_t task, std::vector<Splat> splats) {
+  photons_->splats[task] = std::move(splats);
+  photons_->done[task] = 1;
+}
+
+bool SamplePlan::end_round() {
+  for (std::size_t i = 0; i < task_count(); ++i)
+    if (!is_done(i)) return false;
+  if (round_ == RoundKind::kTraining)
+    is_trained_ = true;
+  else if (round_ == RoundKind::kPhotons)
+    end_photons();
+  else if (!state_.adaptive)
+    end_pass();
+  return true;
+}
+
+void SamplePlan::end_photons() {
+  const PhotonTask last = photon_task(photons_->done.size() - 1);
+  state_.splats->add(photons_->splats, photons_->filter);
+  state_.photons = last.first + static_cast<std::uint64_t>(last.count);
+}
+
+const RenderState& SamplePlan::checkpoint(const Stats::Dropped& dropped) {
+  if (state_.adaptive) state_.adaptive->assemble(state_.film);
+  state_.dropped = dropped;
+  return state_;
+}
+
+void SamplePlan::end(bool stopped) {
+  if (state_.adaptive) {
+    is_incomplete_ = stopped && state_.adaptive->begin_round();
+    state_.adaptive->assemble(state_.film);
+  } else {
+    is_incomplete_ = state_.first_sample < layout_.range.end() || state_.photons < photon_count();
+  }
+}
+
+void SamplePlan::complete_film() {
+  if (state_.adaptive) return;
+  state_.film.add(state_.borders);
+  state_.film.end_replicate();
 }
 
 }  // namespace sheaf

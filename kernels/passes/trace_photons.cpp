@@ -57,10 +57,7 @@ std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& work
           const std::uint64_t before = i * task_photons;
           worker.photons.begin(first + before, static_cast<int>(std::min(task_photons, count - before)), kind);
           StageContext context = camera;
-          context.camera = nullptr;
-          context.maps = nullptr;
-          context.pass = PassKind::kPhoton;
-          context.photons = &worker.photons;
+          context.start_at_lights(PassKind::kPhoton, worker.photons);
           context.sampler = without_frame(context.sampler);
           run_pass<Wide>(context, worker.wave);
           stored[i].photons = worker.photons.sorted_photons();

@@ -4,9 +4,7 @@
 #pragma once
 
 #include "kernels/passes/worker.h"
-#include "kernels/photons/photon_beam_map.h"
-#include "kernels/photons/photon_map.h"
-#include "kernels/photons/volume_photon_map.h"
+#include "kernels/photons/photon_maps.h"
 
 #include <functional>
 #include <string>
@@ -33,12 +31,6 @@ struct PhotonRequest {
 
 /// Maximum number of sets of maps.
 inline constexpr std::uint32_t kMaxPhotonSets = 1 << 22;
-
-/// Photons in media, as points and as beams. keeps_beams() selects one of both for each medium.
-struct VolumePhotonMaps {
-  VolumePhotonMap points;
-  PhotonBeamMap beams;
-};
 
 /// Number of photons to emit so that about `count` photons of a kind are stored: at most `max_emitted`, or `count` if
 /// the pilot stores none, both with a warning. For the global map, photons of other kinds count too. Depends only on

@@ -19,9 +19,9 @@ namespace {
 constexpr double kTrainingShare = 0.125;
 constexpr std::uint32_t kMaxTraining = 16;
 /// Camera samples of the longest pass. Their records stay in memory until the guide has learned from them.
-constexpr std::uint64_t kPassSamples = 1 << 20;
+constexpr std::uint64_t kTrainingPassSamples = 1 << 20;
 /// Camera samples per task.
-constexpr int kTaskSamples = 4096;
+constexpr int kTrainingTaskSamples = 4096;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
 constexpr double kSplitRecords = 1000;
 
@@ -33,7 +33,8 @@ std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int h
   const auto stride = static_cast<std::uint32_t>(pass.stride);
   std::uint32_t x = pass.first_sample, y = stride, z = 0, w = 0;
   hash4(x, y, z, w);
-  const int side = std::max(4, static_cast<int>(std::sqrt(kTaskSamples / static_cast<double>(pass.sample_count))));
+  const int side =
+      std::max(4, static_cast<int>(std::sqrt(kTrainingTaskSamples / static_cast<double>(pass.sample_count))));
   const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
   std::vector<std::vector<PixelSamples>> tasks;
   for (int y0 = 0; y0 < rows; y0 += side)
@@ -72,10 +73,10 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           worker.camera.begin(tasks[i], frame, kBeautyChannels);
           worker.guide.begin(worker.camera.total());
           StageContext of_task = context;
-          of_task.camera = &worker.camera;
-          of_task.training = &worker.guide;
+          of_task.set_camera_task(worker.camera);
+          of_task.record_in(worker.guide);
           run_pass<Wide>(of_task, worker.wave);
-          told[i] = worker.guide.records(context.guide, means);
+          told[i] = worker.guide.records(context.guide(), means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
@@ -87,11 +88,12 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples) {
   const double pixels = static_cast<double>(width) * height;
-  const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kPassSamples)))));
+  const int stride =
+      std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kTrainingPassSamples)))));
   // Camera samples of a pass with one sample per participating pixel.
   const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
   const double most = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
-  const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kPassSamples) / unit));
+  const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kTrainingPassSamples) / unit));
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0, count = 1;
   while (first + count <= most) {
@@ -121,7 +123,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
   for (const TrainingPass& pass : passes) {
     if (training.stopped()) break;
     std::uint64_t start = timestamp();
-    of_passes.guide = field.view();
+    of_passes.sample_from(field.view());
     const auto told = run_pass(of_passes, workers, width, height, pass, field.means(), training);
     training.report.trace_seconds += seconds_since(start);
     start = timestamp();

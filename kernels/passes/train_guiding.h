@@ -29,8 +29,7 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
 /// Number of camera samples of all passes.
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes);
 
-/// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a camera pass with
-/// StageContext::guides.
+/// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
                        std::span<const TrainingPass> passes, GuideTraining& training);
 

@@ -21,13 +21,20 @@
 
 namespace sheaf {
 
+/// Photons in media, as points and as beams. keeps_beams() selects one of both for each medium.
+struct VolumePhotonMaps {
+  VolumePhotonMap points;
+  PhotonBeamMap beams;
+};
+
 /// The photon maps of a pass.
 struct PhotonMaps {
   PhotonMapView global, caustic;
   PhotonGathering gathering = PhotonGathering::kAll;
-  const VolumePhotonMap* volume = nullptr;  ///< null: paths scatter in media
-  const PhotonBeamMap* beams = nullptr;     ///< with `volume`: beams in media with keeps_beams()
+  const VolumePhotonMaps* volume = nullptr;  ///< optional: photons in media; see covers_media()
 
+  /// Whether there is a volume map. If not, paths scatter in media.
+  bool covers_media() const { return volume != nullptr; }
   /// Whether a path ends at a non-specular vertex, apart from the vertex's specular lobes. `flags`: of the ray that hit
   /// it.
   template <class L> SHEAF_INLINE Mask<L> ends_at(Uint<L> flags, bool in_medium) const {
@@ -67,7 +74,7 @@ struct PhotonMaps {
 /// path has scattered specularly only. `scatter_pdf`: see RadianceState.
 template <class L> SHEAF_INLINE Mask<L> is_caustic(const StageContext& context, Uint<L> flags, Float<L> scatter_pdf) {
   using U = Uint<L>;
-  if (!context.gathers_photons() || !context.maps->hold_caustics()) return Mask<L>(false);
+  if (!context.gathers_photons() || !context.photon_maps().hold_caustics()) return Mask<L>(false);
   return ((flags & U(kRayDiffuse | kRayScatteredInMedium)) == U(kRayDiffuse)) & (scatter_pdf == Float<L>(0.0f));
 }
 

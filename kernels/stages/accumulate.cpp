@@ -1,5 +1,5 @@
 // Stage: accumulate. Moves the radiance of finished paths to the samples of the task. At the end of the task the film
-// adds them in order (kernels/passes/render.cpp).
+// adds them in order (kernels/passes/task_runner.cpp).
 //
 // In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The colour of a single sample
 // is usually out of gamut, and its negative components must be kept. So samples are dropped for negative radiances,
@@ -49,7 +49,7 @@ SHEAF_INLINE void spectrum_to_rgb(const StageContext& context, Wave& wave, const
   RadianceState<L> r = wave.radiance.gather<L>(slots);
   const F lowest = min(min(r.radiance.c0, r.radiance.c1), min(r.radiance.c2, r.radiance.c3));
   const Wavelengths<L> wavelengths = sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots)));
-  if (context.camera->samples.has_spectra()) bin_tile<L>(*context.camera, count, r, wavelengths);
+  if (context.camera_task().samples.has_spectra()) bin_tile<L>(context.camera_task(), count, r, wavelengths);
   const Vec3<L> rgb = radiance_to_rgb<L>(*context.scene.spectral.sensor, wavelengths, r.radiance);
   r.radiance = {rgb.x, rgb.y, rgb.z, select(lowest >= F(0.0f), F(0.0f), F(-1.0f))};
   wave.radiance.scatter<L>(slots, count, r);
@@ -73,7 +73,7 @@ template <class L> void accumulate(const StageContext& context, Wave& wave) noex
     wave.finished.pad();
     for_tiles<L>(paths, [&](int i, int count) { spectrum_to_rgb<L>(context, wave, wave.finished.data() + i, count); });
   }
-  SampleBuffer& samples = context.camera->samples;
+  SampleBuffer& samples = context.camera_task().samples;
   for (int i = 0; i < paths; ++i) {
     const Slot slot = wave.finished[i];
     const RadianceState<Scalar> r = wave.radiance.get(slot);

@@ -105,7 +105,7 @@ template <class L>
                                           int count) {
   using F = Float<L>;
   const SceneView& scene = context.scene;
-  CameraTask& task = *context.camera;
+  CameraTask& task = context.camera_task();
   const AovChannels& channels = task.aovs();
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
@@ -135,7 +135,7 @@ template <class L>
     rgb = reflectance_to_rgb<L>(context.scene.spectral,
                                 sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots))), albedo);
   const auto unit = [](F value) SHEAF_LAMBDA_INLINE { return clamp(value, F(0.0f), F(1.0f)); };
-  out.put(context.camera->aovs().albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
+  out.put(context.camera_task().aovs().albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
         const Slot* slots = wave.sorted.data() + run.slot_begin + i;
         const int column = run.column_begin + i;
         const SampleLanes<L> out = aov_tile<L>(context, wave, slots, column, count);
-        if (out.lanes == 0 || context.camera->aovs().albedo < 0) return;
+        if (out.lanes == 0 || context.camera_task().aovs().albedo < 0) return;
         const Vec3<L> wo = wave.vertices.load<L>(column).wo;
         put_albedo<L>(context, wave, slots, out,
                       directional_albedo<L>(load_bsdf<L, Bsdf>(context.scene, wave, column), wo));

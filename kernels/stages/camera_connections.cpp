@@ -33,7 +33,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
     lens = square_to_disk<L>(u.y, u.z);
   }
   const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);
-  const SplatFilter::Bounds& film = context.photons->film_bounds;
+  const SplatFilter::Bounds& film = context.light_task().film_bounds;
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);
   // The camera sees hidden lights only through open panes, which the shadow ray may meet.

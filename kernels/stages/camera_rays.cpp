@@ -90,7 +90,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
                              std::uint32_t flags) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  CameraTask& task = *context.camera;
+  CameraTask& task = context.camera_task();
   alignas(kSimdAlignment) float x[L::width], y[L::width];
   alignas(kSimdAlignment) std::uint32_t pixel[L::width], sample[L::width];
   RadianceState<L> radiance;
@@ -133,7 +133,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   ray.flags = U(flags);
   if (keeps_distance_since_vertex(context))
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
-  if (context.guides)
+  if (context.samples_guide())
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
   if (context.scene.needs_transmittance) ray.flags |= start_in_medium<L>(context, wave, slots, count, path);
 
@@ -149,11 +149,11 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
 }  // namespace
 
 template <class L> void camera_rays(const StageContext& context, Wave& wave) noexcept {
-  const int starting = std::min(wave.free.size(), context.camera->left());
+  const int starting = std::min(wave.free.size(), context.camera_task().left());
   if (starting <= 0) return;
   StageTimer timer(wave.stats, Stage::kCameraRays);
   timer.count(starting, L::width);
-  const std::uint32_t flags = kRayFromCamera | (context.integrator.max_depth == 1 ? kRayLast : 0u);
+  const std::uint32_t flags = kRayFromCamera | (context.max_depth == 1 ? kRayLast : 0u);
   for_tiles<L>(starting, [&](int, int count) {
     Slot slots[L::width] = {};
     for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();

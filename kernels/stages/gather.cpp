@@ -52,7 +52,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
         bsdf_of_words<Bsdf<L>>(context.scene.closure_tables, [words, column](int k, Float<L>& word)
                                                                  SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
     const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
-    const auto most = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
+    const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
     GatheringVertex out{
         item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
         item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot),
@@ -187,7 +187,7 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
   const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
-    const PhotonMaps::Asked asked = context.maps->maps_at(wave.rays.row(slot).flags);
+    const PhotonMaps::Asked asked = context.photon_maps().maps_at(wave.rays.row(slot).flags);
     for (const PhotonMapView* map : {asked.first, asked.second}) {
       if (map == nullptr || map->empty()) continue;
       const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);

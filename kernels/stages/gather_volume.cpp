@@ -142,15 +142,16 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
                                         state.direction, min(hit.t, end));
-  const auto most = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
+  const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
-  const std::uint32_t edges_left = most > depth && context.maps->gathers_volume(state.flags) ? most - depth : 0u;
-  const PhotonMaps& maps = *context.maps;
+  const std::uint32_t edges_left =
+      most > depth && context.photon_maps().gathers_volume(state.flags) ? most - depth : 0u;
+  const PhotonMaps& maps = context.photon_maps();
   const std::uint32_t medium = state.flags >> kRayMediumShift;
   const bool single = has_single_wavelength(context, wave, slot);
-  const bool beams = maps.beams != nullptr && keeps_beams(context.integrator.photons, ray.medium);
+  const bool beams = keeps_beams(context.integrator.photons, ray.medium);
   wave.beam.photons.clear();
-  if (!beams) find_photons(*maps.volume, ray, medium, edges_left, wave.beam);
+  if (!beams) find_photons(maps.volume->points, ray, medium, edges_left, wave.beam);
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
@@ -158,9 +159,9 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const Float4 over = Float4(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.rescaled_pdfs.row(slot).r_u));
   const Float4 scattered =
       beams
-          ? gather_beams<L>(context, *maps.beams, state.flags,
+          ? gather_beams<L>(context, maps.volume->beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
-          : gather_points<L>(scene, *maps.volume, ray, single, wave.beam.photons);
+          : gather_points<L>(scene, maps.volume->points, ray, single, wave.beam.photons);
   add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
     add_radiance(wave, slot, over * passage.emitted, ray.medium.light);

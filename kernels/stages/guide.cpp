@@ -19,7 +19,8 @@ template <class L> void guide_run(const StageContext& context, Wave& wave, const
       const RayState<L> ray = wave.rays.gather<L>(wave.sorted.data() + run.slot_begin + i);
       side = guide_side<L>(select<L>(dot(item.ng, ray.direction) > Float<L>(0.0f), -item.ng, item.ng));
     }
-    wave.guide_cells.store<L>(column, {guide_row<L>(context.guide, side, guide_code<L>(context.guide, item.p)), side});
+    wave.guide_cells.store<L>(column,
+                              {guide_row<L>(context.guide(), side, guide_code<L>(context.guide(), item.p)), side});
   });
 }
 

@@ -30,7 +30,7 @@ template <class Bsdf> inline constexpr bool kIsGuided = !Bsdf::kIsSpecular && !k
 template <class L>
 SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& wave, int column, Mask<L> lanes,
                                        Vec3<L> direction) {
-  return evaluate_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
+  return evaluate_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
 }
 
 /// Pdf of the guided parts of a blend, and of all of its parts.
@@ -75,7 +75,7 @@ template <class L, template <class> class Bsdf>
                                                 const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
   using F = Float<L>;
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
-  const GuideSample<L> of_guide = sample_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, count, u);
+  const GuideSample<L> of_guide = sample_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, count, u);
   u.x = of_guide.bsdf_u;
   GuidedSample<L> out;
   BsdfSample<L>& s = out.bsdf;
@@ -115,7 +115,7 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
                            Uint<L> depth, Float<L> sum, Float<L> default_value) {
   using F = Float<L>;
   constexpr float kMin = 0.5f;
-  const F mean = gather(context.guide.means, wave.guide_cells.load<L>(column).row);
+  const F mean = gather(context.guide().means, wave.guide_cells.load<L>(column).row);
   alignas(kSimdAlignment) float references[L::width], expected[L::width];
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
   store(expected, sum * mean);
@@ -151,13 +151,13 @@ void note_directions(const StageContext& context, const Wave& wave, const Slot* 
     const int lane = std::countr_zero(lanes);
     if (dimension[lane] >= TrainingSamples::kMaxVertices) continue;
     const RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
-    context.training->add({{px[lane], py[lane], pz[lane]},
-                           bits[lane],
-                           over[lane],
-                           pdf[lane],
-                           side[lane],
-                           row.task_sample & ~kTransparent},
-                          total(row.radiance));
+    context.training_samples().add({{px[lane], py[lane], pz[lane]},
+                                    bits[lane],
+                                    over[lane],
+                                    pdf[lane],
+                                    side[lane],
+                                    row.task_sample & ~kTransparent},
+                                   total(row.radiance));
   }
 }
 

@@ -65,10 +65,10 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
   if (context.gathers_photons()) {
-    const auto ends = context.maps->ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
+    const auto ends = context.photon_maps().ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
     // With a volume map, paths find the emission of media along their whole rays.
-    if (context.maps->volume != nullptr && context.integrator.strategy == LightStrategy::kMis)
+    if (context.photon_maps().covers_media() && context.integrator.strategy == LightStrategy::kMis)
       out.pdf_solid_angle = select(light.target_medium == Uint<L>(kNone), out.pdf_solid_angle, F(0.0f));
   }
   out.delta = select(light.delta, F(1.0f), F(0.0f));

@@ -181,7 +181,7 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
   const Vec3f far = abs(beam.start);
   if (!(max(max(far.x, far.y), far.z) < kLongestBeam) || !(beam.length > 0.0f)) return;
   if (is_finite(max_component(beam.power)) && is_finite(max_component(beam.odds))) {
-    context.photons->beams.push_back(beam);
+    context.light_task().beams.push_back(beam);
     return;
   }
   ++wave.stats.dropped.samples;
@@ -190,7 +190,7 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
 
 /// Whether the path is a photon that stores beams in the ray's medium, and whose light may still be scattered.
 bool leaves_beam(const StageContext& context, const MediumRay& ray, std::uint32_t flags) {
-  return context.starts_at_lights() && context.photons->stores_in_media() && (flags & kRayLast) == 0 &&
+  return context.starts_at_lights() && context.light_task().stores_in_media() && (flags & kRayLast) == 0 &&
          ray.has(kMediumScatters) && keeps_beams(context.integrator.photons, ray.medium);
 }
 

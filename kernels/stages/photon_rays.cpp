@@ -53,7 +53,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   using F = Float<L>;
   using U = Uint<L>;
   const SceneView& scene = context.scene;
-  const PhotonNumbers<L> numbers = take_numbers<L>(*context.photons, count);
+  const PhotonNumbers<L> numbers = take_numbers<L>(context.light_task(), count);
   PathState<L> path;
   path.pixel = U(kPhotonPixel) + numbers.high;
   path.sample = numbers.low;
@@ -93,7 +93,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
     if (scene.color == ColorMode::kRgb) ray.flags = min(to_uint(one * F(3.0f)), U(2u)) << kRayHeroShift;
     // Camera paths with the same four wavelengths sample distances by the first. Stored photons must not use the first
     // as well, or the pdf of both together would not be the product of their means over the lanes.
-    else if (context.photons->stores_photons())
+    else if (context.light_task().stores_photons())
       ray.flags = min(to_uint(c.y * F(4.0f)), U(3u)) << kRayHeroShift;
     const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, good);
     ray.flags |= medium << kRayMediumShift;
@@ -110,7 +110,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
 
 template <class L> void photon_rays(const StageContext& context, Wave& wave) noexcept {
   if (context.scene.light_count == 0) return;
-  const int starting = std::min(wave.free.size(), context.photons->left());
+  const int starting = std::min(wave.free.size(), context.light_task().left());
   if (starting <= 0) return;
   StageTimer timer(wave.stats, Stage::kPhotonRays);
   timer.count(starting, L::width);

@@ -11,7 +11,7 @@ template <class L> void record_training(const StageContext& context, Wave& wave)
   timer.count(wave.finished.size(), 1);
   for (const Slot slot : wave.finished.span()) {
     const RadianceState<Scalar>& row = wave.radiance.row(slot);
-    context.training->finish(row.task_sample & ~kTransparent, total(row.radiance));
+    context.training_samples().finish(row.task_sample & ~kTransparent, total(row.radiance));
   }
 }
 

@@ -69,18 +69,18 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   const auto usable = light.pdf_solid_angle > F(0.0f);
   Mask<L> single = loses_wavelengths<L>(bsdf, item.wo, wi);
   GuideValue<L> guide;
-  if (context.guides) {
+  if (context.samples_guide()) {
     const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
     guide = guide_value<L>(context, wave, column, asked, light.direction);
   }
-  if (context.guides && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
+  if (context.samples_guide() && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   // Replace the value by that of the whole blend
   if (parts) {
     const auto lanes = usable & on_part<L>(context.scene, wave, slots);
     if (any(lanes)) {
       const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, light.direction);
       value.f_cos = select<L>(lanes, blend.f_cos, value.f_cos);
-      const F pdf = context.guides ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
+      const F pdf = context.samples_guide() ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
       value.pdf_solid_angle = select(lanes, pdf, value.pdf_solid_angle);
       single = single & !lanes;
       if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {

@@ -73,7 +73,7 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   }
   ray.flags |= flags;
   RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
-  const bool by_any = context.starts_at_lights() && context.photons->stores_photons();
+  const bool by_any = context.starts_at_lights() && context.light_task().stores_photons();
   r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
   wave.rescaled_pdfs.scatter<L>(slots, count, r);
@@ -92,7 +92,7 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
                                     GuidedSample<L>& sample) {
   using F = Float<L>;
   BsdfSample<L>& s = sample.bsdf;
-  const bool guides = context.guides;
+  const bool guides = context.samples_guide();
   lanes = lanes & s.valid & (s.pdf_solid_angle > F(0.0f)) & on_part<L>(context.scene, wave, slots);
   if (!any(lanes)) return Mask<L>(false);
   const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, sample.direction);
@@ -119,15 +119,15 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   PathState<L> path = wave.paths.gather<L>(slots);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter, {},
-                         context.guides ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
+                         context.samples_guide() ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
   GuidedSample<L> sample{};
-  if (kIsGuided<Bsdf<L>> && context.guides) {
+  if (kIsGuided<Bsdf<L>> && context.samples_guide()) {
     sample = sample_guided<L>(context, wave, column, count, bsdf, item, u);
   } else {
     sample.bsdf = bsdf.sample(item.wo, u);
     sample.direction = frame.to_world(sample.bsdf.wi);
-    if (parts && context.guides)
+    if (parts && context.samples_guide())
       sample.guide = guide_value<L>(context, wave, column, sample.bsdf.valid & L::first(count), sample.direction);
   }
   BsdfSample<L>& s = sample.bsdf;
@@ -190,7 +190,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   ray.direction = direction;
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
   ray.t_max = F(kInfinity);
-  const auto max_depth = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
+  const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
   if (context.gathers_photons() || context.starts_at_lights()) {
     const U before = wave.rays.gather<L>(slots).flags;
@@ -200,8 +200,9 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
     ray.flags |= select(passed, before & U(kRayHistory),
                         history_behind<L, kIsPhaseFunction<Bsdf<L>>>(context, before, specular));
     if (context.gathers_photons())
-      alive = alive & ((s.pdf_solid_angle == F(0.0f)) | !context.maps->ends_at<L>(before, kIsPhaseFunction<Bsdf<L>>));
-    if (context.starts_at_lights() && context.photons->ends_at_scattering())
+      alive = alive &
+              ((s.pdf_solid_angle == F(0.0f)) | !context.photon_maps().ends_at<L>(before, kIsPhaseFunction<Bsdf<L>>));
+    if (context.starts_at_lights() && context.light_task().ends_at_scattering())
       alive = alive & (s.pdf_solid_angle == F(0.0f));
   }
   if (context.integrator.ends_at_diffuse)
@@ -212,7 +213,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
                               null_transmittance, ray);
   // Apply Russian roulette
   F survival = survival_by_throughput<L>(context, path, divisor);
-  if (kIsGuided<Bsdf<L>> && context.guides)
+  if (kIsGuided<Bsdf<L>> && context.samples_guide())
     survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);
   alive = alive & roulette<L>(path, survival, u.w);
   wave.rays.scatter<L>(slots, count, ray);

@@ -33,7 +33,7 @@ void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) 
   const bool good = sense(context.scene, wave, slot, radiance, splat.rgb);
   radiance = Spectrum4(0.0f);
   if (good) {
-    context.photons->splats.push_back(splat);
+    context.light_task().splats.push_back(splat);
     return;
   }
   ++wave.stats.dropped.samples;

@@ -141,8 +141,8 @@ inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_ca
 
 /// Whether a stage takes part in the context's pass.
 inline bool takes_part(const StageContext& context, StageUse use) {
-  const PassKind pass = context.pass;
-  const bool gathers_volume = context.gathers_photons() && context.maps->volume != nullptr;
+  const PassKind pass = context.pass();
+  const bool gathers_volume = context.gathers_photons() && context.photon_maps().covers_media();
   const bool has_shadow_rays = pass == PassKind::kPath || pass == PassKind::kLight;
   switch (use) {
     case StageUse::kAlways:
@@ -154,9 +154,9 @@ inline bool takes_part(const StageContext& context, StageUse use) {
     case StageUse::kPath:
       return pass == PassKind::kPath;
     case StageUse::kAovs:
-      return pass == PassKind::kPath && context.camera->aovs().any();
+      return pass == PassKind::kPath && context.camera_task().aovs().any();
     case StageUse::kGuiding:
-      return pass == PassKind::kPath && context.guides;
+      return pass == PassKind::kPath && context.samples_guide();
     case StageUse::kLearning:
       return pass == PassKind::kPath && context.trains_guide();
     case StageUse::kGathering:

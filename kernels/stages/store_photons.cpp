@@ -36,7 +36,7 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
 }
 
 void store_path(const StageContext& context, Wave& wave, Slot slot, int column, bool in_medium) {
-  LightTask& task = *context.photons;
+  LightTask& task = context.light_task();
   const RayState<Scalar> ray = wave.rays.get(slot);
   ++task.arrived;
   if (!in_medium && !task.stores(ray.flags)) return;
@@ -72,7 +72,7 @@ template <class L> void store_photons(const StageContext& context, Wave& wave) n
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {
       constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
-      if (kInMedium != context.photons->stores_in_media()) return;
+      if (kInMedium != context.light_task().stores_in_media()) return;
       const VertexRun& run = wave.runs[static_cast<int>(kind)];
       timer.count(run.count, 1);
       for (int i = 0; i < run.count; ++i)

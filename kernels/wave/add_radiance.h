@@ -11,7 +11,7 @@ namespace sheaf {
 /// Adds `found`, per spectral lane, to the radiance of one path, and to the group of its light if there are light
 /// groups. `light`: row of the light, or kNone. Other data of the path, such as its depth, is available by its slot.
 SHEAF_INLINE void add_radiance(Wave& wave, Slot slot, Float4 found, std::uint32_t light) {
-  if (wave.light_groups.first != nullptr) [[unlikely]]
+  if (wave.light_groups) [[unlikely]]
     add_to_light_group(wave, slot, found, light);
   Spectrum4& radiance = wave.radiance.row(slot).radiance;
   radiance = to_spectrum(Float4(radiance) + found);

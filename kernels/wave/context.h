@@ -4,11 +4,13 @@
 #include "kernels/guiding/guide_view.h"
 #include "scene/tables/scene.h"
 
+#include <cassert>
+
 namespace sheaf {
 
 class CameraTask;
-class TrainingSamples;
 class LightTask;
+class TrainingSamples;
 struct PhotonMaps;
 
 /// What a pass transports, from where.
@@ -19,37 +21,96 @@ enum class PassKind {
   kDebug,   ///< plain values of the first surface, such as normals; no media
 };
 
-/// The scene, the settings of the integrator, and the data of the pass. One per worker. Stages do not modify it, except
-/// through its pointers.
-struct StageContext {
-  SceneView scene;
-  IntegratorSettings integrator;  ///< settings of the integrator
-  SamplerView sampler;
-  PassKind pass = PassKind::kPath;
-  CameraTask* camera = nullptr;      ///< passes from the camera: the samples to take, and their results
-  const PhotonMaps* maps = nullptr;  ///< passes from the camera that gather photons; otherwise null
-  /// Number in [0, 1) from which the wavelengths of all paths are derived; -1: each path draws its own.
-  float wavelength_sample = -1;
-  LightTask* photons = nullptr;  ///< passes from the lights: the photons to emit; otherwise null
-  bool guides = false;           ///< path pass: directions are also sampled from `guide`
-  GuideView guide;
-  TrainingSamples* training = nullptr;  ///< passes that record training samples of the guide; otherwise null
-
-  StageContext() = default;
-  /// With the settings of the scene.
-  explicit StageContext(const Scene& of, CameraTask* task = nullptr)
+/// The scene, the settings of the pass, and the data that its kind of pass adds. One per task. Stages do not modify it,
+/// except through its references to the task and the training samples.
+class StageContext {
+ public:
+  /// A pass from the camera, with the settings of the scene: kPath, or kDebug if the integrator transports no light.
+  explicit StageContext(const Scene& of)
       : scene(of.view()),
         integrator(of.integrator()),
         sampler(of.sampler_view()),
-        pass(sheaf::transports_light(of.integrator().kind) ? PassKind::kPath : PassKind::kDebug),
-        camera(task) {}
+        max_depth(of.integrator().max_depth),
+        pass_(sheaf::transports_light(of.integrator().kind) ? PassKind::kPath : PassKind::kDebug) {}
+  /// The same for one task.
+  StageContext(const Scene& of, CameraTask& task) : StageContext(of) { set_camera_task(task); }
 
-  bool transports_light() const { return pass != PassKind::kDebug; }
-  bool starts_at_lights() const { return pass == PassKind::kLight || pass == PassKind::kPhoton; }
-  /// Whether paths from the camera look photons up.
-  bool gathers_photons() const { return maps != nullptr; }
-  /// Whether paths record training samples for the guide.
-  bool trains_guide() const { return training != nullptr; }
+  const SceneView& scene;
+  IntegratorSettings integrator;
+  SamplerView sampler;
+  /// Maximum depth of the pass's paths; see IntegratorSettings::max_depth, which it may be below.
+  int max_depth;
+  /// Number in [0, 1) from which the wavelengths of all paths are derived; -1: each path draws its own.
+  float wavelength_sample = -1;
+
+  PassKind pass() const { return pass_; }
+  bool transports_light() const { return pass_ != PassKind::kDebug; }
+  bool starts_at_lights() const { return pass_ == PassKind::kLight || pass_ == PassKind::kPhoton; }
+  /// Whether camera paths look up photons in photon_maps().
+  bool gathers_photons() const { return gathers_photons_; }
+  /// Whether camera paths sample directions from the guide() as well as from BSDFs.
+  bool samples_guide() const { return samples_guide_; }
+  /// Whether camera paths record training_samples() for the guide.
+  bool trains_guide() const { return trains_guide_; }
+
+  /// Passes from the camera: sets the samples to take.
+  void set_camera_task(CameraTask& task) { camera_task_ = &task; }
+  /// Path passes: gathers photons from `maps`.
+  void gather_from(const PhotonMaps& maps) {
+    gathers_photons_ = true;
+    photon_maps_ = &maps;
+  }
+  /// Path passes: samples directions from `guide` as well.
+  void sample_from(const GuideView& guide) {
+    samples_guide_ = true;
+    guide_ = guide;
+  }
+  /// Path passes: records samples for the guide in `samples`.
+  void record_in(TrainingSamples& samples) {
+    trains_guide_ = true;
+    training_samples_ = &samples;
+  }
+  /// Turns the pass into one from the lights, kLight or kPhoton, which emits the photons of `task`.
+  void start_at_lights(PassKind kind, LightTask& task) {
+    pass_ = kind;
+    light_task_ = &task;
+    gathers_photons_ = samples_guide_ = trains_guide_ = false;
+  }
+
+  /// Passes from the camera: the samples to take, and their results.
+  CameraTask& camera_task() const {
+    assert(!starts_at_lights() && camera_task_ != nullptr);
+    return *camera_task_;
+  }
+  /// Passes from the lights: the photons to emit, and their results.
+  LightTask& light_task() const {
+    assert(starts_at_lights());
+    return *light_task_;
+  }
+  /// The photon maps. Requires gathers_photons().
+  const PhotonMaps& photon_maps() const {
+    assert(gathers_photons_);
+    return *photon_maps_;
+  }
+  /// The guide. Requires samples_guide().
+  const GuideView& guide() const {
+    assert(samples_guide_);
+    return guide_;
+  }
+  /// The training samples. Requires trains_guide().
+  TrainingSamples& training_samples() const {
+    assert(trains_guide_);
+    return *training_samples_;
+  }
+
+ private:
+  PassKind pass_;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false;
+  CameraTask* camera_task_ = nullptr;
+  LightTask* light_task_ = nullptr;
+  const PhotonMaps* photon_maps_ = nullptr;
+  GuideView guide_;
+  TrainingSamples* training_samples_ = nullptr;
 };
 
 /// Whether next-event estimation is used.

@@ -11,12 +11,12 @@ namespace sheaf {
 /// Channels of the groups in a task's samples. Each sample holds red, green and blue (linear Rec.709) of the first
 /// group, then of the next.
 struct LightGroupSink {
-  /// Red of the first group in the first sample; null: no groups.
-  float* first = nullptr;
+  float* first = nullptr;                         ///< red of the first group in the first sample
   std::size_t stride = 0;                         ///< floats from one sample to the next
   const std::uint16_t* group_of_light = nullptr;  ///< by row of SceneView::lights
   std::uint16_t other = 0;                        ///< group of radiance that has no row
-  const SensorCurves* sensor = nullptr;           ///< spectral mode
+  ColorMode color = ColorMode::kRgb;
+  const SensorCurves* sensor = nullptr;  ///< in spectral mode
 };
 
 }  // namespace sheaf

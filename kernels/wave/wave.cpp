@@ -68,7 +68,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.light_tops = needs.candidates && context.integrator.candidates >= kMinCandidates &&
                      scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kMinLights;
   needs.raster_positions = !needs.candidates;
-  needs.guides = context.guides;
+  needs.guides = context.samples_guide();
   for (const std::uint32_t flags : scene.kind_flags)
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
   needs.counted_lights = std::min(scene.light_count, kMaxReportedLights);

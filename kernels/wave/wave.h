@@ -8,6 +8,8 @@
 #include "kernels/wave/path_pool.h"
 #include "kernels/wave/shading_columns.h"
 
+#include <optional>
+
 namespace sheaf {
 
 /// Receives every ray packet just before it is traced; for benchmarks.
@@ -40,9 +42,9 @@ struct Wave : PathPool, ShadingColumns {
     bool any = false;
     std::uint32_t pixel = 0, sample = 0;
   } first_dropped;
-  RayRecorder* recorder = nullptr;
+  RayRecorder* recorder = nullptr;  ///< optional
   BeamScratch beam;
-  LightGroupSink light_groups;
+  std::optional<LightGroupSink> light_groups;  ///< if the film has layers of light groups
 };
 
 /// The part of add_radiance() that serves light groups.

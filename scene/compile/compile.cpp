@@ -60,6 +60,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   end_media();
   // Pad the tables and build the acceleration structure
   with_memory_for("acceleration structure", kFewerTriangles, [&] { finish_tables(); });
+  out_->view_ = out_->make_view();
   if (options_.report != nullptr) *options_.report = report();
   return std::move(out_);
 }
@@ -133,7 +134,9 @@ void SceneCompiler::add_materials() {
   out_->has_transparency_ =
       !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
   out_->has_open_panes_ = in_.integrator.thin_dielectrics_are_free && panes_can_be_open();
-  out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
+  // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
+  const bool passes_lights = in_.integrator.kind == IntegratorKind::kLightTracer && in_.integrator.hide_emitters;
+  out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_ || passes_lights;
   out_->counts_.materials = in_.materials.size();
 }
 

@@ -63,7 +63,7 @@ void SceneCompiler::add_media() {
   out_->majorant_rows_ = std::move(media.majorant_rows);
   out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
   places_of_grids_ = std::move(media.places);
-  check_media(out_->view(), in_.media, out_->grids_, out_->majorant_grids_);
+  check_media(out_->make_view(), in_.media, out_->grids_, out_->majorant_grids_);
   if (in_.camera.medium) out_->camera_medium_ = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
 }
 
@@ -97,17 +97,17 @@ void SceneCompiler::probe_media() {
 
 void SceneCompiler::probe_boundaries(std::uint32_t default_value) {
   for (const std::uint32_t shape : surrounded_shapes_) {
-    const SceneView view = out_->view();
+    const SceneView view = out_->make_view();
     out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, default_value);
   }
-  out_->outer_medium_ = medium_outside(out_->view(), default_value);
+  out_->outer_medium_ = medium_outside(out_->make_view(), default_value);
   if (!in_.camera.medium) probe_camera();
 }
 
 void SceneCompiler::probe_camera() {
   const Camera& camera = out_->camera_;
   const auto width = static_cast<float>(in_.film.width), height = static_cast<float>(in_.film.height);
-  const SceneView view = out_->view();
+  const SceneView view = out_->make_view();
   const Vec3f middle = camera.ray<Scalar>(0.5f * width, 0.5f * height, 0, 0).origin;
   out_->camera_medium_ = medium_at(view, middle, kNone, 0);
   constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};

@@ -61,7 +61,7 @@ void SceneCompiler::add_volume_lights() {
     return;
   for (std::uint32_t i = 0; i < out_->media_.size(); ++i) {
     const auto first_cell = static_cast<std::uint32_t>(out_->triangle_alias_.size());
-    const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], first_cell);
+    const auto light = make_volume_light(out_->make_view(), i, medium_boxes_[i], first_cell);
     if (!light) continue;
     out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
     add_light_row(light->row, {}, {}, in_.media.at(i).id);
@@ -105,7 +105,7 @@ void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectr
 }
 
 void SceneCompiler::select_lights() {
-  const SceneView view = out_->view();
+  const SceneView view = out_->make_view();
   std::vector<float> weights;
   out_->light_powers_ = light_powers(view);
   for (std::uint32_t i = 0; i < view.light_count; ++i) {

@@ -8,7 +8,7 @@ template <class Table> std::size_t bytes_of(const Table& table) {
 }
 }  // namespace
 
-SceneView Scene::view() const {
+SceneView Scene::make_view() const {
   SceneView v;
   v.shapes = shapes_.data();
   v.vertices = vertices_.data();

@@ -57,11 +57,11 @@ struct SceneView {
   const float* closure_tables = nullptr;  ///< see scene/tables/closure_tables.h; null: no tables
   TextureView textures;
   const MediumRow* media = nullptr;
-  const BoundaryRow* boundaries = nullptr;
-  BrickGridView grids;  ///< grids of media
+  const BoundaryRow* boundaries = nullptr;  ///< null: no surface bounds a medium
+  BrickGridView grids;                      ///< grids of media
   const MajorantGridRow* majorant_grids = nullptr;
   const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, if a medium has a temperature
-  bool needs_transmittance = false;             ///< whether shadow rays may pass through surfaces or media
+  bool needs_transmittance = false;             ///< whether shadow rays may pass through surfaces, media or lights
   /// Whether shadow rays pass through thin dielectrics. This requires that passing costs no depth, and that no thin
   /// dielectric has a texture or is part of a composite material.
   bool has_open_panes = false;
@@ -122,7 +122,7 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
 
   /// The kernels' view; valid during the scene's lifetime.
-  SceneView view() const;
+  const SceneView& view() const { return view_; }
   SceneInfo info() const;
   const FilmSettings& film() const { return film_; }
   const SamplerSettings& sampler() const { return sampler_; }
@@ -141,6 +141,9 @@ class Scene {
 
  private:
   friend class SceneCompiler;
+
+  /// The view of the tables as they are.
+  SceneView make_view() const;
 
   std::vector<ShapeRow> shapes_;
   std::vector<VertexRow> vertices_;
@@ -200,6 +203,7 @@ class Scene {
   ColorMode color_ = ColorMode::kRgb;
   std::vector<float> spectrum_tables_;
   std::vector<SpectrumRow> material_spectra_, light_spectra_, medium_spectra_;
+  SceneView view_;  ///< of the finished tables
 };
 
 }  // namespace sheaf

@@ -92,8 +92,7 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
     const GuideMixture mixture = mixture_of(share);
     TestWave test(1);
     StageContext context = test.context(*scene);
-    context.guides = true;
-    context.guide.mixtures = &mixture;
+    context.sample_from({.mixtures = &mixture});
     test.wave.guide_cells.store<Scalar>(0, {0u, 4u});
     Means guided, alone;
     int deltas = 0;
@@ -190,7 +189,7 @@ TEST_CASE("guide: recorded radiance is divided by the throughput over the pdf of
   StageContext context = test.context(*scene);
   TrainingSamples log;
   log.begin(4);
-  context.training = &log;
+  context.record_in(log);
   const std::array<Spectrum4, 2> densities = {Spectrum4(1.0f), Spectrum4{1, 2, 6, 0}};  // means 1 and 3
   for (const Spectrum4& r_u : densities) {
     const Slot slot = test.add({0, 0, 0}, {0, 0, 1});

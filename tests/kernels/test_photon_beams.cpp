@@ -175,12 +175,11 @@ TEST_CASE("gather volume: SIMD beam results equal scalar ones and the sum over a
     const auto scene = compile_scene(d);
     const std::vector<PhotonBeam> beams = random_beams(3000, 1);
     constexpr double kRadius = 0.1;
-    const VolumePhotonMap points;
-    const PhotonBeamMap map({beams}, 1000, 0.1f, 0.4f, kernel);
-    const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &map};
+    const VolumePhotonMaps volume{{}, PhotonBeamMap({beams}, 1000, 0.1f, 0.4f, kernel)};
+    const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
     TestWave wide(24, 0), scalar(24, 0);
     StageContext context = wide.context(*scene);
-    context.maps = &maps;
+    context.gather_from(maps);
     std::vector<Slot> slots;
     for (int i = 0; i < 20; ++i)
       slots.push_back(add_ray_in_medium(wide, {-1.5f + 0.15f * static_cast<float>(i), 0.3f, 2.5f}));
@@ -239,16 +238,16 @@ TEST_CASE("gather volume: homogeneous media use beams where enabled and grids us
   beam.start = {0, -1, 7}, beam.direction = {0, 1, 0}, beam.length = 2;
   beam.power = beam.odds = Spectrum4(1.0f);
   beam.place = photon.surface;
-  const VolumePhotonMap points({{photon}}, 1, 0.5f, PhotonKernel::kDisc);
-  const PhotonBeamMap beams({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc);
-  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &beams};
+  const VolumePhotonMaps volume{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc),
+                                PhotonBeamMap({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc)};
+  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
   const auto found = [&](const MediumDescription& medium, MediumPhotons kept, float y) {
     Description d = filled_box(medium);
     d.integrator.photons.medium_photons = kept;
     const auto scene = compile_scene(d);
     TestWave test(20, 0);
     StageContext context = test.context(*scene);
-    context.maps = &maps;
+    context.gather_from(maps);
     double sum = 0;
     for (context.sampler.seed = 0; context.sampler.seed < 20; ++context.sampler.seed) {
       const Slot slot = add_ray_in_medium(test, {0, y, 2});

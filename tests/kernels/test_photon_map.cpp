@@ -114,7 +114,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
     TestWave wide(120, 0), scalar(120, 0);
     wide.begin({2, 7, 14, 15}, 0, 2, 16);
     StageContext context = wide.context(*scene);
-    context.maps = &maps;
+    context.gather_from(maps);
     for (const Stage stage : {Stage::kCameraRays, Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs})
       kStages<Wide>[static_cast<std::size_t>(stage)].run(context, wide.wave);
     WaveSnapshot(wide.wave).restore(scalar.wave);

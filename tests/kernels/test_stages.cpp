@@ -268,7 +268,7 @@ TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are 
   Photon photon;
   photon.p = {0, -1.5f, 4};
   const PhotonMap map({{photon}}, 1, 10, PhotonKernel::kDisc);
-  const VolumePhotonMap volume({{photon}}, 1, 10, PhotonKernel::kDisc);
+  const VolumePhotonMaps volume{VolumePhotonMap({{photon}}, 1, 10, PhotonKernel::kDisc), {}};
   struct Case {
     IntegratorKind kind;
     bool from_lights, with_volume, guided = false;
@@ -296,12 +296,10 @@ TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are 
     Wave& wave = test.wave;
     test.begin({0, 0, 16, 16}, 0, 2, 16);
     StageContext context = from_lights ? test.photon_context(*scene, 1000) : test.context(*scene);
-    if (kind == IntegratorKind::kPhotonMapper && !from_lights) context.maps = &maps;
+    if (kind == IntegratorKind::kPhotonMapper && !from_lights) context.gather_from(maps);
     if (guided) {
-      context.guides = true;
-      context.guide.mixtures = &mixture;
-      context.guide.means = &unknown;
-      context.training = &log;
+      context.sample_from({.mixtures = &mixture, .means = &unknown});
+      context.record_in(log);
     }
     std::set<Stage> worked;
     for (int step = 0; step < 20; ++step)

@@ -73,11 +73,9 @@ TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
       wide.begin({0, 0, 16, 16}, 0, 2, 16, aovs);
       scalar.begin({0, 0, 16, 16}, 0, 2, 16, aovs);
       StageContext wide_context = wide.context(*scene), scalar_context = scalar.context(*scene);
-      for (StageContext* context : {&wide_context, &scalar_context}) {
-        context->guides = guided;
-        context->guide.mixtures = &mixture;
-        context->guide.means = &unknown;
-      }
+      if (guided)
+        for (StageContext* context : {&wide_context, &scalar_context})
+          context->sample_from({.mixtures = &mixture, .means = &unknown});
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStageCount; ++i) {
           if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;

@@ -100,11 +100,11 @@ TEST_CASE("gather volume: SIMD photon results equal scalar ones and the sum over
     d.media[0].phase = add_phase(d, g);
     const auto scene = compile_scene(d);
     const std::vector<Photon> photons = random_photons(20000, 1);
-    const VolumePhotonMap map({photons}, 1000, 0.3f, kernel);
+    const VolumePhotonMaps map{VolumePhotonMap({photons}, 1000, 0.3f, kernel), {}};
     const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
     TestWave wide(24, 0), scalar(24, 0);
     StageContext context = wide.context(*scene);
-    context.maps = &maps;
+    context.gather_from(maps);
     std::vector<Slot> slots;
     for (int i = 0; i < 20; ++i)
       slots.push_back(add_ray_in_medium(wide, {-1.5f + 0.15f * static_cast<float>(i), 0.3f, 2.5f}));
@@ -159,13 +159,13 @@ TEST_CASE("gather volume: transmittance in a grid is unbiased up to each photon 
   photon.power = {1, 2, 3, 0};
   photon.direction = encode_octahedral<Scalar>({0, 1, 0});
   photon.surface = photon_place(1, 1, false);
-  const VolumePhotonMap map({{photon}}, 1, 0.5f, PhotonKernel::kDisc);
+  const VolumePhotonMaps map{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc), {}};
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
   MeanVariance found, left;
   for (std::uint32_t seed = 0; seed < 400; ++seed) {
     TestWave test(32, 0);
     StageContext context = test.context(*scene);
-    context.maps = &maps;
+    context.gather_from(maps);
     context.sampler.seed = seed;
     std::vector<Slot> slots;
     for (int i = 0; i < 32; ++i) slots.push_back(add_ray_in_medium(test, {0.1f, 0.1f, 2.0f}));

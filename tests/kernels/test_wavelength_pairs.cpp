@@ -70,7 +70,7 @@ std::vector<Gathered> gather_at_sheet(const Scene& scene, const PhotonMap& map, 
   TestWave test(256, 0);
   test.begin({0, 0, 16, 16}, 0, 1, 16);
   StageContext context = test.context(scene);
-  context.maps = &maps;
+  context.gather_from(maps);
   const auto run = [&](Stage stage) { kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave); };
   run(Stage::kCameraRays);
   run(Stage::kIntersect);
@@ -179,12 +179,12 @@ template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray
   beam.odds = {static_cast<float>(kOdds[0]), static_cast<float>(kOdds[1]), static_cast<float>(kOdds[2]),
                static_cast<float>(kOdds[3])};
   beam.place = photon.surface;
-  const VolumePhotonMap points({{photon}}, 1, 0.5f, PhotonKernel::kDisc);
-  const PhotonBeamMap beams({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc);
-  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &points, &beams};
+  const VolumePhotonMaps volume{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc),
+                                PhotonBeamMap({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc)};
+  const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
   TestWave test(20, 0);
   StageContext context = test.context(*scene);
-  context.maps = &maps;
+  context.gather_from(maps);
   const Slot slot = add_ray_in_medium(test, {0, 0, 2});
   test.wave.wavelength_samples[slot] = 0.3f;
   if (single_ray) keep_one_wavelength(test.wave, slot);

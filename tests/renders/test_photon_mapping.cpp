@@ -171,7 +171,7 @@ TEST_CASE("photon mapping: small maps have the power of large ones") {
   MeanVariance mean;
   for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
     mapping.prepare(pass, workers, tracing, context);
-    const PhotonMapView& map = context.maps->global;
+    const PhotonMapView& map = context.photon_maps().global;
     double sum = 0;
     // An empty map has no buckets.
     const std::size_t size = map.empty() ? 0 : map.bucket_begin[map.bucket_mask + 1];
@@ -259,23 +259,23 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
     PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
     PhotonMapping mapping(context, 64, 24);
     CHECK(mapping.wanted() == (progressive ? 64 * (500 + 200) : 32 * (16 + 7)));
-    CHECK(mapping.samples_alike(10) == 1);
+    CHECK(photon_map_sets(d.integrator.photons, ColorMode::kSpectral, 64) == (progressive ? 64 : 32));
     double expected = 0.09;
     std::array<int, 16> strata{};
     std::set<float> first_places;
     for (std::uint32_t sample = 0; sample < 16; ++sample) {
       mapping.prepare(sample, workers, tracing, context);
       if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
-      const double radius = static_cast<double>(context.maps->global.radius);
+      const double radius = static_cast<double>(context.photon_maps().global.radius);
       CHECK(radius * radius == doctest::Approx(expected).epsilon(1e-4));
       // Beams are blurred in one dimension. Progressive maps use them by default.
-      CHECK((context.maps->beams != nullptr) == progressive);
-      CHECK((context.maps->volume->size() == 0) == progressive);
+      CHECK((context.photon_maps().volume->beams.size() > 0) == progressive);
+      CHECK((context.photon_maps().volume->points.size() == 0) == progressive);
       if (progressive) {
-        CHECK(context.maps->beams->size() > 0);
-        CHECK(static_cast<double>(context.maps->beams->radius()) == doctest::Approx(0.2 * expected / 0.09));
+        CHECK(static_cast<double>(context.photon_maps().volume->beams.radius()) ==
+              doctest::Approx(0.2 * expected / 0.09));
       }
-      first_places.insert(context.maps->global.x[0]);
+      first_places.insert(context.photon_maps().global.x[0]);
       REQUIRE(context.wavelength_sample >= 0);
       REQUIRE(context.wavelength_sample < 1);
       ++strata[static_cast<std::size_t>(context.wavelength_sample * 16)];
@@ -287,10 +287,10 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
     // Sample 32 requests the same wavelengths as sample 0.
     for (std::uint32_t sample = 16; sample < 32; ++sample) mapping.prepare(sample, workers, tracing, context);
     mapping.prepare(32, workers, tracing, context);
-    const float again = context.maps->global.x[0], wavelength = context.wavelength_sample;
+    const float again = context.photon_maps().global.x[0], wavelength = context.wavelength_sample;
     PhotonMapping other(context, 64, 24);
     other.prepare(0, workers, tracing, context);
-    CHECK(context.maps->global.x[0] == again);
+    CHECK(context.photon_maps().global.x[0] == again);
     CHECK(context.wavelength_sample == wavelength);
   }
 }

@@ -181,12 +181,11 @@ TEST_CASE("photon beams: power times length is the power of the light over the a
     context.sampler.seed = seed;
     Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
     workers.local().photons.begin(0, 3000, PhotonKind::kVolume);
-    context.pass = PassKind::kPhoton;
-    context.photons = &workers.local().photons;
+    context.start_at_lights(PassKind::kPhoton, workers.local().photons);
     run_pass<Wide>(context, workers.local().wave);
-    CHECK(context.photons->stored.empty());
+    CHECK(context.light_task().stored.empty());
     std::array<double, 3> sum{};
-    for (const PhotonBeam& beam : context.photons->beams) {
+    for (const PhotonBeam& beam : context.light_task().beams) {
       // The remaining power, integrated along the beam.
       constexpr int kSteps = 64;
       const double step = static_cast<double>(beam.length) / kSteps;

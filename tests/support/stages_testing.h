@@ -44,15 +44,14 @@ class TestWave {
   }
 
   /// The context of a stage for this scene and task.
-  StageContext context(const Scene& scene) { return StageContext(scene, &task); }
+  StageContext context(const Scene& scene) { return StageContext(scene, task); }
   /// The context of a stage of the light pass that emits `count` photons.
   StageContext photon_context(const Scene& scene, int count) {
     const SplatFilter filter({}, FilterMode::kImportance, {});
     photons.begin(7, count, filter.bounds({0, 0, scene.film().width, scene.film().height}));
     StageContext context(scene);
     const bool stores = context.integrator.kind != IntegratorKind::kLightTracer;
-    context.pass = stores ? PassKind::kPhoton : PassKind::kLight;
-    context.photons = &photons;
+    context.start_at_lights(stores ? PassKind::kPhoton : PassKind::kLight, photons);
     return context;
   }
 

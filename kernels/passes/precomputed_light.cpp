@@ -1,0 +1,29 @@
+#include "kernels/passes/precomputed_light.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+PrecomputedLight::PrecomputedLight(StageContext& context, const SamplePlan& plan, bool guiding,
+                                   ProgressReporter& reporter)
+    : photon_tracing_{[&reporter] { return reporter.is_stopped(); },
+                      [&reporter](std::uint64_t more) { reporter.add_done(more); }},
+      guide_training_{[&reporter] { return reporter.is_stopped(); },
+                      [&reporter](std::uint64_t more) { reporter.add_done(more); }} {
+  const Film& film = plan.state().film;
+  if (context.integrator.kind == IntegratorKind::kPhotonMapper)
+    photon_mapping_.emplace(context, plan.layout().spp, std::max(film.width(), film.height()));
+  if (guiding) context.sample_from(guide_.view());
+}
+
+void PrecomputedLight::train(const SamplePlan& plan, Workers& workers, StageContext& context) {
+  const Film& film = plan.state().film;
+  guide_ = train_guide(context, workers, film.width(), film.height(), plan.training(), guide_training_);
+  context.sample_from(guide_.view());
+}
+
+void PrecomputedLight::prepare(std::uint32_t sample, Workers& workers, StageContext& context) {
+  if (photon_mapping_) photon_mapping_->prepare(sample, workers, photon_tracing_, context);
+}
+
+}  // namespace sheaf

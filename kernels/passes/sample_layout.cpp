@@ -1,0 +1,189 @@
+// Validates the options of a render and derives its samples from them.
+#include "kernels/passes/sample_layout.h"
+
+#include "core/error.h"
+#include "kernels/passes/photon_mapping.h"
+#include "kernels/passes/render_report.h"
+#include "kernels/passes/tiles.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sheaf {
+
+namespace {
+
+/// Number of replicates where they cost nothing.
+constexpr std::uint32_t kFreeReplicates = 8;
+
+/// Maximum of samples per pixel times gather rays.
+constexpr std::uint32_t kMaxSamples = 1 << 24;
+[[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
+
+PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
+  const FilmSettings& film = scene.film();
+  const PixelRect whole{0, 0, film.width, film.height};
+  const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
+      crop.height() <= 0)
+    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
+                                      std::to_string(film.height) + " pixels");
+  return crop;
+}
+
+/// Checks that the pixels of the frame and of its border can be numbered by 31 bits.
+void check_frame(const FilmSettings& film, const SampledFrame& frame) {
+  constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
+  if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
+  refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
+         " pixels is too large: expected 2^31 pixels at most, also where a part of them is rendered");
+}
+
+void check_spectral_bins(const Scene& scene, int bins) {
+  if (bins == 0) return;
+  if (bins < 0 || bins > kMaxSpectralBins)
+    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
+  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
+    throw Error(ExitCode::kUsage,
+                "spectral bins need spectral mode and an integrator that follows light from the camera");
+}
+
+/// Samples per pixel if the options do not set them.
+std::uint32_t default_samples(const Scene& scene) {
+  const IntegratorSettings& integrator = scene.integrator();
+  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
+  if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
+  return scene.sampler().sample_count;
+}
+
+/// Whether layers that come from replicates are requested.
+bool wants_halves(const RenderOptions& options) {
+  return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
+}
+
+void check_layers(const RenderOptions& options, const IntegratorSettings& transport, std::uint32_t spp) {
+  const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
+  const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
+  if ((options.light_groups || of_surfaces) && !follows_paths)
+    refuse("layers of surfaces and of lights need an integrator that follows light from the camera, such as path; " +
+           integrator_name(transport) + " is none");
+  if (of_surfaces && transport.max_depth == 1)
+    refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
+  if (options.aovs.contains(Aov::kHalf) && transport.kind == IntegratorKind::kLightTracer)
+    refuse("the layer half is of samples from the camera, and ptracer follows light the other way");
+  if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
+}
+
+void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, std::uint32_t spp) {
+  if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
+    refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
+  if (transport.kind != IntegratorKind::kPath)
+    refuse("a noise target or a time limit needs an integrator that follows paths from the camera, such as path; " +
+           integrator_name(transport) + " is none");
+  if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
+}
+
+void check_guiding(const IntegratorSettings& integrator) {
+  if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
+  refuse("guiding needs an integrator that follows paths from the camera, such as path; " +
+         integrator_name(integrator) + " is none");
+}
+
+/// Sets the light groups with layers.
+void add_light_groups(const SceneNames& names, const IntegratorSettings& transport, SampleLayout& layout) {
+  std::vector<std::string>& groups = layout.light_groups;
+  groups = names.lights;
+  // Photon maps mix the light of all groups.
+  if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
+  if (groups.size() > kMaxLightGroups)
+    refuse("the scene has " + std::to_string(groups.size()) + " lights with names of their own, expected at most " +
+           std::to_string(kMaxLightGroups) +
+           " for light groups: those of the same id are one group, and those without an id");
+  if (groups.empty()) return;
+  for (const std::uint32_t light : names.light_of_row)
+    layout.group_of_light.push_back(static_cast<std::uint16_t>(light));
+}
+
+/// Sets replicates, halves and the unit of variances.
+void set_replicates(const RenderOptions& options, SamplerKind sampler, SampleLayout& layout) {
+  std::uint32_t replicates =
+      options.replicates > 0 ? static_cast<std::uint32_t>(options.replicates) : default_replicates(sampler, layout.spp);
+  if (wants_halves(options)) replicates = std::max(replicates, 2u);
+  const bool by_samples = sampler == SamplerKind::kIndependent && layout.reach == 0 && !layout.adapts;
+  layout.replicate_samples = by_samples ? layout.spp : (layout.spp + replicates - 1) / replicates;
+  const std::uint32_t made = (layout.spp + layout.replicate_samples - 1) / layout.replicate_samples;
+  layout.half_samples = by_samples ? layout.spp / 2 : made / 2 * layout.replicate_samples;
+  layout.unit = by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate;
+  layout.has_variances = by_samples || layout.adapts || layout.replicate_samples < layout.spp;
+}
+
+/// Converts the requested samples to samples of the layout. Throws if they cannot be taken alone.
+SampleRange requested_range(const SampleRange& asked, const SampleLayout& layout, const IntegratorSettings& transport) {
+  const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
+  const std::uint32_t samples = layout.spp / layout.rays;
+  if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
+    refuse("the samples " + name + " are none of the " + std::to_string(samples) +
+           " samples per pixel, which count from 0");
+  if (transport.kind == IntegratorKind::kLightTracer)
+    refuse("some of the samples can be taken alone where they come from the camera; " + integrator_name(transport) +
+           " follows light the other way");
+  if (layout.adapts) refuse("a noise target or a time limit cannot judge some of the samples alone");
+  const SampleRange range{asked.first * layout.rays, asked.count * layout.rays};
+  const std::uint32_t set = layout.replicate_samples;
+  const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == layout.spp);
+  if (is_whole || set == layout.spp) return range;  // a single set may be split anywhere
+  const std::string size = std::to_string(set);
+  refuse("the samples " + name + " cut through one of the " + std::to_string((layout.spp + set - 1) / set) +
+         " sets of " + size + " samples that tell the variance: they must begin and end at multiples of " + size +
+         (layout.rays > 1 ? " gather rays" : "") + ", or --replicates make other sets");
+}
+
+}  // namespace
+
+std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
+  if (kind == SamplerKind::kIndependent) return kFreeReplicates;
+  if (samples < 32) return 1;
+  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+}
+
+SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options) {
+  SampleLayout layout;
+  const IntegratorSettings& transport = scene.integrator();
+  const SamplerKind sampler = scene.sampler().kind;
+  layout.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
+  if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
+    layout.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
+  if (layout.spp > kMaxSamples / layout.rays)
+    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMaxSamples));
+  layout.spp *= layout.rays;
+  if (layout.spp == 0) refuse("samples per pixel must be at least 1");
+  layout.crop = checked_crop(scene, options);
+  check_spectral_bins(scene, options.spectral_bins);
+  check_layers(options, transport, layout.spp);
+  layout.adapts = options.noise_target > 0 || options.time_limit > 0;
+  if (layout.adapts) check_adaptive(sampler, transport, layout.spp);
+
+  const FilmSettings& film = scene.film();
+  layout.filter_weights = scene.view().filter_weights;
+  layout.reach = layout.filter_weights != nullptr ? layout.filter_weights->reach() : 0;
+  layout.frame = {film.width, film.sample_border ? layout.reach : 0};
+  check_frame(film, layout.frame);
+  const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
+  layout.wanted = layout.crop.grown(layout.reach).intersection(sampled);
+  set_replicates(options, sampler, layout);
+  layout.range = options.samples ? requested_range(*options.samples, layout, transport) : SampleRange{0, layout.spp};
+  const bool has_map_sets = transport.kind == IntegratorKind::kPhotonMapper &&
+                            photon_map_sets(transport.photons, scene.color(), layout.spp) > 1;
+  layout.max_pass_samples = has_map_sets ? 1 : kPassSamples;
+  if (options.light_groups) add_light_groups(scene.names(), transport, layout);
+  if (options.guiding) check_guiding(transport);
+  if (options.wave_size > kMaxWaveSize) refuse("wave size must be at most " + std::to_string(kMaxWaveSize));
+  return layout;
+}
+
+Film SampleLayout::make_film(const Scene& scene, const RenderOptions& options) const {
+  return Film(scene.film().width, scene.film().height, crop, film_layout(options.aovs, has_variances, light_groups),
+              options.spectral_bins, unit, options.aovs.contains(AovSource::kSurfaceId));
+}
+
+}  // namespace sheaf

@@ -1,0 +1,46 @@
+// Adaptive sampling's decisions about tiles, from samples that are made up.
+#include "kernels/film/adaptive_film.h"
+#include "kernels/film/aovs.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+namespace sheaf::test_adaptive_film {
+
+namespace {
+
+constexpr PixelRect kFrame{0, 0, 8, 8};
+
+/// Expected number of samples of a tile after 8 samples per set, if only one half is noisy: one of its two sets is
+/// twice as bright as the other.
+double expected_samples(int noisy_half) {
+  const FilmLayout layout = film_layout({}, true);
+  const Film film(kFrame.width(), kFrame.height(), kFrame, layout, 0, VarianceUnit::kReplicate);
+  AdaptiveFilm adaptive(film, {kFrame}, 0, {0.1, 4096});
+  SampleBuffer samples;
+  FilmTile tile;
+  while (adaptive.begin_round() && adaptive.taken_samples(0) < AdaptiveFilm::kSets * 8)
+    for (std::size_t i = 0; i < adaptive.units().size(); ++i) {
+      const AdaptiveUnit& unit = adaptive.units()[i];
+      const float value = unit.set == 2 * noisy_half ? 2.0f : 1.0f;
+      samples.resize(static_cast<int>(unit.samples), layout.size(), false);
+      for (std::size_t s = 0; s < unit.samples; ++s) std::fill_n(samples[s], layout.size(), value);
+      film.begin(tile, kFrame, nullptr);
+      for (int y = 0; y < kFrame.height(); ++y)
+        for (int x = 0; x < kFrame.width(); ++x) tile.add(x, y, samples, 0, unit.samples);
+      adaptive.add(i, tile);
+    }
+  return adaptive.expected_samples(0);
+}
+
+}  // namespace
+
+TEST_CASE("adaptive film: the noisier half decides how many samples a tile is expected to take") {
+  // The relative variance of the noisy half, over the target of both, times the samples of four sets.
+  const double noise = 0.25 / (1.5 * 1.5 * 1.01), expected = 4 * 8 * noise / (2 * 0.1 * 0.1);
+  CHECK(expected_samples(0) == doctest::Approx(expected));
+  CHECK(expected_samples(1) == doctest::Approx(expected));
+}
+
+}  // namespace sheaf::test_adaptive_film
