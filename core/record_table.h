@@ -67,6 +67,12 @@ template <class L, template <class> class Record> SHEAF_INLINE Record<L> record_
   return out;
 }
 
+/// Writes the leaves of a record to `words`, in declaration order; the inverse of record_of_words().
+template <class L, template <class> class Record>
+SHEAF_INLINE void words_of_record(const Record<L>& in, Float<L>* words) {
+  record_table_detail::to_words<L, Record>(in, words);
+}
+
 /// Gathers the rows table[index], one for each lane. The size of a row must be a multiple of four words.
 template <class L, template <class> class Record>
 SHEAF_INLINE Record<L> gather_rows(const Record<Scalar>* table, Uint<L> index) {

@@ -36,7 +36,7 @@ template <template <class> class Record> class SlotTable {
   /// Stores the first `count` lanes to the rows of slots[0 .. count).
   template <class L> SHEAF_INLINE void scatter(const Slot* slots, int count, const Record<L>& in) {
     typename L::Float words[kWords];
-    record_table_detail::to_words<L, Record>(in, words);
+    words_of_record<L, Record>(in, words);
     float* rows[L::width];
     for (int lane = 0; lane < L::width; ++lane)
       rows[lane] = reinterpret_cast<float*>(rows_ + slots[lane < count ? lane : 0]);

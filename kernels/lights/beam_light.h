@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/lights/point_light.h"
+#include "scene/lights/beam_light.h"
 
 namespace sheaf {
 
@@ -13,7 +14,7 @@ struct BeamLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
-    LightSample<L> s = sample_position<L>(lights.light, from);
+    LightSample<L> s = sample_position<L>(lights.light, lights.light.template data<BeamLightData>().position, from);
     s.valid = Mask<L>(false);
     return s;
   }
@@ -21,7 +22,8 @@ struct BeamLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>&,
                                              TextureQuery<L>&) {
-    return emit_from_position<L>(lights.light, lights.light.beam(), Float<L>(1.0f));
+    const BeamLightData<L> beam = lights.light.template data<BeamLightData>();
+    return emit_from_position<L>(lights.light, beam.position, beam.direction, Float<L>(1.0f));
   }
 };
 

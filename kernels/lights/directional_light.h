@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/lights/infinite_light.h"
+#include "scene/lights/directional_light.h"
 
 namespace sheaf {
 
@@ -13,7 +14,7 @@ struct DirectionalLight {
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     LightSample<L> s;
-    s.direction = lights.light.position;
+    s.direction = lights.light.template data<DirectionalLightData>().to_light;
     s.target = beyond_scene<L>(lights.scene, from, s.direction);
     s.radiance = lights.light.radiance;
     s.pdf_solid_angle = Float<L>(1.0f);
@@ -24,7 +25,8 @@ struct DirectionalLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>&,
                                              TextureQuery<L>&) {
-    return emit_from_infinity<L>(lights.scene, -lights.light.position, lights.light.radiance, Float<L>(1.0f), a);
+    const Vec3<L> to_light = lights.light.template data<DirectionalLightData>().to_light;
+    return emit_from_infinity<L>(lights.scene, -to_light, lights.light.radiance, Float<L>(1.0f), a);
   }
 };
 

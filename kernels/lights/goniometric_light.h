@@ -3,6 +3,7 @@
 
 #include "core/octahedral.h"
 #include "kernels/lights/spot_light.h"
+#include "scene/lights/goniometric_light.h"
 
 namespace sheaf {
 
@@ -13,8 +14,9 @@ struct GoniometricLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
-    const LightFrameRecord<L> frame = load_frames<L>(lights);
-    LightSample<L> s = sample_position<L>(lights.light, from);
+    const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();
+    const LightFrameRecord<L> frame = load_frames<L>(lights, light.frame);
+    LightSample<L> s = sample_position<L>(lights.light, light.position, from);
     look_up<L>(lights.active & s.valid, normalize_any(frame.local_point(from)), texture);
     return s;
   }
@@ -23,10 +25,12 @@ struct GoniometricLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
-    const LightFrameRecord<L> frame = load_frames<L>(lights);
+    const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();
+    const LightFrameRecord<L> frame = load_frames<L>(lights, light.frame);
     const Vec3<L> local = square_to_sphere<L>(b.x, b.y);
     look_up<L>(lights.active, local, texture);
-    return emit_from_position<L>(lights.light, normalize_any(frame.world_vector(local)), Float<L>(kUniformSpherePdf));
+    return emit_from_position<L>(lights.light, light.position, normalize_any(frame.world_vector(local)),
+                                 Float<L>(kUniformSpherePdf));
   }
 
  private:

@@ -91,7 +91,8 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
   const auto mesh = light.is(LightKind::kMesh);
   LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
                                : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, drawn, query);
-  s.target_medium = select(light.is(LightKind::kVolume), light.medium() + Uint<L>(1u), Uint<L>(kNone));
+  const VolumeLightData<L> volume = light.template data<VolumeLightData>();
+  s.target_medium = select(light.is(LightKind::kVolume), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
   return s;

@@ -3,6 +3,7 @@
 
 #include "core/distribution.h"
 #include "kernels/lights/area_light.h"
+#include "scene/lights/mesh_light.h"
 
 namespace sheaf {
 
@@ -17,7 +18,7 @@ struct MeshLight {
   }
 
   template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
-    return pdf_seen<L>(Float<L>(1.0f) / lights.light.area, hit);
+    return pdf_seen<L>(Float<L>(1.0f) / lights.light.template data<MeshLightData>().area, hit);
   }
 
   template <class L, ColorMode Mode>
@@ -33,23 +34,23 @@ struct MeshLight {
     using F = Float<L>;
     using U = Uint<L>;
     const SceneView& scene = lights.scene;
-    const LightRecord<L>& light = lights.light;
-    const U first = select(lights.active, light.first_triangle, U(0u));
+    const MeshLightData<L> mesh = lights.light.template data<MeshLightData>();
+    const U first = select(lights.active, mesh.first_triangle, U(0u));
     const auto chosen =
-        sample_alias<L>(scene.triangle_alias, first, select(lights.active, light.triangle_count, U(1u)), u.w);
+        sample_alias<L>(scene.triangle_alias, first, select(lights.active, mesh.triangle_count, U(1u)), u.w);
     const LightTriangleRecord<L> triangle = gather_rows<L>(scene.light_triangles, first + chosen.index);
     const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
     LightPoint<L> out;
     out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;
     out.y.ng = triangle.normal;
     out.y.offset = triangle.offset;
-    const auto textured = lights.active & (light.texture != U(kNone));
+    const auto textured = lights.active & (lights.light.texture != U(kNone));
     if (any(textured)) {
-      const U row = select(textured, light.first_uv() + chosen.index, U(0u));
+      const U row = select(textured, mesh.first_uv + chosen.index, U(0u));
       const LightUvRecord<L> uvs = gather_rows<L>(scene.light_uvs, row);
-      set_query<L>(textured, {uvs.at(F(1.0f) - b.x - b.y, b.x, b.y), light.shape, chosen.index, b.x, b.y}, texture);
+      set_query<L>(textured, {uvs.at(F(1.0f) - b.x - b.y, b.x, b.y), mesh.shape, chosen.index, b.x, b.y}, texture);
     }
-    out.pdf_area = F(1.0f) / light.area;
+    out.pdf_area = F(1.0f) / mesh.area;
     return out;
   }
 };

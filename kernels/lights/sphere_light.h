@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/lights/quadric_light.h"
+#include "scene/lights/sphere_light.h"
 
 namespace sheaf {
 
@@ -21,40 +22,41 @@ struct SphereLight {
                                             TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
-    const LightRecord<L>& light = lights.light;
-    const Vec3<L> to_center = light.position - from;
+    const SphereLightData<L> sphere = lights.light.template data<SphereLightData>();
+    const Vec3<L> to_center = sphere.center - from;
     const F squared = dot(to_center, to_center);
-    const F one_minus_cos_max = sphere_one_minus_cos(light.radius, squared);
+    const F one_minus_cos_max = sphere_one_minus_cos(sphere.radius, squared);
     LightSample<L> s;
-    s.valid = (one_minus_cos_max > F(0.0f)) & !light.is_along_normal();
+    s.valid = (one_minus_cos_max > F(0.0f)) & !lights.light.is_along_normal();
     const F distance = sqrt(max(squared, F(1e-37f)));
     const auto frame = Frame<L>::from_normal(to_center * (F(1.0f) / distance));
     const Vec3<L> local = square_to_cone<L>(u.y, u.z, one_minus_cos_max);
     s.direction = frame.to_world(local);
     // Normal at the first intersection of the direction with the sphere.
     const F sin2 = max(F(0.0f), F(1.0f) - local.z * local.z);
-    const F along = distance * local.z - safe_sqrt(light.radius * light.radius - squared * sin2);
-    const Vec3<L> normal = (s.direction * along - to_center) * (F(1.0f) / light.radius);
-    const F extent = max_component(abs(light.position)) + light.radius;
+    const F along = distance * local.z - safe_sqrt(sphere.radius * sphere.radius - squared * sin2);
+    const Vec3<L> normal = (s.direction * along - to_center) * (F(1.0f) / sphere.radius);
+    const F extent = max_component(abs(sphere.center)) + sphere.radius;
     const F n_length = sqrt(max(dot(normal, normal), F(1e-12f)));
-    const F offset = max(F(2.0f * kOffsetUlps) * extent, select(lights.active, light.least_offset(), F(0.0f)));
-    s.target = light.position + normal * ((light.radius + offset) / n_length);
+    const F offset = max(F(2.0f * kOffsetUlps) * extent, select(lights.active, sphere.surface.min_offset, F(0.0f)));
+    s.target = sphere.center + normal * ((sphere.radius + offset) / n_length);
     // Look up the texture coordinates.
-    const auto textured = lights.active & (light.texture != U(kNone));
+    const auto textured = lights.active & (lights.light.texture != U(kNone));
     if (any(textured)) {
-      const auto q = gather_rows<L>(lights.scene.quadrics, select(textured, light.quadric(), U(0u)));
-      const Vec3<L> x = q.object_point(light.position + normal * (light.radius / n_length));
-      set_quadric_query<L>(textured, q, light, normalize_any(x), texture);
+      const auto q = gather_rows<L>(lights.scene.quadrics, select(textured, sphere.surface.quadric, U(0u)));
+      const Vec3<L> x = q.object_point(sphere.center + normal * (sphere.radius / n_length));
+      set_quadric_query<L>(textured, q, sphere.surface, normalize_any(x), texture);
     }
     s.pdf_solid_angle = F(0.5f * kInvPi) / select(s.valid, one_minus_cos_max, F(1.0f));
-    s.radiance = light.radiance;
+    s.radiance = lights.light.radiance;
     return s;
   }
 
   template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     using F = Float<L>;
-    const Vec3<L> to_center = lights.light.position - hit.from;
-    const F one_minus_cos_max = sphere_one_minus_cos(lights.light.radius, dot(to_center, to_center));
+    const SphereLightData<L> sphere = lights.light.template data<SphereLightData>();
+    const Vec3<L> to_center = sphere.center - hit.from;
+    const F one_minus_cos_max = sphere_one_minus_cos(sphere.radius, dot(to_center, to_center));
     const auto outside = one_minus_cos_max > F(0.0f);
     return select(outside, F(0.5f * kInvPi) / select(outside, one_minus_cos_max, F(1.0f)), F(0.0f));
   }
@@ -62,7 +64,8 @@ struct SphereLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
-    return emit_from<L>(point_on_quadric<L>(lights, a, texture), lights.light, b);
+    const SphereLightData<L> sphere = lights.light.template data<SphereLightData>();
+    return emit_from<L>(point_on_quadric<L>(lights, sphere.surface, a, texture), lights.light, b);
   }
 };
 

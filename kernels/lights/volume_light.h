@@ -7,25 +7,26 @@
 
 #include "core/distribution.h"
 #include "kernels/lights/light_kind.h"
+#include "scene/lights/volume_light.h"
 #include "scene/tables/medium_lookup.h"
 
 namespace sheaf {
 
 /// Pdf, per cubic metre, of sampling the point `p` of a volume light.
 inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f p) {
-  const LightRow& light = scene.lights[index];
-  const VolumeCells cells = volume_cells(light);
-  const Vec3f size = light.extent();
+  const VolumeLightData<Scalar> light = scene.lights[index].data<VolumeLightData>();
+  const VolumeCells cells = VolumeCells::of_word(light.cells);
+  const Vec3f size = light.extent;
   const auto place = [](float x, float lower, float extent, std::uint32_t count) {
     const float at = (x - lower) / extent * static_cast<float>(count);
     return at >= 0.0f && at <= static_cast<float>(count) ? std::min(to_uint(at), count - 1u) : kNone;
   };
-  const std::uint32_t x = place(p.x, light.position.x, size.x, cells.x);
-  const std::uint32_t y = place(p.y, light.position.y, size.y, cells.y);
-  const std::uint32_t z = place(p.z, light.position.z, size.z, cells.z);
+  const std::uint32_t x = place(p.x, light.corner.x, size.x, cells.x);
+  const std::uint32_t y = place(p.y, light.corner.y, size.y, cells.y);
+  const std::uint32_t z = place(p.z, light.corner.z, size.z, cells.z);
   if (x == kNone || y == kNone || z == kNone) return 0.0f;
-  const AliasEntry& cell = scene.triangle_alias[light.first_triangle + (z * cells.y + y) * cells.x + x];
-  return cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
+  const AliasEntry& cell = scene.triangle_alias[light.first_cell + (z * cells.y + y) * cells.x + x];
+  return cell.pdf * static_cast<float>(cells.count()) / (size.x * size.y * size.z);
 }
 
 /// A point of a volume light.
@@ -39,22 +40,22 @@ template <class L> struct VolumePoint {
 /// Samples a point by u.y, u.z and u.w. `lambda`: the path's wavelengths; unused in RGB mode.
 inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint32_t index, const Random4<Scalar>& u,
                                                const Spectrum4& lambda) {
-  const LightRow& light = scene.lights[index];
-  const VolumeCells cells = volume_cells(light);
-  const Vec3f size = light.extent();
-  const auto cell = sample_alias<Scalar>(scene.triangle_alias, light.first_triangle, light.triangle_count, u.w);
+  const VolumeLightData<Scalar> light = scene.lights[index].data<VolumeLightData>();
+  const VolumeCells cells = VolumeCells::of_word(light.cells);
+  const Vec3f size = light.extent;
+  const auto cell = sample_alias<Scalar>(scene.triangle_alias, light.first_cell, cells.count(), u.w);
   // The remainder of u.w depends on the cell, so the third coordinate uses a hash of its bits instead.
   std::uint32_t a = float_bits(u.w), b = float_bits(u.y), c = float_bits(u.z), d = index;
   hash4(a, b, c, d);
-  const float depth = light.triangle_count == 1 ? u.w : unit_float(a ^ b);
+  const float depth = cells.count() == 1 ? u.w : unit_float(a ^ b);
   const std::uint32_t x = cell.index % cells.x, y = cell.index / cells.x % cells.y, z = cell.index / cells.x / cells.y;
   VolumePoint<Scalar> out;
-  out.p = {light.position.x + size.x * ((static_cast<float>(x) + u.y) / static_cast<float>(cells.x)),
-           light.position.y + size.y * ((static_cast<float>(y) + u.z) / static_cast<float>(cells.y)),
-           light.position.z + size.z * ((static_cast<float>(z) + depth) / static_cast<float>(cells.z))};
-  out.pdf_volume = cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
+  out.p = {light.corner.x + size.x * ((static_cast<float>(x) + u.y) / static_cast<float>(cells.x)),
+           light.corner.y + size.y * ((static_cast<float>(y) + u.z) / static_cast<float>(cells.y)),
+           light.corner.z + size.z * ((static_cast<float>(z) + depth) / static_cast<float>(cells.z))};
+  out.pdf_volume = cell.pdf * static_cast<float>(cells.count()) / (size.x * size.y * size.z);
   // Evaluate the emission.
-  const MediumRow& medium = scene.media[light.medium()];
+  const MediumRow& medium = scene.media[light.medium];
   const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
   out.emitted = to_spectrum(medium_coefficients(scene, medium, spectra, out.p, lambda).sigma_a *
                             medium_emission(scene, medium, spectra, out.p, lambda));
@@ -108,7 +109,7 @@ struct VolumeLight {
     constexpr int kWords = kLeafCount<VolumePoint>;
     alignas(kSimdAlignment) float number[3][L::width], wavelength[4][L::width], out[kWords][L::width] = {};
     alignas(kSimdAlignment) std::uint32_t media[L::width];
-    store(media, lights.light.medium());
+    store(media, lights.light.template data<VolumeLightData>().medium);
     store(number[0], u.y), store(number[1], u.z), store(number[2], u.w);
     store(wavelength[0], lights.lambda.c0), store(wavelength[1], lights.lambda.c1);
     store(wavelength[2], lights.lambda.c2), store(wavelength[3], lights.lambda.c3);

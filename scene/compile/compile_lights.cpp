@@ -3,14 +3,13 @@
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/volume_light.h"
 #include "scene/compile/scene_compiler.h"
-#include "scene/tables/quadric.h"
 
 #include <algorithm>
 
 namespace sheaf {
 
 LightContext SceneCompiler::light_context() {
-  return {in_, out_->textures_.rows, spectra(), out_->envmap_, out_->warnings_};
+  return {in_, out_->textures_.rows, spectra(), out_->envmap_, out_->light_frames_, out_->warnings_};
 }
 
 std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {
@@ -44,10 +43,7 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
     throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
   SpectrumRow spectrum = emitter.emission.spectrum;
   if (emitter.emission.power) {
-    const QuadricRow* own = light.quadric ? &*light.quadric : nullptr;
-    const bool is_mesh = light.row.is(LightKind::kMesh);
-    const float area = is_mesh ? light.row.area : quadric_area(own ? *own : out_->quadrics_[light.row.quadric()]);
-    const float factor = *emitter.emission.power / (exitance_factor(light.row) * area);
+    const float factor = *emitter.emission.power / (exitance_factor(light.row) * light.area);
     light.row.radiance = light.row.radiance * factor;
     spectrum.scale *= factor;
   }
@@ -91,15 +87,11 @@ void SceneCompiler::add_lights() {
   out_->counts_.lights = out_->lights_.size();
 }
 
-void SceneCompiler::push_light(CompiledLight light, const LightDescription& from) {
+void SceneCompiler::push_light(const CompiledLight& light, const LightDescription& from) {
   if (!(max_component(emitted_rgb(light.row)) > 0.0f)) return;
   if (light_compiler_of(light.row).domain == LightDomain::kEnvironment) {
     if (out_->environment_ != kNone) throw SceneError(from.where, "a scene may have only one environment light");
     out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
-  }
-  if (light.frame) {
-    light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
-    out_->light_frames_.push_back(*light.frame);
   }
   add_light_row(light.row, light.spectrum, from.where, from.id);
 }

@@ -92,12 +92,16 @@ std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& wher
   return static_cast<std::uint32_t>(id);
 }
 
-LightRow make_light_row(LightKind kind, Vec3f radiance, Vec3f position) {
+LightRow make_light_row(LightKind kind, Vec3f radiance) {
   LightRow row;
   row.kind = static_cast<std::uint32_t>(kind);
   row.radiance = {radiance.x, radiance.y, radiance.z, 0.0f};
-  row.position = position;
   return row;
+}
+
+std::uint32_t LightContext::add_frame(const LightFrameRow& frame) {
+  frames.push_back(frame);
+  return static_cast<std::uint32_t>(frames.size() - 1);
 }
 
 const LightCompiler& light_compiler_of(const LightRow& light) {

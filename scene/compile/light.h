@@ -13,10 +13,9 @@
 
 namespace sheaf {
 
-/// A light that is not on a shape, with its frame if the kind has one.
+/// A light that is not on a shape.
 struct CompiledLight {
   LightRow row;
-  std::optional<LightFrameRow> frame;
   SpectrumRow spectrum = {};  ///< spectrum of LightRecord::radiance, in spectral mode
 };
 
@@ -26,16 +25,25 @@ struct LightContext {
   std::span<const TextureRow> textures;
   SpectrumSet* spectra;  ///< null in RGB mode
   Envmap& envmap;        ///< environment map of the scene, filled by its light
+  std::vector<LightFrameRow>& frames;
   std::vector<std::string>& warnings;
 
   /// Spectrum of emission, in spectral mode. Textures are relative to D65. Throws SceneError at `where`.
   SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) const;
   /// Row of a texture. Throws SceneError at `where` if it does not exist or cannot be used by lights.
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
+  /// Adds a row to SceneView::light_frames; returns its index.
+  std::uint32_t add_frame(const LightFrameRow& frame);
 };
 
-/// Makes a row without frame, texture and spectrum.
-LightRow make_light_row(LightKind kind, Vec3f radiance, Vec3f position);
+/// Makes a row without texture.
+LightRow make_light_row(LightKind kind, Vec3f radiance);
+template <template <class> class Data>
+LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data) {
+  LightRow row = make_light_row(kind, radiance);
+  row.set_data(data);
+  return row;
+}
 
 /// A row's radiance in R, G and B.
 inline Vec3f emitted_rgb(const LightRow& light) { return {light.radiance.c0, light.radiance.c1, light.radiance.c2}; }

@@ -106,7 +106,7 @@ class SceneCompiler {
   void add_volume_lights();
   void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
   /// Adds a light unless it is black. Throws for a second environment light.
-  void push_light(CompiledLight light, const LightDescription& from);
+  void push_light(const CompiledLight& light, const LightDescription& from);
   /// `name`: may be empty.
   void add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
                      const std::string& name);

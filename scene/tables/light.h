@@ -1,5 +1,5 @@
-// Light records: the data common to all lights, and the data of single kinds. Kernels gather them with
-// core/record_table.h.
+// Light records, which kernels gather with core/record_table.h. The files of scene/lights/ declare the data of each
+// kind.
 #pragma once
 
 #include "core/record_table.h"
@@ -10,104 +10,65 @@
 
 namespace sheaf {
 
-/// Resolution of a volume light's box: cells along the axes, each in [1, 1023].
-struct VolumeCells {
-  std::uint32_t x = 1, y = 1, z = 1;
+/// Bits of LightRecord::flags.
+enum LightFlags : std::uint32_t {
+  kEmitsAlongNormal = 1,  ///< area lights: emits only along its normal; radiance is radiant exitance (W / m^2)
+  kEmitsOnBothSides = 2,  ///< area lights: also emits on the side opposite to the normal
+  kIsEven = 4,            ///< projectors: see ProjectorDescription::is_even
 };
 
-/// One light. Lights at infinity follow all others. Sixteen words; the meaning of some depends on the kind and is given
-/// by the accessors.
+/// Words of LightRecord::payload.
+inline constexpr int kLightPayloadWords = 9;
+
+/// One light. Lights at infinity follow all others. Sixteen words: data of all kinds, and those of the light's kind.
 template <class L> struct LightRecord {
   using F = typename L::Float;
   using U = typename L::Uint;
 
-  U kind{};            ///< LightKind; see is()
-  U shape = U(kNone);  ///< area lights; kVolume: see medium()
-  /// kMesh: into triangle_alias and light_triangles. kVolume: into triangle_alias, cells. kSphere, kQuadric: see
-  /// quadric().
-  U first_triangle{};
-  U triangle_count{};
-  /// Radiance (W / (m^2 sr)). kPoint, spots, kGoniometric, kProjector: intensity (W / sr). kDirectional: irradiance (W
-  /// / m^2). kBeam: power (W). kEnvmap: mean over all directions. kVolume: total emitted intensity, W / sr. A texture
-  /// is multiplied by this.
-  Spectrum<L> radiance;
-  /// kPoint, spots, kGoniometric, kProjector, kBeam, kSphere (centre), kVolume (minimum corner): position, metres.
-  /// kDirectional, kSun: unit vector towards the light.
-  Vec3<L> position;
-  /// Area lights: area in world space; kQuadric: area of the canonical shape; kVolume: see extent(); kBeam: see beam().
-  F area{};
-  F radius{};            ///< kSphere: radius; kSun: 1 - cosine of its angular radius
-  F depth{};             ///< area lights: see set_sides()
+  U kind{};              ///< LightKind; see is()
+  U flags{};             ///< LightFlags
   U texture = U(kNone);  ///< into SceneView::textures; kNone: no texture
-  U detail{};            ///< see frame(), first_uv(), least_offset() and cells()
+  /// Radiance (W / (m^2 sr)), unless the data of the kind (scene/lights/) state otherwise. A texture is multiplied by
+  /// it.
+  Spectrum<L> radiance;
+  F payload[kLightPayloadWords] = {};  ///< see data()
 
-  static constexpr auto fields(auto& s) {
-    return std::tie(s.kind, s.shape, s.first_triangle, s.triangle_count, s.radiance, s.position, s.area, s.radius,
-                    s.depth, s.texture, s.detail);
-  }
+  static constexpr auto fields(auto& s) { return std::tie(s.kind, s.flags, s.texture, s.radiance, s.payload); }
 
   SHEAF_INLINE typename L::Mask is(LightKind k) const { return kind == U(static_cast<std::uint32_t>(k)); }
-  /// kSphere, kQuadric: into SceneView::quadrics.
-  SHEAF_INLINE U quadric() const { return first_triangle; }
-  /// kVolume: into SceneView::media.
-  SHEAF_INLINE U medium() const { return shape; }
-  /// kVolume: size of its box, metres.
-  SHEAF_INLINE Vec3<L> extent() const { return {area, radius, depth}; }
-  /// kBeam: where the light travels, unit length.
-  SHEAF_INLINE Vec3<L> beam() const { return extent(); }
-  /// Area lights: whether they emit only along their normal. Radiance is then radiant exitance (W / m^2).
-  SHEAF_INLINE typename L::Mask is_along_normal() const { return depth > F(0.0f); }
-  /// Area lights: whether they also emit on the side opposite to the normal.
-  SHEAF_INLINE typename L::Mask is_two_sided() const { return (depth < F(0.0f)) | (depth > F(1.0f)); }
-  void set_sides(bool along_normal, bool two_sided) {
-    depth = along_normal ? (two_sided ? 2.0f : 1.0f) : (two_sided ? -1.0f : 0.0f);
+  /// The data of the light's kind, such as data<MeshLightData>(). In lanes of other kinds, their words are
+  /// reinterpreted.
+  template <template <class> class Data> SHEAF_INLINE Data<L> data() const {
+    static_assert(kLeafCount<Data> <= kLightPayloadWords);
+    return record_of_words<L, Data>(payload);
   }
-  void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
-  /// Spots, kGoniometric, kProjector: into SceneView::light_frames.
-  SHEAF_INLINE U frame() const { return detail; }
-  /// kMesh with a texture: index of the first triangle in SceneView::light_uvs.
-  SHEAF_INLINE U first_uv() const { return detail; }
-  /// kSphere, kQuadric: minimum distance by which points are moved off the surface.
-  SHEAF_INLINE F least_offset() const { return bits_float(detail); }
+  template <template <class> class Data> SHEAF_INLINE void set_data(const Data<L>& data) {
+    static_assert(kLeafCount<Data> <= kLightPayloadWords);
+    words_of_record<L, Data>(data, payload);
+  }
+  SHEAF_INLINE typename L::Mask has_flag(LightFlags flag) const { return (flags & U(flag)) != U(0u); }
+  SHEAF_INLINE typename L::Mask is_along_normal() const { return has_flag(kEmitsAlongNormal); }
+  SHEAF_INLINE typename L::Mask is_two_sided() const { return has_flag(kEmitsOnBothSides); }
 };
 
 /// A row of SceneView::lights.
 using LightRow = LightRecord<Scalar>;
 static_assert(sizeof(LightRow) == 64);
 
-/// kVolume: encoding of the cells in LightRecord::detail.
-inline VolumeCells volume_cells(const LightRow& light) {
-  return {light.detail & 0x3ffu, light.detail >> 10 & 0x3ffu, light.detail >> 20};
-}
-inline std::uint32_t volume_cells_word(const VolumeCells& cells) { return cells.x | cells.y << 10 | cells.z << 20; }
-
-/// Additional data of lights with an orientation: an affine map to the light's space, where it looks along +z, and
-/// parameters of the kind. One cache line.
-template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
+/// Space of a light with an orientation: an affine map from world space to a space where the light is at the origin and
+/// looks along +z.
+template <class L> struct LightFrameRecord {
   Vec3<L> row_x;  ///< row of the 3x4 matrix without its last element
   typename L::Float offset_x{};
   Vec3<L> row_y;
   typename L::Float offset_y{};
   Vec3<L> row_z;
   typename L::Float offset_z{};
-  /// kSpot: cutoff angle, radians. kSmoothSpot: its cosine. kProjector: see picture_scale().
-  typename L::Float cutoff{};
-  /// kSpot: 1 / (cutoff - beam width). kSmoothSpot: 1 / (cosine of the beam width - cutoff). kProjector: see
-  /// picture_scale().
-  typename L::Float slope{};
-  typename L::Float cot_cutoff{};  ///< kSpot with a texture: 1 / tan cutoff. kProjector: see is_even()
-  typename L::Float unused{};
 
   static constexpr auto fields(auto& s) {
-    return std::tie(s.row_x, s.offset_x, s.row_y, s.offset_y, s.row_z, s.offset_z, s.cutoff, s.slope, s.cot_cutoff,
-                    s.unused);
+    return std::tie(s.row_x, s.offset_x, s.row_y, s.offset_y, s.row_z, s.offset_z);
   }
 
-  /// kProjector: reciprocals of the image's width and height at z = 1.
-  SHEAF_INLINE Vec2<L> picture_scale() const { return {cutoff, slope}; }
-  void set_picture_scale(Vec2<L> scale) { cutoff = scale.x, slope = scale.y; }
-  /// kProjector: see ProjectorDescription::is_even.
-  SHEAF_INLINE typename L::Mask is_even() const { return cot_cutoff > typename L::Float(0.0f); }
   /// Transforms a point from world space to the light's space.
   SHEAF_INLINE Vec3<L> local_point(Vec3<L> p) const {
     return {row_x.x * p.x + row_x.y * p.y + row_x.z * p.z + offset_x,
@@ -125,7 +86,7 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
 
 /// A row of SceneView::light_frames.
 using LightFrameRow = LightFrameRecord<Scalar>;
-static_assert(sizeof(LightFrameRow) == 64);
+static_assert(sizeof(LightFrameRow) == 48);
 
 /// Texture coordinates of the three vertices of a light's triangle.
 template <class L> struct LightUvRecord {

@@ -225,7 +225,8 @@ TEST_CASE("light emission: photons start in a medium as their density says, whic
   const auto scene = compile_scene(medium_case("", uneven_fog(folder), {kBox}).scene);
   const SceneView view = scene->view();
   REQUIRE(view.light_count == 1);
-  const Vec3f corner = view.lights[0].position, size = view.lights[0].extent();
+  const auto volume = view.lights[0].data<VolumeLightData>();
+  const Vec3f corner = volume.corner, size = volume.extent;
   constexpr int kSide = 4, kDraws = 50000, kFine = 32;
   std::vector<double> observed(kSide * kSide * kSide), expected(kSide * kSide * kSide);
   const auto block = [&](double x, double y, double z) {

@@ -30,8 +30,9 @@ const std::vector<Folder> kSceneFolders = {
     {"xml", {"description"}},
     {"formats", {"description"}},
     {"tables", {"description"}},
-    {"dialects", {"description", "xml", "formats", "data"}},
-    {"compile", {"description", "data", "formats", "tables"}},
+    {"lights", {"tables", "description", "data", "formats", "xml"}},
+    {"dialects", {"description", "xml", "formats", "data", "lights"}},
+    {"compile", {"description", "data", "formats", "tables", "lights"}},
 };
 
 /// A library that one file alone (a header and a source of the same name count as one) may include.
@@ -73,7 +74,7 @@ std::string_view scene_folder(std::string_view path) {
 bool keeps_to_folders(std::string_view file, std::string_view header) {
   const std::string_view from = scene_folder(file), to = scene_folder(header);
   if (to.empty() || from == to) return true;
-  if (from.empty()) return !file.starts_with("kernels/") || to == "tables";
+  if (from.empty()) return !file.starts_with("kernels/") || to == "tables" || to == "lights";
   const auto folder = std::find_if(kSceneFolders.begin(), kSceneFolders.end(), [&](auto& f) { return f.name == from; });
   if (folder == kSceneFolders.end()) return false;
   return std::find(folder->may_include.begin(), folder->may_include.end(), to) != folder->may_include.end();

@@ -7,14 +7,14 @@ namespace sheaf {
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                           const AreaEmission& emission, const LightPlaces& places, const InstanceRow* instance) {
   AreaLight light;
-  light.row.shape = shape_index;
   light.row.texture = emission.texture;
-  light.row.set_sides(emission.along_normal, emission.two_sided);
+  if (emission.along_normal) light.row.flags |= kEmitsAlongNormal;
+  if (emission.two_sided) light.row.flags |= kEmitsOnBothSides;
   light.row.radiance = {emission.radiance.x, emission.radiance.y, emission.radiance.z, 0.0f};
   if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh) {
-    complete_mesh_light(light, shape, tables, places, instance);
+    complete_mesh_light(light, shape, shape_index, tables, places, instance);
   } else {
-    complete_quadric_light(light, shape, tables, places, instance);
+    complete_quadric_light(light, shape, shape_index, tables, places, instance);
   }
   return light;
 }

@@ -24,8 +24,8 @@ struct AreaEmission {
   Vec3f radiance;  ///< multiplied by the texture, if any
   std::uint32_t texture = kNone;
   SpectrumRow spectrum = {};        ///< spectrum of `radiance`, in spectral mode
-  bool along_normal = false;        ///< see LightRecord::is_along_normal()
-  bool two_sided = false;           ///< see LightRecord::is_two_sided()
+  bool along_normal = false;        ///< see kEmitsAlongNormal
+  bool two_sided = false;           ///< see kEmitsOnBothSides
   std::optional<float> power = {};  ///< see ShapeDescription::power
 };
 
@@ -42,6 +42,7 @@ struct AreaLight {
   std::vector<LightTriangleRow> triangles;
   std::vector<LightUvRow> uvs;        ///< if it has a texture
   std::optional<QuadricRow> quadric;  ///< in world space, for an instance
+  float area = 0;                     ///< in world space, m^2
 };
 
 /// Makes the light of the shape with index `shape_index`, or of an instance of it if `instance` is not null.
@@ -49,10 +50,10 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
                           const AreaEmission& emission, const LightPlaces& places, const InstanceRow* instance);
 
 /// Sets the members of `light` that depend on the kind of shape.
-void complete_mesh_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables, const LightPlaces& places,
-                         const InstanceRow* instance);
-void complete_quadric_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables,
-                            const LightPlaces& places, const InstanceRow* instance);
+void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
+                         const LightPlaces& places, const InstanceRow* instance);
+void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
+                            const ShapeTables& tables, const LightPlaces& places, const InstanceRow* instance);
 
 /// Ray offset of a point of an instance; see place_instance().
 float instance_offset(const InstanceRow& instance, Vec3f p, Vec3f ng, float offset);

@@ -1,4 +1,5 @@
 // Beams of light along a ray: row, power and bounds.
+#include "scene/lights/beam_light.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 
@@ -15,7 +16,8 @@ struct BeamRows {
 
   /// Zero power: next-event estimation never reaches a beam.
   static LightBounds bounds(const SceneView&, const LightRow& light, double) {
-    return spot_light_bounds(light.position, light.beam(), 1, 0);
+    const auto beam = light.data<BeamLightData>();
+    return spot_light_bounds(beam.position, beam.direction, 1, 0);
   }
 };
 
@@ -27,10 +29,9 @@ std::optional<CompiledLight> place_light(const LightToPlace<BeamDescription>& l)
   const Vec3f along = l.light.to_world.vector({0, 0, 1});
   const float length = sheaf::length(along);
   if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(l.where, "the direction of the beam has no length");
-  CompiledLight placed{make_light_row(LightKind::kBeam, emission_rgb(l.light.power), l.light.to_world.point({0, 0, 0})),
-                       std::nullopt, l.context.emission_row(l.light.power, l.where)};
-  placed.row.set_extent(along * (1.0f / length));
-  return placed;
+  const BeamLightData<Scalar> data{l.light.to_world.point({0, 0, 0}), along * (1.0f / length)};
+  return CompiledLight{make_light_row(LightKind::kBeam, emission_rgb(l.light.power), data),
+                       l.context.emission_row(l.light.power, l.where)};
 }
 
 }  // namespace sheaf

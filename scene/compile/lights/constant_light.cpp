@@ -20,7 +20,7 @@ struct ConstantRows {
 LightCompiler light_compiler(LightTag<LightKind::kConstant>) { return make_light_compiler<ConstantRows>(); }
 
 std::optional<CompiledLight> place_light(const LightToPlace<ConstantLightDescription>& l) {
-  return CompiledLight{make_light_row(LightKind::kConstant, emission_rgb(l.light.radiance), {0, 0, 0}), std::nullopt,
+  return CompiledLight{make_light_row(LightKind::kConstant, emission_rgb(l.light.radiance)),
                        l.context.emission_row(l.light.radiance, l.where)};
 }
 

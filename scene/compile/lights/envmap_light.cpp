@@ -39,7 +39,7 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
     return std::nullopt;
   }
   if (context.spectra != nullptr) uplift_nodes(map);
-  CompiledLight placed{make_light_row(LightKind::kEnvmap, map.mean, {0, 0, 0}), std::nullopt,
+  CompiledLight placed{make_light_row(LightKind::kEnvmap, map.mean),
                        context.emission_row(SpectrumDescription::constant(1), where)};
   context.envmap = std::move(map);
   return placed;

@@ -1,4 +1,5 @@
 // Goniometric lights, point lights with an image of all directions: row, power and bounds.
+#include "scene/lights/goniometric_light.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
@@ -15,7 +16,8 @@ struct GoniometricRows {
 
   /// As for a point light of constant intensity.
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
-    return point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
+    return point_light_bounds(light.data<GoniometricLightData>().position,
+                              static_cast<float>(power * (0.25 * double(kInvPi))));
   }
 
   /// Mean of the image over all directions; the map is equal-area, so all texels have the same weight.
@@ -38,8 +40,9 @@ std::optional<CompiledLight> place_light(const LightToPlace<GoniometricLightDesc
   const GoniometricLightDescription& source = l.light;
   const std::array<double, 9> rotation = rotation_of(source.to_world, "a goniometric light", l.where);
   const Vec3f origin = source.to_world.point({0, 0, 0});
-  CompiledLight light{make_light_row(LightKind::kGoniometric, emission_rgb(source.intensity), origin),
-                      frame_of(rotation, origin), l.context.emission_row(source.intensity, l.where)};
+  const GoniometricLightData<Scalar> data{origin, l.context.add_frame(frame_of(rotation, origin))};
+  CompiledLight light{make_light_row(LightKind::kGoniometric, emission_rgb(source.intensity), data),
+                      l.context.emission_row(source.intensity, l.where)};
   light.row.texture = l.context.texture_row(source.picture, l.where);
   return light;
 }

@@ -1,4 +1,5 @@
 // Mesh lights: rows, power and bounds.
+#include "scene/lights/mesh_light.h"
 #include "core/distribution.h"
 #include "core/warp.h"
 #include "scene/compile/lights/area_light.h"
@@ -127,12 +128,13 @@ struct MeshRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) {
-    return emitted_rgb(light) * (exitance_factor(light) * light.area);
+    return emitted_rgb(light) * (exitance_factor(light) * light.data<MeshLightData>().area);
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const double area = double{sides_of(light)} * light.area;
-    LightBounds out = mesh_light_bounds({scene.light_triangles + light.first_triangle, light.triangle_count},
+    const auto mesh = light.data<MeshLightData>();
+    const double area = double{sides_of(light)} * mesh.area;
+    LightBounds out = mesh_light_bounds({scene.light_triangles + mesh.first_triangle, mesh.triangle_count},
                                         static_cast<float>(power / (double(kPi) * area)));
     out.two_sided = light.is_two_sided();
     return out;
@@ -140,16 +142,17 @@ struct MeshRows {
 
   /// Mean of the texture.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int mean_points) {
+    const auto mesh = light.data<MeshLightData>();
     TextureMean mean(scene, light.texture);
     int next = 0;
-    for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
-      const double share = scene.triangle_alias[light.first_triangle + i].pdf;
+    for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
+      const double share = scene.triangle_alias[mesh.first_triangle + i].pdf;
       const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
-      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+      const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
       for (int k = 0; k < points; ++k) {
         const Vec2f u = spread_point(next++);
         const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
-        mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), light.shape, i, b.x, b.y}, share / points);
+        mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), mesh.shape, i, b.x, b.y}, share / points);
       }
     }
     return mean.value();
@@ -159,12 +162,13 @@ struct MeshRows {
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
     constexpr std::uint32_t kMaxTriangles = 64;
     if (light.texture == kNone) return IntegralSharing::kOne;
-    if (light.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
-    for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
-      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+    const auto mesh = light.data<MeshLightData>();
+    if (mesh.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
+    for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
+      const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
       for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
         key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
-      key.push_back(rounded_share(scene.triangle_alias[light.first_triangle + i].pdf));
+      key.push_back(rounded_share(scene.triangle_alias[mesh.first_triangle + i].pdf));
     }
     return IntegralSharing::kAll;
   }
@@ -174,13 +178,9 @@ struct MeshRows {
 
 LightCompiler light_compiler(LightTag<LightKind::kMesh>) { return make_light_compiler<MeshRows>(); }
 
-void complete_mesh_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables, const LightPlaces& places,
-                         const InstanceRow* instance) {
-  light.row.kind = static_cast<std::uint32_t>(LightKind::kMesh);
-  light.row.first_triangle = places.first_triangle;
-  light.row.triangle_count = shape.triangle_count;
+void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
+                         const LightPlaces& places, const InstanceRow* instance) {
   const bool textured = light.row.texture != kNone;
-  if (textured) light.row.detail = places.first_uv;
   std::vector<float> areas;
   double area = 0;
   for (std::uint32_t i = 0; i < shape.triangle_count; ++i) {
@@ -193,7 +193,10 @@ void complete_mesh_light(AreaLight& light, const ShapeRow& shape, const ShapeTab
     area += areas.back();
   }
   light.alias = build_alias_table(areas);
-  light.row.area = static_cast<float>(area);
+  light.area = static_cast<float>(area);
+  light.row.kind = static_cast<std::uint32_t>(LightKind::kMesh);
+  light.row.set_data(MeshLightData<Scalar>{shape_index, places.first_triangle, shape.triangle_count,
+                                           textured ? places.first_uv : 0u, light.area});
 }
 
 LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float radiance) {

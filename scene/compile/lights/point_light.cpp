@@ -1,4 +1,5 @@
 // Point lights: row, power and bounds.
+#include "scene/lights/point_light.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 
@@ -12,7 +13,8 @@ struct PointRows {
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
-    return point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
+    return point_light_bounds(light.data<PointLightData>().position,
+                              static_cast<float>(power * (0.25 * double(kInvPi))));
   }
 };
 
@@ -21,8 +23,9 @@ struct PointRows {
 LightCompiler light_compiler(LightTag<LightKind::kPoint>) { return make_light_compiler<PointRows>(); }
 
 std::optional<CompiledLight> place_light(const LightToPlace<PointLightDescription>& l) {
-  return CompiledLight{make_light_row(LightKind::kPoint, emission_rgb(l.light.intensity), l.light.position),
-                       std::nullopt, l.context.emission_row(l.light.intensity, l.where)};
+  const PointLightData<Scalar> data{l.light.position};
+  return CompiledLight{make_light_row(LightKind::kPoint, emission_rgb(l.light.intensity), data),
+                       l.context.emission_row(l.light.intensity, l.where)};
 }
 
 }  // namespace sheaf

@@ -2,6 +2,7 @@
 #include "core/warp.h"
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/texture_mean.h"
+#include "scene/lights/sphere_light.h"
 #include "scene/tables/quadric.h"
 #include "scene/tables/shape.h"
 
@@ -37,16 +38,19 @@ QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
   return make_quadric(own.kind, Transform(outer * inner), own.normal_sign < 0.0f);
 }
 
-/// For kSphere and kQuadric.
-struct QuadricRows {
+QuadricLightData<Scalar> data_of_quadric(const LightRow& light) { return light.data<QuadricLightData>(); }
+QuadricLightData<Scalar> data_of_sphere(const LightRow& light) { return light.data<SphereLightData>().surface; }
+
+/// For kSphere and kQuadric, with the function that returns what both have in common.
+template <QuadricLightData<Scalar> (*data)(const LightRow&)> struct QuadricRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
-    return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));
+    return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[data(light).quadric]));
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const QuadricRow& quadric = scene.quadrics[light.quadric()];
+    const QuadricRow& quadric = scene.quadrics[data(light).quadric];
     const double area = double{sides_of(light)} * quadric_area(quadric);
     LightBounds out = quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * area)));
     out.two_sided = light.is_two_sided();
@@ -55,7 +59,7 @@ struct QuadricRows {
 
   /// Mean of the texture.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
-    const QuadricRow& row = scene.quadrics[light.quadric()];
+    const QuadricRow& row = scene.quadrics[data(light).quadric];
     TextureMean mean(scene, light.texture);
     for (int k = 0; k < points; ++k) {
       const Vec2f u = spread_point(k);
@@ -70,7 +74,7 @@ struct QuadricRows {
         normal = {angle.cos, angle.sin, 0};
       }
       const auto y = quadric_surface<Scalar, true>(row, static_cast<std::uint32_t>(row.kind), x);
-      mean.add({y.uv, light.shape, 0, 0, 0}, length(row.world_normal(normal)));
+      mean.add({y.uv, data(light).shape, 0, 0, 0}, length(row.world_normal(normal)));
     }
     return mean.value();
   }
@@ -79,7 +83,7 @@ struct QuadricRows {
   /// which determine the scaling of area elements.
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
     if (light.texture == kNone) return IntegralSharing::kOne;
-    const QuadricRow& row = scene.quadrics[light.quadric()];
+    const QuadricRow& row = scene.quadrics[data(light).quadric];
     key.push_back(static_cast<std::uint32_t>(row.kind));
     if (row.uniform_scale > 0.0f) return IntegralSharing::kAll;
     const auto product = [&](int i, int j) {
@@ -95,26 +99,33 @@ struct QuadricRows {
 
 }  // namespace
 
-LightCompiler light_compiler(LightTag<LightKind::kSphere>) { return make_light_compiler<QuadricRows>(); }
-LightCompiler light_compiler(LightTag<LightKind::kQuadric>) { return make_light_compiler<QuadricRows>(); }
+LightCompiler light_compiler(LightTag<LightKind::kSphere>) {
+  return make_light_compiler<QuadricRows<data_of_sphere>>();
+}
+LightCompiler light_compiler(LightTag<LightKind::kQuadric>) {
+  return make_light_compiler<QuadricRows<data_of_quadric>>();
+}
 
-void complete_quadric_light(AreaLight& light, const ShapeRow& shape, const ShapeTables& tables,
-                            const LightPlaces& places, const InstanceRow* instance) {
+void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
+                            const ShapeTables& tables, const LightPlaces& places, const InstanceRow* instance) {
   QuadricRow q = tables.quadrics[shape.first_triangle];
-  LightRow& row = light.row;
-  row.first_triangle = places.quadric;
+  QuadricLightData<Scalar> data{shape_index, places.quadric, canonical_area(q.kind), 0.0f};
   if (instance != nullptr) {
-    row.detail = float_bits(quadric_offset(q, *instance));
+    data.min_offset = quadric_offset(q, *instance);
     q = place_quadric(q, *instance);
     light.quadric = q;
   }
   // A flipped sphere emits inwards, where sampling the cone of visible directions does not apply.
-  const bool outwards = q.normal_sign > 0.0f && !row.is_two_sided();
+  const bool outwards = q.normal_sign > 0.0f && !light.row.is_two_sided();
   const bool cone = q.kind == ShapeKind::kSphere && q.uniform_scale > 0.0f && outwards;
-  row.kind = static_cast<std::uint32_t>(cone ? LightKind::kSphere : LightKind::kQuadric);
-  row.area = canonical_area(q.kind);
-  row.radius = q.uniform_scale;
-  row.position = {q.to_world[3], q.to_world[7], q.to_world[11]};
+  light.area = quadric_area(q);
+  light.row.kind = static_cast<std::uint32_t>(cone ? LightKind::kSphere : LightKind::kQuadric);
+  if (cone) {
+    const Vec3f center{q.to_world[3], q.to_world[7], q.to_world[11]};
+    light.row.set_data(SphereLightData<Scalar>{data, center, q.uniform_scale});
+  } else {
+    light.row.set_data(data);
+  }
 }
 
 LightBounds quadric_light_bounds(const QuadricRow& row, float radiance) {

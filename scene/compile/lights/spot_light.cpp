@@ -1,4 +1,5 @@
 // Spot lights with both falloffs: rows, power and bounds.
+#include "scene/lights/spot_light.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/light.h"
 #include "scene/compile/lights/texture_mean.h"
@@ -25,34 +26,42 @@ LightFrameRow frame_row(const Transform& to_world) {
 }
 
 /// Spot lights with linear falloff, or with a smooth step.
-template <bool Linear> struct SpotRows {
+template <bool Linear, template <class> class Data> struct SpotRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
-    const double cos_total = Linear ? std::cos(double(frame.cutoff)) : frame.cutoff;
-    return frame_light_bounds(frame, light.position, cos_total, power);
+    const auto spot = light.data<Data>();
+    double cos_total;
+    if constexpr (Linear)
+      cos_total = std::cos(double(spot.cutoff_angle));
+    else
+      cos_total = spot.cos_cutoff;
+    return frame_light_bounds(scene.light_frames[spot.frame], spot.position, cos_total, power);
   }
 
   /// Integral of the intensity over all directions for intensity 1.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
-    const double cutoff = Linear ? frame.cutoff : std::acos(std::clamp(double(frame.cutoff), -1.0, 1.0));
+    const auto spot = light.data<Data>();
+    double cutoff;
+    if constexpr (Linear)
+      cutoff = spot.cutoff_angle;
+    else
+      cutoff = std::acos(std::clamp(double(spot.cos_cutoff), -1.0, 1.0));
     TextureMean mean(scene, light.texture);
     double sum = 0;
     // Rings are cheap without a texture.
     const int rings = light.texture == kNone ? kMeanPoints / 8 : points / 8;
     for (int i = 0; i < rings; ++i) {
       const double theta = (i + 0.5) / rings * cutoff;
-      const double weight = falloff(frame, theta) * std::sin(theta) * cutoff / rings;
+      const double weight = falloff(spot, theta) * std::sin(theta) * cutoff / rings;
       sum += weight;
       if (light.texture == kNone) continue;
       constexpr int kAround = 32;
       for (int j = 0; j < kAround; ++j) {
         const double phi = 2.0 * kPiDouble * (j + 0.5 + 0.618 * i) / kAround;
-        const double r = 0.5 * std::tan(theta) * frame.cot_cutoff;
+        const double r = 0.5 * std::tan(theta) * spot.cot_cutoff;
         const Vec2f uv{static_cast<float>(0.5 + r * std::cos(phi)), static_cast<float>(0.5 + r * std::sin(phi))};
         mean.add({uv, 0, 0, 0, 0}, weight);
       }
@@ -61,18 +70,26 @@ template <bool Linear> struct SpotRows {
     return light.texture == kNone ? Vec3f{whole, whole, whole} : mean.value() * whole;
   }
 
-  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
-    key.insert(key.end(), {float_bits(frame.cutoff), float_bits(frame.slope), float_bits(frame.cot_cutoff)});
+  static IntegralSharing integral_key(const SceneView&, const LightRow& light, std::vector<std::uint32_t>& key) {
+    const auto spot = light.data<Data>();
+    float cutoff;
+    if constexpr (Linear)
+      cutoff = spot.cutoff_angle;
+    else
+      cutoff = spot.cos_cutoff;
+    key.insert(key.end(), {float_bits(cutoff), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
     return IntegralSharing::kAll;
   }
 
  private:
   /// Relative intensity at an angle from the axis.
-  static double falloff(const LightFrameRow& frame, double theta) {
-    if (Linear) return std::clamp((frame.cutoff - theta) * frame.slope, 0.0, 1.0);
-    const double t = std::clamp((std::cos(theta) - frame.cutoff) * frame.slope, 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+  static double falloff(const Data<Scalar>& spot, double theta) {
+    if constexpr (Linear) {
+      return std::clamp((spot.cutoff_angle - theta) * spot.inverse_width, 0.0, 1.0);
+    } else {
+      const double t = std::clamp((std::cos(theta) - spot.cos_cutoff) * spot.inverse_width, 0.0, 1.0);
+      return t * t * (3.0 - 2.0 * t);
+    }
   }
 };
 
@@ -90,8 +107,12 @@ void check_angles(const SpotLightDescription& spot, const SourceLocation& where)
 
 }  // namespace
 
-LightCompiler light_compiler(LightTag<LightKind::kSpot>) { return make_light_compiler<SpotRows<true>>(); }
-LightCompiler light_compiler(LightTag<LightKind::kSmoothSpot>) { return make_light_compiler<SpotRows<false>>(); }
+LightCompiler light_compiler(LightTag<LightKind::kSpot>) {
+  return make_light_compiler<SpotRows<true, LinearSpotLightData>>();
+}
+LightCompiler light_compiler(LightTag<LightKind::kSmoothSpot>) {
+  return make_light_compiler<SpotRows<false, SmoothSpotLightData>>();
+}
 
 std::optional<CompiledLight> place_light(const LightToPlace<SpotLightDescription>& l) {
   const SpotLightDescription& spot = l.light;
@@ -99,17 +120,20 @@ std::optional<CompiledLight> place_light(const LightToPlace<SpotLightDescription
   if (spot.texture) l.context.texture_row(*spot.texture, l.where);
   check_angles(spot, l.where);
   const bool smooth = spot.falloff == SpotLightDescription::Falloff::kSmooth;
-  LightFrameRow frame = frame_row(spot.to_world);
+  const std::uint32_t frame = l.context.add_frame(frame_row(spot.to_world));
   // Avoids division by zero for a step of zero width.
   constexpr double kMinWidth = 1e-7;
   const double outer = smooth ? std::cos(cutoff) : cutoff;
   const double width = smooth ? std::cos(beam) - std::cos(cutoff) : cutoff - beam;
-  frame.cutoff = static_cast<float>(outer);
-  frame.slope = static_cast<float>(1.0 / std::max(width, kMinWidth));
-  frame.cot_cutoff = static_cast<float>(1.0 / std::tan(std::min(cutoff, 89.999 * kDegree)));
-  CompiledLight light{make_light_row(smooth ? LightKind::kSmoothSpot : LightKind::kSpot, emission_rgb(spot.intensity),
-                                     spot.to_world.point({0, 0, 0})),
-                      frame, l.context.emission_row(spot.intensity, l.where)};
+  const auto limit = static_cast<float>(outer), inverse_width = static_cast<float>(1.0 / std::max(width, kMinWidth));
+  const auto cot_cutoff = static_cast<float>(1.0 / std::tan(std::min(cutoff, 89.999 * kDegree)));
+  const Vec3f position = spot.to_world.point({0, 0, 0}), intensity = emission_rgb(spot.intensity);
+  CompiledLight light{
+      smooth ? make_light_row(LightKind::kSmoothSpot, intensity,
+                              SmoothSpotLightData<Scalar>{position, frame, limit, inverse_width, cot_cutoff})
+             : make_light_row(LightKind::kSpot, intensity,
+                              LinearSpotLightData<Scalar>{position, frame, limit, inverse_width, cot_cutoff}),
+      l.context.emission_row(spot.intensity, l.where)};
   if (spot.texture) light.row.texture = static_cast<std::uint32_t>(*spot.texture);
   return light;
 }

@@ -1,6 +1,8 @@
 // Suns: row and power. A sun of radius 0 becomes a directional light.
+#include "scene/lights/sun_light.h"
 #include "scene/compile/daylight.h"
 #include "scene/compile/light.h"
+#include "scene/lights/directional_light.h"
 
 #include <cmath>
 
@@ -13,7 +15,7 @@ struct SunRows {
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
     const float disk = kPi * scene.radius * scene.radius;
-    return emitted_rgb(light) * (2 * kPi * light.radius * disk);
+    return emitted_rgb(light) * (2 * kPi * light.data<SunLightData>().one_minus_cos * disk);
   }
 };
 
@@ -41,10 +43,11 @@ std::optional<CompiledLight> place_light(const LightToPlace<SunDescription>& l) 
   SpectrumDescription::Table spectrum = sun_spectrum(sun.turbidity, std::asin(std::min(height, 1.0)));
   for (float& value : spectrum.values) value = static_cast<float>(value * scale);
   const Vec3f direction = stretched(sun.direction, sun.up, sun.stretch);
-  CompiledLight placed{make_light_row(disk ? LightKind::kSun : LightKind::kDirectional, sun_rgb(spectrum), direction),
-                       std::nullopt, l.context.emission_row({SpectrumDescription{std::move(spectrum)}}, l.where)};
-  if (disk) placed.row.radius = static_cast<float>(seen);
-  return placed;
+  const Vec3f rgb = sun_rgb(spectrum);
+  const SunLightData<Scalar> data{direction, static_cast<float>(seen)};
+  return CompiledLight{disk ? make_light_row(LightKind::kSun, rgb, data)
+                            : make_light_row(LightKind::kDirectional, rgb, DirectionalLightData<Scalar>{direction}),
+                       l.context.emission_row({SpectrumDescription{std::move(spectrum)}}, l.where)};
 }
 
 }  // namespace sheaf

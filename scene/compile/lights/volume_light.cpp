@@ -62,8 +62,9 @@ struct VolumeRows {
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
 
   static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
-    LightBounds out = point_light_bounds(light.position, static_cast<float>(power * (0.25 * double(kInvPi))));
-    out.upper = light.position + light.extent();
+    const auto volume = light.data<VolumeLightData>();
+    LightBounds out = point_light_bounds(volume.corner, static_cast<float>(power * (0.25 * double(kInvPi))));
+    out.upper = volume.corner + volume.extent;
     return out;
   }
 };
@@ -104,14 +105,10 @@ std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32
   if (!(max_component(emitted) > 0.0f) || !is_finite(emitted)) return std::nullopt;
   MediumLight light;
   light.alias = build_alias_table(weights);
-  light.row = make_light_row(LightKind::kVolume, emitted, all.min);
-  light.row.shape = index;
-  light.row.first_triangle = first_cell;
-  light.row.triangle_count = static_cast<std::uint32_t>(weights.size());
-  light.row.set_extent(all.max - all.min);
-  light.row.detail =
-      volume_cells_word({static_cast<std::uint32_t>(cells.count[0]), static_cast<std::uint32_t>(cells.count[1]),
-                         static_cast<std::uint32_t>(cells.count[2])});
+  const VolumeCells counts{static_cast<std::uint32_t>(cells.count[0]), static_cast<std::uint32_t>(cells.count[1]),
+                           static_cast<std::uint32_t>(cells.count[2])};
+  const VolumeLightData<Scalar> data{index, first_cell, counts.word(), all.min, all.max - all.min};
+  light.row = make_light_row(LightKind::kVolume, emitted, data);
   return light;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/compile/light.h"
+#include "scene/lights/volume_light.h"
 
 namespace sheaf {
 

@@ -1,0 +1,17 @@
+// Spheres that emit outwards.
+#pragma once
+
+#include "scene/lights/quadric_light.h"
+
+namespace sheaf {
+
+/// Data of a sphere as a light.
+template <class L> struct SphereLightData {
+  QuadricLightData<L> surface;
+  Vec3<L> center;            ///< world space
+  typename L::Float radius;  ///< metres
+
+  static constexpr auto fields(auto& s) { return std::tie(s.surface, s.center, s.radius); }
+};
+
+}  // namespace sheaf

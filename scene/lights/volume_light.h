@@ -1,0 +1,30 @@
+// Emitting media as lights.
+#pragma once
+
+#include "scene/tables/light.h"
+
+namespace sheaf {
+
+/// Resolution of a volume light's box: cells along the axes, each in [1, 1023].
+struct VolumeCells {
+  std::uint32_t x = 1, y = 1, z = 1;
+
+  std::uint32_t count() const { return x * y * z; }
+  /// Conversion to and from VolumeLightData::cells.
+  std::uint32_t word() const { return x | y << 10 | z << 20; }
+  static VolumeCells of_word(std::uint32_t word) { return {word & 0x3ffu, word >> 10 & 0x3ffu, word >> 20}; }
+};
+
+/// Data of an emitting medium as a light: an axis-aligned box divided into cells. LightRecord::radiance is the
+/// intensity that the whole box emits, W / sr.
+template <class L> struct VolumeLightData {
+  typename L::Uint medium;      ///< into SceneView::media
+  typename L::Uint first_cell;  ///< into SceneView::triangle_alias
+  typename L::Uint cells;       ///< see VolumeCells
+  Vec3<L> corner;               ///< minimum corner of the box, world space
+  Vec3<L> extent;               ///< size of the box, metres
+
+  static constexpr auto fields(auto& s) { return std::tie(s.medium, s.first_cell, s.cells, s.corner, s.extent); }
+};
+
+}  // namespace sheaf
