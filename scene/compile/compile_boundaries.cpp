@@ -2,6 +2,7 @@
 #include "scene/compile/compile_media.h"
 #include "scene/compile/medium_probe.h"
 #include "scene/compile/scene_compiler.h"
+#include "scene/lights/point_light.h"
 
 #include <algorithm>
 #include <span>
@@ -74,7 +75,8 @@ void SceneCompiler::end_media() {
     const auto kind = static_cast<LightKind>(light.kind);
     if (kind == LightKind::kPoint || kind == LightKind::kSpot || kind == LightKind::kSmoothSpot ||
         kind == LightKind::kGoniometric || kind == LightKind::kProjector)
-      out_->radius_ = std::max(out_->radius_, length(light.position - out_->center_));
+      // The data of these kinds begin with those of a point light.
+      out_->radius_ = std::max(out_->radius_, length(light.data<PointLightData>().position - out_->center_));
   }
   // Slightly larger than necessary, so that rounding does not shorten rays between two points of the scene. Less than
   // half the length of shadow rays to lights at infinity.
