@@ -1,6 +1,6 @@
 // Daylight: the models against values of Mitsuba 3.9.1 (its plugin sunsky, evaluated in single directions), the map
 // that the sky becomes against the model, the sun's place against the clock.
-#include "scene/compile/daylight.h"
+#include "scene/lights/daylight.h"
 
 #include "kernels/lights/light_sample.h"
 #include "scene/compile/compile.h"
@@ -188,7 +188,7 @@ TEST_CASE("daylight: the sun's irradiance depends neither on its size nor on how
   for (const float radius : {0.0f, 0.05f, 3.0f, 45.0f}) {
     sun.radius = radius;
     const auto scene = lone(sun);
-    CHECK(scene->view().lights[0].is(radius > 0 ? LightKind::kSun : LightKind::kDirectional));
+    CHECK(scene->view().lights[0].is(radius > 0 ? kLightKind<SunLightKind> : kLightKind<DirectionalLightKind>));
     check_near(numbers(sun_irradiance(scene->view())), numbers(expected), 1e-4);
   }
   // One that moves across the sky, in the sky's map, with its own sky switched off.

@@ -1,5 +1,5 @@
 // Square environment maps of equal areas.
-#include "scene/compile/octahedral_envmap.h"
+#include "scene/lights/octahedral_envmap.h"
 
 #include "core/lanes.h"
 #include "core/octahedral.h"

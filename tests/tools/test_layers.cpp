@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -33,6 +34,16 @@ const std::vector<Folder> kSceneFolders = {
     {"lights", {"tables", "description", "data", "formats", "xml"}},
     {"dialects", {"description", "xml", "formats", "data", "lights"}},
     {"compile", {"description", "data", "formats", "tables", "lights"}},
+};
+
+/// Includes of scene/ against the arrows: a file and the header that it may include.
+const std::set<std::pair<std::string_view, std::string_view>> kSceneExceptions = {
+    // A description has lights.
+    {"scene/description/description.h", "scene/lights/list.h"},
+    // Colours and spectra are compiled as for materials.
+    {"scene/lights/daylight.cpp", "scene/compile/compile_materials.h"},
+    {"scene/lights/light_context.cpp", "scene/compile/compile_materials.h"},
+    {"scene/lights/light_context.cpp", "scene/compile/spectra.h"},
 };
 
 /// A library that one file alone (a header and a source of the same name count as one) may include.
@@ -73,7 +84,7 @@ std::string_view scene_folder(std::string_view path) {
 /// Whether a file may include a header of scene/, as far as folders go.
 bool keeps_to_folders(std::string_view file, std::string_view header) {
   const std::string_view from = scene_folder(file), to = scene_folder(header);
-  if (to.empty() || from == to) return true;
+  if (to.empty() || from == to || kSceneExceptions.contains({file, header})) return true;
   if (from.empty()) return !file.starts_with("kernels/") || to == "tables" || to == "lights";
   const auto folder = std::find_if(kSceneFolders.begin(), kSceneFolders.end(), [&](auto& f) { return f.name == from; });
   if (folder == kSceneFolders.end()) return false;
@@ -168,14 +179,15 @@ TEST_CASE("breaches of the folders of scene/ are found") {
   CHECK(find_breaches({{"scene/xml/xml.h", "scene/description/description.h"},
                        {"scene/xml/xml.h", "scene/xml/xml_values.h"},
                        {"scene/compile/compile.cpp", "scene/tables/scene.h"},
-                       {"scene/compile/lights/point_light.cpp", "scene/compile/light.h"},
+                       {"scene/lights/point_light.cpp", "scene/xml/properties.h"},
                        {"kernels/stages/shadow.cpp", "scene/tables/scene.h"},
                        {"tools/command_info.cpp", "scene/compile/compile.h"}})
             .empty());
   CHECK(find_breaches({{"scene/description/description.h", "scene/xml/xml.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/formats/obj.cpp", "scene/tables/shape.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/compile/spectra.cpp", "scene/dialects/common/read_spectrum.h"}}).size() == 1);
-  CHECK(find_breaches({{"scene/compile/lights/point_light.cpp", "scene/xml/xml.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/compile/compile_lights.cpp", "scene/xml/xml.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/lights/point_light.cpp", "scene/compile/spectra.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/new/file.cpp", "scene/description/description.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "scene/description/description.h"}}).size() == 1);
 }
