@@ -4,7 +4,7 @@
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"
-#include "scene/compile/compile_envmap.h"
+#include "scene/lights/make_envmap.h"
 
 #include <benchmark/benchmark.h>
 

@@ -7,7 +7,7 @@
 namespace sheaf {
 
 struct BeamLight {
-  static constexpr LightKind kKind = LightKind::kBeam;
+  using Kind = BeamLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   /// Never valid: only points on the ray receive light.

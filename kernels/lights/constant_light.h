@@ -2,11 +2,12 @@
 #pragma once
 
 #include "kernels/lights/infinite_light.h"
+#include "scene/lights/constant_light.h"
 
 namespace sheaf {
 
 struct ConstantLight {
-  static constexpr LightKind kKind = LightKind::kConstant;
+  using Kind = ConstantLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>

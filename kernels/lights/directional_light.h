@@ -7,7 +7,7 @@
 namespace sheaf {
 
 struct DirectionalLight {
-  static constexpr LightKind kKind = LightKind::kDirectional;
+  using Kind = DirectionalLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "kernels/lights/infinite_light.h"
+#include "scene/lights/envmap_light.h"
 
 namespace sheaf {
 
 struct EnvmapLight {
-  static constexpr LightKind kKind = LightKind::kEnvmap;
+  using Kind = EnvmapLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>

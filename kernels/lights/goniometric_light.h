@@ -8,7 +8,7 @@
 namespace sheaf {
 
 struct GoniometricLight {
-  static constexpr LightKind kKind = LightKind::kGoniometric;
+  using Kind = GoniometricLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>

@@ -30,12 +30,12 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
   PhotonEmission<L> e{};
   TextureQuery<L> query{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    const auto active = light.is(Kind::kKind);
+    const auto active = light.is(kLightKind<typename Kind::Kind>);
     if (!any(active)) return;
     light_emit_detail::merge<L>(active, Kind::template emit<L, Mode>({scene, light, active, lambda}, a, b, query), e);
   });
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
-  e.medium = select(light.is(LightKind::kVolume), volume.medium + Uint<L>(1u), Uint<L>(kNone));
+  e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = e.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) e.flux = e.flux * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
   const auto chosen = choice.probability > F(0.0f);

@@ -1,7 +1,7 @@
-// The interface of a light kind, and its argument and result types. kernels/lights/all.h lists the kinds.
+// The interface of a light kind, and its argument and result types. kernels/lights/list.h lists the kinds.
 //
-// A kind is a struct of static functions that are generic in the lane policy. It declares its LightKind and how a path
-// may hit it without light sampling (LightHitKind). It defines
+// A kind is a struct of static functions that are generic in the lane policy. It names its scene half (Kind, one of
+// scene/lights/list.h) and how a path may hit it without light sampling (LightHitKind). It defines
 //     sample    sample a direction to the light, and the radiance that arrives from there,
 //     emit      emit a photon,
 // and depending on LightHitKind
@@ -97,7 +97,7 @@ namespace light_kind_detail {
 template <class Kind>
 concept Samples = requires(const LightQuery<Scalar>& lights, Vec3f from, const Random4<Scalar>& u,
                            TextureQuery<Scalar>& texture) {
-  { Kind::kKind } -> std::convertible_to<LightKind>;
+  typename Kind::Kind;
   { Kind::kHitKind } -> std::convertible_to<LightHitKind>;
   { Kind::template sample<Scalar, ColorMode::kRgb>(lights, from, u, texture) } -> std::same_as<LightSample<Scalar>>;
   { Kind::template emit<Scalar, ColorMode::kRgb>(lights, u, u, texture) } -> std::same_as<PhotonEmission<Scalar>>;

@@ -4,8 +4,8 @@
 
 #include "core/sampler.h"
 #include "core/uplift.h"
-#include "kernels/lights/all.h"
 #include "kernels/lights/light_select.h"
+#include "kernels/lights/list.h"
 
 namespace sheaf {
 
@@ -71,7 +71,7 @@ template <class L, ColorMode Mode>
                                                      const EnvmapDraw<L>* drawn, TextureQuery<L>& query) {
   LightSample<L> s{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    const auto active = light.is(Kind::kKind);
+    const auto active = light.is(kLightKind<typename Kind::Kind>);
     if (any(active))
       merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, drawn, query), s);
   });
@@ -88,11 +88,11 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
                                                const EnvmapDraw<L>* drawn = nullptr) {
   using namespace light_detail;
   TextureQuery<L> query{};
-  const auto mesh = light.is(LightKind::kMesh);
+  const auto mesh = light.is(kLightKind<MeshLightKind>);
   LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
                                : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, drawn, query);
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
-  s.target_medium = select(light.is(LightKind::kVolume), volume.medium + Uint<L>(1u), Uint<L>(kNone));
+  s.target_medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
   return s;
@@ -121,7 +121,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
   Float<L> pdf(0.0f);
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
     if constexpr (Kind::kHitKind == LightHitKind::kSurface) {
-      const Mask<L> here = active & light.is(Kind::kKind);
+      const Mask<L> here = active & light.is(kLightKind<typename Kind::Kind>);
       if (any(here)) pdf = select(here, Kind::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
     }
   });
@@ -132,7 +132,8 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
 inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
   Lights::for_each([&]<class Kind>(Kind) {
-    if constexpr (Kind::kHitKind == LightHitKind::kEscape) surrounds = surrounds || scene.lights[index].is(Kind::kKind);
+    if constexpr (Kind::kHitKind == LightHitKind::kEscape)
+      surrounds = surrounds || scene.lights[index].is(kLightKind<typename Kind::Kind>);
   });
   return surrounds;
 }
@@ -150,7 +151,8 @@ SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint3
   EnvmapValue<L> value{};
   Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
     if constexpr (Kind::kHitKind == LightHitKind::kEscape)
-      if (light.is(Kind::kKind)) value = Kind::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
+      if (light.is(kLightKind<typename Kind::Kind>))
+        value = Kind::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
   });
   return value;
 }

@@ -8,7 +8,7 @@
 namespace sheaf {
 
 struct MeshLight {
-  static constexpr LightKind kKind = LightKind::kMesh;
+  using Kind = MeshLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>

@@ -38,7 +38,7 @@ SHEAF_INLINE PhotonEmission<L> emit_from_position(const LightRecord<L>& light, V
 }
 
 struct PointLight {
-  static constexpr LightKind kKind = LightKind::kPoint;
+  using Kind = PointLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>

@@ -7,7 +7,7 @@
 namespace sheaf {
 
 struct ProjectorLight {
-  static constexpr LightKind kKind = LightKind::kProjector;
+  using Kind = ProjectorLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>

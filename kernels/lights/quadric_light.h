@@ -44,7 +44,7 @@ SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const Q
 }
 
 struct QuadricLight {
-  static constexpr LightKind kKind = LightKind::kQuadric;
+  using Kind = QuadricLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>

@@ -14,7 +14,7 @@ template <class F> SHEAF_INLINE F sphere_one_minus_cos(F radius, F distance_squa
 }
 
 struct SphereLight {
-  static constexpr LightKind kKind = LightKind::kSphere;
+  using Kind = SphereLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
   template <class L, ColorMode Mode>

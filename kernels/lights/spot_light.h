@@ -12,9 +12,9 @@ template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightQuery
   return gather_rows<L>(lights.scene.light_frames, select(lights.active, frame, Uint<L>(0u)));
 }
 
-/// `Kind`: kSpot or kSmoothSpot.
-template <LightKind Kind> struct SpotLight {
-  static constexpr LightKind kKind = Kind;
+/// `SpotKind`: LinearSpotLightKind or SmoothSpotLightKind.
+template <class SpotKind> struct SpotLight {
+  using Kind = SpotKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   template <class L, ColorMode Mode>
@@ -48,8 +48,8 @@ template <LightKind Kind> struct SpotLight {
   }
 
  private:
-  static_assert(Kind == LightKind::kSpot || Kind == LightKind::kSmoothSpot);
-  static constexpr bool kLinear = Kind == LightKind::kSpot;
+  static constexpr bool kLinear = std::is_same_v<Kind, LinearSpotLightKind>;
+  static_assert(kLinear || std::is_same_v<Kind, SmoothSpotLightKind>);
 
   /// LinearSpotLightData or SmoothSpotLightData.
   template <class L> static SHEAF_INLINE auto data(const LightQuery<L>& lights) {

@@ -7,7 +7,7 @@
 namespace sheaf {
 
 struct SunLight {
-  static constexpr LightKind kKind = LightKind::kSun;
+  using Kind = SunLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
   template <class L, ColorMode Mode>

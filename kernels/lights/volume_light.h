@@ -63,7 +63,7 @@ inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint
 }
 
 struct VolumeLight {
-  static constexpr LightKind kKind = LightKind::kVolume;
+  using Kind = VolumeLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kMedium;
 
   /// `radiance` of the sample is per metre.

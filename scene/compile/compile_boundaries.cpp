@@ -2,7 +2,6 @@
 #include "scene/compile/compile_media.h"
 #include "scene/compile/medium_probe.h"
 #include "scene/compile/scene_compiler.h"
-#include "scene/lights/point_light.h"
 
 #include <algorithm>
 #include <span>
@@ -72,11 +71,8 @@ void SceneCompiler::end_media() {
   if (in_.media.empty() || out_->bounded_light_count_ == out_->lights_.size()) return;
   for (std::uint32_t i = 0; i < out_->bounded_light_count_; ++i) {
     const LightRow& light = out_->lights_[i];
-    const auto kind = static_cast<LightKind>(light.kind);
-    if (kind == LightKind::kPoint || kind == LightKind::kSpot || kind == LightKind::kSmoothSpot ||
-        kind == LightKind::kGoniometric || kind == LightKind::kProjector)
-      // The data of these kinds begin with those of a point light.
-      out_->radius_ = std::max(out_->radius_, length(light.data<PointLightData>().position - out_->center_));
+    if (const auto position = light_compiler_of(light).position; position != nullptr)
+      out_->radius_ = std::max(out_->radius_, length(position(light) - out_->center_));
   }
   // Slightly larger than necessary, so that rounding does not shorten rays between two points of the scene. Less than
   // half the length of shadow rays to lights at infinity.

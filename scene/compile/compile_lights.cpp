@@ -1,8 +1,8 @@
 // Compiles lights: area lights, volume lights and the description's own lights, and the tables for light selection.
 #include "scene/compile/compile_materials.h"
-#include "scene/compile/lights/area_light.h"
-#include "scene/compile/lights/volume_light.h"
 #include "scene/compile/scene_compiler.h"
+#include "scene/lights/light_bounds.h"
+#include "scene/lights/light_powers.h"
 
 #include <algorithm>
 
@@ -15,17 +15,12 @@ LightContext SceneCompiler::light_context() {
 std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {
   if (!shape.radiance) return std::nullopt;
   const LightContext context = light_context();
-  if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
-    return AreaEmission{{1, 1, 1},
-                        context.texture_row(*texture, shape.where),
-                        context.emission_row(*texture, shape.where),
-                        shape.emits_along_normal,
-                        shape.emits_on_both_sides,
-                        shape.power};
-  const Vec3f radiance = emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
+  const auto* texture = std::get_if<TextureId>(&*shape.radiance);
+  const Vec3f radiance =
+      texture != nullptr ? Vec3f{1, 1, 1} : emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
   if (!(max_component(radiance) > 0.0f)) return std::nullopt;
   return AreaEmission{radiance,
-                      kNone,
+                      texture != nullptr ? context.texture_row(*texture, shape.where) : kNone,
                       context.emission_row(*shape.radiance, shape.where),
                       shape.emits_along_normal,
                       shape.emits_on_both_sides,
@@ -73,7 +68,7 @@ void SceneCompiler::add_lights() {
   LightContext context = light_context();
   std::vector<std::pair<CompiledLight, const LightDescription*>> placed;
   for (const LightDescription& light : in_.lights) {
-    const auto place = [&]<class D>(const D& d) { return place_light(LightToPlace<D>{d, light.where, context}); };
+    const auto place = [&](const auto& description) { return place_light(description, light.where, context); };
     try {
       if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), &light);
     } catch (const SceneError& error) { throw at_place(light.where, error); }
@@ -99,7 +94,7 @@ void SceneCompiler::push_light(const CompiledLight& light, const LightDescriptio
 void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
                                   const std::string& name) {
   out_->lights_.push_back(row);
-  naming_.add_light(static_cast<LightKind>(row.kind), name);
+  naming_.add_light(light_compiler_of(row).label, name);
   out_->light_spectra_.push_back(spectrum);
   if (out_->light_places_.size() < kMaxReportedLights) out_->light_places_.push_back(where);
 }

@@ -23,37 +23,6 @@ std::string kind_of(const ShapeDescription& shape) {
                     shape.geometry);
 }
 
-/// Base of the names of unnamed lights.
-const char* kind_of(LightKind kind) {
-  switch (kind) {
-    case LightKind::kMesh:
-    case LightKind::kSphere:
-    case LightKind::kQuadric:
-      return "area";
-    case LightKind::kPoint:
-      return "point";
-    case LightKind::kSpot:
-    case LightKind::kSmoothSpot:
-      return "spot";
-    case LightKind::kGoniometric:
-      return "goniometric";
-    case LightKind::kProjector:
-      return "projector";
-    case LightKind::kBeam:
-      return "collimated";
-    case LightKind::kDirectional:
-      return "directional";
-    case LightKind::kSun:
-      return "sun";
-    case LightKind::kConstant:
-    case LightKind::kEnvmap:
-      return "environment";
-    case LightKind::kVolume:
-      break;
-  }
-  return "medium";
-}
-
 }  // namespace
 
 std::uint32_t SceneNaming::index_of(const std::string& name, Index& index, std::vector<std::string>& names) {
@@ -78,11 +47,11 @@ void SceneNaming::add_shape(const ShapeDescription& shape, const std::string& gr
   names_.material_of_shape.push_back(static_cast<std::uint32_t>(std::min(material, no_material)));
 }
 
-void SceneNaming::add_light(LightKind kind, const std::string& name) {
+void SceneNaming::add_light(const std::string& label, const std::string& name) {
   // Distinguishes a light named "point" from unnamed point lights.
-  const std::string key = name.empty() ? std::string(1, '\0') + kind_of(kind) : name;
+  const std::string key = name.empty() ? std::string(1, '\0') + label : name;
   const auto [known, added] = lights_.try_emplace(key, static_cast<std::uint32_t>(names_.lights.size()));
-  if (added) names_.lights.push_back(name.empty() ? kind_of(kind) : name);
+  if (added) names_.lights.push_back(name.empty() ? label : name);
   names_.light_of_row.push_back(known->second);
 }
 

@@ -18,8 +18,8 @@ class SceneNaming {
   void add_materials(const std::vector<MaterialDescription>& materials);
   /// Names the next row of shapes. `group`: name of its group; may be empty.
   void add_shape(const ShapeDescription& shape, const std::string& group);
-  /// Names the next row of lights, of this kind; `name` may be empty.
-  void add_light(LightKind kind, const std::string& name);
+  /// Names the next row of lights; lights without a `name` share that of `label`, which names their kind.
+  void add_light(const std::string& label, const std::string& name);
 
  private:
   using Index = std::unordered_map<std::string, std::uint32_t>;

@@ -1,9 +1,20 @@
 // Beams of light along a ray.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "core/transform.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
+
+/// A beam of light along a ray: `power` (W) from the origin of its space along +z. Only photons can sample it.
+struct BeamDescription {
+  Transform to_world;
+  SpectrumDescription power = SpectrumDescription::constant(1);
+};
+
+/// See PlaceableLight.
+std::optional<CompiledLight> place_light(const BeamDescription& light, const SourceLocation& where,
+                                         LightContext& context);
 
 /// Data of a beam. LightRecord::radiance is its power, W.
 template <class L> struct BeamLightData {
@@ -11,6 +22,17 @@ template <class L> struct BeamLightData {
   Vec3<L> direction;  ///< of travel, unit length
 
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.direction); }
+};
+
+/// See scene/lights/light.h.
+struct BeamLightKind {
+  static constexpr const char* kLabel = "collimated";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<BeamDescription>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
 };
 
 }  // namespace sheaf

@@ -1,7 +1,7 @@
 // Emissive triangle meshes.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
 
@@ -16,6 +16,19 @@ template <class L> struct MeshLightData {
   static constexpr auto fields(auto& s) {
     return std::tie(s.shape, s.first_triangle, s.triangle_count, s.first_uv, s.area);
   }
+};
+
+/// See scene/lights/light.h.
+struct MeshLightKind {
+  static constexpr const char* kLabel = "area";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
 };
 
 }  // namespace sheaf

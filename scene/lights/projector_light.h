@@ -1,9 +1,27 @@
 // Projectors.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "core/transform.h"
+#include "scene/description/camera.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
+
+/// A pinhole camera in reverse. Emits pi * scale * irradiance / cos^3 (W / sr), with the cosine of the angle to its +z.
+/// The image fills the field of view and is upright when looking along +z.
+struct ProjectorDescription {
+  Transform to_world;  ///< as for a camera; must not distort
+  SpectrumInput irradiance = SpectrumDescription::constant(1);
+  float scale = 1;
+  /// The intensity is scale * irradiance (W / sr) instead, without the factor pi / cos^3.
+  bool is_even = false;
+  float fov = 50;  ///< degrees
+  CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
+};
+
+/// See PlaceableLight.
+std::optional<CompiledLight> place_light(const ProjectorDescription& light, const SourceLocation& where,
+                                         LightContext& context);
 
 /// Data of a projector. LightRecord::radiance is the intensity (W / sr) on its axis where the image is 1.
 template <class L> struct ProjectorLightData {
@@ -12,6 +30,20 @@ template <class L> struct ProjectorLightData {
   Vec2<L> image_scale;     ///< reciprocals of the image's width and height at z = 1
 
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.frame, s.image_scale); }
+};
+
+/// See scene/lights/light.h.
+struct ProjectorLightKind {
+  static constexpr const char* kLabel = "projector";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<ProjectorDescription>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
+  static Vec3f position(const LightRow& light);
 };
 
 }  // namespace sheaf

@@ -1,7 +1,7 @@
 // Emissive disks and cylinders, and spheres that are stretched or emit inwards.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
 
@@ -13,6 +13,19 @@ template <class L> struct QuadricLightData {
   typename L::Float min_offset;      ///< minimum distance by which points are moved off the surface, metres
 
   static constexpr auto fields(auto& s) { return std::tie(s.shape, s.quadric, s.canonical_area, s.min_offset); }
+};
+
+/// See scene/lights/light.h.
+struct QuadricLightKind {
+  static constexpr const char* kLabel = "area";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
 };
 
 }  // namespace sheaf

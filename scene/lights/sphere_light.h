@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-/// Data of a sphere as a light.
+/// Data of a sphere as a light. They begin with those of a quadric.
 template <class L> struct SphereLightData {
   QuadricLightData<L> surface;
   Vec3<L> center;            ///< world space
@@ -13,5 +13,8 @@ template <class L> struct SphereLightData {
 
   static constexpr auto fields(auto& s) { return std::tie(s.surface, s.center, s.radius); }
 };
+
+/// See scene/lights/light.h.
+struct SphereLightKind : QuadricLightKind {};
 
 }  // namespace sheaf

@@ -1,9 +1,27 @@
 // Spot lights with linear or smooth falloff.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "core/transform.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
+
+/// Spot light at the origin of its space, around +z: `intensity` (W / sr) within `beam_width`, zero beyond
+/// `cutoff_angle`.
+struct SpotLightDescription {
+  /// Falloff in between: linear in the angle (Mitsuba), or a smooth step in its cosine (pbrt).
+  enum class Falloff { kLinear, kSmooth } falloff = Falloff::kLinear;
+  Transform to_world;
+  SpectrumDescription intensity = SpectrumDescription::constant(1);
+  float cutoff_angle = 20, beam_width = 15;  ///< degrees from the axis, in (0, 180] and [0, cutoff_angle]
+  /// Multiplies the intensity; the cone fills the unit square of uv. Only for kLinear with a cutoff_angle below 90
+  /// degrees.
+  std::optional<TextureId> texture;
+};
+
+/// See PlaceableLight.
+std::optional<CompiledLight> place_light(const SpotLightDescription& light, const SourceLocation& where,
+                                         LightContext& context);
 
 /// Data of a spot light whose intensity falls off linearly in the angle. LightRecord::radiance is the intensity on its
 /// axis, W / sr.
@@ -31,6 +49,34 @@ template <class L> struct SmoothSpotLightData {
   static constexpr auto fields(auto& s) {
     return std::tie(s.position, s.frame, s.cos_cutoff, s.inverse_width, s.cot_cutoff);
   }
+};
+
+/// See scene/lights/light.h.
+struct LinearSpotLightKind {
+  static constexpr const char* kLabel = "spot";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<SpotLightDescription>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
+  static Vec3f position(const LightRow& light);
+};
+
+/// See scene/lights/light.h.
+struct SmoothSpotLightKind {
+  static constexpr const char* kLabel = "spot";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
+  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
+  static Vec3f position(const LightRow& light);
 };
 
 }  // namespace sheaf

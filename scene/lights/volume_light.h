@@ -1,9 +1,12 @@
 // Emitting media as lights.
 #pragma once
 
-#include "scene/tables/light.h"
+#include "core/distribution.h"
+#include "scene/lights/light.h"
 
 namespace sheaf {
+
+struct GridBox;
 
 /// Resolution of a volume light's box: cells along the axes, each in [1, 1023].
 struct VolumeCells {
@@ -26,5 +29,27 @@ template <class L> struct VolumeLightData {
 
   static constexpr auto fields(auto& s) { return std::tie(s.medium, s.first_cell, s.cells, s.corner, s.extent); }
 };
+
+/// See scene/lights/light.h.
+struct VolumeLightKind {
+  static constexpr const char* kLabel = "medium";
+  static constexpr LightDomain kDomain = LightDomain::kBounded;
+  using Descriptions = LightDescriptions<>;
+  static constexpr std::array<LightReader, 0> kReaders = {};
+
+  static Vec3f power(const SceneView& scene, const LightRow& light);
+  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
+};
+
+/// A medium as a light, with the data for sampling points in it (kernels/lights/volume_light.h).
+struct MediumLight {
+  LightRow row;
+  std::vector<AliasEntry> alias;  ///< over the cells
+};
+
+/// Makes the light of the medium in row `medium`; empty if it does not emit. `boxes`: bounding boxes of the shapes that
+/// contain it. The alias table will start at `first_cell`.
+std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t medium,
+                                             std::span<const GridBox> boxes, std::uint32_t first_cell);
 
 }  // namespace sheaf

@@ -5,10 +5,12 @@
 #include "core/record_table.h"
 #include "core/spectrum.h"
 #include "core/vec.h"
-#include "scene/tables/light_kind.h"
 #include "scene/tables/none.h"
 
 namespace sheaf {
+
+/// The kind of a light: its position in scene/lights/list.h, which names the values as kLightKind<MeshLightKind>.
+enum class LightKind : std::uint32_t {};
 
 /// Bits of LightRecord::flags.
 enum LightFlags : std::uint32_t {

@@ -83,7 +83,7 @@ struct SceneView {
   std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
   std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
   bool has_composites = false;                         ///< whether any material is a composite
-  std::uint32_t environment = kNone;                   ///< row of the environment light, kConstant or kEnvmap
+  std::uint32_t environment = kNone;                   ///< row of the light with LightDomain::kEnvironment
   Vec3f center{};                                      ///< centre of the bounding sphere
   float radius = 0;
   /// Radius around `center` at which unbounded media end; infinite if no light is at infinity.

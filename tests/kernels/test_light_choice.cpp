@@ -2,7 +2,6 @@
 // sampling. The latter know the vertex only by their ray's origin and a rounded normal.
 #include "kernels/stages/light_sample_context.h"
 #include "scene/compile/compile.h"
-#include "scene/lights/mesh_light.h"
 #include "scene/tables/shape.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -47,7 +46,7 @@ Description lamps(int count) {
 /// Whether a light emits towards `p`; rectangles are one-sided.
 bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
   const LightRow& row = scene.lights[light];
-  if (static_cast<LightKind>(row.kind) != LightKind::kMesh) return true;
+  if (!row.is(kLightKind<MeshLightKind>)) return true;
   const LightTriangleRow& t = scene.light_triangles[row.data<MeshLightData>().first_triangle];
   return dot(p - t.p, t.normal) > 0.0f;
 }

@@ -436,7 +436,7 @@ TEST_CASE("light emission: SIMD results of mixed lights equal scalar ones") {
                         difference(wide.pdf_position[lane], one.pdf_position),
                         difference(wide.pdf_direction[lane], one.pdf_direction)});
       CHECK(wide.medium[lane] == one.medium);
-      CHECK((one.medium == kNone) == !view.lights[light_of(lane)].is(LightKind::kVolume));
+      CHECK((one.medium == kNone) == !view.lights[light_of(lane)].is(kLightKind<VolumeLightKind>));
     }
   }
   CHECK(worst < 2e-3);

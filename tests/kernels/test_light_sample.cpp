@@ -272,7 +272,7 @@ TEST_CASE("light sampling: samples of a flipped cylinder seen from inside follow
 
 TEST_CASE("light sampling: samples of spheres at all distances follow their pdf") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
-  CHECK(scene->view().lights[0].is(LightKind::kSphere));
+  CHECK(scene->view().lights[0].is(kLightKind<SphereLightKind>));
   check_directions(scene->view(), {0, 0, -1e3f}, window({0, 0, 1}, 1.2e-3), Use::kWhole);
   check_directions(scene->view(), {0, 0, 0}, window({0, 0.05f, 1}, 0.5), Use::kWhole);
   check_directions(scene->view(), {0.1f, 0, 1.99f}, whole_sphere(), Use::kWhole);
@@ -299,7 +299,7 @@ TEST_CASE("light sampling: samples of a flipped sphere seen from its centre and 
 TEST_CASE("light sampling: samples of ellipsoids follow their pdf") {
   const auto scene = lone_light(SphereShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 1}, 50) *
                                                    Transform::scale({0.4f, 1, 1.6f}));
-  CHECK(scene->view().lights[0].is(LightKind::kQuadric));
+  CHECK(scene->view().lights[0].is(kLightKind<QuadricLightKind>));
   check_directions(scene->view(), {0, 0, 0}, window({0, 0, 1}, 0.6), Use::kPart);
   check_samples(scene->view(), {0, 0, 0});
 }

@@ -1,6 +1,6 @@
 // Daylight: the models against values of Mitsuba 3.9.1 (plugin sunsky, evaluated in single directions), the map of the
 // sky against the model, the position of the sun against date and time.
-#include "scene/compile/daylight.h"
+#include "scene/lights/daylight.h"
 
 #include "kernels/lights/light_sample.h"
 #include "scene/compile/compile.h"
@@ -188,7 +188,7 @@ TEST_CASE("daylight: the irradiance of the sun does not depend on its size or re
   for (const float radius : {0.0f, 0.05f, 3.0f, 45.0f}) {
     sun.radius = radius;
     const auto scene = lone(sun);
-    CHECK(scene->view().lights[0].is(radius > 0 ? LightKind::kSun : LightKind::kDirectional));
+    CHECK(scene->view().lights[0].is(radius > 0 ? kLightKind<SunLightKind> : kLightKind<DirectionalLightKind>));
     check_near(numbers(sun_irradiance(scene->view())), numbers(expected), 1e-4);
   }
   // A sun that moves across the sky, as part of the sky's map, with its own sky switched off.

@@ -1,5 +1,5 @@
 // Bounds of lights contain everything that sample_light() finds, and the light tree never misses such light.
-#include "scene/compile/light_bounds.h"
+#include "scene/lights/light_bounds.h"
 
 #include "kernels/lights/light_tree.h"
 #include "scene/compile/compile.h"

@@ -2,8 +2,7 @@
 // results.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
-#include "scene/compile/light.h"
-#include "scene/lights/mesh_light.h"
+#include "scene/lights/light_powers.h"
 #include "scene/tables/instance.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/light_testing.h"
@@ -350,7 +349,7 @@ TEST_CASE("lights: instances emit like shapes in their place") {
     CHECK(x.kind == y.kind);
     CHECK(a.light_powers[i].x == doctest::Approx(b.light_powers[i].x).epsilon(1e-4));
     CHECK(a.light_powers[i].y == doctest::Approx(b.light_powers[i].y).epsilon(1e-4));
-    if (!x.is(LightKind::kMesh)) continue;
+    if (!x.is(kLightKind<MeshLightKind>)) continue;
     const auto m = x.data<MeshLightData>(), n = y.data<MeshLightData>();
     CHECK(m.area == doctest::Approx(n.area).epsilon(1e-4));
     for (std::uint32_t t = 0; t < m.triangle_count; ++t) {

@@ -1,5 +1,5 @@
 // Square equal-area environment maps.
-#include "scene/compile/octahedral_envmap.h"
+#include "scene/lights/octahedral_envmap.h"
 
 #include "core/lanes.h"
 #include "core/octahedral.h"

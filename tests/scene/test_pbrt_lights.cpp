@@ -2,7 +2,7 @@
 #include "core/color.h"
 #include "core/image.h"
 #include "scene/compile/compile.h"
-#include "scene/compile/light.h"
+#include "scene/lights/light_powers.h"
 #include "tests/support/light_testing.h"
 #include "tests/support/pbrt_testing.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/exr.h"
-#include "scene/compile/compile_envmap.h"
+#include "scene/lights/make_envmap.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -33,6 +34,16 @@ const std::vector<Folder> kSceneFolders = {
     {"lights", {"tables", "description", "data", "formats", "xml"}},
     {"dialects", {"tables", "description", "data", "xml", "formats", "lights"}},
     {"compile", {"tables", "description", "data", "formats", "lights"}},
+};
+
+/// Includes of scene/ against the arrows: a file and the header that it may include.
+const std::set<std::pair<std::string_view, std::string_view>> kSceneExceptions = {
+    // A description has lights.
+    {"scene/description/description.h", "scene/lights/list.h"},
+    // Colours and spectra are compiled as for materials.
+    {"scene/lights/daylight.cpp", "scene/compile/compile_materials.h"},
+    {"scene/lights/light_context.cpp", "scene/compile/compile_materials.h"},
+    {"scene/lights/light_context.cpp", "scene/compile/spectra.h"},
 };
 
 /// Every folder comes after those that it may include: there are no cycles.
@@ -91,7 +102,7 @@ std::string_view folder_in(std::string_view layer, std::string_view path) {
 bool keeps_to_folders(std::string_view layer, const std::vector<Folder>& folders, std::string_view file,
                       std::string_view header) {
   const std::string_view from = folder_in(layer, file), to = folder_in(layer, header);
-  if (from.empty() || to.empty() || from == to) return true;
+  if (from.empty() || to.empty() || from == to || kSceneExceptions.contains({file, header})) return true;
   const auto folder = std::find_if(folders.begin(), folders.end(), [&](const Folder& f) { return f.name == from; });
   if (folder == folders.end()) return false;
   return std::find(folder->may_include.begin(), folder->may_include.end(), to) != folder->may_include.end();
@@ -228,7 +239,7 @@ TEST_CASE("includes against the folders of scene/ are found") {
   CHECK(find_breaches({{"scene/xml/xml.h", "scene/description/description.h"},
                        {"scene/xml/xml.h", "scene/xml/xml_values.h"},
                        {"scene/compile/compile.cpp", "scene/tables/scene.h"},
-                       {"scene/compile/lights/point_light.cpp", "scene/compile/light.h"},
+                       {"scene/lights/point_light.cpp", "scene/xml/properties.h"},
                        {"kernels/stages/shadow.cpp", "scene/tables/scene.h"},
                        {"tools/command_info.cpp", "scene/compile/compile.h"}})
             .empty());
@@ -236,7 +247,8 @@ TEST_CASE("includes against the folders of scene/ are found") {
   CHECK(find_breaches({{"scene/tables/camera.h", "scene/description/camera.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/formats/obj.cpp", "scene/tables/shape.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/compile/spectra.cpp", "scene/dialects/common/read_spectrum.h"}}).size() == 1);
-  CHECK(find_breaches({{"scene/compile/lights/point_light.cpp", "scene/xml/xml.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/compile/compile_lights.cpp", "scene/xml/xml.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/lights/point_light.cpp", "scene/compile/spectra.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/new/file.cpp", "scene/description/description.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "scene/description/description.h"}}).size() == 1);
 }

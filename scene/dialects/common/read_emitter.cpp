@@ -1,46 +1,20 @@
-// Emitters shared by the Nori and Mitsuba dialects: constant light, environment maps and area lights.
+// Emitters of the Nori and Mitsuba dialects.
 #include "scene/dialects/common/read_emitter.h"
 
-#include "scene/dialects/common/read_texture.h"
+#include <algorithm>
 
 namespace sheaf {
 
-namespace {
-
-/// Reads `radiance` (default 1).
-ConstantLightDescription read_constant(Properties& p) {
-  return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
-}
-
-/// Reads `filename`, `scale` (default 1), `to_world`, `mis_compensation` (default true) and `gamma` of Mitsuba 0.6.
-/// Ignores its `cache`.
-EnvmapDescription read_envmap(Properties& p) {
-  EnvmapDescription map;
-  map.file = p.file("filename");
-  map.scale = p.number("scale", 1, kNotNegative);
-  map.to_world = p.transform("to_world");
-  map.mis_compensation = p.boolean("mis_compensation", true);
-  map.raw = read_linear_gamma(p);
-  p.ignore({"cache"});
-  return map;
-}
-
-}  // namespace
-
-const std::vector<std::string>& shared_emitter_names() {
-  static const std::vector<std::string> kNames = {"constant", "envmap"};
-  return kNames;
-}
-
-bool read_shared_emitter(Properties& p, LightDescription& light) {
-  if (p.type() == "constant") {
-    light.model = read_constant(p);
-  } else if (p.type() == "envmap") {
-    light.model = read_envmap(p);
-  } else {
-    return false;
-  }
-  return true;
+const LightReader& light_reader(const Properties& p, std::span<const LightReader> own,
+                                std::vector<std::string> others) {
+  for (const std::span<const LightReader> readers : {own, std::span<const LightReader>(kLightReaders)})
+    for (const LightReader& reader : readers) {
+      if (reader.name == p.type()) return reader;
+      others.emplace_back(reader.name);
+    }
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  p.fail_plugin(others);
 }
 
 void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,

@@ -1,16 +1,16 @@
 // Reading of emitters, shared by the Nori and Mitsuba dialects.
 #pragma once
 
+#include "scene/lights/list.h"
 #include "scene/xml/properties.h"
+
+#include <span>
 
 namespace sheaf {
 
-/// Reads an emitter that is not attached to a shape and has the same syntax in both dialects. Returns false for another
-/// type. Throws SceneError.
-bool read_shared_emitter(Properties& p, LightDescription& light);
-
-/// Types that read_shared_emitter() supports.
-const std::vector<std::string>& shared_emitter_names();
+/// The reader of an emitter that is not attached to a shape: one of the dialect's `own`, or else of kLightReaders. For
+/// unknown types, throws SceneError with the nearest of all their names and `others`.
+const LightReader& light_reader(const Properties& p, std::span<const LightReader> own, std::vector<std::string> others);
 
 /// Reads an <emitter> inside a shape: `area` (also named after the shape, as `parallelogram_emitter`) or
 /// `directionalarea`, with `radiance` (default 1). `ignored`: properties that are accepted without effect. Throws

@@ -27,10 +27,6 @@ TextureId scalar_texture(TextureId texture, ReadContext& context);
 /// Returns the texture of an input; for a constant, appends a constant texture.
 TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
 
-/// Whether `gamma` of Mitsuba 0.6 treats the integers of an image file as linear values (1), not as sRGB (-1, 0 and,
-/// with a note, 2.2). Throws SceneError for other values.
-bool read_linear_gamma(Properties& p);
-
 /// Reads file, filter and wrap mode of a bitmap.
 BitmapDescription read_bitmap(Properties& p);
 /// Converts a uv transform to one for an image whose v axis points down.

@@ -4,53 +4,48 @@
 #include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/mitsuba/reader.h"
 
-#include <algorithm>
 #include <iterator>
 
 namespace sheaf::mitsuba {
 
 namespace {
 
-PointLightDescription read_point_light(Properties& p) {
-  PointLightDescription light;
+void read_point_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<PointLightDescription>();
   const bool placed = p.has("to_world");
   light.position = p.vec3("position", {0, 0, 0});
   if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
   if (placed) light.position = p.transform("to_world").point({0, 0, 0});
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  return light;
 }
 
-SpotLightDescription read_spot_light(Properties& p) {
-  SpotLightDescription light;
+void read_spot_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<SpotLightDescription>();
   light.to_world = p.transform("to_world");
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   light.cutoff_angle = p.number("cutoff_angle", 20, {0, 180, true});
   light.beam_width = p.number("beam_width", 0.75f * light.cutoff_angle, {0, light.cutoff_angle, false});
   const std::optional<SpectrumInput> texture = p.find_spectrum_input("texture", SpectrumRole::kEmission);
-  if (!texture) return light;
+  if (!texture) return;
   if (!(light.cutoff_angle < 90))
     p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
   light.texture = texture_showing(*texture, p.where(), p.context());
-  return light;
 }
 
-DirectionalLightDescription read_directional_light(Properties& p) {
-  DirectionalLightDescription light;
+void read_directional_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<DirectionalLightDescription>();
   light.direction = read_direction(p, "to_world");
   light.irradiance = p.spectrum("irradiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  return light;
 }
 
-BeamDescription read_beam(Properties& p) {
-  BeamDescription light;
+void read_beam(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<BeamDescription>();
   light.to_world = p.transform("to_world");
   light.power = p.spectrum("power", SpectrumDescription::constant(1), SpectrumRole::kEmission);
-  return light;
 }
 
-ProjectorDescription read_projector(Properties& p) {
-  ProjectorDescription light;
+void read_projector(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<ProjectorDescription>();
   light.to_world = p.transform("to_world");
   light.irradiance = p.spectrum_input("irradiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   light.scale = p.number("scale", 1, kNotNegative);
@@ -58,8 +53,14 @@ ProjectorDescription read_projector(Properties& p) {
   read_fov(p, camera);
   light.fov = camera.fov;
   light.fov_axis = camera.fov_axis;
-  return light;
 }
+
+/// Lights that Nori writes differently, or that it does not have.
+constexpr LightReader kReaders[] = {
+    {"collimated", read_beam},   {"directional", read_directional_light},
+    {"point", read_point_light}, {"projector", read_projector},
+    {"spot", read_spot_light},
+};
 
 }  // namespace
 
@@ -68,27 +69,15 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   std::vector<LightDescription> lights(1);
   LightDescription& light = lights[0];
   light.where = element.where;
-  if (p.type() == "point") {
-    light.model = read_point_light(p);
-  } else if (p.type() == "spot") {
-    light.model = read_spot_light(p);
-  } else if (p.type() == "directional") {
-    light.model = read_directional_light(p);
-  } else if (p.type() == "projector") {
-    light.model = read_projector(p);
-  } else if (p.type() == "collimated") {
-    light.model = read_beam(p);
-  } else if (is_daylight(p.type())) {
+  if (is_daylight(p.type())) {
     lights = read_daylight(p, reader.before_version_2);
   } else if (p.type() == "area" || p.type() == "directionalarea") {
     if (!reader.context.scene.is_referenced(element)) p.fail("must be nested in a <shape>, or referred to by one");
     return;
-  } else if (!read_shared_emitter(p, light)) {
-    std::vector<std::string> known = shared_emitter_names();
-    known.insert(known.end(), {"area", "collimated", "directional", "directionalarea", "point", "projector", "spot"});
-    known.insert(known.end(), daylight_names().begin(), daylight_names().end());
-    std::sort(known.begin(), known.end());
-    p.fail_plugin(known);
+  } else {
+    std::vector<std::string> others = daylight_names();
+    others.insert(others.end(), {"area", "directionalarea"});
+    light_reader(p, kReaders, std::move(others)).read(p, light);
   }
   if (p.type() == "constant") p.ignore({"to_world"});
   p.ignore({"sampling_weight"});

@@ -12,15 +12,14 @@ namespace sheaf::nori {
 
 namespace {
 
-PointLightDescription read_point_light(Properties& p) {
-  PointLightDescription light;
+void read_point_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<PointLightDescription>();
   light.position = p.vec3("position", {0, 0, 0});
   const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
   if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
   if (intensity) light.intensity = *intensity;
   if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
-  return light;
 }
 
 /// Returns a coordinate system with its origin at `position` and +z along `direction`.
@@ -60,8 +59,8 @@ float solid_angle(const SpotLightDescription& light) {
   return 2 * std::numbers::pi_v<float> * (1 - 0.5f * (cosine(light.beam_width) + cosine(light.cutoff_angle)));
 }
 
-SpotLightDescription read_spot_light(Properties& p) {
-  SpotLightDescription light;
+void read_spot_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<SpotLightDescription>();
   light.falloff = SpotLightDescription::Falloff::kSmooth;
   light.to_world = read_placement(p);
   const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
@@ -74,18 +73,16 @@ SpotLightDescription read_spot_light(Properties& p) {
   light.beam_width = std::min(p.number("falloffStart", usual, kNotNegative), light.cutoff_angle);
   if (intensity) light.intensity = *intensity;
   if (power) light.intensity = scaled(*power, 1.0f / solid_angle(light));
-  return light;
 }
 
-DirectionalLightDescription read_directional_light(Properties& p) {
-  DirectionalLightDescription light;
+void read_directional_light(Properties& p, LightDescription& out) {
+  auto& light = out.model.emplace<DirectionalLightDescription>();
   light.direction = read_direction(p, "toWorld");
   const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
   const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
   if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', which mean the same here; expected one");
   if (irradiance) light.irradiance = *irradiance;
   if (intensity) light.irradiance = *intensity;
-  return light;
 }
 
 /// Reads an environment map with a texture for radiance: a constant colour or an image.
@@ -106,6 +103,22 @@ void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescrip
   light.model = std::move(map);
 }
 
+/// Reads an environment map from a file, or with a texture.
+void read_envmap(Properties& p, LightDescription& light) {
+  if (const XmlElement* texture = p.any_texture())
+    read_textured_envmap(p, *texture, light);
+  else
+    EnvmapLightKind::read(p, light);
+}
+
+/// Lights that Mitsuba writes differently.
+constexpr LightReader kReaders[] = {
+    {"directional", read_directional_light},
+    {"envmap", read_envmap},
+    {"point", read_point_light},
+    {"spot", read_spot_light},
+};
+
 }  // namespace
 
 void read_emitter(const XmlElement& element, ReadContext& context) {
@@ -113,22 +126,8 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
   LightDescription light;
   light.where = element.where;
   if (const std::string* id = element.find_attribute("id")) light.id = *id;
-  if (p.type() == "point") {
-    light.model = read_point_light(p);
-  } else if (p.type() == "spot") {
-    light.model = read_spot_light(p);
-  } else if (p.type() == "directional") {
-    light.model = read_directional_light(p);
-  } else if (p.type() == "area") {
-    p.fail("must be nested in a <mesh>");
-  } else if (const XmlElement* texture = p.type() == "envmap" ? p.any_texture() : nullptr) {
-    read_textured_envmap(p, *texture, light);
-  } else if (!read_shared_emitter(p, light)) {
-    std::vector<std::string> known = shared_emitter_names();
-    known.insert(known.end(), {"area", "directional", "point", "spot"});
-    std::sort(known.begin(), known.end());
-    p.fail_plugin(known);
-  }
+  if (p.type() == "area") p.fail("must be nested in a <mesh>");
+  light_reader(p, kReaders, {"area"}).read(p, light);
   p.reject_unused();
   context.description.lights.push_back(std::move(light));
 }

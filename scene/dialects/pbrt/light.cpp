@@ -26,14 +26,15 @@ Transform along_axis(Parameters& p) {
   return p.reader().attributes.transform * Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
 }
 
-PointLightDescription read_point(Parameters& p) {
+LightKinds::Model read_point(Parameters& p) {
   const SpectrumDescription intensity = read_emission(p, "I");
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) scale *= *power / (4 * kPi);
-  return {p.reader().attributes.transform.point(p.vec3("from", {0, 0, 0})), scaled(intensity, scale)};
+  return PointLightDescription{p.reader().attributes.transform.point(p.vec3("from", {0, 0, 0})),
+                               scaled(intensity, scale)};
 }
 
-SpotLightDescription read_spot(Parameters& p) {
+LightKinds::Model read_spot(Parameters& p) {
   SpotLightDescription light;
   light.falloff = SpotLightDescription::Falloff::kSmooth;
   light.cutoff_angle = p.number("coneangle", 30, {0, 180, true});
@@ -49,14 +50,14 @@ SpotLightDescription read_spot(Parameters& p) {
   return light;
 }
 
-DirectionalLightDescription read_distant(Parameters& p) {
+LightKinds::Model read_distant(Parameters& p) {
   const Transform axis = along_axis(p);
   float scale = read_scale(p);
   if (const auto illuminance = p.find_number("illuminance"); illuminance && *illuminance > 0.0f) scale *= *illuminance;
-  return {axis.vector({0, 0, 1}), scaled(read_emission(p, "L"), scale)};
+  return DirectionalLightDescription{axis.vector({0, 0, 1}), scaled(read_emission(p, "L"), scale)};
 }
 
-decltype(LightDescription::model) read_infinite(Parameters& p) {
+LightKinds::Model read_infinite(Parameters& p) {
   if (!p.numbers("portal", 3).empty())
     p.reader().note(p.where(), p.title() + ": 'portal' only helps to find the light, and is not used");
   float scale = read_scale(p);
@@ -106,7 +107,7 @@ double cosine_cubed(const double* about, double x, double y) {
   return std::pow(1 + across * across + up * up, -1.5);
 }
 
-ProjectorDescription read_projection(Parameters& p) {
+LightKinds::Model read_projection(Parameters& p) {
   ProjectorDescription light;
   light.is_even = true;
   light.fov = p.number("fov", 90, {0, 180, true});
@@ -135,7 +136,7 @@ std::shared_ptr<const Image> grey_picture(const Image& picture) {
   return grey;
 }
 
-decltype(LightDescription::model) read_goniometric(Parameters& p) {
+LightKinds::Model read_goniometric(Parameters& p) {
   if (!p.has("filename")) return read_point(p);
   GoniometricLightDescription light;
   const std::filesystem::path file = p.file("filename");
@@ -161,30 +162,32 @@ decltype(LightDescription::model) read_goniometric(Parameters& p) {
   return light;
 }
 
+/// A light of the pbrt dialect.
+struct NamedLight {
+  std::string_view name;
+  LightKinds::Model (*read)(Parameters& p);
+};
+
+constexpr NamedLight kLights[] = {
+    {"distant", read_distant}, {"goniometric", read_goniometric}, {"infinite", read_infinite},
+    {"point", read_point},     {"projection", read_projection},   {"spot", read_spot},
+};
+
 }  // namespace
 
 void read_light(Reader& reader, Entity entity) {
   Parameters p(reader, "LightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  LightDescription light;
-  light.where = entity.where;
-  if (entity.type == "point") {
-    light.model = read_point(p);
-  } else if (entity.type == "spot") {
-    light.model = read_spot(p);
-  } else if (entity.type == "distant") {
-    light.model = read_distant(p);
-  } else if (entity.type == "infinite") {
-    light.model = read_infinite(p);
-  } else if (entity.type == "goniometric") {
-    light.model = read_goniometric(p);
-  } else if (entity.type == "projection") {
-    light.model = read_projection(p);
-  } else {
-    const std::vector<std::string> known = {"distant", "goniometric", "infinite", "point", "projection", "spot"};
-    throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
+  std::vector<std::string> known;
+  for (const NamedLight& light : kLights) {
+    if (light.name == entity.type) {
+      LightDescription description{light.read(p), entity.where};
+      p.reject_unused();
+      reader.description.lights.push_back(std::move(description));
+      return;
+    }
+    known.emplace_back(light.name);
   }
-  p.reject_unused();
-  reader.description.lights.push_back(std::move(light));
+  throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
 }
 
 AreaLight read_area_light(Reader& reader, Entity entity) {

@@ -1,9 +1,10 @@
-#include "scene/compile/light.h"
+#include "scene/lights/light_powers.h"
 
-#include "scene/compile/lights/texture_mean.h"
+#include "scene/lights/texture_mean.h"
+#include "scene/tables/light_tree.h"
+#include "scene/tables/scene.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <span>
 #include <utility>
@@ -11,13 +12,6 @@
 namespace sheaf {
 
 namespace {
-
-/// Whether a texture, or a part of it, is a volume.
-bool holds_volume(std::span<const TextureRow> rows, std::uint32_t texture) {
-  const TextureRow& row = rows[texture];
-  if (row.kind != TextureKind::kCheckerboard && row.kind != TextureKind::kGrid) return row.kind == TextureKind::kVolume;
-  return holds_volume(rows, row.checkerboard.child[0]) || holds_volume(rows, row.checkerboard.child[1]);
-}
 
 /// Whether a texture or one of its inputs depends on the mesh.
 bool depends_on_mesh(const TextureView& textures, std::uint32_t texture) {
@@ -73,46 +67,6 @@ class IntegralGroups {
 };
 
 }  // namespace
-
-SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const SourceLocation& where) const {
-  if (spectra == nullptr) return {};
-  const auto* spectrum = std::get_if<SpectrumDescription>(&emission);
-  try {
-    return spectra->row(spectrum != nullptr ? *spectrum : SpectrumDescription::constant(1), SpectrumUse::kIlluminant);
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
-}
-
-std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {
-  if (static_cast<std::size_t>(id) >= description.textures.size())
-    throw SceneError(where, "refers to a texture that does not exist");
-  if (holds_volume(textures, static_cast<std::uint32_t>(id)))
-    throw SceneError(where,
-                     "shines by a texture that is a grid in the world, expected one that follows the surface: "
-                     "lights are looked up by uv");
-  return static_cast<std::uint32_t>(id);
-}
-
-LightRow make_light_row(LightKind kind, Vec3f radiance) {
-  LightRow row;
-  row.kind = static_cast<std::uint32_t>(kind);
-  row.radiance = {radiance.x, radiance.y, radiance.z, 0.0f};
-  return row;
-}
-
-std::uint32_t LightContext::add_frame(const LightFrameRow& frame) {
-  frames.push_back(frame);
-  return static_cast<std::uint32_t>(frames.size() - 1);
-}
-
-const LightCompiler& light_compiler_of(const LightRow& light) {
-  static const auto kAll = []<std::size_t... Kind>(std::index_sequence<Kind...>) {
-    return std::array{light_compiler(LightTag<static_cast<LightKind>(Kind)>{})...};
-  }
-  (std::make_index_sequence<kLightKinds>{});
-  return kAll[light.kind];
-}
-
-bool is_infinite(const LightRow& light) { return light_compiler_of(light).domain != LightDomain::kBounded; }
 
 Vec3f light_power(const SceneView& scene, std::uint32_t light) {
   const LightRow& row = scene.lights[light];

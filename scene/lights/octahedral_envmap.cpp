@@ -1,4 +1,4 @@
-#include "scene/compile/octahedral_envmap.h"
+#include "scene/lights/octahedral_envmap.h"
 
 #include "core/lanes.h"
 #include "core/octahedral.h"

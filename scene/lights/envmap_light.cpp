@@ -1,27 +1,21 @@
-// Environment map lights: row and power. compile_envmap.cpp builds the tables of the map.
-#include "scene/compile/compile_envmap.h"
-#include "scene/compile/daylight.h"
-#include "scene/compile/light.h"
-#include "scene/compile/lights/light_rotation.h"
-#include "scene/compile/octahedral_envmap.h"
+#include "scene/lights/envmap_light.h"
 
 #include "core/frame.h"
 #include "core/memory.h"
+#include "scene/description/description.h"
+#include "scene/lights/daylight.h"
+#include "scene/lights/light_context.h"
+#include "scene/lights/light_rotation.h"
+#include "scene/lights/make_envmap.h"
+#include "scene/lights/octahedral_envmap.h"
+#include "scene/tables/scene.h"
+#include "scene/xml/linear_gamma.h"
 
 #include <algorithm>
 
 namespace sheaf {
 
 namespace {
-
-struct EnvmapRows {
-  static constexpr LightDomain kDomain = LightDomain::kEnvironment;
-
-  static Vec3f power(const SceneView& scene, const LightRow& light) {
-    const float disk = kPi * scene.radius * scene.radius;
-    return emitted_rgb(light) * (4 * kPi * disk);
-  }
-};
 
 /// Whether MIS compensation may leave dark directions to BSDF sampling. Requires that BSDF sampling reaches all light
 /// that light sampling finds; otherwise the unsampled light would be lost. Photons have no second strategy.
@@ -39,7 +33,7 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
     return std::nullopt;
   }
   if (context.spectra != nullptr) uplift_nodes(map);
-  CompiledLight placed{make_light_row(LightKind::kEnvmap, map.mean),
+  CompiledLight placed{make_light_row(kLightKind<EnvmapLightKind>, map.mean),
                        context.emission_row(SpectrumDescription::constant(1), where)};
   context.envmap = std::move(map);
   return placed;
@@ -47,16 +41,29 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
 
 }  // namespace
 
-LightCompiler light_compiler(LightTag<LightKind::kEnvmap>) { return make_light_compiler<EnvmapRows>(); }
+void EnvmapLightKind::read(Properties& p, LightDescription& light) {
+  EnvmapDescription map;
+  map.file = p.file("filename");
+  map.scale = p.number("scale", 1, kNotNegative);
+  map.to_world = p.transform("to_world");
+  map.mis_compensation = p.boolean("mis_compensation", true);
+  map.raw = read_linear_gamma(p);
+  p.ignore({"cache"});
+  light.model = std::move(map);
+}
+
+Vec3f EnvmapLightKind::power(const SceneView& scene, const LightRow& light) {
+  const float disk = kPi * scene.radius * scene.radius;
+  return emitted_rgb(light) * (4 * kPi * disk);
+}
 
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where) {
   const std::array<double, 9> rotation = rotation_of(to_world, "an environment map", where);
   std::transform(rotation.begin(), rotation.end(), map.to_map, [](double v) { return static_cast<float>(v); });
 }
 
-std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& l) {
-  const EnvmapDescription& light = l.light;
-  LightContext& context = l.context;
+std::optional<CompiledLight> place_light(const EnvmapDescription& light, const SourceLocation& where,
+                                         LightContext& context) {
   EnvmapImage picture = read_envmap_image(light.file, light.raw);
   const UnusableValues unusable = replace_unusable(picture);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
@@ -78,18 +85,18 @@ std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& 
                uses);
   Envmap map =
       make_envmap(std::move(picture), light.scale, light.mis_compensation && can_compensate(context.description));
-  set_rotation(map, light.to_world, l.where);
-  return place_map(std::move(map), context, light.file.string() + ": the environment map", l.where);
+  set_rotation(map, light.to_world, where);
+  return place_map(std::move(map), context, light.file.string() + ": the environment map", where);
 }
 
-std::optional<CompiledLight> place_light(const LightToPlace<SkyDescription>& l) {
-  const SkyDescription& sky = l.light;
+std::optional<CompiledLight> place_light(const SkyDescription& sky, const SourceLocation& where,
+                                         LightContext& context) {
   const auto frame = Frame<Scalar>::from_normal(sky.up);
-  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(l.context.description));
+  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(context.description));
   const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
   for (std::size_t i = 0; i < 3; ++i)
     map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;
-  return place_map(std::move(map), l.context, SceneError(l.where, "the sky").what(), l.where);
+  return place_map(std::move(map), context, SceneError(where, "the sky").what(), where);
 }
 
 }  // namespace sheaf

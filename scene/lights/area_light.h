@@ -1,7 +1,9 @@
 // Area lights of shapes and of instances of shapes.
 #pragma once
 
-#include "scene/compile/light.h"
+#include "core/distribution.h"
+#include "scene/lights/list.h"
+#include "scene/tables/shape_rows.h"
 
 namespace sheaf {
 

@@ -1,8 +1,8 @@
 // Daylight: the sky of Hosek and Wilkie 2012 and the sun of Hosek and Wilkie 2013, with their published coefficients.
 #pragma once
 
-#include "scene/compile/compile_envmap.h"
 #include "scene/description/description.h"
+#include "scene/lights/make_envmap.h"
 
 #include <array>
 

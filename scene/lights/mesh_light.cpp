@@ -1,9 +1,10 @@
-// Mesh lights: rows, power and bounds.
 #include "scene/lights/mesh_light.h"
+
 #include "core/distribution.h"
 #include "core/warp.h"
-#include "scene/compile/lights/area_light.h"
-#include "scene/compile/lights/texture_mean.h"
+#include "scene/lights/area_light.h"
+#include "scene/lights/light_bounds.h"
+#include "scene/lights/texture_mean.h"
 #include "scene/tables/light_cone.h"
 #include "scene/tables/shape.h"
 
@@ -124,59 +125,54 @@ class PeakSearch {
   std::array<double, kDirections> areas_{};
 };
 
-struct MeshRows {
-  static constexpr LightDomain kDomain = LightDomain::kBounded;
-
-  static Vec3f power(const SceneView&, const LightRow& light) {
-    return emitted_rgb(light) * (exitance_factor(light) * light.data<MeshLightData>().area);
-  }
-
-  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const auto mesh = light.data<MeshLightData>();
-    const double area = double{sides_of(light)} * mesh.area;
-    LightBounds out = mesh_light_bounds({scene.light_triangles + mesh.first_triangle, mesh.triangle_count},
-                                        static_cast<float>(power / (double(kPi) * area)));
-    out.two_sided = light.is_two_sided();
-    return out;
-  }
-
-  /// Mean of the texture.
-  static Vec3f integral(const SceneView& scene, const LightRow& light, int mean_points) {
-    const auto mesh = light.data<MeshLightData>();
-    TextureMean mean(scene, light.texture);
-    int next = 0;
-    for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
-      const double share = scene.triangle_alias[mesh.first_triangle + i].pdf;
-      const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
-      const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
-      for (int k = 0; k < points; ++k) {
-        const Vec2f u = spread_point(next++);
-        const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
-        mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), mesh.shape, i, b.x, b.y}, share / points);
-      }
-    }
-    return mean.value();
-  }
-
-  /// The uv of the triangles and their fractions of the area. Large meshes do not share: comparing them takes longer.
-  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
-    constexpr std::uint32_t kMaxTriangles = 64;
-    if (light.texture == kNone) return IntegralSharing::kOne;
-    const auto mesh = light.data<MeshLightData>();
-    if (mesh.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
-    for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
-      const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
-      for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
-        key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
-      key.push_back(rounded_share(scene.triangle_alias[mesh.first_triangle + i].pdf));
-    }
-    return IntegralSharing::kAll;
-  }
-};
-
 }  // namespace
 
-LightCompiler light_compiler(LightTag<LightKind::kMesh>) { return make_light_compiler<MeshRows>(); }
+Vec3f MeshLightKind::power(const SceneView&, const LightRow& light) {
+  return emitted_rgb(light) * (exitance_factor(light) * light.data<MeshLightData>().area);
+}
+
+LightBounds MeshLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
+  const auto mesh = light.data<MeshLightData>();
+  const double area = double{sides_of(light)} * mesh.area;
+  LightBounds out = mesh_light_bounds({scene.light_triangles + mesh.first_triangle, mesh.triangle_count},
+                                      static_cast<float>(power / (double(kPi) * area)));
+  out.two_sided = light.is_two_sided();
+  return out;
+}
+
+/// Mean of the texture.
+Vec3f MeshLightKind::integral(const SceneView& scene, const LightRow& light, int mean_points) {
+  const auto mesh = light.data<MeshLightData>();
+  TextureMean mean(scene, light.texture);
+  int next = 0;
+  for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
+    const double share = scene.triangle_alias[mesh.first_triangle + i].pdf;
+    const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
+    const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
+    for (int k = 0; k < points; ++k) {
+      const Vec2f u = spread_point(next++);
+      const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
+      mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), mesh.shape, i, b.x, b.y}, share / points);
+    }
+  }
+  return mean.value();
+}
+
+/// The uv of the triangles and their fractions of the area. Large meshes do not share: comparing them takes longer.
+IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightRow& light,
+                                            std::vector<std::uint32_t>& key) {
+  constexpr std::uint32_t kMaxTriangles = 64;
+  if (light.texture == kNone) return IntegralSharing::kOne;
+  const auto mesh = light.data<MeshLightData>();
+  if (mesh.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
+  for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
+    const LightUvRow& uvs = scene.light_uvs[mesh.first_uv + i];
+    for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
+      key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
+    key.push_back(rounded_share(scene.triangle_alias[mesh.first_triangle + i].pdf));
+  }
+  return IntegralSharing::kAll;
+}
 
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                          const LightPlaces& places, const InstanceRow* instance) {
@@ -194,7 +190,7 @@ void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t 
   }
   light.alias = build_alias_table(areas);
   light.area = static_cast<float>(area);
-  light.row.kind = static_cast<std::uint32_t>(LightKind::kMesh);
+  light.row.kind = static_cast<std::uint32_t>(kLightKind<MeshLightKind>);
   light.row.set_data(MeshLightData<Scalar>{shape_index, places.first_triangle, shape.triangle_count,
                                            textured ? places.first_uv : 0u, light.area});
 }

@@ -1,7 +1,7 @@
 // Square equal-area environment maps (Clarberg 2008), as in pbrt-v4.
 #pragma once
 
-#include "scene/compile/compile_envmap.h"
+#include "scene/lights/make_envmap.h"
 
 namespace sheaf {
 

@@ -1,4 +1,4 @@
-// Bounds of lights for the light tree: helpers shared by the kinds (scene/compile/lights/), also used by tests.
+// Bounds of lights for the light tree: helpers shared by the kinds (scene/lights/), also used by tests.
 #pragma once
 
 #include "scene/tables/light_tree.h"
@@ -27,9 +27,5 @@ LightBounds frame_light_bounds(const LightFrameRow& frame, Vec3f position, doubl
 /// LightBounds::power for a peak intensity (W / sr). Positive and finite for any light, like the weights for selection
 /// without a tree.
 float peak_power(double peak_intensity);
-
-/// Bounds of light `light` of the scene, with `power` in W, averaged over R, G and B. The light must be bounded; see
-/// is_infinite().
-LightBounds bounds_of_light(const SceneView& scene, std::uint32_t light, double power);
 
 }  // namespace sheaf

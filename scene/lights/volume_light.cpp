@@ -1,6 +1,7 @@
-// Volume lights, emitting media: rows, power and bounds.
-#include "scene/compile/lights/volume_light.h"
+#include "scene/lights/volume_light.h"
 
+#include "scene/lights/light_bounds.h"
+#include "scene/lights/light_context.h"
 #include "scene/tables/medium_lookup.h"
 
 #include <algorithm>
@@ -55,23 +56,17 @@ struct Cells {
   }
 };
 
-struct VolumeRows {
-  static constexpr LightDomain kDomain = LightDomain::kBounded;
-
-  /// Power of the whole box, of which the medium may fill only a part.
-  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
-
-  static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
-    const auto volume = light.data<VolumeLightData>();
-    LightBounds out = point_light_bounds(volume.corner, static_cast<float>(power * (0.25 * double(kInvPi))));
-    out.upper = volume.corner + volume.extent;
-    return out;
-  }
-};
-
 }  // namespace
 
-LightCompiler light_compiler(LightTag<LightKind::kVolume>) { return make_light_compiler<VolumeRows>(); }
+/// Power of the whole box, of which the medium may fill only a part.
+Vec3f VolumeLightKind::power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
+
+LightBounds VolumeLightKind::bounds(const SceneView&, const LightRow& light, double power) {
+  const auto volume = light.data<VolumeLightData>();
+  LightBounds out = point_light_bounds(volume.corner, static_cast<float>(power * (0.25 * double(kInvPi))));
+  out.upper = volume.corner + volume.extent;
+  return out;
+}
 
 std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t index,
                                              std::span<const GridBox> boxes, std::uint32_t first_cell) {
@@ -108,7 +103,7 @@ std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32
   const VolumeCells counts{static_cast<std::uint32_t>(cells.count[0]), static_cast<std::uint32_t>(cells.count[1]),
                            static_cast<std::uint32_t>(cells.count[2])};
   const VolumeLightData<Scalar> data{index, first_cell, counts.word(), all.min, all.max - all.min};
-  light.row = make_light_row(LightKind::kVolume, emitted, data);
+  light.row = make_light_row(kLightKind<VolumeLightKind>, emitted, data);
   return light;
 }
 

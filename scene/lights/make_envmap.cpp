@@ -1,4 +1,4 @@
-#include "scene/compile/compile_envmap.h"
+#include "scene/lights/make_envmap.h"
 
 #include "core/color.h"
 #include "core/image.h"

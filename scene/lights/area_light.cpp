@@ -1,4 +1,4 @@
-#include "scene/compile/lights/area_light.h"
+#include "scene/lights/area_light.h"
 
 #include "scene/tables/shape.h"
 

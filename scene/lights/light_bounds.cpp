@@ -1,4 +1,4 @@
-#include "scene/compile/light_bounds.h"
+#include "scene/lights/light_bounds.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 // and albedo. In the tables, H comes last. Hosek and Wilkie 2013: the radiance at the sun's centre is a piecewise cubic
 // of its elevation, with pieces of equal length in the cube root. It is multiplied by a polynomial of the cosine at the
 // sun's surface for limb darkening, whose average over the disk is used here.
-#include "scene/compile/daylight.h"
+#include "scene/lights/daylight.h"
 
 #include "core/color.h"
 #include "core/frame.h"

@@ -1,4 +1,4 @@
-#include "scene/compile/lights/light_rotation.h"
+#include "scene/lights/light_rotation.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,41 @@
+#include "scene/lights/goniometric_light.h"
+
+#include "scene/lights/light_bounds.h"
+#include "scene/lights/light_context.h"
+#include "scene/lights/light_rotation.h"
+#include "scene/lights/texture_mean.h"
+
+namespace sheaf {
+
+Vec3f GoniometricLightKind::power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
+
+/// As for a point light of constant intensity.
+LightBounds GoniometricLightKind::bounds(const SceneView&, const LightRow& light, double power) {
+  return point_light_bounds(position(light), static_cast<float>(power * (0.25 * double(kInvPi))));
+}
+
+/// Mean of the image over all directions; the map is equal-area, so all texels have the same weight.
+Vec3f GoniometricLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
+  TextureMean mean(scene, light.texture);
+  for (int k = 0; k < points; ++k) mean.add({spread_point(k), 0, 0, 0, 0}, 1.0);
+  return mean.value();
+}
+
+IntegralSharing GoniometricLightKind::integral_key(const SceneView&, const LightRow&, std::vector<std::uint32_t>&) {
+  return IntegralSharing::kAll;
+}
+
+Vec3f GoniometricLightKind::position(const LightRow& light) { return light.data<GoniometricLightData>().position; }
+
+std::optional<CompiledLight> place_light(const GoniometricLightDescription& light, const SourceLocation& where,
+                                         LightContext& context) {
+  const std::array<double, 9> rotation = rotation_of(light.to_world, "a goniometric light", where);
+  const Vec3f origin = light.to_world.point({0, 0, 0});
+  const LightEmission emission = context.emission(light.intensity, where);
+  const GoniometricLightData<Scalar> data{origin, context.add_frame(frame_of(rotation, origin))};
+  CompiledLight out{make_light_row(kLightKind<GoniometricLightKind>, emission.rgb, data), emission.spectrum};
+  out.row.texture = context.texture_row(light.picture, where);
+  return out;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,121 @@
+// The interface of a kind of lights, for files and for the scene compiler. scene/lights/list.h lists the kinds;
+// kernels/lights/light_kind.h states the interface of their kernels.
+//
+// A kind is a struct with
+//     kLabel        names lights that have no name,
+//     kDomain       where the light is,
+//     Descriptions  the descriptions that may become lights of this kind, as LightDescriptions,
+//     kReaders      an array of LightReader: its names in files that the dialects of Mitsuba and Nori write alike,
+//     power         see light_power(); without the factor `integral`,
+//     bounds        bounded lights: see bounds_of_light(),
+// and optionally
+//     integral, integral_key    the factor of its power that needs numerical integration; see LightCompiler,
+//     position                  the point from which the light shines; see LightCompiler.
+// place_light() makes the row of a description.
+#pragma once
+
+#include "core/error.h"
+#include "core/spectrum_row.h"
+#include "scene/description/inputs.h"
+#include "scene/tables/light.h"
+
+#include <array>
+#include <concepts>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace sheaf {
+
+class Properties;
+struct LightBounds;
+struct LightContext;
+struct LightDescription;
+struct SceneView;
+
+/// A light that is not on a shape.
+struct CompiledLight {
+  LightRow row;
+  SpectrumRow spectrum = {};  ///< spectrum of LightRecord::radiance, in spectral mode
+};
+
+/// A plugin of the dialects of Mitsuba and Nori.
+struct LightReader {
+  std::string_view name;
+  /// Reads the properties and sets LightDescription::model. The caller reports unused properties. Throws SceneError.
+  void (*read)(Properties&, LightDescription&);
+};
+
+/// A description for which place_light() compiles the light. It returns nothing if the light is known to be black, and
+/// throws SceneError.
+template <class Description>
+concept PlaceableLight = requires(const Description& light, const SourceLocation& where, LightContext& context) {
+  { place_light(light, where, context) } -> std::same_as<std::optional<CompiledLight>>;
+};
+
+/// A list of descriptions of lights.
+template <class... Description> struct LightDescriptions {};
+
+/// Location of a kind of lights.
+enum class LightDomain {
+  kBounded,      ///< inside the scene
+  kDistant,      ///< at infinity
+  kEnvironment,  ///< at infinity, in all directions; at most one per scene
+};
+
+/// Sharing of the integral in a light's power.
+enum class IntegralSharing {
+  kOne,   ///< no integral: it is 1
+  kAll,   ///< shared by all lights with the same kind, texture and key
+  kNone,  ///< not shared
+};
+
+/// Functions of a kind of lights for building light tables.
+struct LightCompiler {
+  using Power = Vec3f(const SceneView&, const LightRow&);
+  using Bounds = LightBounds(const SceneView&, const LightRow&, double power);
+  using Integral = Vec3f(const SceneView&, const LightRow&, int points);
+  using IntegralKey = IntegralSharing(const SceneView&, const LightRow&, std::vector<std::uint32_t>& key);
+  using Position = Vec3f(const LightRow&);
+
+  const char* label;
+  LightDomain domain;
+  Power* power;
+  Bounds* bounds = nullptr;  ///< null unless bounded
+  /// The factor of light_power() that needs numerical integration with about `points` points; not included in `power`.
+  /// Null if the kind has none.
+  Integral* integral = nullptr;
+  /// Appends data on which `integral` depends, besides kind and texture. Null if `integral` is null.
+  IntegralKey* integral_key = nullptr;
+  /// World space. Null for lights that do not shine from one point, and for those that shadow rays never reach.
+  Position* position = nullptr;
+};
+
+/// A struct with all members of a kind that are not optional.
+template <class Kind>
+concept CompilableLight = requires {
+  typename Kind::Descriptions;
+  { Kind::kLabel } -> std::convertible_to<const char*>;
+  { Kind::kDomain } -> std::convertible_to<LightDomain>;
+  { Kind::kReaders } -> std::convertible_to<std::span<const LightReader>>;
+  { &Kind::power } -> std::same_as<LightCompiler::Power*>;
+}
+&&(Kind::kDomain == LightDomain::kBounded) == requires {
+  { &Kind::bounds } -> std::same_as<LightCompiler::Bounds*>;
+}
+&&requires { &Kind::integral; }
+== requires { &Kind::integral_key; };
+
+template <CompilableLight Kind> constexpr LightCompiler make_light_compiler() {
+  LightCompiler out{Kind::kLabel, Kind::kDomain, &Kind::power};
+  if constexpr (requires { &Kind::bounds; }) out.bounds = &Kind::bounds;
+  if constexpr (requires { &Kind::integral; }) out.integral = &Kind::integral, out.integral_key = &Kind::integral_key;
+  if constexpr (requires { &Kind::position; }) out.position = &Kind::position;
+  return out;
+}
+
+/// A row's radiance in R, G and B.
+inline Vec3f emitted_rgb(const LightRow& light) { return {light.radiance.c0, light.radiance.c1, light.radiance.c2}; }
+
+}  // namespace sheaf

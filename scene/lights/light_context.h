@@ -1,0 +1,47 @@
+// Scene data for placing lights.
+#pragma once
+
+#include "scene/lights/list.h"
+#include "scene/tables/envmap.h"
+#include "scene/tables/texture.h"
+
+namespace sheaf {
+
+struct Description;
+class SpectrumSet;
+
+/// The emission of a light in both colour modes.
+struct LightEmission {
+  Vec3f rgb;             ///< linear Rec.709, RGB mode; 1 for textures
+  SpectrumRow spectrum;  ///< spectral mode; relative to D65 for textures
+};
+
+/// Scene data for placing lights.
+struct LightContext {
+  const Description& description;
+  std::span<const TextureRow> textures;
+  SpectrumSet* spectra;  ///< null in RGB mode
+  Envmap& envmap;        ///< environment map of the scene, filled by its light
+  std::vector<LightFrameRow>& frames;
+  std::vector<std::string>& warnings;
+
+  /// The emission of a light. Throws SceneError at `where`.
+  LightEmission emission(const SpectrumInput& emission, const SourceLocation& where) const;
+  /// The spectrum alone.
+  SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) const;
+  /// Row of a texture. Throws SceneError at `where` if it does not exist or cannot be used by lights.
+  std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
+  /// Adds a row to SceneView::light_frames; returns its index.
+  std::uint32_t add_frame(const LightFrameRow& frame);
+};
+
+/// Makes a row without texture.
+LightRow make_light_row(LightKind kind, Vec3f radiance);
+template <template <class> class Data>
+LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data) {
+  LightRow row = make_light_row(kind, radiance);
+  row.set_data(data);
+  return row;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,103 @@
+// The list of all kinds of lights. From it derive LightKind, LightDescription::model, the names in files with their
+// readers, and the table of functions for the scene compiler. kernels/lights/list.h lists their kernels in the same
+// order.
+#pragma once
+
+#include "scene/lights/beam_light.h"
+#include "scene/lights/constant_light.h"
+#include "scene/lights/directional_light.h"
+#include "scene/lights/envmap_light.h"
+#include "scene/lights/goniometric_light.h"
+#include "scene/lights/mesh_light.h"
+#include "scene/lights/point_light.h"
+#include "scene/lights/projector_light.h"
+#include "scene/lights/quadric_light.h"
+#include "scene/lights/sphere_light.h"
+#include "scene/lights/spot_light.h"
+#include "scene/lights/sun_light.h"
+#include "scene/lights/volume_light.h"
+
+#include <algorithm>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+namespace sheaf {
+
+namespace light_list_detail {
+
+/// A variant of the descriptions in several LightDescriptions.
+template <class... Lists> struct AnyDescription;
+template <class... All> struct AnyDescription<LightDescriptions<All...>> {
+  static_assert((PlaceableLight<All> && ...), "place_light() is missing for a description");
+  using Type = std::variant<All...>;
+};
+template <class... Some, class... More, class... Lists>
+struct AnyDescription<LightDescriptions<Some...>, LightDescriptions<More...>, Lists...>
+    : AnyDescription<LightDescriptions<Some..., More...>, Lists...> {};
+
+}  // namespace light_list_detail
+
+/// A list of kinds of lights.
+template <CompilableLight... Kinds> struct LightKindList {
+  static constexpr std::size_t kCount = sizeof...(Kinds);
+  /// Any description of a light.
+  using Model = typename light_list_detail::AnyDescription<typename Kinds::Descriptions...>::Type;
+
+  /// The position of a kind.
+  template <class Kind> static constexpr LightKind kind_of() {
+    static_assert((std::is_same_v<Kind, Kinds> + ...) == 1, "a kind must be listed once");
+    std::uint32_t position = 0, next = 0;
+    ((position = std::is_same_v<Kind, Kinds> ? next++ : (next++, position)), ...);
+    return static_cast<LightKind>(position);
+  }
+  /// The functions of each kind, by LightKind.
+  static constexpr std::array<LightCompiler, kCount> compilers() { return {make_light_compiler<Kinds>()...}; }
+  /// The readers of all kinds.
+  static constexpr auto readers() {
+    std::array<LightReader, (Kinds::kReaders.size() + ...)> all{};
+    auto next = all.begin();
+    ((next = std::copy(Kinds::kReaders.begin(), Kinds::kReaders.end(), next)), ...);
+    return all;
+  }
+};
+
+/// All kinds of lights, in the order of LightKind.
+using LightKinds = LightKindList<MeshLightKind,         //
+                                 SphereLightKind,       //
+                                 QuadricLightKind,      //
+                                 PointLightKind,        //
+                                 LinearSpotLightKind,   //
+                                 SmoothSpotLightKind,   //
+                                 GoniometricLightKind,  //
+                                 ProjectorLightKind,    //
+                                 BeamLightKind,         //
+                                 DirectionalLightKind,  //
+                                 SunLightKind,          //
+                                 ConstantLightKind,     //
+                                 EnvmapLightKind,       //
+                                 VolumeLightKind>;
+
+/// The LightKind of a kind, such as kLightKind<MeshLightKind>.
+template <class Kind> inline constexpr LightKind kLightKind = LightKinds::kind_of<Kind>();
+
+/// Functions of each kind, by LightKind.
+inline constexpr std::array kLightCompilers = LightKinds::compilers();
+
+/// The lights that the dialects of Mitsuba and Nori write alike.
+inline constexpr std::array kLightReaders = LightKinds::readers();
+
+/// A light of a scene that is not on a shape.
+struct LightDescription {
+  LightKinds::Model model;
+  SourceLocation where;
+  std::string id = {};  ///< name in files; may be empty
+};
+
+/// Functions of a row's kind.
+inline const LightCompiler& light_compiler_of(const LightRow& light) { return kLightCompilers[light.kind]; }
+
+/// Whether a light is at infinity: environments, directional lights and suns.
+inline bool is_infinite(const LightRow& light) { return light_compiler_of(light).domain != LightDomain::kBounded; }
+
+}  // namespace sheaf
