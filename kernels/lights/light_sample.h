@@ -133,7 +133,7 @@ inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
   Lights::for_each([&]<class Kind>(Kind) {
     if constexpr (Kind::kHitKind == LightHitKind::kEscape)
-      surrounds = surrounds || scene.lights[index].is(kLightKind<typename Kind::Kind>);
+      surrounds = surrounds || scene.lights.rows[index].is(kLightKind<typename Kind::Kind>);
   });
   return surrounds;
 }
@@ -144,7 +144,7 @@ template <class L, ColorMode Mode>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
                                               const Spectrum<L>& lambda) {
   using F = Float<L>;
-  const LightRow& light = scene.lights[index];
+  const LightRow& light = scene.lights.rows[index];
   const Spectrum4& rgb = light.radiance;
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
   if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);

@@ -43,7 +43,7 @@ struct SphereLight {
     // Look up the texture coordinates.
     const auto textured = lights.active & (lights.light.texture != U(kNone));
     if (any(textured)) {
-      const auto q = gather_rows<L>(lights.scene.quadrics, select(textured, sphere.surface.quadric, U(0u)));
+      const auto q = gather_rows<L>(lights.scene.geometry.quadrics, select(textured, sphere.surface.quadric, U(0u)));
       const Vec3<L> x = q.object_point(sphere.center + normal * (sphere.radius / n_length));
       set_quadric_query<L>(textured, q, sphere.surface, normalize_any(x), texture);
     }

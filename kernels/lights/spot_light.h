@@ -9,7 +9,7 @@ namespace sheaf {
 
 /// Loads the rows light_frames[frame] of the active lanes.
 template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightQuery<L>& lights, typename L::Uint frame) {
-  return gather_rows<L>(lights.scene.light_frames, select(lights.active, frame, Uint<L>(0u)));
+  return gather_rows<L>(lights.scene.lights.frames, select(lights.active, frame, Uint<L>(0u)));
 }
 
 /// `SpotKind`: LinearSpotLightKind or SmoothSpotLightKind.

@@ -164,7 +164,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   if (layout.adapts) check_adaptive(sampler, transport, layout.spp);
 
   const FilmSettings& film = scene.film();
-  layout.filter_weights = scene.view().filter_weights;
+  layout.filter_weights = scene.view().sensor.filter_weights;
   layout.reach = layout.filter_weights != nullptr ? layout.filter_weights->reach() : 0;
   layout.frame = {film.width, film.sample_border ? layout.reach : 0};
   check_frame(film, layout.frame);

@@ -16,7 +16,7 @@ struct SampleLayout {
   /// Pixels that are sampled: the crop, and those around it whose samples reach into it.
   PixelRect wanted;
   int reach = 0;                                  ///< distance up to which samples contribute to other pixels, pixels
-  const FilterWeights* filter_weights = nullptr;  ///< optional: see SceneView::filter_weights
+  const FilterWeights* filter_weights = nullptr;  ///< optional: see SensorView::filter_weights
   SampledFrame frame;
   std::uint32_t rays = 1;               ///< gather rays per camera sample, each counted as a sample of its own
   std::uint32_t spp = 0;                ///< samples per pixel
@@ -28,7 +28,7 @@ struct SampleLayout {
   VarianceUnit unit = VarianceUnit::kReplicate;
   bool has_variances = false;
   std::vector<std::string> light_groups;  ///< names of the groups with layers
-  /// Index of each light's group, by row of SceneView::lights; only with groups.
+  /// Index of each light's group, by row of LightView::rows; only with groups.
   std::vector<std::uint16_t> group_of_light;
 
   Film make_film(const Scene& scene, const RenderOptions& options) const;

@@ -42,8 +42,8 @@ void SamplePlan::set_photons(const Scene& scene) {
   const int width = state_.film.width(), height = state_.film.height();
   // One photon per sample of the whole frame, so that a crop gets the same photons.
   const auto count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * layout_.spp;
-  const bool splats = scene.integrator().max_depth != 1 && scene.view().light_count > 0;
-  const bool turns = scene.view().camera.rays == CameraRays::kSpherical;
+  const bool splats = scene.integrator().max_depth != 1 && scene.view().lights.count > 0;
+  const bool turns = scene.view().sensor.camera.rays == CameraRays::kSpherical;
   const PixelRect frame{0, 0, width, height};
   photons_.emplace(PhotonRounds{
       splats ? count : 0, SplatFilter(scene.film().filter, scene.film().filter_mode, frame.grown(layout_.frame.border),

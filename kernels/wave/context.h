@@ -115,7 +115,7 @@ class StageContext {
 
 /// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
-  return context.scene.light_count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
+  return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }
 
 }  // namespace sheaf

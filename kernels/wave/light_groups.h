@@ -13,7 +13,7 @@ namespace sheaf {
 struct LightGroupSink {
   float* first = nullptr;                         ///< red of the first group in the first sample
   std::size_t stride = 0;                         ///< floats from one sample to the next
-  const std::uint16_t* group_of_light = nullptr;  ///< by row of SceneView::lights
+  const std::uint16_t* group_of_light = nullptr;  ///< by row of LightView::rows
   std::uint16_t other = 0;                        ///< group of radiance that has no row
   ColorMode color = ColorMode::kRgb;
   const SensorCurves* sensor = nullptr;  ///< in spectral mode

@@ -21,7 +21,7 @@ std::optional<CompiledLight> place_light(const GoniometricLightDescription& ligh
 /// Data of a goniometric light. LightRecord::radiance is its intensity where the image is 1, W / sr.
 template <class L> struct GoniometricLightData {
   Vec3<L> position;        ///< world space
-  typename L::Uint frame;  ///< into SceneView::light_frames
+  typename L::Uint frame;  ///< into LightView::frames
 
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.frame); }
 };

@@ -31,7 +31,7 @@ struct LightContext {
   SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) const;
   /// Row of a texture. Throws SceneError at `where` if it does not exist or cannot be used by lights.
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
-  /// Adds a row to SceneView::light_frames; returns its index.
+  /// Adds a row to LightView::frames; returns its index.
   std::uint32_t add_frame(const LightFrameRow& frame);
 };
 

@@ -7,10 +7,10 @@ namespace sheaf {
 
 /// Data of a mesh as a light.
 template <class L> struct MeshLightData {
-  typename L::Uint shape;           ///< into SceneView::shapes
-  typename L::Uint first_triangle;  ///< into SceneView::triangle_alias and SceneView::light_triangles
+  typename L::Uint shape;           ///< into GeometryView::shapes
+  typename L::Uint first_triangle;  ///< into LightView::triangle_alias and LightView::triangles
   typename L::Uint triangle_count;
-  typename L::Uint first_uv;  ///< with a texture: into SceneView::light_uvs
+  typename L::Uint first_uv;  ///< with a texture: into LightView::uvs
   typename L::Float area;     ///< world space, m^2
 
   static constexpr auto fields(auto& s) {

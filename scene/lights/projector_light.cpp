@@ -25,7 +25,7 @@ LightBounds ProjectorLightKind::bounds(const SceneView& scene, const LightRow& l
   const auto projector = light.data<ProjectorLightData>();
   const Vec2f scale = projector.image_scale;
   const double tangent = 0.5 * std::hypot(1.0 / scale.x, 1.0 / scale.y);  // of a corner
-  return frame_light_bounds(scene.light_frames[projector.frame], projector.position,
+  return frame_light_bounds(scene.lights.frames[projector.frame], projector.position,
                             1.0 / std::sqrt(1.0 + tangent * tangent), power);
 }
 

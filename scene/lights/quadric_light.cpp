@@ -43,11 +43,11 @@ QuadricRow place_quadric(const QuadricRow& own, const InstanceRow& instance) {
 
 Vec3f QuadricLightKind::power(const SceneView& scene, const LightRow& light) {
   return emitted_rgb(light) *
-         (exitance_factor(light) * quadric_area(scene.quadrics[light.data<QuadricLightData>().quadric]));
+         (exitance_factor(light) * quadric_area(scene.geometry.quadrics[light.data<QuadricLightData>().quadric]));
 }
 
 LightBounds QuadricLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
-  const QuadricRow& quadric = scene.quadrics[light.data<QuadricLightData>().quadric];
+  const QuadricRow& quadric = scene.geometry.quadrics[light.data<QuadricLightData>().quadric];
   const double area = double{sides_of(light)} * quadric_area(quadric);
   LightBounds out = quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * area)));
   out.two_sided = light.is_two_sided();
@@ -56,7 +56,7 @@ LightBounds QuadricLightKind::bounds(const SceneView& scene, const LightRow& lig
 
 /// Mean of the texture.
 Vec3f QuadricLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
-  const QuadricRow& row = scene.quadrics[light.data<QuadricLightData>().quadric];
+  const QuadricRow& row = scene.geometry.quadrics[light.data<QuadricLightData>().quadric];
   TextureMean mean(scene, light.texture);
   for (int k = 0; k < points; ++k) {
     const Vec2f u = spread_point(k);
@@ -81,7 +81,7 @@ Vec3f QuadricLightKind::integral(const SceneView& scene, const LightRow& light, 
 IntegralSharing QuadricLightKind::integral_key(const SceneView& scene, const LightRow& light,
                                                std::vector<std::uint32_t>& key) {
   if (light.texture == kNone) return IntegralSharing::kOne;
-  const QuadricRow& row = scene.quadrics[light.data<QuadricLightData>().quadric];
+  const QuadricRow& row = scene.geometry.quadrics[light.data<QuadricLightData>().quadric];
   key.push_back(static_cast<std::uint32_t>(row.kind));
   if (row.uniform_scale > 0.0f) return IntegralSharing::kAll;
   const auto product = [&](int i, int j) {

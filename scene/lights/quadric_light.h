@@ -7,8 +7,8 @@ namespace sheaf {
 
 /// Data of a quadric as a light.
 template <class L> struct QuadricLightData {
-  typename L::Uint shape;            ///< into SceneView::shapes
-  typename L::Uint quadric;          ///< into SceneView::quadrics
+  typename L::Uint shape;            ///< into GeometryView::shapes
+  typename L::Uint quadric;          ///< into GeometryView::quadrics
   typename L::Float canonical_area;  ///< see canonical_area()
   typename L::Float min_offset;      ///< minimum distance by which points are moved off the surface, metres
 

@@ -81,7 +81,7 @@ Vec3f LinearSpotLightKind::power(const SceneView&, const LightRow& light) { retu
 
 LightBounds LinearSpotLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
   const LinearSpot spot = light.data<LinearSpotLightData>();
-  return frame_light_bounds(scene.light_frames[spot.frame], spot.position, std::cos(double(spot.cutoff_angle)), power);
+  return frame_light_bounds(scene.lights.frames[spot.frame], spot.position, std::cos(double(spot.cutoff_angle)), power);
 }
 
 Vec3f LinearSpotLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
@@ -101,7 +101,7 @@ Vec3f SmoothSpotLightKind::power(const SceneView&, const LightRow& light) { retu
 
 LightBounds SmoothSpotLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
   const SmoothSpot spot = light.data<SmoothSpotLightData>();
-  return frame_light_bounds(scene.light_frames[spot.frame], spot.position, double(spot.cos_cutoff), power);
+  return frame_light_bounds(scene.lights.frames[spot.frame], spot.position, double(spot.cos_cutoff), power);
 }
 
 Vec3f SmoothSpotLightKind::integral(const SceneView& scene, const LightRow& light, int points) {

@@ -27,7 +27,7 @@ std::optional<CompiledLight> place_light(const SpotLightDescription& light, cons
 /// axis, W / sr.
 template <class L> struct LinearSpotLightData {
   Vec3<L> position;                 ///< world space
-  typename L::Uint frame;           ///< into SceneView::light_frames
+  typename L::Uint frame;           ///< into LightView::frames
   typename L::Float cutoff_angle;   ///< from the axis, radians
   typename L::Float inverse_width;  ///< 1 / (cutoff angle - beam width)
   typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)
@@ -41,7 +41,7 @@ template <class L> struct LinearSpotLightData {
 /// the intensity on its axis, W / sr.
 template <class L> struct SmoothSpotLightData {
   Vec3<L> position;                 ///< world space
-  typename L::Uint frame;           ///< into SceneView::light_frames
+  typename L::Uint frame;           ///< into LightView::frames
   typename L::Float cos_cutoff;     ///< cosine of the cutoff angle
   typename L::Float inverse_width;  ///< 1 / (cosine of the beam width - cos_cutoff)
   typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)

@@ -21,8 +21,8 @@ struct VolumeCells {
 /// Data of an emitting medium as a light: an axis-aligned box divided into cells. LightRecord::radiance is the
 /// intensity that the whole box emits, W / sr.
 template <class L> struct VolumeLightData {
-  typename L::Uint medium;      ///< into SceneView::media
-  typename L::Uint first_cell;  ///< into SceneView::triangle_alias
+  typename L::Uint medium;      ///< into MediumView::rows
+  typename L::Uint first_cell;  ///< into LightView::triangle_alias
   typename L::Uint cells;       ///< see VolumeCells
   Vec3<L> corner;               ///< minimum corner of the box, world space
   Vec3<L> extent;               ///< size of the box, metres

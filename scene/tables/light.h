@@ -53,7 +53,7 @@ template <class L> struct LightRecord {
   SHEAF_INLINE typename L::Mask is_two_sided() const { return has_flag(kEmitsOnBothSides); }
 };
 
-/// A row of SceneView::lights.
+/// A row of LightView::rows.
 using LightRow = LightRecord<Scalar>;
 static_assert(sizeof(LightRow) == 64);
 
@@ -86,7 +86,7 @@ template <class L> struct LightFrameRecord {
   SHEAF_INLINE typename L::Float determinant() const { return dot(row_x, cross(row_y, row_z)); }
 };
 
-/// A row of SceneView::light_frames.
+/// A row of LightView::frames.
 using LightFrameRow = LightFrameRecord<Scalar>;
 static_assert(sizeof(LightFrameRow) == 48);
 
@@ -102,7 +102,7 @@ template <class L> struct LightUvRecord {
   }
 };
 
-/// A row of SceneView::light_uvs.
+/// A row of LightView::uvs.
 using LightUvRow = LightUvRecord<Scalar>;
 static_assert(sizeof(LightUvRow) == 32);
 
@@ -123,7 +123,7 @@ template <class L> struct LightTriangleRecord {
   }
 };
 
-/// A row of SceneView::light_triangles.
+/// A row of LightView::triangles.
 using LightTriangleRow = LightTriangleRecord<Scalar>;
 static_assert(sizeof(LightTriangleRow) == 64);
 

@@ -20,7 +20,7 @@ namespace {
 
 /// The texture "x" of the given ones, evaluated.
 struct Seen {
-  CompiledTextures textures;
+  TextureTables textures;
   std::uint32_t row = 0;
 
   explicit Seen(const std::string& text) {
@@ -165,7 +165,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
                          c.file + "\" ";
       if (*c.encoding != 0) text += std::string("\"string encoding\" \"") + c.encoding + "\"";
       const Description d = read_scene(write_below(folder, "scene.pbrt", text + "\n"));
-      const CompiledTextures textures = compile_textures(d.textures);
+      const TextureTables textures = compile_textures(d.textures);
       TextureView view;
       view.rows = textures.rows.data();
       view.tiles = textures.tiles.get();
@@ -190,7 +190,7 @@ TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours")
     const Description d = read_scene(
         write_below(folder, "scene.pbrt",
                     "WorldBegin\nTexture \"x\" \"float\" \"imagemap\" \"string filename\" \"" + file + "\"\n"));
-    const CompiledTextures textures = compile_textures(d.textures);
+    const TextureTables textures = compile_textures(d.textures);
     TextureView view;
     view.rows = textures.rows.data();
     view.tiles = textures.tiles.get();
