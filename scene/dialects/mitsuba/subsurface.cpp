@@ -27,9 +27,7 @@ void read_indices(Properties& p, Subsurface& subsurface) {
   subsurface.ext_ior = given ? read_ior(p, "ext_ior", 1.000277f) : 1.0f;
 }
 
-Subsurface read_dipole(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  if (p.type() != "dipole") p.fail_plugin({"dipole"});
+Subsurface read_dipole(Properties& p, Reader& reader) {
   Subsurface subsurface;
   MediumDescription medium;
   read_measured_coefficients(p, {.bbox_of_file = true}, medium);
@@ -49,12 +47,16 @@ Subsurface read_dipole(const XmlElement& element, Reader& reader) {
   return subsurface;
 }
 
+constexpr NameTable<Subsurface (*)(Properties&, Reader&)> kSubsurface{{{"dipole", read_dipole}}};
+
 }  // namespace
 
 void read_subsurface(const XmlElement& element, Reader& reader, ShapeDescription& shape) {
   auto known = reader.subsurfaces.find(&element);
-  if (known == reader.subsurfaces.end())
-    known = reader.subsurfaces.emplace(&element, read_dipole(element, reader)).first;
+  if (known == reader.subsurfaces.end()) {
+    Properties p(element, reader.context);
+    known = reader.subsurfaces.emplace(&element, p.plugin(kSubsurface)(p, reader)).first;
+  }
   const Subsurface& subsurface = known->second;
   DielectricDescription boundary;
   boundary.int_ior = subsurface.int_ior;

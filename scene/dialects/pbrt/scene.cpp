@@ -163,7 +163,7 @@ void SceneBuilder::finish() {
   }
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
   if (reader_.visibility)
-    apply_visibility_integrator(reader_.visibility->name, reader_.visibility->length, true, description);
+    apply_visibility_integrator(reader_.visibility->kind, reader_.visibility->length, true, description);
 }
 
 }  // namespace sheaf::pbrt
