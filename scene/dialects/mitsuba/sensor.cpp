@@ -1,5 +1,6 @@
 // The Mitsuba dialect: sensor, film, pixel filter, sampler.
 #include "scene/description/filter_check.h"
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/read_camera.h"
 #include "scene/dialects/mitsuba/reader.h"
 

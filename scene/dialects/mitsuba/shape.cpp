@@ -1,6 +1,8 @@
 // The Mitsuba dialect: shapes.
+#include "scene/dialects/common/add_material.h"
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
+#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "scene/dialects/common/read_spectrum.h"
-#include "scene/dialects/dialects.h"
 
 namespace sheaf::nori {
 

@@ -1,5 +1,8 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
 // references.
+#include "scene/dialects/common/add_material.h"
+#include "scene/dialects/common/frame_limits.h"
+#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/nori/reader.h"
 
 #include "scene/description/filter_check.h"
@@ -11,6 +14,7 @@
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/dialects/nori/read_nori.h"
 
 namespace sheaf {
 

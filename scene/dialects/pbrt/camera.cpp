@@ -1,7 +1,7 @@
 // The pbrt dialect: camera, film, pixel filter.
 #include "core/saturate.h"
 #include "scene/description/filter_check.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

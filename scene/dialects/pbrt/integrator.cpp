@@ -1,9 +1,9 @@
 // The pbrt dialect: integrators and samplers, replaced by Sheaf's with the same expected image.
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/common/visibility_integrators.h"
-#include "scene/dialects/dialects.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "scene/description/instance_transform.h"
 #include "scene/dialects/common/visibility_integrators.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/pbrt/read_pbrt.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/xml/missing_file.h"
 

@@ -1,6 +1,7 @@
-// Shape groups and instances, shared by the Nori and Mitsuba dialects.
+// Shape groups and instances.
+#include "scene/dialects/common/read_instances.h"
+
 #include "scene/description/instance_transform.h"
-#include "scene/dialects/dialects.h"
 
 namespace sheaf {
 
