@@ -58,7 +58,7 @@ void SceneCompiler::add_media() {
   if (spectra_) out_->spectra_.samples = spectra_->samples();
   out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
   places_of_grids_ = std::move(media.places);
-  check_media(out_->make_view(), in_.media, out_->media_.grids, out_->media_.majorants);
+  check_media(out_->make_view(), in_.media, out_->media_);
   if (in_.camera.medium) out_->media_.camera_medium = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
 }
 

@@ -86,13 +86,14 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
   if (!model.texture.empty() && !model.mesh.uvs.empty()) {
     std::string name = model.texture;
     std::replace(name.begin(), name.end(), '\\', '/');
-    const std::filesystem::path picture = file.parent_path() / name;
+    const std::filesystem::path image = file.parent_path() / name;
     std::error_code failure;
-    if (std::filesystem::is_regular_file(picture, failure)) {
+    if (std::filesystem::is_regular_file(image, failure)) {
       BitmapDescription bitmap;
-      bitmap.file = picture;
-      description.files.push_back(picture);
+      bitmap.file = image;
+      description.files.push_back(image);
       texture.model = std::move(bitmap);
+      texture.to_uv = {1, 0, 0, 0, -1, 1};  // undoes the flip of v in read_model()
       return add_textured(description, std::move(texture), file);
     }
     description.notes.push_back(SceneError({file.string(), 0}, "texture '" + name + "' not found").what());
@@ -139,7 +140,7 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   description.file = file;
   description.files = {file};
   ShapeDescription shape;
-  // Flip v of OBJ and PLY files; textures of MTL materials undo the flip.
+  // Flip v of OBJ and PLY files; the textures that they name undo the flip.
   MeshFileShape mesh{file, format, format != MeshFileShape::Format::kSerialized};
   if (lenient) mesh.bad_faces = MeshFileShape::BadFaces::kDrop;
   shape.geometry = std::move(mesh);

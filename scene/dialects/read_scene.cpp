@@ -3,11 +3,13 @@
 
 #include "core/file_format.h"
 #include "scene/dialects/common/auto_camera.h"
-#include "scene/dialects/common/native_color.h"
 #include "scene/dialects/common/obj_materials.h"
 #include "scene/dialects/common/read_spectrum.h"
 #include "scene/dialects/common/read_texture.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/mitsuba/read_mitsuba.h"
+#include "scene/dialects/native_color.h"
+#include "scene/dialects/nori/read_nori.h"
+#include "scene/dialects/pbrt/read_pbrt.h"
 #include "scene/dialects/read_model.h"
 
 #include <algorithm>
@@ -61,18 +63,6 @@ bool is_pbrt_scene(const std::filesystem::path& file) {
 
 ColorMode native_color(const std::filesystem::path& file) {
   return is_pbrt_scene(file) ? ColorMode::kSpectral : ColorMode::kRgb;
-}
-
-MaterialId add_material(ReadContext& context, MaterialDescription material) {
-  context.description.materials.push_back(std::move(material));
-  return static_cast<MaterialId>(context.description.materials.size() - 1);
-}
-
-void check_frame(int width, int height, const SourceLocation& where) {
-  constexpr std::int64_t kMaxPixels = 1'000'000'000;
-  if (std::int64_t{width} * height > kMaxPixels)
-    throw SceneError(where, "the picture has " + std::to_string(width) + " x " + std::to_string(height) +
-                                " pixels, expected at most 10^9");
 }
 
 namespace {

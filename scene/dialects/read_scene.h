@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description/description.h"
+#include "scene/dialects/common/model_view.h"
 
 #include <filesystem>
 #include <string>
@@ -9,14 +10,6 @@
 #include <vector>
 
 namespace sheaf {
-
-/// View direction for automatic camera placement.
-struct ModelView {
-  enum class Up { kX, kY, kZ } up = Up::kY;
-  float azimuth = 30;    ///< degrees around the up axis
-  float elevation = 20;  ///< degrees above the floor, in [-90, 90]
-  float fov = 35;        ///< degrees along the image's shorter side, in (0, 180)
-};
 
 /// Handedness of Nori's camera space. Images of the two variants mirror each other.
 enum class NoriCamera { kEth, kUpstream };

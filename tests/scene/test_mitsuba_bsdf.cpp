@@ -412,7 +412,7 @@ TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   CHECK(notes("").empty());
   for (const char* filter : {"ewa", "trilinear"}) {
     REQUIRE(notes(word("filterType", filter)).size() == 1);
-    CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' asks for the filter"));
+    CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' has the filter"));
   }
   REQUIRE(notes(number("gamma", "2.2")).size() == 1);
   CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
@@ -544,8 +544,8 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
       {bsdf("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "2") + "</texture>"),
        "property 'reflectance' of bsdf 'diffuse' contains 2.000000, expected values within [0, 1]"},
       {bsdf("diffuse", "<texture type='curvature' name='reflectance'/>"),
-       "unknown texture plugin 'curvature' (known: bitmap, checkerboard, gridtexture, mesh_attribute, vertexcolors, "
-       "wireframe, blackbody,"},
+       "unknown texture plugin 'curvature' (known: bitmap, blackbody, checkerboard, d65, gridtexture, illuminant, "
+       "irregular, mesh_attribute,"},
       {"<texture type='mesh_attribute'/>", "scene.xml:4: texture 'mesh_attribute' needs the string 'name'"},
       {"<texture type='mesh_attribute'>" + word("name", "color") + "</texture>", "begins with vertex_ or face_"},
       {"<texture type='bitmap'>\n" + word("filename", "gone.png") + "</texture>",

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheaf::test_model {
@@ -198,7 +199,7 @@ TEST_CASE("model: colours of vertices and faces of PLY files are used") {
   CHECK(texture_of(read_scene(write_below(folder, "a.ply", square_ply("", "", "")))) == nullptr);
 }
 
-TEST_CASE("model: the texture named by a PLY file is used if it exists") {
+TEST_CASE("model: the image that a PLY file names is shown upright if it exists") {
   const TemporaryFolder folder;
   const std::string uv = "property float u\nproperty float v\n", comment = "comment TextureFile skin.png\n";
   const auto file = write_below(folder, "a.ply", square_ply(comment, uv, "0.25 0.25"));
@@ -210,7 +211,11 @@ TEST_CASE("model: the texture named by a PLY file is used if it exists") {
   const Description d = read_scene(file);
   REQUIRE(texture_of(d) != nullptr);
   CHECK(std::get<BitmapDescription>(texture_of(d)->model).file.filename() == "skin.png");
-  CHECK(std::get<Mesh>(d.shapes[0].geometry).uvs[0].y == 0.75f);  // v counts upwards, rows downwards
+  // v = 0.25 of the file is in the lower quarter of the image.
+  const Vec2f uv_of_mesh = std::get<Mesh>(d.shapes[0].geometry).uvs[0];
+  const std::array<float, 6>& to_uv = texture_of(d)->to_uv;
+  CHECK(to_uv[0] * uv_of_mesh.x + to_uv[1] * uv_of_mesh.y + to_uv[2] == 0.25f);
+  CHECK(to_uv[3] * uv_of_mesh.x + to_uv[4] * uv_of_mesh.y + to_uv[5] == 0.25f);
 }
 
 }  // namespace sheaf::test_model

@@ -191,9 +191,10 @@ TEST_CASE("Nori: photon mapping has the documented parameters") {
   CHECK(read("<integer name='causticPhotonCount' value='7'/>").photons.gathering == PhotonGathering::kAll);
   CHECK(read("<integer name='causticPhotonCount' value='7'/>").photons.caustic.count == 7);
   for (const auto& [properties, message] :
-       {std::pair{"<string name='kernel' value='cones'/>", "unknown kernel 'cones', did you mean 'cone'?"},
+       {std::pair{"<string name='kernel' value='cones'/>",
+                  "expected disc, constant, cone or epanechnikov, did you mean 'cone'?"},
         std::pair{"<string name='mediumPhotons' value='point'/>",
-                  "unknown way to keep photons 'point', did you mean 'points'?"},
+                  "is 'point', expected auto, points or beams, did you mean 'points'?"},
         std::pair{"<integer name='photonCount' value='-1'/>", "photonCount"},
         std::pair{"<float name='photonRadius' value='-1'/>", "photonRadius"},
         std::pair{"<integer name='lookupSize' value='5000'/>", "lookupSize"},

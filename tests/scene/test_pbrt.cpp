@@ -504,7 +504,9 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
       CHECK(error_of_world(world) == message);
     };
     check("\nShap \"sphere\"", "scene.pbrt:4: found 'Shap', expected a directive, did you mean 'Shape'?");
-    check("Shape \"spere\"", "scene.pbrt:3: unknown shape 'spere', did you mean 'sphere'?");
+    check("Shape \"spere\"",
+          "scene.pbrt:3: unknown shape 'spere', did you mean 'sphere'? (known: bilinearmesh, curve, cylinder, disk, "
+          "loopsubdiv, plymesh, sphere, trianglemesh)");
     check("Shape \"sphere\" \"float radios\" 2",
           "scene.pbrt:3: unknown parameter 'radios' of Shape 'sphere', did you mean 'radius'?");
     check("Shape \"sphere\"\n\"float radius\" [ 1 2 ]",

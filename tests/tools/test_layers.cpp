@@ -117,6 +117,24 @@ bool keeps_to_tables(std::string_view file, std::string_view header) {
   return folder.empty() || kReadByKernels.contains(folder) || !file.starts_with("kernels/");
 }
 
+/// The folder "c" of a path "scene/dialects/c/d", empty for files of scene/dialects/ itself; nullopt for other paths.
+std::optional<std::string_view> dialect_folder(std::string_view path) {
+  constexpr std::string_view kDialects = "scene/dialects/";
+  if (!path.starts_with(kDialects)) return std::nullopt;
+  path.remove_prefix(kDialects.size());
+  const std::size_t slash = path.find('/');
+  return slash == path.npos ? std::string_view() : path.substr(0, slash);
+}
+
+/// Whether an include keeps to the arrows inside scene/dialects/: common <- mitsuba, nori, pbrt <-
+/// scene/dialects/*.cpp. The folder of a dialect offers its entry point, read_*.h.
+bool keeps_to_dialects(std::string_view file, std::string_view header) {
+  const std::optional<std::string_view> from = dialect_folder(file), to = dialect_folder(header);
+  if (!to || from == to || *to == "common") return true;
+  if (!from) return to->empty();
+  return from->empty() && header.substr(header.rfind('/') + 1).starts_with("read_");
+}
+
 /// The header that a line includes, if it includes one.
 std::optional<std::string> included_header(const std::string& line) {
   const auto hash = line.find_first_not_of(" \t");
@@ -148,6 +166,8 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
       breaches.push_back(file + " includes " + header + ", against the arrows of kernels/");
     if (!keeps_to_tables(file, header))
       breaches.push_back(file + " includes " + header + ", which is not in scene/tables/");
+    if (!keeps_to_dialects(file, header))
+      breaches.push_back(file + " includes " + header + ", against the arrows of scene/dialects/");
     if (header.starts_with(".")) breaches.push_back(file + " includes " + header + ", not from the repository's root");
   }
   for (const Wrapped& wrapped : kWrapped) {
@@ -268,6 +288,21 @@ TEST_CASE("includes against the folders of kernels/ are found") {
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "kernels/passes/run_pass.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/denoise/denoise.cpp", "kernels/film/film.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/new/file.cpp", "kernels/bsdf/bsdf.h"}}).size() == 1);
+}
+
+TEST_CASE("breaches of the folders of scene/dialects/ are found") {
+  CHECK(find_breaches({{"scene/dialects/read_scene.cpp", "scene/dialects/nori/read_nori.h"},
+                       {"scene/dialects/read_scene.cpp", "scene/dialects/common/auto_camera.h"},
+                       {"scene/dialects/nori/scene.cpp", "scene/dialects/nori/reader.h"},
+                       {"scene/dialects/nori/scene.cpp", "scene/dialects/common/read_geometry.h"},
+                       {"tools/command_render.cpp", "scene/dialects/read_scene.h"},
+                       {"tools/command_render.cpp", "scene/dialects/common/sampler_name.h"}})
+            .empty());
+  CHECK(find_breaches({{"scene/dialects/read_scene.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/dialects/common/read_bsdf.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/dialects/common/auto_camera.h", "scene/dialects/read_scene.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/dialects/nori/bsdf.cpp", "scene/dialects/mitsuba/reader.h"}}).size() == 1);
+  CHECK(find_breaches({{"tools/command_render.cpp", "scene/dialects/pbrt/read_pbrt.h"}}).size() == 1);
 }
 
 TEST_CASE("includes of a library beside its wrapper are found") {

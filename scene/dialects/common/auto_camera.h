@@ -1,8 +1,8 @@
 // Automatic camera placement: a camera that sees all shapes of a scene.
 #pragma once
 
-#include "scene/dialects/dialects.h"
-#include "scene/dialects/read_scene.h"
+#include "scene/dialects/common/model_view.h"
+#include "scene/xml/properties.h"
 
 #include <array>
 

@@ -94,7 +94,7 @@ const IntegratorChoice* find_integrator(std::string_view name) {
 std::vector<std::string> integrator_names() {
   std::vector<std::string> names = kIntegrators.names();
   for (const auto& row : kStandInIntegrators.rows) names.emplace_back(row.name);
-  names.insert(names.end(), {"ambientocclusion", "ao", "av"});
+  for (const auto& row : kVisibilityIntegrators.rows) names.emplace_back(row.name);
   std::sort(names.begin(), names.end());
   return names;
 }
@@ -120,10 +120,17 @@ std::string stand_in_note(std::string_view name) {
   return "integrator '" + std::string(name) + "' is rendered with '" + *same + "', which has the same expectation";
 }
 
+void fail_integrator(const Properties& p, const std::vector<std::string>& others) {
+  std::vector<std::string> known = integrator_names();
+  for (const std::string& other : others)
+    if (find_integrator(other) == nullptr) known.push_back(other);
+  p.fail_plugin(std::move(known));
+}
+
 void apply_integrator_name(std::string_view name, Description& description) {
-  if (is_visibility_integrator(name)) {
+  if (const Visibility* visibility = kVisibilityIntegrators.find(name)) {
     const float length = description.integrator.visibility_length;
-    apply_visibility_integrator(name, length, true, description);
+    apply_visibility_integrator(*visibility, length, true, description);
     return;
   }
   const IntegratorChoice* choice = find_integrator(name);

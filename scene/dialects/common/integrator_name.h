@@ -1,8 +1,7 @@
 // Names of integrators, shared by all dialects and the command line.
 #pragma once
 
-#include "core/name_table.h"
-#include "scene/description/description.h"
+#include "scene/xml/properties.h"
 
 #include <string_view>
 
@@ -34,6 +33,9 @@ void apply(const IntegratorChoice& choice, IntegratorSettings& integrator);
 
 /// Returns a note for the user if another integrator with the same expected image replaces this one; else empty.
 std::string stand_in_note(std::string_view name);
+
+/// Throws SceneError: the integrator of `p` is neither one of integrator_names() nor of the dialect's `others`.
+[[noreturn]] void fail_integrator(const Properties& p, const std::vector<std::string>& others);
 
 /// Sets the scene's integrator by name: one of integrator_names(), applied with apply(), or a visibility integrator
 /// (scene/dialects/common/visibility_integrators.h). Adds a note if another integrator replaces it. Throws Error

@@ -5,7 +5,7 @@
 #include "scene/data/glasses.h"
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/common/add_material.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>

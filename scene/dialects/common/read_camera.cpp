@@ -23,14 +23,12 @@ void read_shutter(Properties& p) {
 
 CameraDescription::FovAxis read_fov_axis(Properties& p) {
   using Axis = CameraDescription::FovAxis;
-  const std::string axis = p.string("fov_axis", "x");
-  if (axis == "x") return Axis::kX;
-  if (axis == "y") return Axis::kY;
-  if (axis == "diagonal") return Axis::kDiagonal;
-  if (axis == "smaller") return Axis::kSmaller;
-  if (axis == "larger") return Axis::kLarger;
-  p.fail_at("fov_axis", "is " + in_quotes(axis) + ", expected x, y, diagonal, smaller or larger" +
-                            did_you_mean(axis, {"x", "y", "diagonal", "smaller", "larger"}));
+  static constexpr NameTable<Axis> kAxes{{{"x", Axis::kX},
+                                          {"y", Axis::kY},
+                                          {"diagonal", Axis::kDiagonal},
+                                          {"smaller", Axis::kSmaller},
+                                          {"larger", Axis::kLarger}}};
+  return p.choice("fov_axis", kAxes, Axis::kX);
 }
 
 SamplerKind read_sampler_kind(Properties& p) {

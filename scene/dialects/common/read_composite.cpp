@@ -1,7 +1,7 @@
 // Composite materials shared by the Nori and Mitsuba dialects: two-sided, masks, blends, bump and normal maps.
+#include "scene/dialects/common/add_material.h"
 #include "scene/dialects/common/read_bsdf.h"
 #include "scene/dialects/common/read_texture.h"
-#include "scene/dialects/dialects.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-MeshFileShape read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
+void read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
   MeshFileShape mesh;
   using Format = MeshFileShape::Format;
   mesh.format = p.type() == "ply" ? Format::kPly : p.type() == "serialized" ? Format::kSerialized : Format::kObj;
@@ -29,19 +29,29 @@ MeshFileShape read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& sh
     p.context().note(p.where(), "'max_smooth_angle' is not used: normals are as 'face_normals' and the file say");
   p.ignore({"collapse"});
   if (mesh.format == Format::kPly) p.ignore({"srgb"});
-  return mesh;
+  shape.geometry = std::move(mesh);
 }
 
-CylinderShape read_cylinder(Properties& p) {
+void read_sphere(Properties& p, bool, ShapeDescription& shape) {
+  const Vec3f center = p.vec3("center", {0, 0, 0});
+  shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
+}
+
+void read_cylinder(Properties& p, bool, ShapeDescription& shape) {
   CylinderShape cylinder;
   cylinder.p0 = p.vec3("p0", cylinder.p0);
   cylinder.p1 = p.vec3("p1", cylinder.p1);
   cylinder.radius = p.number("radius", 1, kPositive);
   if (cylinder.p0 == cylinder.p1) p.fail("has no length: p0 and p1 coincide");
-  return cylinder;
+  shape.geometry = cylinder;
 }
 
-Curves read_hair_curves(Properties& p) {
+void read_curves(Properties& p, bool, ShapeDescription& shape) {
+  const auto basis = p.type() == "linearcurve" ? Curves::Basis::kLinear : Curves::Basis::kBspline;
+  shape.geometry = read_curve_file(p.file("filename"), basis);
+}
+
+void read_hair(Properties& p, bool, ShapeDescription& shape) {
   HairReading reading;
   reading.radius = p.number("radius", reading.radius, kPositive);
   // The transform scales radii by its length along z.
@@ -49,11 +59,11 @@ Curves read_hair_curves(Properties& p) {
   reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
   reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
   if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less: nothing would be left");
-  return read_hair_file(p.file("filename"), reading);
+  shape.geometry = read_hair_file(p.file("filename"), reading);
 }
 
 /// Reads a height field: a mesh if the heights are an image, else a grid of points at which the texture is evaluated.
-void read_height_field_shape(Properties& p, ShapeDescription& shape) {
+void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
   const bool smooth = p.boolean("shading_normals", true);
   const float scale = p.number("scale", 1);
   constexpr int kPlaces = 256;
@@ -81,57 +91,34 @@ void read_height_field_shape(Properties& p, ShapeDescription& shape) {
   shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
 }
 
-SdfGrid read_sdf_grid(Properties& p) {
+void read_sdf_grid(Properties& p, bool, ShapeDescription& shape) {
   const std::filesystem::path file = p.file("filename");
   DenseVolume volume = read_vol(file, false);
   if (volume.channels != 1) throw SceneError({file.string()}, "a grid of colours, expected one channel of distances");
   SdfGrid grid{volume.size, std::move(volume.values)};
   for (const int side : grid.size)
     if (side < 2) throw SceneError({file.string()}, "a grid of distances needs two points along each axis at least");
-  const std::string normals = p.string("normals", "smooth");
-  if (normals != "smooth" && normals != "analytic")
-    p.fail_at("normals", "is " + in_quotes(normals) + ", expected smooth or analytic");
-  grid.smooth_normals = normals == "smooth";
-  return grid;
+  static constexpr NameTable<bool> kNormals{{{"smooth", true}, {"analytic", false}}};
+  grid.smooth_normals = p.choice("normals", kNormals, true);
+  shape.geometry = std::move(grid);
 }
+
+template <class Shape> void read_unit_shape(Properties&, bool, ShapeDescription& shape) { shape.geometry = Shape{}; }
 
 }  // namespace
 
-const std::vector<std::string>& shared_shape_names() {
-  static const std::vector<std::string> kNames = {"bsplinecurve", "cube",        "cylinder", "disk", "hair",
-                                                  "heightfield",  "linearcurve", "obj",      "ply",  "rectangle",
-                                                  "sdfgrid",      "serialized",  "sphere"};
-  return kNames;
-}
-
-bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape) {
-  const std::string& type = p.type();
-  if (type == "obj" || type == "ply" || type == "serialized") {
-    shape.geometry = read_mesh_file(p, flips_obj, shape);
-  } else if (type == "sphere") {
-    const Vec3f center = p.vec3("center", {0, 0, 0});
-    shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
-  } else if (type == "rectangle") {
-    shape.geometry = RectangleShape{};
-  } else if (type == "cube") {
-    shape.geometry = CubeShape{};
-  } else if (type == "disk") {
-    shape.geometry = DiskShape{};
-  } else if (type == "cylinder") {
-    shape.geometry = read_cylinder(p);
-  } else if (type == "bsplinecurve" || type == "linearcurve") {
-    const auto basis = type == "linearcurve" ? Curves::Basis::kLinear : Curves::Basis::kBspline;
-    shape.geometry = read_curve_file(p.file("filename"), basis);
-  } else if (type == "hair") {
-    shape.geometry = read_hair_curves(p);
-  } else if (type == "heightfield") {
-    read_height_field_shape(p, shape);
-  } else if (type == "sdfgrid") {
-    shape.geometry = read_sdf_grid(p);
-  } else {
-    return false;
-  }
-  return true;
-}
+constexpr NameTable<GeometryReader> kSharedShapes{{{"bsplinecurve", read_curves},
+                                                   {"cube", read_unit_shape<CubeShape>},
+                                                   {"cylinder", read_cylinder},
+                                                   {"disk", read_unit_shape<DiskShape>},
+                                                   {"hair", read_hair},
+                                                   {"heightfield", read_height_field_shape},
+                                                   {"linearcurve", read_curves},
+                                                   {"obj", read_mesh_file},
+                                                   {"ply", read_mesh_file},
+                                                   {"rectangle", read_unit_shape<RectangleShape>},
+                                                   {"sdfgrid", read_sdf_grid},
+                                                   {"serialized", read_mesh_file},
+                                                   {"sphere", read_sphere}}};
 
 }  // namespace sheaf

@@ -5,12 +5,11 @@
 
 namespace sheaf {
 
-/// Reads the geometry of a shape. Its properties come from `p`, which the caller finishes. Returns false unless the
-/// plugin is one of shared_shape_names(). `flips_obj`: texture coordinates of OBJ files start at the top by default.
-/// Throws SceneError.
-bool read_shared_geometry(Properties& p, bool flips_obj, ShapeDescription& shape);
+/// Reads the geometry of a shape. Its properties come from `p`, which the caller finishes. `flips_obj`: texture
+/// coordinates of OBJ files start at the top by default. Throws SceneError.
+using GeometryReader = void (*)(Properties& p, bool flips_obj, ShapeDescription& shape);
 
-/// Plugins that read_shared_geometry() supports, in alphabetical order.
-const std::vector<std::string>& shared_shape_names();
+/// Readers of shape plugins.
+extern const NameTable<GeometryReader> kSharedShapes;
 
 }  // namespace sheaf

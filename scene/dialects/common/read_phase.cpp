@@ -12,6 +12,8 @@ namespace sheaf {
 
 namespace {
 
+using PhaseModel = decltype(PhaseDescription::model);
+
 constexpr NumberRange kMeanCosine{-1, 1, true};
 constexpr std::size_t kMaxPhaseValues = std::size_t{1} << 20;
 
@@ -22,7 +24,7 @@ std::vector<const XmlElement*> nested_phases(Properties& p) {
   return found;
 }
 
-BlendPhaseDescription read_blend(Properties& p) {
+PhaseModel read_blend(Properties& p) {
   BlendPhaseDescription blend;
   if (const auto weight = find_constant_volume(p, "weight", SpectrumRole::kReflectance, {}))
     blend.weight = number_of(p, "weight", *weight);
@@ -32,10 +34,10 @@ BlendPhaseDescription read_blend(Properties& p) {
   return blend;
 }
 
-SggxDescription read_sggx(Properties& p) {
+PhaseModel read_sggx(Properties& p) {
   const XmlElement* matrix = p.named_object("volume", "S");
   if (matrix == nullptr) p.fail("needs a <volume> of the name 'S'");
-  return {read_matrix_volume(*matrix, p.context(), {})};
+  return SggxDescription{read_matrix_volume(*matrix, p.context(), {})};
 }
 
 /// Combines the phase functions [first, last) with their weights into a balanced tree of blends.
@@ -78,7 +80,7 @@ PhaseId read_mixture(Properties& p) {
   return add_mixture(p, nested, weights, 0, nested.size());
 }
 
-TabulatedPhaseDescription read_table(Properties& p) {
+PhaseModel read_table(Properties& p) {
   if (!p.has("values")) p.fail("needs the string 'values'");
   const std::vector<float> values = read_numbers(p, "values");
   if (values.size() < 2)
@@ -91,36 +93,36 @@ TabulatedPhaseDescription read_table(Properties& p) {
       p.fail_at("values", "holds " + std::to_string(value) + ", expected no negative numbers");
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
   if (!(sum > 0)) p.fail_at("values", "add up to " + std::to_string(sum) + ", expected more than 0");
-  return {values};
+  return TabulatedPhaseDescription{values};
 }
+
+PhaseModel read_henyey_greenstein(Properties& p) {
+  const HenyeyGreensteinDescription default_value;
+  return HenyeyGreensteinDescription{p.number("g", default_value.g, kMeanCosine)};
+}
+
+constexpr NameTable<PhaseModel (*)(Properties&)> kPhases{
+    {{"blend", read_blend},
+     {"blendphase", read_blend},
+     {"hg", read_henyey_greenstein},
+     {"isotropic", [](Properties&) -> PhaseModel { return IsotropicPhaseDescription{}; }},
+     {"rayleigh", [](Properties&) -> PhaseModel { return RayleighDescription{}; }},
+     {"sggx", read_sggx},
+     {"tabphase", read_table}}};
+constexpr NameTable<PhaseId (*)(Properties&)> kMixtures{{{"mixturephase", read_mixture}}};
 
 }  // namespace
 
 PhaseId read_phase(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  PhaseDescription phase;
-  phase.where = element.where;
-  if (p.type() == "mixturephase") {
-    const PhaseId mixture = read_mixture(p);
+  if (const auto* read = kMixtures.find(p.type())) {
+    const PhaseId mixture = (*read)(p);
     p.reject_unused();
     return mixture;
   }
-  if (p.type() == "isotropic") {
-    phase.model = IsotropicPhaseDescription{};
-  } else if (p.type() == "hg") {
-    const HenyeyGreensteinDescription default_value;
-    phase.model = HenyeyGreensteinDescription{p.number("g", default_value.g, kMeanCosine)};
-  } else if (p.type() == "rayleigh") {
-    phase.model = RayleighDescription{};
-  } else if (p.type() == "tabphase") {
-    phase.model = read_table(p);
-  } else if (p.type() == "sggx") {
-    phase.model = read_sggx(p);
-  } else if (p.type() == "blendphase" || p.type() == "blend") {
-    phase.model = read_blend(p);
-  } else {
-    p.fail_plugin({"blend", "blendphase", "hg", "isotropic", "mixturephase", "rayleigh", "sggx", "tabphase"});
-  }
+  PhaseDescription phase;
+  phase.where = element.where;
+  phase.model = p.plugin(kPhases, kMixtures)(p);
   p.reject_unused();
   std::vector<PhaseDescription>& phases = context.description.phases;
   phases.push_back(std::move(phase));

@@ -6,7 +6,7 @@
 namespace sheaf {
 
 /// Appends the phase function of a <phase>, nested ones first. Types: isotropic, hg (`g`), rayleigh, tabphase
-/// (`values`), blendphase or blend (`weight`). Throws SceneError.
+/// (`values`), sggx (`S`), blendphase or blend (`weight`), mixturephase (`weights`). Throws SceneError.
 PhaseId read_phase(const XmlElement& element, ReadContext& context);
 
 /// Returns the phase function of a medium, given as <phase> or <phasefunction>; nullopt if it has none.

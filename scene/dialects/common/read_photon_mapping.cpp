@@ -31,20 +31,17 @@ void read_gathering(Properties& p, PhotonMappingSettings& mapping) {
 }
 
 PhotonKernel read_kernel(Properties& p) {
-  const std::string name = p.string("kernel", "disc");
-  if (name == "disc" || name == "constant") return PhotonKernel::kDisc;
-  if (name == "cone") return PhotonKernel::kCone;
-  if (name == "epanechnikov") return PhotonKernel::kEpanechnikov;
-  p.fail_at("kernel", "unknown kernel '" + name + "'" + did_you_mean(name, {"disc", "cone", "epanechnikov"}));
+  static constexpr NameTable<PhotonKernel> kKernels{{{"disc", PhotonKernel::kDisc},
+                                                     {"constant", PhotonKernel::kDisc},
+                                                     {"cone", PhotonKernel::kCone},
+                                                     {"epanechnikov", PhotonKernel::kEpanechnikov}}};
+  return p.choice("kernel", kKernels, PhotonKernel::kDisc);
 }
 
 MediumPhotons read_medium_photons(Properties& p) {
-  const std::string name = p.string("medium_photons", "auto");
-  if (name == "auto") return MediumPhotons::kAuto;
-  if (name == "points") return MediumPhotons::kPoints;
-  if (name == "beams") return MediumPhotons::kBeams;
-  p.fail_at("medium_photons",
-            "unknown way to keep photons '" + name + "'" + did_you_mean(name, {"auto", "points", "beams"}));
+  static constexpr NameTable<MediumPhotons> kKinds{
+      {{"auto", MediumPhotons::kAuto}, {"points", MediumPhotons::kPoints}, {"beams", MediumPhotons::kBeams}}};
+  return p.choice("medium_photons", kKinds, MediumPhotons::kAuto);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Polarizing materials, reduced to their effect on unpolarised light.
 #include "scene/dialects/common/read_bsdf.h"
-#include "scene/dialects/dialects.h"
+
+#include "scene/dialects/common/add_material.h"
 
 namespace sheaf {
 

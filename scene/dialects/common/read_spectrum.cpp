@@ -38,47 +38,57 @@ SpectrumDescription read_raw_constant(Properties& p) {
   return *p.find_spectrum("value", SpectrumRole::kIor);
 }
 
+SpectrumDescription read_uniform(Properties& p) {
+  p.ignore({"wavelength_min", "wavelength_max"});
+  return SpectrumDescription::constant(p.number("value", 1));
+}
+
+SpectrumDescription read_d65(Properties& p) {
+  return SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
+}
+
+SpectrumDescription read_srgb(Properties& p) {
+  std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
+  if (!color) p.fail("needs the property 'color'");
+  return *std::move(color);
+}
+
+SpectrumDescription read_blackbody_plugin(Properties& p) {
+  const std::optional<float> temperature = p.find_number("temperature", kPositive);
+  if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
+  p.ignore({"wavelength_min", "wavelength_max"});
+  return {SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)}};
+}
+
+/// Reads a string of numbers.
+std::vector<float> read_list(Properties& p, const char* name) {
+  const std::optional<std::string> text = p.find_string(name);
+  if (!text) p.fail("needs the string '" + std::string(name) + "'");
+  return parse_floats(*text, p.where(), name);
+}
+
+/// Reads wavelengths and values.
+SpectrumDescription read_irregular(Properties& p) {
+  std::vector<float> wavelengths = read_list(p, "wavelengths");
+  return {SpectrumDescription::Table{std::move(wavelengths), read_list(p, "values")}};
+}
+
+/// Reads values at equal steps of the wavelength.
+SpectrumDescription read_regular(Properties& p) {
+  SpectrumDescription::Table table{{}, read_list(p, "values")};
+  const float low = p.number("wavelength_min", 360, kPositive), high = p.number("wavelength_max", 830, kPositive);
+  const std::size_t n = table.values.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const float t = n > 1 ? static_cast<float>(i) / static_cast<float>(n - 1) : 0.0f;
+    table.wavelengths.push_back((1 - t) * low + t * high);
+  }
+  return {std::move(table)};
+}
+
 /// Reads a spectrum plugin, <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  auto list = [&](const char* name) {
-    const std::optional<std::string> text = p.find_string(name);
-    if (!text) p.fail("needs the string '" + std::string(name) + "'");
-    return parse_floats(*text, p.where(), name);
-  };
-  SpectrumDescription result;
-  if (p.type() == "uniform") {
-    result = SpectrumDescription::constant(p.number("value", 1));
-    p.ignore({"wavelength_min", "wavelength_max"});
-  } else if (p.type() == "d65") {
-    result = SpectrumDescription::constant(p.number("scale", 1, kNotNegative));
-  } else if (p.type() == "rawconstant") {
-    result = read_raw_constant(p);
-  } else if (p.type() == "srgb") {
-    const std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
-    if (!color) p.fail("needs the property 'color'");
-    result = *color;
-  } else if (p.type() == "blackbody") {
-    const std::optional<float> temperature = p.find_number("temperature", kPositive);
-    if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
-    result.value = SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)};
-    p.ignore({"wavelength_min", "wavelength_max"});
-  } else if (p.type() == "illuminant") {
-    result = read_illuminant(p);
-  } else if (p.type() == "irregular") {
-    result.value = SpectrumDescription::Table{list("wavelengths"), list("values")};
-  } else if (p.type() == "regular") {
-    SpectrumDescription::Table table{{}, list("values")};
-    const float low = p.number("wavelength_min", 360, kPositive), high = p.number("wavelength_max", 830, kPositive);
-    const std::size_t n = table.values.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const float t = n > 1 ? static_cast<float>(i) / static_cast<float>(n - 1) : 0.0f;
-      table.wavelengths.push_back((1 - t) * low + t * high);
-    }
-    result.value = std::move(table);
-  } else {
-    p.fail_plugin(spectrum_plugins());
-  }
+  SpectrumDescription result = p.plugin(kSpectra)(p);
   p.reject_unused();
   if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
   return result;
@@ -109,11 +119,14 @@ SpectrumDescription scaled(SpectrumDescription spectrum, float by) {
   return spectrum;
 }
 
-const std::vector<std::string>& spectrum_plugins() {
-  static const std::vector<std::string> kNames = {"blackbody",   "d65",     "illuminant", "irregular",
-                                                  "rawconstant", "regular", "srgb",       "uniform"};
-  return kNames;
-}
+constexpr NameTable<SpectrumPluginReader> kSpectra{{{"blackbody", read_blackbody_plugin},
+                                                    {"d65", read_d65},
+                                                    {"illuminant", read_illuminant},
+                                                    {"irregular", read_irregular},
+                                                    {"rawconstant", read_raw_constant},
+                                                    {"regular", read_regular},
+                                                    {"srgb", read_srgb},
+                                                    {"uniform", read_uniform}}};
 
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context) {
   if (element.name == "blackbody") return read_blackbody(element);

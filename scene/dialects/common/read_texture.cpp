@@ -8,40 +8,34 @@ namespace sheaf {
 
 namespace {
 
-struct Choice {
-  std::string name;   ///< name of the property
-  std::string value;  ///< value in the file
-};
-
-/// Returns the string property that is present under one of the names. Throws SceneError for several.
-std::optional<Choice> find_choice(Properties& p, std::initializer_list<const char*> names) {
-  std::optional<Choice> found;
+/// Returns the name under which a property is present, or the first name. Throws SceneError if there are several.
+const char* only_name(Properties& p, std::initializer_list<const char*> names) {
+  const char* found = nullptr;
   for (const char* name : names) {
-    const std::optional<std::string> value = p.find_string(name);
-    if (value && found) p.fail_at(name, "is given beside '" + found->name + "', expected one or the other");
-    if (value) found = Choice{name, *value};
+    if (!p.has(name)) continue;
+    if (found != nullptr) p.fail_at(name, "is given beside '" + std::string(found) + "', expected one or the other");
+    found = name;
   }
-  return found;
+  return found != nullptr ? found : *names.begin();
 }
 
 TextureFilter read_bitmap_filter(Properties& p) {
-  const std::optional<Choice> filter = find_choice(p, {"filter_type", "filter", "interpolation"});
-  if (!filter || filter->value == "bilinear") return TextureFilter::kBilinear;
-  if (filter->value == "nearest") return TextureFilter::kNearest;
-  if (filter->value != "trilinear" && filter->value != "ewa")
-    p.fail_at(filter->name.c_str(), "is " + in_quotes(filter->value) + ", expected nearest or bilinear");
-  p.context().note(p.where(),
-                   "texture '" + p.type() + "' asks for the filter '" + filter->value + "'; it is filtered bilinearly");
-  return TextureFilter::kBilinear;
+  static constexpr NameTable<TextureFilter> kFilters{{{"bilinear", TextureFilter::kBilinear},
+                                               {"nearest", TextureFilter::kNearest},
+                                               {"trilinear", TextureFilter::kBilinear},
+                                               {"ewa", TextureFilter::kBilinear}}};
+  const char* name = only_name(p, {"filter_type", "filter", "interpolation"});
+  const TextureFilter filter = p.choice(name, kFilters, TextureFilter::kBilinear);
+  if (const std::string given = p.string(name, "bilinear"); given != kFilters.name_of(filter))
+    p.context().note(p.where(), "texture '" + p.type() + "' has the filter '" + given + "', rendered as 'bilinear'");
+  return filter;
 }
 
-TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, TextureWrap default_value) {
-  const std::optional<Choice> wrap = find_choice(p, names);
-  if (!wrap) return default_value;
-  if (wrap->value == "repeat") return TextureWrap::kRepeat;
-  if (wrap->value == "mirror") return TextureWrap::kMirror;
-  if (wrap->value == "clamp") return TextureWrap::kClamp;
-  p.fail_at(wrap->name.c_str(), "is " + in_quotes(wrap->value) + ", expected repeat, mirror or clamp");
+TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names,
+                                  TextureWrap default_value) {
+  static constexpr NameTable<TextureWrap> kWraps{
+      {{"repeat", TextureWrap::kRepeat}, {"mirror", TextureWrap::kMirror}, {"clamp", TextureWrap::kClamp}}};
+  return p.choice(only_name(p, names), kWraps, default_value);
 }
 
 /// Whether integers are linear values: `raw`, or `gamma` of Mitsuba before 2.
@@ -70,36 +64,48 @@ std::array<float, 6> read_to_uv(Properties& p) {
   return {u_scale, 0, p.number("uoffset", 0), 0, v_scale, p.number("voffset", 0)};
 }
 
-CheckerboardDescription read_checkerboard(Properties& p) {
+void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
   CheckerboardDescription board;
   board.color0 = p.spectrum_input("color0", board.color0, SpectrumRole::kIor);
   board.color1 = p.spectrum_input("color1", board.color1, SpectrumRole::kIor);
-  return board;
+  texture.model = std::move(board);
+  texture.to_uv = read_to_uv(p);
 }
 
-GridTextureDescription read_grid(Properties& p) {
+void read_grid(Properties& p, PictureOrigin, TextureDescription& texture) {
   GridTextureDescription grid;
   grid.color0 = p.spectrum_input("color0", grid.color0, SpectrumRole::kIor);
   grid.color1 = p.spectrum_input("color1", grid.color1, SpectrumRole::kIor);
   grid.line_width = p.number("line_width", grid.line_width, kNotNegative);
-  return grid;
+  texture.model = std::move(grid);
+  texture.to_uv = read_to_uv(p);
 }
 
-WireframeDescription read_wireframe(Properties& p) {
+void read_wireframe(Properties& p, PictureOrigin, TextureDescription& texture) {
   WireframeDescription frame;
   frame.interior = p.spectrum_input("interior_color", frame.interior, SpectrumRole::kIor);
   frame.edge = p.spectrum_input("edge_color", frame.edge, SpectrumRole::kIor);
   frame.line_width = p.number("line_width", frame.line_width, kNotNegative);
   frame.step_width = p.number("step_width", frame.step_width, kUnitInterval);
-  return frame;
+  texture.model = std::move(frame);
 }
 
-MeshAttributeDescription read_mesh_attribute(Properties& p) {
+void read_mesh_attribute(Properties& p, PictureOrigin, TextureDescription& texture) {
   const std::optional<std::string> name = p.find_string("name");
   if (!name) p.fail("needs the string 'name'");
   if (!name->starts_with("vertex_") && !name->starts_with("face_"))
     p.fail_at("name", "is " + in_quotes(*name) + ", expected a name that begins with vertex_ or face_");
-  return {*name, p.number("scale", 1)};
+  texture.model = MeshAttributeDescription{*name, p.number("scale", 1)};
+}
+
+void read_vertex_colors(Properties&, PictureOrigin, TextureDescription& texture) {
+  texture.model = MeshAttributeDescription{"vertex_color"};
+}
+
+void read_bitmap_texture(Properties& p, PictureOrigin origin, TextureDescription& texture) {
+  texture.model = read_bitmap(p);
+  texture.to_uv = read_to_uv(p);
+  if (origin == PictureOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
 }
 
 }  // namespace
@@ -121,34 +127,23 @@ std::array<float, 6> flipped(const std::array<float, 6>& to_uv) {
   return {to_uv[0], to_uv[1], to_uv[2], -to_uv[3], -to_uv[4], 1 - to_uv[5]};
 }
 
-const std::vector<std::string>& shared_texture_names() {
-  static const std::vector<std::string> kNames = {"bitmap",         "checkerboard", "gridtexture",
-                                                  "mesh_attribute", "vertexcolors", "wireframe"};
-  return kNames;
+bool read_linear_gamma(Properties& p) {
+  const float gamma = p.number("gamma", -1);
+  constexpr float kLow = 2.15f, kHigh = 2.25f;
+  if (gamma > kLow && gamma < kHigh) {
+    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
+  } else if (gamma != 1 && gamma != -1 && gamma != 0) {
+    p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
+  }
+  return gamma == 1;
 }
 
-bool read_shared_texture(Properties& p, PictureOrigin origin, TextureDescription& texture) {
-  if (p.type() == "bitmap") {
-    texture.model = read_bitmap(p);
-    texture.to_uv = read_to_uv(p);
-    if (origin == PictureOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
-  } else if (p.type() == "checkerboard") {
-    texture.model = read_checkerboard(p);
-    texture.to_uv = read_to_uv(p);
-  } else if (p.type() == "gridtexture") {
-    texture.model = read_grid(p);
-    texture.to_uv = read_to_uv(p);
-  } else if (p.type() == "vertexcolors") {
-    texture.model = MeshAttributeDescription{"vertex_color"};
-  } else if (p.type() == "wireframe") {
-    texture.model = read_wireframe(p);
-  } else if (p.type() == "mesh_attribute") {
-    texture.model = read_mesh_attribute(p);
-  } else {
-    return false;
-  }
-  return true;
-}
+constexpr NameTable<TexturePluginReader> kSharedTextures{{{"bitmap", read_bitmap_texture},
+                                                          {"checkerboard", read_checkerboard},
+                                                          {"gridtexture", read_grid},
+                                                          {"mesh_attribute", read_mesh_attribute},
+                                                          {"vertexcolors", read_vertex_colors},
+                                                          {"wireframe", read_wireframe}}};
 
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context) {
   const auto it = context.textures.find(&element);

@@ -8,12 +8,11 @@ namespace sheaf {
 /// Corner of an image at uv = (0, 0).
 enum class PictureOrigin { kUpperLeft, kLowerLeft };
 
-/// Reads a plugin into `texture`. Its properties come from `p`, which the caller finishes. Returns false unless the
-/// plugin is one of shared_texture_names(). Throws SceneError.
-bool read_shared_texture(Properties& p, PictureOrigin origin, TextureDescription& texture);
+/// Reads a plugin into `texture`. Its properties come from `p`, which the caller finishes. Throws SceneError.
+using TexturePluginReader = void (*)(Properties& p, PictureOrigin origin, TextureDescription& texture);
 
-/// Plugins that read_shared_texture() supports, in alphabetical order.
-const std::vector<std::string>& shared_texture_names();
+/// Readers of texture plugins.
+extern const NameTable<TexturePluginReader> kSharedTextures;
 
 /// Returns the texture read earlier from this element, or null.
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context);

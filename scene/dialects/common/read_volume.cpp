@@ -46,20 +46,15 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
 }
 
 GridFilter read_grid_filter(Properties& p) {
-  const std::string filter = p.string("filter_type", "trilinear");
-  if (filter == "trilinear") return GridFilter::kTrilinear;
-  if (filter == "nearest") return GridFilter::kNearest;
-  p.fail_at("filter_type", "is " + in_quotes(filter) + ", expected trilinear or nearest" +
-                               did_you_mean(filter, {"trilinear", "nearest"}));
+  static constexpr NameTable<GridFilter> kFilters{
+      {{"trilinear", GridFilter::kTrilinear}, {"nearest", GridFilter::kNearest}}};
+  return p.choice("filter_type", kFilters, GridFilter::kTrilinear);
 }
 
 Grid::Wrap read_wrap(Properties& p) {
-  const std::string wrap = p.string("wrap_mode", "clamp");
-  if (wrap == "clamp") return Grid::Wrap::kClamp;
-  if (wrap == "repeat") return Grid::Wrap::kRepeat;
-  if (wrap == "mirror") return Grid::Wrap::kMirror;
-  p.fail_at("wrap_mode", "is " + in_quotes(wrap) + ", expected clamp, repeat or mirror" +
-                             did_you_mean(wrap, {"clamp", "repeat", "mirror"}));
+  static constexpr NameTable<Grid::Wrap> kWraps{
+      {{"clamp", Grid::Wrap::kClamp}, {"repeat", Grid::Wrap::kRepeat}, {"mirror", Grid::Wrap::kMirror}}};
+  return p.choice("wrap_mode", kWraps, Grid::Wrap::kClamp);
 }
 
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
@@ -73,35 +68,69 @@ void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
     p.fail_at("fitToShape", "is true in a medium of the whole scene, which no shape holds");
 }
 
-/// Whether a volume plugin is a constant, under any of its names.
-bool is_constant(const std::string& type) { return type == "constvolume" || type == "constantvolume"; }
+VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
+                        const VolumeDialect& dialect);
+
+VolumeInput read_constant(Properties& p, SpectrumRole role, const VolumeDialect&) {
+  const auto value = p.find_spectrum("value", role);
+  if (!value) p.fail("has no 'value'");
+  p.ignore({"to_world"});
+  return *value;
+}
+
+VolumeInput read_any_grid(Properties& p, SpectrumRole, const VolumeDialect& dialect) { return read_grid(p, dialect); }
+
+template <Grid::Format format> VolumeInput read_grid_of(Properties& p, SpectrumRole, const VolumeDialect& dialect) {
+  return read_grid(p, dialect, format);
+}
+
+/// Reads the nested volume of a cache.
+VolumeInput read_cache(Properties& p, SpectrumRole role, const VolumeDialect& dialect) {
+  p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
+  const XmlElement* cached = p.object("volume");
+  if (cached == nullptr) p.fail("holds no <volume>");
+  return read_volume(*cached, p.context(), role, dialect);
+}
+
+constexpr NameTable<VolumeInput (*)(Properties&, SpectrumRole, const VolumeDialect&)> kVolumes{
+    {{"constantvolume", read_constant},
+     {"constvolume", read_constant},
+     {"gridvolume", read_any_grid},
+     {"nanovdb", read_grid_of<Grid::Format::kNanoVdb>},
+     {"vol", read_grid_of<Grid::Format::kVol>},
+     {"volcache", read_cache}}};
 
 VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
                         const VolumeDialect& dialect) {
   Properties p(element, context);
-  VolumeInput volume;
-  if (is_constant(p.type())) {
-    const auto value = p.find_spectrum("value", role);
-    if (!value) p.fail("has no 'value'");
-    volume = *value;
-    p.ignore({"to_world"});
-  } else if (p.type() == "gridvolume") {
-    volume = read_grid(p, dialect);
-  } else if (p.type() == "vol") {
-    volume = read_grid(p, dialect, Grid::Format::kVol);
-  } else if (p.type() == "nanovdb") {
-    volume = read_grid(p, dialect, Grid::Format::kNanoVdb);
-  } else if (p.type() == "volcache") {
-    p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
-    const XmlElement* cached = p.object("volume");
-    if (cached == nullptr) p.fail("holds no <volume>");
-    volume = read_volume(*cached, context, role, dialect);
-  } else {
-    p.fail_plugin({"constvolume", "gridvolume", "nanovdb", "vol", "volcache"});
-  }
+  VolumeInput volume = p.plugin(kVolumes)(p, role, dialect);
   p.reject_unused();
   return volume;
 }
+
+using MatrixVolume = std::variant<std::array<float, 6>, Grid>;
+
+MatrixVolume read_constant_matrix(Properties& p, const VolumeDialect&) {
+  const auto text = p.find_string("value");
+  if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz");
+  const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
+  std::array<float, 6> matrix;
+  if (numbers.size() != matrix.size())
+    p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
+  std::copy(numbers.begin(), numbers.end(), matrix.begin());
+  p.ignore({"to_world"});
+  return matrix;
+}
+
+MatrixVolume read_matrix_grid(Properties& p, const VolumeDialect& dialect) {
+  return read_grid(p, dialect, Grid::Format::kVol);
+}
+
+constexpr NameTable<MatrixVolume (*)(Properties&, const VolumeDialect&)> kMatrixVolumes{
+    {{"constantvolume", read_constant_matrix},
+     {"constvolume", read_constant_matrix},
+     {"gridvolume", read_matrix_grid},
+     {"vol", read_matrix_grid}}};
 
 /// Returns the `to_world` of a constant volume, which may be nested in caches.
 Transform place_of_constant(const XmlElement& element, ReadContext& context) {
@@ -192,25 +221,9 @@ std::optional<SpectrumDescription> find_constant_volume(Properties& p, const cha
   p.fail("has a grid for '" + std::string(name) + "', expected the same value everywhere");
 }
 
-std::variant<std::array<float, 6>, Grid> read_matrix_volume(const XmlElement& element, ReadContext& context,
-                                                            const VolumeDialect& dialect) {
+MatrixVolume read_matrix_volume(const XmlElement& element, ReadContext& context, const VolumeDialect& dialect) {
   Properties p(element, context);
-  std::variant<std::array<float, 6>, Grid> volume;
-  if (is_constant(p.type())) {
-    const auto text = p.find_string("value");
-    if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz");
-    const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
-    std::array<float, 6> matrix;
-    if (numbers.size() != matrix.size())
-      p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
-    std::copy(numbers.begin(), numbers.end(), matrix.begin());
-    volume = matrix;
-    p.ignore({"to_world"});
-  } else if (p.type() == "gridvolume" || p.type() == "vol") {
-    volume = read_grid(p, dialect, Grid::Format::kVol);
-  } else {
-    p.fail_plugin({"constvolume", "gridvolume", "vol"});
-  }
+  MatrixVolume volume = p.plugin(kMatrixVolumes)(p, dialect);
   p.reject_unused();
   return volume;
 }

@@ -1,7 +1,7 @@
 // Replacement of unsupported materials by the most similar supported one.
 #pragma once
 
-#include "scene/dialects/dialects.h"
+#include "scene/xml/properties.h"
 
 #include <functional>
 

@@ -6,10 +6,6 @@
 
 namespace sheaf {
 
-bool is_visibility_integrator(std::string_view name) {
-  return name == "ao" || name == "ambientocclusion" || name == "av";
-}
-
 void make_white(Description& description, bool two_sided) {
   const std::vector<MaterialDescription> before = std::move(description.materials);
   description.materials.clear();
@@ -46,10 +42,10 @@ void make_white(Description& description, bool two_sided) {
   description.integrator.max_depth = 2;
 }
 
-void apply_visibility_integrator(std::string_view name, float length, bool two_sided, Description& description) {
+void apply_visibility_integrator(Visibility visibility, float length, bool two_sided, Description& description) {
   make_white(description, two_sided);
   IntegratorSettings& integrator = description.integrator;
-  if (name == "av") {
+  if (visibility == Visibility::kAverage) {
     integrator.kind = IntegratorKind::kVisibility;
     integrator.visibility_length = length;
     return;

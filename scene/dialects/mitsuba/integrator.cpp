@@ -70,12 +70,6 @@ void read_direct(Properties& p, IntegratorSettings& integrator) {
   p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
-/// Whether the integrator only wraps a nested one.
-bool is_wrapper(const std::string& type) {
-  return type == "moment" || type == "aov" || type == "stokes" || type == "adaptive" || type == "irrcache" ||
-         type == "multichannel";
-}
-
 void read_wrapper(Properties& p, Reader& reader) {
   if (p.type() == "aov" && p.find_string("aovs"))
     p.context().note(p.where(), "the layers of 'aovs' are not written by the integrator");
@@ -88,22 +82,29 @@ void read_wrapper(Properties& p, Reader& reader) {
   read_integrator(*nested[0], reader);
 }
 
+/// Integrators that only wrap a nested one.
+constexpr NameTable<void (*)(Properties&, Reader&)> kWrappers{{{"adaptive", read_wrapper},
+                                                               {"aov", read_wrapper},
+                                                               {"irrcache", read_wrapper},
+                                                               {"moment", read_wrapper},
+                                                               {"multichannel", read_wrapper},
+                                                               {"stokes", read_wrapper}}};
+
+/// Reads ambient occlusion or average visibility.
+void read_visibility(Properties& p, Visibility visibility) {
+  const float length = p.number("length", kInfinity, kPositive);
+  p.ignore({"samples_per_pass", "block_size", "timeout"});
+  p.reject_unused();
+  apply_visibility_integrator(visibility, length, true, p.context().description);
+}
+
 void read_plugin(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   IntegratorSettings& integrator = reader.context.description.integrator;
-  if (is_wrapper(p.type())) return read_wrapper(p, reader);
-  if (is_visibility_integrator(p.type())) {
-    const float length = p.number("length", kInfinity, kPositive);
-    p.ignore({"samples_per_pass", "block_size", "timeout"});
-    p.reject_unused();
-    return apply_visibility_integrator(p.type(), length, true, reader.context.description);
-  }
+  if (const auto* read = kWrappers.find(p.type())) return (*read)(p, reader);
+  if (const Visibility* visibility = kVisibilityIntegrators.find(p.type())) return read_visibility(p, *visibility);
   const IntegratorChoice* choice = find_integrator(p.type());
-  if (choice == nullptr) {
-    std::vector<std::string> known = integrator_names();
-    known.insert(known.end(), {"aov", "moment", "multichannel", "stokes"});
-    p.fail_plugin(known);
-  }
+  if (choice == nullptr) fail_integrator(p, kWrappers.names());
   if (kStandInIntegrators.find(p.type()) != nullptr) {
     read_stand_in(p, *choice, integrator);
   } else if (p.type() == "direct") {

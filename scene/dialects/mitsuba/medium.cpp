@@ -9,11 +9,9 @@ const MeasuredMedium& read_measured_medium(Properties& p) {
   const std::string name = p.string("material", "skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
-    std::string list;
-    for (const std::string& known : measured_medium_names()) list += (list.empty() ? "" : ", ") + known;
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
-                              did_you_mean(name, measured_medium_names()) + " (known: " + list +
-                              "); others can be given by 'sigma_s' and 'sigma_a'");
+                              did_you_mean(name, measured_medium_names()) + known_names(measured_medium_names()) +
+                              "; others can be given by 'sigma_s' and 'sigma_a'");
   }
   return *found;
 }
@@ -52,14 +50,11 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
     p.fail(
         "has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
         "the matrices of the phase function 'sggx'");
-  const std::string method = p.string("method", "woodcock");
-  IntegratorSettings& integrator = p.context().description.integrator;
-  if (method == "simpson") {
+  static constexpr NameTable<bool> kMethods{{{"woodcock", false}, {"simpson", true}}};
+  if (p.choice("method", kMethods, false)) {
+    IntegratorSettings& integrator = p.context().description.integrator;
     integrator.medium_estimator = MediumEstimator::kMarching;
     integrator.step_size = p.number("step_size", integrator.step_size, kPositive);
-  } else if (method != "woodcock") {
-    p.fail_at("method", "is " + in_quotes(method) + ", expected woodcock or simpson" +
-                            did_you_mean(method, {"woodcock", "simpson"}));
   }
   p.ignore({"step_size"});
   read_medium_rest(p, dialect, medium);
@@ -72,6 +67,18 @@ void end_at_bounds(Properties& p, MediumDescription& medium) {
     medium.density = find_volume_bounds(p, "sigma_t", pair->sigma_t);
 }
 
+void read_heterogeneous(Properties& p, const VolumeDialect& dialect, bool before_version_2, MediumDescription& medium) {
+  // Some forks read files of the old version with the coefficients of the new one.
+  const bool extinction = p.named_object("volume", "sigma_t") != nullptr;
+  if (before_version_2 && !extinction) return read_old_heterogeneous(p, dialect, medium);
+  read_coefficients(p, dialect, medium);
+  if (!before_version_2) end_at_bounds(p, medium);
+  read_medium_rest(p, dialect, medium);
+}
+
+constexpr NameTable<void (*)(Properties&, const VolumeDialect&, bool before_version_2, MediumDescription&)> kMedia{
+    {{"heterogeneous", read_heterogeneous}, {"homogeneous", read_homogeneous}}};
+
 }  // namespace
 
 MediumId medium_of(const XmlElement& element, Reader& reader) {
@@ -79,21 +86,7 @@ MediumId medium_of(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   const VolumeDialect dialect{.bbox_of_file = reader.before_version_2};
   MediumDescription medium;
-  if (p.type() == "homogeneous") {
-    read_homogeneous(p, dialect, reader.before_version_2, medium);
-  } else if (p.type() == "heterogeneous") {
-    // Some forks read files of the old version with the coefficients of the new one.
-    const bool extinction = p.named_object("volume", "sigma_t") != nullptr;
-    if (reader.before_version_2 && !extinction) {
-      read_old_heterogeneous(p, dialect, medium);
-    } else {
-      read_coefficients(p, dialect, medium);
-      if (!reader.before_version_2) end_at_bounds(p, medium);
-      read_medium_rest(p, dialect, medium);
-    }
-  } else {
-    p.fail_plugin({"heterogeneous", "homogeneous"});
-  }
+  p.plugin(kMedia)(p, dialect, reader.before_version_2, medium);
   p.ignore({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
             "majorant_resolution_factor", "accel"});
   return add_medium(p, std::move(medium));

@@ -3,7 +3,6 @@
 
 #include "scene/data/measured_media.h"
 #include "scene/dialects/common/read_volume.h"
-#include "scene/dialects/dialects.h"
 
 #include <map>
 #include <optional>

@@ -2,6 +2,7 @@
 #include "scene/dialects/mitsuba/reader.h"
 
 #include "scene/dialects/common/auto_camera.h"
+#include "scene/dialects/mitsuba/read_mitsuba.h"
 
 namespace sheaf {
 

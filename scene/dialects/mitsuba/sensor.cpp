@@ -1,4 +1,5 @@
 // The Mitsuba dialect: sensor, film, pixel filter, sampler.
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/read_camera.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/tables/filter.h"
@@ -15,32 +16,44 @@ namespace {
 
 constexpr float kFilmDiagonal = 43.266615f;  // diagonal of 36 mm x 24 mm, in mm
 
+PixelFilter read_gaussian(Properties& p) {
+  const float stddev = p.number("stddev", 0.5f, kPositive);
+  return {PixelFilter::Kind::kGaussian, 4 * stddev, stddev};
+}
+
+PixelFilter read_mitchell(Properties& p) {
+  PixelFilter filter{PixelFilter::Kind::kMitchell, 2};
+  filter.b = p.number("B", 1.0f / 3);
+  filter.c = p.number("C", 1.0f / 3);
+  return filter;
+}
+
+PixelFilter read_lanczos(Properties& p) {
+  PixelFilter filter{PixelFilter::Kind::kLanczos};
+  filter.lobes = static_cast<float>(p.integer("lobes", 3, 1, 64));
+  filter.radius = filter.lobes;
+  return filter;
+}
+
+constexpr NameTable<PixelFilter (*)(Properties&)> kFilters{
+    {{"box",
+      [](Properties& p) {
+        return PixelFilter{PixelFilter::Kind::kBox, p.number("radius", 0.5f, kPositive)};
+      }},
+     {"catmullrom",
+      [](Properties&) {
+        return PixelFilter{PixelFilter::Kind::kCatmullRom, 2};
+      }},
+     {"gaussian", read_gaussian},
+     {"lanczos", read_lanczos},
+     {"mitchell", read_mitchell},
+     {"tent", [](Properties& p) {
+        return PixelFilter{PixelFilter::Kind::kTent, p.number("radius", 1, kPositive)};
+      }}}};
+
 PixelFilter read_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  using Kind = PixelFilter::Kind;
-  PixelFilter filter;
-  if (p.type() == "box") {
-    filter = {Kind::kBox, p.number("radius", 0.5f, kPositive)};
-  } else if (p.type() == "tent") {
-    filter = {Kind::kTent, p.number("radius", 1, kPositive)};
-  } else if (p.type() == "gaussian") {
-    const float stddev = p.number("stddev", 0.5f, kPositive);
-    filter = {Kind::kGaussian, 4 * stddev, stddev};
-  } else if (p.type() == "mitchell") {
-    filter.kind = Kind::kMitchell;
-    filter.radius = 2;
-    filter.b = p.number("B", 1.0f / 3);
-    filter.c = p.number("C", 1.0f / 3);
-  } else if (p.type() == "catmullrom") {
-    filter.kind = Kind::kCatmullRom;
-    filter.radius = 2;
-  } else if (p.type() == "lanczos") {
-    filter.kind = Kind::kLanczos;
-    filter.lobes = static_cast<float>(p.integer("lobes", 3, 1, 64));
-    filter.radius = filter.lobes;
-  } else {
-    p.fail_plugin({"box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"});
-  }
+  const PixelFilter filter = p.plugin(kFilters)(p);
   p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
@@ -67,15 +80,24 @@ void read_frame(Properties& p, FilmSettings& film) {
   check_frame(film.width, film.height, p.where());
 }
 
+/// Reads the bands of a film that is rendered as an `hdrfilm`.
+void read_bands(Properties& p) {
+  p.context().note(p.where(),
+                   "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
+  for (const XmlElement& child : p.element().children)
+    if (child.name == "spectrum") p.ignore({std::string(child.attribute("name")).c_str()});
+}
+
+/// Films, with the function that reads what only they have.
+constexpr NameTable<void (*)(Properties&)> kFilms{{{"hdrfilm", [](Properties&) {}},
+                                                   {"ldrfilm", [](Properties&) {}},
+                                                   {"mfilm", [](Properties&) {}},
+                                                   {"specfilm", read_bands},
+                                                   {"tiledhdrfilm", [](Properties&) {}}}};
+
 void read_film(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (p.type() == "specfilm") {
-    context.note(p.where(), "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
-    for (const XmlElement& child : element.children)
-      if (child.name == "spectrum") p.ignore({std::string(child.attribute("name")).c_str()});
-  } else if (p.type() != "hdrfilm" && p.type() != "ldrfilm" && p.type() != "mfilm" && p.type() != "tiledhdrfilm") {
-    p.fail_plugin({"hdrfilm", "ldrfilm", "mfilm", "specfilm", "tiledhdrfilm"});
-  }
+  p.plugin(kFilms)(p);
   FilmSettings& film = context.description.film;
   read_frame(p, film);
   read_crop(p, film);
@@ -116,8 +138,11 @@ std::array<float, 2> read_distortion(Properties& p) {
   return {kc[0], kc[1]};
 }
 
+constexpr float kNearClip = 0.01f;
+
 /// Reads an orthographic camera, or a `telecentric` one with a thin lens. Lens lengths are in world space.
 void read_orthographic(Properties& p, CameraDescription& camera) {
+  read_clip(p, camera, kNearClip);
   camera.projection = CameraDescription::Projection::kOrthographic;
   const float focus = p.number("focus_distance", camera.far_clip, kPositive);
   if (p.type() == "orthographic") return;
@@ -175,36 +200,43 @@ void read_distant(Properties& p, CameraDescription& camera) {
   }
 }
 
-void read_camera(Properties& p, CameraDescription& camera) {
-  camera.to_world = p.transform("to_world");
-  read_shutter(p);
-  if (p.type() == "radiancemeter") return read_radiance_meter(p, camera);
-  if (p.type() == "distant") return read_distant(p, camera);
-  if (p.type() == "spherical") {
-    camera.projection = CameraDescription::Projection::kSpherical;
-    return;
-  }
-  read_clip(p, camera, 0.01f);
-  if (p.type() == "orthographic" || p.type() == "telecentric") return read_orthographic(p, camera);
+void read_spherical(Properties&, CameraDescription& camera) {
+  camera.projection = CameraDescription::Projection::kSpherical;
+}
+
+void read_thin_lens(Properties& p, CameraDescription& camera) {
+  read_clip(p, camera, kNearClip);
   read_fov(p, camera);
-  if (p.type() == "thinlens") {
-    const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
-    if (!radius) p.fail("has no 'aperture_radius'");
-    camera.aperture_radius = *radius;
-    camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
-    return;
-  }
+  const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
+  if (!radius) p.fail("has no 'aperture_radius'");
+  camera.aperture_radius = *radius;
+  camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
+}
+
+void read_perspective(Properties& p, CameraDescription& camera) {
+  read_clip(p, camera, kNearClip);
+  read_fov(p, camera);
   if (p.type() == "perspective_rdist") camera.distortion = read_distortion(p);
   camera.principal_point_x = p.number("principal_point_offset_x", 0);
   camera.principal_point_y = p.number("principal_point_offset_y", 0);
   p.ignore({"focus_distance", "aperture_radius"});
 }
 
-constexpr std::initializer_list<const char*> kCameras = {"distant",           "orthographic",  "perspective",
-                                                         "perspective_rdist", "radiancemeter", "spherical",
-                                                         "telecentric",       "thinlens"};
+using CameraReader = void (*)(Properties&, CameraDescription&);
+constexpr NameTable<CameraReader> kCameras{{{"distant", read_distant},
+                                            {"orthographic", read_orthographic},
+                                            {"perspective", read_perspective},
+                                            {"perspective_rdist", read_perspective},
+                                            {"radiancemeter", read_radiance_meter},
+                                            {"spherical", read_spherical},
+                                            {"telecentric", read_orthographic},
+                                            {"thinlens", read_thin_lens}}};
 
-bool is_camera(const std::string& type) { return std::find(kCameras.begin(), kCameras.end(), type) != kCameras.end(); }
+void read_camera(Properties& p, CameraReader read, CameraDescription& camera) {
+  camera.to_world = p.transform("to_world");
+  read_shutter(p);
+  read(p, camera);
+}
 
 /// Replaces the pixel filter of sensors that do not form an image by a box filter, and checks their film size.
 void check_meter(Properties& p, const CameraDescription& camera) {
@@ -236,10 +268,11 @@ void read_batch(Properties& p, Reader& reader) {
   std::vector<CameraDescription> cameras;
   for (const XmlElement* element : p.objects("sensor")) {
     Properties child(*element, reader.context);
-    if (!is_camera(child.type()) || child.type() == "radiancemeter" || child.type() == "distant")
+    const CameraReader* read = kCameras.find(child.type());
+    if (read == nullptr || *read == read_radiance_meter || *read == read_distant)
       child.fail("is part of a batch, expected a camera that makes a picture");
     cameras.emplace_back().where = element->where;
-    read_camera(child, cameras.back());
+    read_camera(child, *read, cameras.back());
     child.objects("film"), child.objects("sampler");
     child.reject_unused();
   }
@@ -248,6 +281,11 @@ void read_batch(Properties& p, Reader& reader) {
   description.camera = cameras.front();
   description.more_cameras.assign(cameras.begin() + 1, cameras.end());
 }
+
+/// Sensors that are not one camera.
+constexpr NameTable<void (*)(Properties&, Reader&)> kOtherSensors{
+    {{"batch", read_batch},
+     {"irradiancemeter", [](Properties& p, Reader&) { p.fail("must be nested in a <shape>"); }}}};
 
 }  // namespace
 
@@ -272,17 +310,10 @@ void read_fov(Properties& p, CameraDescription& camera) {
 void read_sensor(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   CameraDescription& camera = reader.context.description.camera;
-  if (p.type() == "batch") {
-    read_batch(p, reader);
-  } else if (p.type() == "irradiancemeter") {
-    p.fail("must be nested in a <shape>");
-  } else if (is_camera(p.type())) {
-    read_camera(p, camera);
+  if (const auto* read = kOtherSensors.find(p.type())) {
+    (*read)(p, reader);
   } else {
-    std::vector<std::string> known(kCameras.begin(), kCameras.end());
-    known.insert(known.end(), {"batch", "irradiancemeter"});
-    std::sort(known.begin(), known.end());
-    p.fail_plugin(known);
+    read_camera(p, p.plugin(kCameras, kOtherSensors), camera);
   }
   camera.where = element.where;
   read_sensor_rest(p, reader, camera);

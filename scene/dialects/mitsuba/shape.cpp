@@ -1,6 +1,8 @@
 // The Mitsuba dialect: shapes.
+#include "scene/dialects/common/add_material.h"
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
+#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
 
@@ -25,24 +27,26 @@ MaterialId null_material(Reader& reader) {
 }
 
 /// Reads the shapes of a `merge` one by one, because merging does not change the image.
-bool read_merged(const XmlElement& element, Reader& reader) {
-  const std::string* type = element.find_attribute("type");
-  if (type == nullptr || *type != "merge") return false;
-  Properties p(element, reader.context);
+void read_merged(Properties& p, Reader& reader) {
   const std::vector<const XmlElement*> shapes = p.objects("shape");
   p.reject_unused();
   for (const XmlElement* shape : shapes) read_or_leave_out(*shape, reader.context, [&] { read_shape(*shape, reader); });
-  return true;
 }
 
-/// Returns the transforms of the unit spheres of an ellipsoids shape; empty for other shapes.
+/// Plugins that stand for several shapes.
+constexpr NameTable<void (*)(Properties&, Reader&)> kAggregates{{{"merge", read_merged}}};
+
+/// Returns the transforms of the unit spheres of an ellipsoids shape.
 std::vector<Transform> read_many_ellipsoids(Properties& p) {
-  if (p.type() != "ellipsoids" && p.type() != "ellipsoidsmesh") return {};
   if (p.type() == "ellipsoidsmesh" && p.find_string("shell"))
     p.context().note(p.where(), "'shell' is not used: ellipsoids are exact");
   const float extent = p.number("extent", 3, kPositive);
   return read_ellipsoids(p.file("filename"), extent * p.number("scale_factor", 1, kPositive));
 }
+
+/// Plugins that place a unit sphere several times.
+constexpr NameTable<std::vector<Transform> (*)(Properties&)> kEllipsoids{
+    {{"ellipsoids", read_many_ellipsoids}, {"ellipsoidsmesh", read_many_ellipsoids}}};
 
 void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
   if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
@@ -53,19 +57,18 @@ void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
 
 void read_shape(const XmlElement& element, Reader& reader) {
   if (read_instancing(element, reader.context, [&](const XmlElement& e) { read_shape(e, reader); })) return;
-  if (read_merged(element, reader)) return;
   Properties p(element, reader.context);
+  if (const auto* read = kAggregates.find(p.type())) return (*read)(p, reader);
   ShapeDescription shape;
   shape.where = element.where;
   if (const std::string* id = element.find_attribute("id")) shape.id = *id;
   // Read the geometry
-  const std::vector<Transform> ellipsoids = read_many_ellipsoids(p);
-  if (!ellipsoids.empty()) {
+  std::vector<Transform> ellipsoids;
+  if (const auto* read = kEllipsoids.find(p.type())) {
+    ellipsoids = (*read)(p);
     shape.geometry = SphereShape{};
-  } else if (!read_shared_geometry(p, true, shape)) {
-    std::vector<std::string> known = shared_shape_names();
-    known.insert(known.end(), {"ellipsoids", "ellipsoidsmesh", "merge"});
-    p.fail_plugin(known);
+  } else {
+    p.plugin(kSharedShapes, kEllipsoids, kAggregates)(p, true, shape);
   }
   shape.to_world = p.transform("to_world");
   shape.flip_normals = p.boolean("flip_normals", false);

@@ -1,5 +1,6 @@
 // The Mitsuba dialect: subsurface scattering of Mitsuba 0.6. A random walk in the medium replaces the dipole's
 // diffusion approximation (Jensen et al. 2001, "A Practical Model for Subsurface Light Transport").
+#include "scene/dialects/common/add_material.h"
 #include "scene/dialects/common/read_bsdf.h"
 #include "scene/dialects/common/read_medium.h"
 #include "scene/dialects/common/read_phase.h"
@@ -27,9 +28,7 @@ void read_indices(Properties& p, Subsurface& subsurface) {
   subsurface.ext_ior = given ? read_ior(p, "ext_ior", 1.000277f) : 1.0f;
 }
 
-Subsurface read_dipole(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  if (p.type() != "dipole") p.fail_plugin({"dipole"});
+Subsurface read_dipole(Properties& p, Reader& reader) {
   Subsurface subsurface;
   MediumDescription medium;
   read_measured_coefficients(p, {.bbox_of_file = true}, medium);
@@ -49,12 +48,16 @@ Subsurface read_dipole(const XmlElement& element, Reader& reader) {
   return subsurface;
 }
 
+constexpr NameTable<Subsurface (*)(Properties&, Reader&)> kSubsurface{{{"dipole", read_dipole}}};
+
 }  // namespace
 
 void read_subsurface(const XmlElement& element, Reader& reader, ShapeDescription& shape) {
   auto known = reader.subsurfaces.find(&element);
-  if (known == reader.subsurfaces.end())
-    known = reader.subsurfaces.emplace(&element, read_dipole(element, reader)).first;
+  if (known == reader.subsurfaces.end()) {
+    Properties p(element, reader.context);
+    known = reader.subsurfaces.emplace(&element, p.plugin(kSubsurface)(p, reader)).first;
+  }
   const Subsurface& subsurface = known->second;
   DielectricDescription boundary;
   boundary.int_ior = subsurface.int_ior;

@@ -4,8 +4,6 @@
 #include "scene/dialects/common/read_volume.h"
 #include "scene/dialects/mitsuba/reader.h"
 
-#include <algorithm>
-
 namespace sheaf::mitsuba {
 
 namespace {
@@ -60,24 +58,19 @@ SpectrumInput read_scaled(Properties& p) {
   return result;
 }
 
+/// Textures that may be constant.
+constexpr NameTable<SpectrumInput (*)(Properties&)> kInputs{{{"scale", read_scaled}, {"volume", read_volume_texture}}};
+
 }  // namespace
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
   if (element.name != "texture") return read_spectrum(element, context);
-  const std::vector<std::string>& plain = spectrum_plugins();
-  if (std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
-    return read_spectrum(element, context);
+  if (kSpectra.find(element.attribute("type")) != nullptr) return read_spectrum(element, context);
   Properties p(element, context);
-  if (p.type() == "volume") return read_volume_texture(p);
-  if (p.type() == "scale") return read_scaled(p);
+  if (const auto* read = kInputs.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  if (!read_shared_texture(p, PictureOrigin::kUpperLeft, texture)) {
-    std::vector<std::string> known = shared_texture_names();
-    known.insert(known.end(), plain.begin(), plain.end());
-    known.insert(known.end(), {"scale", "volume"});
-    p.fail_plugin(known);
-  }
+  p.plugin(kSharedTextures, kSpectra, kInputs)(p, PictureOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -1,4 +1,5 @@
 // The Nori dialect: its own materials; all others are shared with Mitsuba.
+#include "scene/dialects/common/add_material.h"
 #include "scene/dialects/common/read_bsdf.h"
 #include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/common/stand_in_bsdf.h"

@@ -20,14 +20,16 @@ void make_simple(Properties& p, Description& description) {
 
 }  // namespace
 
+constexpr NameTable<ExerciseReader> kExercises{{{"simple", make_simple}}};
+
 bool read_exercise(Properties& p) {
   Description& description = p.context().description;
-  if (is_visibility_integrator(p.type())) {
+  if (const auto* read = kExercises.find(p.type())) {
+    (*read)(p, description);
+  } else if (const Visibility* visibility = kVisibilityIntegrators.find(p.type())) {
     const auto length = p.find_number("length", kPositive);
-    if (p.type() == "av" && !length) p.fail("needs the number 'length'");
-    apply_visibility_integrator(p.type(), length.value_or(kInfinity), false, description);
-  } else if (p.type() == "simple") {
-    make_simple(p, description);
+    if (*visibility == Visibility::kAverage && !length) p.fail("needs the number 'length'");
+    apply_visibility_integrator(*visibility, length.value_or(kInfinity), false, description);
   } else {
     return false;
   }

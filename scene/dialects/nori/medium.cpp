@@ -19,17 +19,13 @@ void read_density(Properties& p, const VolumeDialect& dialect, MediumDescription
 
 /// Reads `method`, the distance sampling method.
 void read_method(Properties& p) {
-  const std::optional<std::string> method = p.find_string("method");
-  if (!method) return;
+  static constexpr NameTable<MediumEstimator> kMethods{{{"march", MediumEstimator::kMarching},
+                                                        {"raymarch", MediumEstimator::kMarching},
+                                                        {"delta", MediumEstimator::kDelta},
+                                                        {"woodcock", MediumEstimator::kDelta},
+                                                        {"ratio", MediumEstimator::kRatio}}};
   MediumEstimator& estimator = p.context().description.integrator.medium_estimator;
-  if (*method == "march" || *method == "raymarch")
-    estimator = MediumEstimator::kMarching;
-  else if (*method == "delta" || *method == "woodcock")
-    estimator = MediumEstimator::kDelta;
-  else if (*method == "ratio")
-    estimator = MediumEstimator::kRatio;
-  else
-    p.fail_at("method", "is " + in_quotes(*method) + ", expected march, delta or ratio");
+  estimator = p.choice("method", kMethods, estimator);
 }
 
 /// Whether a grid defines the density or extinction of the medium.
@@ -38,25 +34,36 @@ bool has_grid(const MediumDescription& medium) {
   return medium.density || (pair != nullptr && std::holds_alternative<GridVolumeDescription>(pair->sigma_t));
 }
 
+void read_homogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  read_coefficients(p, dialect, medium);
+  read_density(p, dialect, medium);
+  read_medium_rest(p, dialect, medium);
+  expect_homogeneous(p, medium);
+}
+
+void read_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
+  read_coefficients(p, dialect, medium);
+  read_density(p, dialect, medium);
+  if (p.has("filename")) {
+    if (medium.density) p.fail_at("filename", "is given beside a <volume> of the name 'density', expected one");
+    medium.density = read_grid(p, dialect);
+  }
+  read_medium_rest(p, dialect, medium);
+  if (!has_grid(medium)) p.fail("needs a <volume> of the name 'density', or 'filename'");
+}
+
+constexpr NameTable<void (*)(Properties&, const VolumeDialect&, MediumDescription&)> kMedia{
+    {{"heterogeneous", read_heterogeneous}, {"homog", read_homogeneous}, {"homogeneous", read_homogeneous}}};
+
 }  // namespace
 
 MediumId read_medium(const XmlElement& element, ReadContext& context, bool in_shape) {
   if (const auto known = find_read_medium(element, context)) return *known;
   Properties p(element, context);
   const VolumeDialect dialect{.fits_shapes = true, .in_shape = in_shape};
-  const bool homogeneous = p.type() == "homogeneous" || p.type() == "homog";
-  if (!homogeneous && p.type() != "heterogeneous") p.fail_plugin({"heterogeneous", "homog", "homogeneous"});
   MediumDescription medium;
-  read_coefficients(p, dialect, medium);
-  read_density(p, dialect, medium);
-  if (!homogeneous && p.has("filename")) {
-    if (medium.density) p.fail_at("filename", "is given beside a <volume> of the name 'density', expected one");
-    medium.density = read_grid(p, dialect);
-  }
-  read_medium_rest(p, dialect, medium);
+  p.plugin(kMedia)(p, dialect, medium);
   read_method(p);
-  if (homogeneous) expect_homogeneous(p, medium);
-  if (!homogeneous && !has_grid(medium)) p.fail("needs a <volume> of the name 'density', or 'filename'");
   return add_medium(p, std::move(medium));
 }
 

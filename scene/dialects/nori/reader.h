@@ -2,7 +2,6 @@
 #pragma once
 
 #include "scene/dialects/common/read_spectrum.h"
-#include "scene/dialects/dialects.h"
 
 namespace sheaf::nori {
 
@@ -17,6 +16,9 @@ MediumId add_absorption(const XmlElement& bsdf, SpectrumDescription sigma_a, Rea
 /// `av` (average visibility) or `simple` (one point light). Returns false for others. Call it last, because it makes
 /// all shapes white and replaces the lights.
 bool read_exercise(Properties& p);
+using ExerciseReader = void (*)(Properties& p, Description& description);
+/// Exercises that only Nori has.
+extern const NameTable<ExerciseReader> kExercises;
 /// Appends a light that is not attached to a mesh.
 void read_emitter(const XmlElement& element, ReadContext& context);
 /// Implements TextureReader.

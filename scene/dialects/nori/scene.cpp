@@ -1,5 +1,8 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
 // references.
+#include "scene/dialects/common/add_material.h"
+#include "scene/dialects/common/frame_limits.h"
+#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/nori/reader.h"
 
 #include "scene/dialects/common/auto_camera.h"
@@ -10,6 +13,7 @@
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/dialects/nori/read_nori.h"
 #include "scene/tables/filter.h"
 
 namespace sheaf {
@@ -24,29 +28,35 @@ void check_radius(Properties& p, const PixelFilter& filter) {
                                     " pixels; the given radius is not used");
 }
 
+PixelFilter read_gaussian(Properties& p) {
+  PixelFilter filter{PixelFilter::Kind::kGaussian};
+  filter.stddev = p.number("stddev", 0.5f, kPositive);
+  filter.radius = 4 * filter.stddev;
+  check_radius(p, filter);
+  return filter;
+}
+
+PixelFilter read_mitchell(Properties& p) {
+  PixelFilter filter{PixelFilter::Kind::kMitchell, 2};
+  check_radius(p, filter);
+  filter.b = p.number("B", 1.0f / 3);
+  filter.c = p.number("C", 1.0f / 3);
+  return filter;
+}
+
+constexpr NameTable<PixelFilter (*)(Properties&)> kFilters{{{"box",
+                                                             [](Properties&) {
+                                                               return PixelFilter{PixelFilter::Kind::kBox, 0.5f};
+                                                             }},
+                                                            {"gaussian", read_gaussian},
+                                                            {"mitchell", read_mitchell},
+                                                            {"tent", [](Properties&) {
+                                                               return PixelFilter{PixelFilter::Kind::kTent, 1};
+                                                             }}}};
+
 PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  PixelFilter filter;
-  if (p.type() == "box") {
-    filter.kind = PixelFilter::Kind::kBox;
-    filter.radius = 0.5f;
-  } else if (p.type() == "tent") {
-    filter.kind = PixelFilter::Kind::kTent;
-    filter.radius = 1;
-  } else if (p.type() == "gaussian") {
-    filter.kind = PixelFilter::Kind::kGaussian;
-    filter.stddev = p.number("stddev", 0.5f, kPositive);
-    filter.radius = 4 * filter.stddev;
-    check_radius(p, filter);
-  } else if (p.type() == "mitchell") {
-    filter.kind = PixelFilter::Kind::kMitchell;
-    filter.radius = 2;
-    check_radius(p, filter);
-    filter.b = p.number("B", 1.0f / 3);
-    filter.c = p.number("C", 1.0f / 3);
-  } else {
-    p.fail_plugin({"box", "gaussian", "mitchell", "tent"});
-  }
+  const PixelFilter filter = p.plugin(kFilters)(p);
   p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
@@ -107,11 +117,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (nori::read_exercise(p)) return p.reject_unused();
   const IntegratorChoice* choice = find_integrator(p.type());
-  if (choice == nullptr) {
-    std::vector<std::string> known = integrator_names();
-    known.emplace_back("simple");
-    p.fail_plugin(known);
-  }
+  if (choice == nullptr) fail_integrator(p, nori::kExercises.names());
   IntegratorSettings& integrator = context.description.integrator;
   apply(*choice, integrator);
   if (transports_light(choice->kind)) {
@@ -133,7 +139,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
 }
 
 /// Reads a parallelogram with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
-Transform read_parallelogram(Properties& p) {
+void read_parallelogram(Properties& p, bool, ShapeDescription& shape) {
   const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
   const Vec3f n = cross(u, v);
   if (!(length_squared(n) > 0.0f)) p.fail("has no area: u and v are parallel");
@@ -144,8 +150,11 @@ Transform read_parallelogram(Properties& p) {
     m.m[1][j] = columns[j].y;
     m.m[2][j] = columns[j].z;
   }
-  return Transform(m);
+  shape.geometry = RectangleShape{};
+  shape.to_world = Transform(m);
 }
+
+constexpr NameTable<GeometryReader> kShapes{{{"parallelogram", read_parallelogram}}};
 
 /// Reads material and interior medium of a mesh. A medium without a material gets a null interface.
 void read_inside(Properties& p, ShapeDescription& shape) {
@@ -171,14 +180,9 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   ShapeDescription shape;
   shape.where = element.where;
   if (const std::string* id = element.find_attribute("id")) shape.id = *id;
-  if (p.type() == "parallelogram") {
-    shape.geometry = RectangleShape{};
-    shape.to_world = read_parallelogram(p);
-  } else if (!read_shared_geometry(p, false, shape)) {
-    std::vector<std::string> known = shared_shape_names();
-    known.emplace_back("parallelogram");
-    p.fail_plugin(known);
-  }
+  const GeometryReader* own = kShapes.find(p.type());
+  const GeometryReader read = own != nullptr ? *own : p.plugin(kSharedShapes, kShapes);
+  read(p, false, shape);
   shape.to_world = p.transform("toWorld") * shape.to_world;
   p.ignore({"name"});
   read_inside(p, shape);

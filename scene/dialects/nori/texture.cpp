@@ -3,8 +3,6 @@
 #include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/nori/reader.h"
 
-#include <algorithm>
-
 namespace sheaf::nori {
 
 namespace {
@@ -19,16 +17,11 @@ std::array<float, 6> read_placement(Properties& p, float repeated) {
 
 /// Reads a checkerboard: value1 (default 0) in the square at `delta`, value2 (default 1) beside it. `scale` is the size
 /// of a square.
-void read_checkerboard(Properties& p, TextureDescription& texture) {
+void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
   const SpectrumDescription black = SpectrumDescription::constant(0), white = SpectrumDescription::constant(1);
   texture.model = CheckerboardDescription{p.spectrum_input("value1", black, SpectrumRole::kIor),
                                           p.spectrum_input("value2", white, SpectrumRole::kIor)};
   texture.to_uv = read_placement(p, 2);
-}
-
-/// Whether the type is one of the names that forks of Nori use for a bitmap.
-bool is_picture(const std::string& type) {
-  return type == "image" || type == "imagetexture" || type == "png_texture" || type == "normaltexture";
 }
 
 /// Rejects a nonzero `eulerAngles`, because images are not rotated. Ignores `sphericalTexture`, because spheres always
@@ -45,30 +38,35 @@ SpectrumInput read_constant(Properties& p) {
   return value;
 }
 
+void read_image(Properties& p, PictureOrigin, TextureDescription& texture) {
+  texture.model = read_bitmap(p);
+  texture.to_uv = read_placement(p, 1);
+  read_turn(p);
+}
+
+constexpr NameTable<SpectrumInput (*)(Properties&)> kConstants{
+    {{"constant_color", read_constant}, {"constant_float", read_constant}}};
+
+/// Textures of Nori; its forks have several names for a bitmap.
+constexpr NameTable<TexturePluginReader> kTextures{{{"checkerboard_color", read_checkerboard},
+                                                    {"checkerboard_float", read_checkerboard},
+                                                    {"image", read_image},
+                                                    {"imagetexture", read_image},
+                                                    {"normaltexture", read_image},
+                                                    {"png_texture", read_image}}};
+
 }  // namespace
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
-  const std::vector<std::string>& plain = spectrum_plugins();
-  if (element.name != "texture" || std::find(plain.begin(), plain.end(), element.attribute("type")) != plain.end())
+  if (element.name != "texture" || kSpectra.find(element.attribute("type")) != nullptr)
     return read_spectrum(element, context);
   Properties p(element, context);
+  if (const auto* read = kConstants.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  if (p.type() == "constant_color" || p.type() == "constant_float") return read_constant(p);
-  if (p.type() == "checkerboard_color" || p.type() == "checkerboard_float") {
-    read_checkerboard(p, texture);
-  } else if (is_picture(p.type())) {
-    texture.model = read_bitmap(p);
-    texture.to_uv = read_placement(p, 1);
-    read_turn(p);
-  } else if (!read_shared_texture(p, PictureOrigin::kLowerLeft, texture)) {
-    std::vector<std::string> known = shared_texture_names();
-    known.insert(known.end(), plain.begin(), plain.end());
-    known.insert(known.end(), {"checkerboard_color", "checkerboard_float", "constant_color", "constant_float", "image",
-                               "imagetexture", "normaltexture", "png_texture"});
-    std::sort(known.begin(), known.end());
-    p.fail_plugin(known);
-  }
+  const TexturePluginReader* own = kTextures.find(p.type());
+  const TexturePluginReader read = own != nullptr ? *own : p.plugin(kSharedTextures, kSpectra, kConstants, kTextures);
+  read(p, PictureOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -1,6 +1,6 @@
 // The pbrt dialect: camera, film, pixel filter.
 #include "core/saturate.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/pbrt/reader.h"
 #include "scene/tables/filter.h"
 
@@ -43,7 +43,11 @@ Transform frame_window(Parameters& p, const ScreenWindow& window, const FilmSett
   return Transform::scale({1, static_cast<float>(stretch), 1});
 }
 
-void read_perspective(Parameters& p, CameraDescription& camera, const Transform& to_world) {
+/// Camera to world space: pbrt's camera space has +x to the right, Sheaf's to the left.
+Transform mirrored(const Transform& world_from_camera) { return world_from_camera * Transform::scale({-1, 1, 1}); }
+
+void read_perspective(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
+  const Transform to_world = mirrored(world_from_camera);
   const FilmSettings& film = p.reader().description.film;
   const ScreenWindow window = read_window(p, film);
   camera.fov = p.number("fov", 90, {0, 180, true});
@@ -58,7 +62,8 @@ void read_perspective(Parameters& p, CameraDescription& camera, const Transform&
   camera.to_world = to_world * frame_window(p, window, film, camera);
 }
 
-void read_orthographic(Parameters& p, CameraDescription& camera, const Transform& to_world) {
+void read_orthographic(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
+  const Transform to_world = mirrored(world_from_camera);
   const FilmSettings& film = p.reader().description.film;
   const ScreenWindow window = read_window(p, film);
   camera.projection = CameraDescription::Projection::kOrthographic;
@@ -71,10 +76,8 @@ void read_orthographic(Parameters& p, CameraDescription& camera, const Transform
 /// Reads a camera with a full spherical view, +y up.
 void read_spherical(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
   camera.projection = CameraDescription::Projection::kSpherical;
-  const std::string mapping = p.string("mapping", "equalarea");
-  if (mapping != "equalarea" && mapping != "equirectangular")
-    p.fail_at("mapping", "is '" + mapping + "', expected equalarea or equirectangular");
-  camera.equal_area = mapping == "equalarea";
+  static constexpr NameTable<bool> kMappings{{{"equalarea", true}, {"equirectangular", false}}};
+  camera.equal_area = p.choice("mapping", kMappings, true);
   // The equal-area mapping exchanges y and z. The equirectangular mapping has -x in the image centre, and -z a quarter
   // turn later.
   Matrix4 axes;
@@ -85,6 +88,20 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
   camera.to_world = world_from_camera * Transform(axes);
   p.ignore({"frameaspectratio", "screenwindow", "lensradius", "focaldistance"});
 }
+
+/// Reads a camera with a lens system as a perspective one.
+void read_realistic(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
+  p.unsupported("cameras of this kind", "a perspective one is taken");
+  p.ignore({"lensfile", "aperturediameter", "focusdistance", "aperture"});
+  read_perspective(p, camera, world_from_camera);
+  camera.fov = 40;
+}
+
+constexpr NameTable<void (*)(Parameters&, CameraDescription&, const Transform& world_from_camera)> kCameras{
+    {{"orthographic", read_orthographic},
+     {"perspective", read_perspective},
+     {"realistic", read_realistic},
+     {"spherical", read_spherical}}};
 
 PixelRect read_crop_window(Parameters& p, const FilmSettings& film, std::vector<float> c) {
   if (c.size() != 4) p.fail_at("cropwindow", "must be four numbers: x0, x1, y0, y1");
@@ -113,12 +130,53 @@ void read_crop(Parameters& p, FilmSettings& film) {
   film.crop = crop;
 }
 
+using Kind = PixelFilter::Kind;
+
+PixelFilter read_gaussian(Parameters& p, float) {
+  const float sigma = p.number("sigma", 0.5f, kPositive);
+  return {Kind::kGaussian, 4 * sigma, sigma};
+}
+
+PixelFilter read_mitchell(Parameters& p, float radius) {
+  if (radius != 2.0f) p.unsupported("a radius other than 2", "2 is taken");
+  return {Kind::kMitchell, 2, 0.5f, p.number("B", 1.0f / 3), p.number("C", 1.0f / 3)};
+}
+
+PixelFilter read_sinc(Parameters& p, float) {
+  PixelFilter filter = p.reader().description.film.filter;
+  filter.kind = Kind::kLanczos;
+  filter.lobes = std::clamp(std::round(p.number("tau", 3, kPositive)), 1.0f, 64.0f);
+  filter.radius = filter.lobes;
+  return filter;
+}
+
+/// Reads a pixel filter of the given radius; `radius` is the default one.
+struct FilterReader {
+  PixelFilter (*read)(Parameters& p, float radius);
+  float radius;
+};
+constexpr NameTable<FilterReader> kFilters{{{"box",
+                                             {[](Parameters&, float radius) {
+                                                return PixelFilter{Kind::kBox, radius};
+                                              },
+                                              0.5f}},
+                                            {"gaussian", {read_gaussian, 1.5f}},
+                                            {"mitchell", {read_mitchell, 2}},
+                                            {"sinc", {read_sinc, 4}},
+                                            {"triangle",
+                                             {[](Parameters&, float radius) {
+                                                return PixelFilter{Kind::kTent, radius};
+                                              },
+                                              2}}}};
+
 }  // namespace
 
 void read_film(Reader& reader, Entity entity, float shutter) {
   Parameters p(reader, "Film '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  if (entity.type != "rgb" && entity.type != "gbuffer" && entity.type != "spectral")
-    throw SceneError(entity.where, "unknown film '" + entity.type + "', expected rgb, gbuffer or spectral");
+  const std::vector<std::string> known = {"gbuffer", "rgb", "spectral"};
+  if (std::find(known.begin(), known.end(), entity.type) == known.end())
+    throw SceneError(entity.where,
+                     "unknown film '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known));
   FilmSettings& film = reader.description.film;
   film.width = p.integer("xresolution", 1280, 1, 1'000'000'000);
   film.height = p.integer("yresolution", 720, 1, 1'000'000'000);
@@ -138,33 +196,14 @@ void read_film(Reader& reader, Entity entity, float shutter) {
 }
 
 void read_filter(Reader& reader, Entity entity) {
-  using Kind = PixelFilter::Kind;
   Parameters p(reader, "PixelFilter '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  const std::string& type = entity.type;
-  const float standard = type == "box" ? 0.5f : type == "gaussian" ? 1.5f : type == "sinc" ? 4.0f : 2.0f;
-  const float radius = p.number("xradius", standard, kPositive);
-  if (p.number("yradius", standard, kPositive) != radius)
+  const FilterReader& filter_reader = plugin(kFilters, "filter", entity.type, entity.where);
+  const float radius = p.number("xradius", filter_reader.radius, kPositive);
+  if (p.number("yradius", filter_reader.radius, kPositive) != radius)
     p.unsupported("a filter of different 'xradius' and 'yradius'", "'xradius' is taken for both");
   reader.description.film.sample_border = true;
   PixelFilter& filter = reader.description.film.filter;
-  if (type == "box") {
-    filter = {Kind::kBox, radius};
-  } else if (type == "triangle") {
-    filter = {Kind::kTent, radius};
-  } else if (type == "gaussian") {
-    const float sigma = p.number("sigma", 0.5f, kPositive);
-    filter = {Kind::kGaussian, 4 * sigma, sigma};
-  } else if (type == "mitchell") {
-    if (radius != 2.0f) p.unsupported("a radius other than 2", "2 is taken");
-    filter = {Kind::kMitchell, 2, 0.5f, p.number("B", 1.0f / 3), p.number("C", 1.0f / 3)};
-  } else if (type == "sinc") {
-    filter.kind = Kind::kLanczos;
-    filter.lobes = std::clamp(std::round(p.number("tau", 3, kPositive)), 1.0f, 64.0f);
-    filter.radius = filter.lobes;
-  } else {
-    const std::vector<std::string> known = {"box", "gaussian", "mitchell", "sinc", "triangle"};
-    throw SceneError(entity.where, "unknown filter '" + type + "'" + did_you_mean(type, known));
-  }
+  filter = filter_reader.read(p, radius);
   p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), entity.where);
 }
@@ -174,24 +213,8 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
   CameraDescription& camera = reader.description.camera;
   camera.where = entity.where;
   camera.medium = medium_of(reader, outside, entity.where);
-  // pbrt's camera space has +x to the right, Sheaf's to the left.
-  const Transform to_world = world_from_camera * Transform::scale({-1, 1, 1});
   p.ignore({"shutteropen", "shutterclose"});
-  if (entity.type == "perspective") {
-    read_perspective(p, camera, to_world);
-  } else if (entity.type == "orthographic") {
-    read_orthographic(p, camera, to_world);
-  } else if (entity.type == "spherical") {
-    read_spherical(p, camera, world_from_camera);
-  } else if (entity.type == "realistic") {
-    p.unsupported("cameras of this kind", "a perspective one is taken");
-    p.ignore({"lensfile", "aperturediameter", "focusdistance", "aperture"});
-    read_perspective(p, camera, to_world);
-    camera.fov = 40;
-  } else {
-    const std::vector<std::string> known = {"orthographic", "perspective", "realistic", "spherical"};
-    throw SceneError(entity.where, "unknown camera '" + entity.type + "'" + did_you_mean(entity.type, known));
-  }
+  plugin(kCameras, "camera", entity.type, entity.where)(p, camera, world_from_camera);
   p.reject_unused();
 }
 

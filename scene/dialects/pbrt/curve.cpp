@@ -28,10 +28,9 @@ struct Form {
 };
 
 Form read_form(Parameters& p, std::size_t points) {
-  const std::string basis = p.string("basis", "bezier");
-  if (basis != "bezier" && basis != "bspline")
-    p.fail_at("basis", "is '" + basis + "', expected bezier or bspline" + did_you_mean(basis, {"bezier", "bspline"}));
-  Form form{basis == "bspline", static_cast<std::size_t>(p.integer("degree", 3, 2, 3)), 0};
+  static constexpr NameTable<bool> kBases{{{"bezier", false}, {"bspline", true}}};
+  const bool is_bspline = p.choice("basis", kBases, false);
+  Form form{is_bspline, static_cast<std::size_t>(p.integer("degree", 3, 2, 3)), 0};
   if (points <= form.degree)
     p.fail_at("P", "has " + std::to_string(points) + " points, expected " + std::to_string(form.degree + 1) +
                        " or more for degree " + std::to_string(form.degree));
@@ -64,12 +63,11 @@ float width_scale(Parameters& p, const Transform& to_world) {
 }
 
 void read_type(Parameters& p) {
-  const std::string type = p.string("type", "flat");
-  if (type != "flat" && type != "ribbon" && type != "cylinder")
-    p.fail_at("type", "is '" + type + "', expected flat, ribbon or cylinder" +
-                          did_you_mean(type, {"flat", "ribbon", "cylinder"}));
-  if (type != "cylinder")
-    p.reader().note_once(p.where(), p.title() + " of type '" + type + "' is shown as a round tube of its width");
+  static constexpr NameTable<bool> kIsRound{{{"flat", false}, {"ribbon", false}, {"cylinder", true}}};
+  const bool is_round = p.choice("type", kIsRound, false);
+  if (!is_round)
+    p.reader().note_once(
+        p.where(), p.title() + " of type '" + p.string("type", "flat") + "' is shown as a round tube of its width");
   p.ignore({"N", "splitdepth"});
 }
 

@@ -90,12 +90,8 @@ void SceneBuilder::color_space(Tokens& tokens) {
   const std::string name = read_string(tokens, "a colour space");
   const std::vector<std::string>& known = color_space_names();
   const auto found = std::find(known.begin(), known.end(), name);
-  if (found == known.end()) {
-    std::string list;
-    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-    throw SceneError(where_,
-                     "unknown colour space '" + name + "'" + did_you_mean(name, known) + " (known: " + list + ")");
-  }
+  if (found == known.end())
+    throw SceneError(where_, "unknown colour space '" + name + "'" + did_you_mean(name, known) + known_names(known));
   reader_.attributes.color_space = static_cast<std::size_t>(found - known.begin());
 }
 

@@ -1,9 +1,9 @@
 // The pbrt dialect: integrators and samplers, replaced by Sheaf's with the same expected image.
+#include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/common/visibility_integrators.h"
-#include "scene/dialects/dialects.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>
@@ -39,12 +39,13 @@ void read_progressive(Parameters& p, PhotonMappingSettings& photons) {
 }
 
 /// Reads ambient occlusion, under pbrt's name or Sheaf's, or average visibility. The scene is made white after reading.
-void read_visibility(Parameters& p, const std::string& type, Reader& reader) {
-  const float length = p.number(type == "av" ? "length" : "maxdistance", kInfinity, kPositive);
-  if (type != "av" && std::isfinite(length))
+void read_visibility(Parameters& p, Visibility visibility, Reader& reader) {
+  const bool average = visibility == Visibility::kAverage;
+  const float length = p.number(average ? "length" : "maxdistance", kInfinity, kPositive);
+  if (!average && std::isfinite(length))
     p.unsupported("ambient occlusion within 'maxdistance'", "nothing is too far away to occlude");
   p.ignore({"cossample"});
-  reader.visibility = {type, length};
+  reader.visibility = {visibility, length};
 }
 
 /// Finds an integrator by its name in pbrt or in the other dialects. Throws SceneError for an unknown name.
@@ -60,15 +61,15 @@ Counterpart find_counterpart(Parameters& p, const Entity& entity) {
   if (find_integrator(type) != nullptr) return {type.c_str(), false};
   std::vector<std::string> known = integrator_names();
   known.emplace_back("function");
-  throw SceneError(entity.where, "unknown integrator '" + type + "'" + did_you_mean(type, known));
+  throw SceneError(entity.where, "unknown integrator '" + type + "'" + did_you_mean(type, known) + known_names(known));
 }
 
 }  // namespace
 
 void read_integrator(Reader& reader, Entity entity) {
   Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  if (is_visibility_integrator(entity.type)) {
-    read_visibility(p, entity.type, reader);
+  if (const Visibility* visibility = kVisibilityIntegrators.find(entity.type)) {
+    read_visibility(p, *visibility, reader);
     return p.reject_unused();
   }
   IntegratorSettings& integrator = reader.description.integrator;
@@ -81,11 +82,11 @@ void read_integrator(Reader& reader, Entity entity) {
   if (found.alike)
     reader.note(entity.where, "integrator '" + entity.type + "' is rendered with '" + found.name +
                                   "', which has the same expectation");
-  const std::string selector = p.string("lightsampler", "bvh");
-  if (selector == "uniform" || selector == "power")
-    integrator.light_selector = selector == "power" ? LightSelector::kPower : LightSelector::kUniform;
-  else if (selector != "bvh" && selector != "exhaustive")
-    p.fail_at("lightsampler", "is '" + selector + "', expected bvh, exhaustive, power or uniform");
+  static constexpr NameTable<LightSelector> kSelectors{{{"bvh", LightSelector::kBvh},
+                                                        {"exhaustive", LightSelector::kBvh},
+                                                        {"power", LightSelector::kPower},
+                                                        {"uniform", LightSelector::kUniform}}};
+  integrator.light_selector = p.choice("lightsampler", kSelectors, LightSelector::kBvh);
   p.ignore({"regularize", "samplebsdf", "samplelights", "visualizestrategies", "visualizeweights", "bootstrapsamples",
             "chains", "mutationsperpixel", "largestepprobability", "sigma"});
   p.reject_unused();
@@ -95,10 +96,7 @@ void read_sampler(Reader& reader, Entity entity) {
   Parameters p(reader, "Sampler '" + entity.type + "'", entity.where, std::move(entity.parameters));
   SamplerSettings& sampler = reader.description.sampler;
   const std::string& type = entity.type;
-  const SamplerKind* kind = kSamplers.find(type);
-  if (kind == nullptr)
-    throw SceneError(entity.where, "unknown sampler '" + type + "'" + did_you_mean(type, kSamplers.names()));
-  sampler.kind = *kind;
+  sampler.kind = plugin(kSamplers, "sampler", type, entity.where);
   const bool is_own = type == "halton" || type == "paddedsobol" || type == "pmj02bn";
   if (const std::string note = stand_in_sampler_note(type); !is_own && !note.empty()) reader.note(entity.where, note);
   int count = 0;

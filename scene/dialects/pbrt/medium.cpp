@@ -57,11 +57,9 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
   if (!preset) return {read_coefficient(p, "sigma_a", one), read_coefficient(p, "sigma_s", one)};
   const MeasuredMedium* found = find_measured_medium(*preset);
   if (found == nullptr) {
-    std::string known;
-    for (const std::string& name : measured_medium_names()) known += (known.empty() ? "" : ", ") + name;
-    p.unsupported(
-        "the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) + " (known: " + known + ")",
-        "sigma_a and sigma_s of 1 are taken");
+    p.unsupported("the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) +
+                      known_names(measured_medium_names()),
+                  "sigma_a and sigma_s of 1 are taken");
     return {one, one};
   }
   p.ignore({"sigma_a", "sigma_s"});
@@ -79,28 +77,23 @@ void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescrip
   medium.emission_scale = scale * kLuminanceIntegral;
 }
 
+namespace {
+
+constexpr NameTable<void (*)(Parameters&, MediumDescription&)> kMedia{{{"cloud", read_cloud},
+                                                                       {"homogeneous", read_homogeneous},
+                                                                       {"nanovdb", read_nanovdb},
+                                                                       {"rgbgrid", read_rgb_grid},
+                                                                       {"uniformgrid", read_uniform_grid}}};
+
+}  // namespace
+
 void read_medium(Reader& reader, const std::string& name, Entity entity) {
-  const std::string type = entity.type;
   Parameters p(reader, "MakeNamedMedium '" + name + "'", entity.where, std::move(entity.parameters));
   if (reader.media.contains(name)) p.fail("is the second medium of this name");
   MediumDescription medium;
   medium.where = entity.where;
   medium.id = name;
-  if (type == "homogeneous") {
-    read_homogeneous(p, medium);
-  } else if (type == "nanovdb") {
-    read_nanovdb(p, medium);
-  } else if (type == "uniformgrid") {
-    read_uniform_grid(p, medium);
-  } else if (type == "rgbgrid") {
-    read_rgb_grid(p, medium);
-  } else if (type == "cloud") {
-    read_cloud(p, medium);
-  } else {
-    const std::vector<std::string> known = {"cloud", "homogeneous", "nanovdb", "rgbgrid", "uniformgrid"};
-    p.fail("is of the type '" + type + "', expected homogeneous, nanovdb, uniformgrid, rgbgrid or cloud" +
-           did_you_mean(type, known));
-  }
+  plugin(kMedia, "medium", entity.type, entity.where)(p, medium);
   medium.phase = read_phase(p);
   p.reject_unused();
   reader.description.media.push_back(std::move(medium));

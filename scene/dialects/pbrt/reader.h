@@ -4,6 +4,7 @@
 #include "core/image.h"
 #include "core/transform.h"
 #include "scene/dialects/common/read_spectrum.h"
+#include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/dialects/pbrt/parameters.h"
 
@@ -66,11 +67,11 @@ struct Reader {
 
   Attributes attributes;
   /// A visibility integrator and its maximum distance (m). Applied after the world is read.
-  struct Visibility {
-    std::string name;
-    float length = 0;
+  struct VisibilityIntegrator {
+    Visibility kind;
+    float length;
   };
-  std::optional<Visibility> visibility = {};
+  std::optional<VisibilityIntegrator> visibility = {};
   float exposure = 1;  ///< film value for a radiance of 1, set when the world begins
   std::map<std::string, ScalarInput, std::less<>> float_textures = {};
   std::map<std::string, SpectrumInput, std::less<>> spectrum_textures = {};
@@ -98,6 +99,17 @@ struct Reader {
   /// Resolves the name of a regular file. Throws SceneError if it does not exist.
   std::filesystem::path find_file(const std::string& name, const SourceLocation& where);
 };
+
+/// Returns the value of a plugin in a table, mostly the function that reads it. Throws SceneError for an unknown
+/// plugin; `kind` names its kind in the message, such as "shape".
+template <class Value>
+const Value& plugin(const NameTable<Value>& table, const char* kind, const std::string& type,
+                    const SourceLocation& where) {
+  if (const Value* found = table.find(type)) return *found;
+  const std::vector<std::string> known = table.names();
+  throw SceneError(where,
+                   std::string("unknown ") + kind + " '" + type + "'" + did_you_mean(type, known) + known_names(known));
+}
 
 // pbrt_spectrum.cpp
 /// Purpose of a spectrum; determines range and scaling.

@@ -2,7 +2,7 @@
 #include "scene/dialects/pbrt/scene.h"
 
 #include "scene/dialects/common/visibility_integrators.h"
-#include "scene/dialects/dialects.h"
+#include "scene/dialects/pbrt/read_pbrt.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/tables/instance_transform.h"
 #include "scene/xml/missing_file.h"
@@ -163,7 +163,7 @@ void SceneBuilder::finish() {
   }
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
   if (reader_.visibility)
-    apply_visibility_integrator(reader_.visibility->name, reader_.visibility->length, true, description);
+    apply_visibility_integrator(reader_.visibility->kind, reader_.visibility->length, true, description);
 }
 
 }  // namespace sheaf::pbrt

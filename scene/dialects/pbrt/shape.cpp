@@ -74,7 +74,7 @@ Geometry read_sphere(Parameters& p, ShapeDescription& shape, bool textured) {
   return {area, true, true};
 }
 
-Geometry read_cylinder(Parameters& p, ShapeDescription& shape) {
+Geometry read_cylinder(Parameters& p, ShapeDescription& shape, bool) {
   const float radius = p.number("radius", 1, kPositive), phimax = read_phimax(p);
   const float a = p.number("zmin", -1), b = p.number("zmax", 1);
   const float low = std::min(a, b), high = std::max(a, b);
@@ -115,7 +115,7 @@ Geometry ply_geometry(const std::filesystem::path& file) {
   return geometry;
 }
 
-Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
+Geometry read_ply_shape(Parameters& p, ShapeDescription& shape, bool) {
   MeshFileShape mesh;
   mesh.file = p.file("filename");
   mesh.format = MeshFileShape::Format::kPly;
@@ -132,34 +132,45 @@ Geometry read_ply_shape(Parameters& p, ShapeDescription& shape) {
   return geometry;
 }
 
-Geometry read_geometry(Parameters& p, const std::string& type, ShapeDescription& shape, bool textured) {
-  if (type == "sphere") return read_sphere(p, shape, textured);
-  if (type == "cylinder") return read_cylinder(p, shape);
-  if (type == "disk") return read_disk(p, shape, textured);
-  if (type == "plymesh") return read_ply_shape(p, shape);
-  if (type == "loopsubdiv") {
-    Mesh mesh = read_subdivision(p, textured);
-    const Geometry geometry{0, true, true, mesh.triangles.size()};
-    shape.geometry = std::move(mesh);
-    return geometry;
-  }
-  if (type == "trianglemesh" || type == "bilinearmesh") {
-    Mesh mesh = type == "trianglemesh" ? read_triangle_mesh(p, textured) : read_bilinear_mesh(p);
-    const Parameter* indices = p.find("indices");
-    const std::size_t corners = type == "trianglemesh" ? 3 : 4;
-    const Geometry geometry{0, !mesh.normals.empty(), true, indices == nullptr ? 1 : indices->numbers.size() / corners};
-    shape.geometry = std::move(mesh);
-    return geometry;
-  }
-  if (type == "curve") {
-    shape.geometry = read_curve(p, shape.to_world);
-    shape.to_world = Transform();
-    return Geometry{0, true, false};
-  }
-  const std::vector<std::string> known = {"bilinearmesh", "curve",   "cylinder", "disk",
-                                          "loopsubdiv",   "plymesh", "sphere",   "trianglemesh"};
-  throw SceneError(p.where(), "unknown shape '" + type + "'" + did_you_mean(type, known));
+Geometry read_subdivision_shape(Parameters& p, ShapeDescription& shape, bool textured) {
+  Mesh mesh = read_subdivision(p, textured);
+  const Geometry geometry{0, true, true, mesh.triangles.size()};
+  shape.geometry = std::move(mesh);
+  return geometry;
 }
+
+/// Sets a mesh of faces with this number of corners.
+Geometry set_mesh(Parameters& p, ShapeDescription& shape, Mesh mesh, std::size_t corners) {
+  const Parameter* indices = p.find("indices");
+  const Geometry geometry{0, !mesh.normals.empty(), true, indices == nullptr ? 1 : indices->numbers.size() / corners};
+  shape.geometry = std::move(mesh);
+  return geometry;
+}
+
+Geometry read_triangles(Parameters& p, ShapeDescription& shape, bool textured) {
+  return set_mesh(p, shape, read_triangle_mesh(p, textured), 3);
+}
+
+Geometry read_patches(Parameters& p, ShapeDescription& shape, bool) {
+  return set_mesh(p, shape, read_bilinear_mesh(p), 4);
+}
+
+Geometry read_curve_shape(Parameters& p, ShapeDescription& shape, bool) {
+  shape.geometry = read_curve(p, shape.to_world);
+  shape.to_world = Transform();
+  return Geometry{0, true, false};
+}
+
+/// `textured`: the texture coordinates matter.
+constexpr NameTable<Geometry (*)(Parameters&, ShapeDescription&, bool textured)> kShapes{
+    {{"bilinearmesh", read_patches},
+     {"curve", read_curve_shape},
+     {"cylinder", read_cylinder},
+     {"disk", read_disk},
+     {"loopsubdiv", read_subdivision_shape},
+     {"plymesh", read_ply_shape},
+     {"sphere", read_sphere},
+     {"trianglemesh", read_triangles}}};
 
 /// Applies the `alpha` mask to the material.
 MaterialId masked(Parameters& p, MaterialId nested) {
@@ -215,7 +226,7 @@ void read_shape(Reader& reader, Entity entity) {
   const bool lit_by_picture =
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
   const bool textured = reader.used_texture || lit_by_picture;
-  const Geometry geometry = read_geometry(p, entity.type, shape, textured);
+  const Geometry geometry = plugin(kShapes, "shape", entity.type, entity.where)(p, shape, textured);
   const bool mirrored = geometry.is_mesh && !geometry.has_normals && reader.attributes.transform.swaps_handedness();
   const bool is_curve = std::holds_alternative<Curves>(shape.geometry);
   shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;

@@ -64,12 +64,6 @@ SpectrumDescription read_spectrum(Parameters& p, const char* name, const Paramet
   return use == Use::kLight ? with_unit_luminance(std::move(spectrum), p) : spectrum;
 }
 
-std::string list_of(const std::vector<std::string>& names) {
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  return list.empty() ? "none" : list;
-}
-
 /// Returns the texture that a parameter names.
 template <class Input, class Other>
 const Input& texture_of(Parameters& p, const char* name, const Parameter& parameter, const char* kind,
@@ -84,7 +78,7 @@ const Input& texture_of(Parameters& p, const char* name, const Parameter& parame
     p.fail_at(name, "is the texture '" + texture + "', " +
                         (other ? "which is of the other kind, expected one of the kind " + std::string(kind)
                                : "which is not defined so far" + did_you_mean(texture, names) + " (known of the kind " +
-                                     kind + ": " + list_of(names) + ")"));
+                                     kind + ": " + (names.empty() ? "none" : joined(names)) + ")"));
   }
   p.reader().used_texture = true;
   return found->second;
@@ -129,8 +123,8 @@ Index read_index(Parameters& p, const char* name, float default_value) {
     // pbrt's names of Schott's SF5, SF10 and SF11.
     if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
     if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
-    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] +
-                      "', of which no formula is known (known: " + list_of(dispersion_names()) + ")",
+    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] + "', of which no formula is known" +
+                      known_names(dispersion_names()),
                   "an index of " + std::to_string(default_value) + " is taken");
     return {default_value, std::nullopt};
   }

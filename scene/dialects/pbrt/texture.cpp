@@ -87,7 +87,7 @@ TextureWrap read_wrap(Parameters& p) {
   return TextureWrap::kClamp;
 }
 
-SpectrumInput read_image(Parameters& p, bool colours) {
+SpectrumInput read_image(Parameters& p, const Source& source) {
   BitmapDescription picture;
   picture.file = p.file("filename");
   picture.wrap_u = picture.wrap_v = read_wrap(p);
@@ -96,7 +96,7 @@ SpectrumInput read_image(Parameters& p, bool colours) {
   read_encoding(p, picture);
   if (p.string("filter", "bilinear") == "point") picture.filter = TextureFilter::kNearest;
   p.ignore({"maxanisotropy"});
-  if (!colours) picture.made = number_picture(picture);
+  if (!source.colours) picture.made = number_picture(picture);
   TextureDescription texture;
   texture.model = std::move(picture);
   texture.to_uv = read_mapping(p);
@@ -226,36 +226,40 @@ SpectrumInput read_dots(Parameters& p, const Source& source) {
   return add_mix(p, outside, inside, append(p.reader(), std::move(texture)));
 }
 
-/// Reads an unsupported texture as its mean or its main component.
-std::optional<SpectrumInput> read_stand_in(Parameters& p, const std::string& type, const Source& source) {
-  SpectrumInput stand_in = SpectrumDescription::constant(0.5f);
-  if (type == "directionmix") {
-    stand_in = source.find("tex1", 0);
-    p.ignore({"tex2", "dir"});
-  } else if (type != "fbm" && type != "wrinkled" && type != "windy" && type != "marble" && type != "ptex") {
-    return std::nullopt;
-  }
+SpectrumInput read_constant(Parameters&, const Source& source) { return source.find("value", 1); }
+
+/// Reads an unsupported texture; reports `instead`, what is shown in its place.
+SpectrumInput replaced(Parameters& p, SpectrumInput input, const char* instead) {
   p.ignore({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
             "udelta", "vdelta", "v1", "v2"});
-  p.unsupported("textures of this kind",
-                type == "directionmix" ? "the first of its textures is shown" : "a grey of 0.5 is shown");
-  return stand_in;
+  p.unsupported("textures of this kind", instead);
+  return input;
 }
 
-SpectrumInput read_model(Parameters& p, const std::string& type, const Source& source) {
-  if (type == "constant") return source.find("value", 1);
-  if (type == "imagemap") return read_image(p, source.colours);
-  if (type == "checkerboard") return read_checkerboard(p, source);
-  if (type == "scale") return read_scale(p, source);
-  if (type == "mix") return read_mix(p, source);
-  if (type == "bilerp") return read_bilerp(p, source);
-  if (type == "dots") return read_dots(p, source);
-  if (std::optional<SpectrumInput> stand_in = read_stand_in(p, type, source)) return *stand_in;
-  const std::vector<std::string> known = {"bilerp", "checkerboard", "constant", "directionmix", "dots",
-                                          "fbm",    "imagemap",     "marble",   "mix",          "ptex",
-                                          "scale",  "windy",        "wrinkled"};
-  throw SceneError(p.where(), "unknown texture class '" + type + "'" + did_you_mean(type, known));
+/// Reads a texture whose mean is shown.
+SpectrumInput read_grey(Parameters& p, const Source&) {
+  return replaced(p, SpectrumDescription::constant(0.5f), "a grey of 0.5 is shown");
 }
+
+SpectrumInput read_direction_mix(Parameters& p, const Source& source) {
+  const SpectrumInput first = source.find("tex1", 0);
+  p.ignore({"tex2", "dir"});
+  return replaced(p, first, "the first of its textures is shown");
+}
+
+constexpr NameTable<SpectrumInput (*)(Parameters&, const Source&)> kTextures{{{"bilerp", read_bilerp},
+                                                                              {"checkerboard", read_checkerboard},
+                                                                              {"constant", read_constant},
+                                                                              {"directionmix", read_direction_mix},
+                                                                              {"dots", read_dots},
+                                                                              {"fbm", read_grey},
+                                                                              {"imagemap", read_image},
+                                                                              {"marble", read_grey},
+                                                                              {"mix", read_mix},
+                                                                              {"ptex", read_grey},
+                                                                              {"scale", read_scale},
+                                                                              {"windy", read_grey},
+                                                                              {"wrinkled", read_grey}}};
 
 /// Returns a copy of the input with its constants and images modified, also inside checkerboards and mixes. Returns
 /// nullopt for other textures, or if `change_picture` returns false.
@@ -358,7 +362,7 @@ void read_texture(Reader& reader, const std::string& name, const std::string& ki
   if (colours ? reader.spectrum_textures.contains(name) : reader.float_textures.contains(name))
     throw SceneError(entity.where, "a second texture '" + name + "' of the kind " + kind);
   const std::size_t first = reader.description.textures.size();
-  const SpectrumInput input = read_model(p, entity.type, Source{p, colours});
+  const SpectrumInput input = plugin(kTextures, "texture", entity.type, entity.where)(p, Source{p, colours});
   p.reject_unused();
   for (std::size_t i = first; i < reader.description.textures.size(); ++i)
     if (reader.description.textures[i].id.empty()) reader.description.textures[i].id = name;

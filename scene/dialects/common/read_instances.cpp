@@ -1,5 +1,6 @@
-// Shape groups and instances, shared by the Nori and Mitsuba dialects.
-#include "scene/dialects/dialects.h"
+// Shape groups and instances.
+#include "scene/dialects/common/read_instances.h"
+
 #include "scene/tables/instance_transform.h"
 
 namespace sheaf {

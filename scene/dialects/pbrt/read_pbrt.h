@@ -1,0 +1,13 @@
+// Entry point of the pbrt dialect.
+#pragma once
+
+#include "scene/description/description.h"
+
+#include <filesystem>
+
+namespace sheaf {
+
+/// Reads a pbrt-v4 scene file. If `lenient`, substitutes or drops unsupported features. Throws SceneError.
+void read_pbrt(const std::filesystem::path& file, Description& description, bool lenient);
+
+}  // namespace sheaf
