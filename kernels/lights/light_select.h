@@ -53,8 +53,9 @@ SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightSampleContext
   for (int i = 0; i < N; ++i) {
     const F number =
         infinite == 0 ? u[i] : clamp((u[i] - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
-    walks[i] = tops != nullptr ? begin_light_walk<L>(scene.lights.tree, tops[i], at[i].p, at[i].n, Mask<L>(true), number)
-                               : begin_light_walk<L>(at[i].p, at[i].n, Mask<L>(true), number);
+    walks[i] = tops != nullptr
+                   ? begin_light_walk<L>(scene.lights.tree, tops[i], at[i].p, at[i].n, Mask<L>(true), number)
+                   : begin_light_walk<L>(at[i].p, at[i].n, Mask<L>(true), number);
   }
   LightTreeSample<L> near[N];
   end_light_walks<L>(scene.lights.tree, walks, near);

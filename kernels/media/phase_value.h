@@ -21,8 +21,9 @@ template <class L> Float<L> phase_value(const SceneView& scene, std::uint32_t ro
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (kIsPhaseFunction<Bsdf<L>>) {
       if (static_cast<ClosureKind>(material.kind) != kind) return;
-      const auto bsdf = bsdf_of_words<Bsdf<L>>(
-          scene.materials.closure_tables, [&](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { word = F(material.words[k]); });
+      const auto bsdf =
+          bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
+                                 [&](int k, Float<L>& word) SHEAF_LAMBDA_INLINE { word = F(material.words[k]); });
       value = bsdf.evaluate({F(0.0f), F(0.0f), F(1.0f)}, wi).pdf_solid_angle;
     }
   });

@@ -85,7 +85,8 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
   F x;
   load(column, x);
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]), depth);
+    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]),
+                   depth);
   return depth;
 }
 

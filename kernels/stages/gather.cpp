@@ -48,9 +48,9 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     const VertexItem<L> item{broadcast<L>(one.p),  broadcast<L>(one.ng), broadcast<L>(one.ns),
                              broadcast<L>(one.wo), F(one.offset),        {F(one.tangent.x), F(one.tangent.y)}};
     float* const* words = wave.closures.columns().words;
-    const auto bsdf =
-        bsdf_of_words<Bsdf<L>>(context.scene.materials.closure_tables, [words, column](int k, Float<L>& word)
-                                                                 SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
+    const auto bsdf = bsdf_of_words<Bsdf<L>>(context.scene.materials.closure_tables,
+                                             [words, column](int k, Float<L>& word)
+                                                 SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
     const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
     const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
     GatheringVertex out{

@@ -73,8 +73,8 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   hit.light = select(found, shape.light, U(kNone));
   const auto instanced = found & (hit.instance != U(kNone)) & (hit.light != U(kNone));
   if (any(instanced)) {
-    const U first =
-        gather_member<L>(context.scene.geometry.instances, &InstanceRow::first_light, select(instanced, hit.instance, U(0u)));
+    const U first = gather_member<L>(context.scene.geometry.instances, &InstanceRow::first_light,
+                                     select(instanced, hit.instance, U(0u)));
     hit.light = hit.light + select(instanced, first, U(0u));
   }
   wave.hits.scatter<L>(slots, count, hit);

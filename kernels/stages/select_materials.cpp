@@ -25,7 +25,8 @@ template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint
     const MaterialRow& m = scene.materials.rows[material];
     const auto same = lanes & (row == U(material));
     F value(m.second_share());
-    if (m.binding_count > 0) value = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
+    if (m.binding_count > 0)
+      value = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
     share = select(same, value, share);
     lanes = lanes & !same;
   }

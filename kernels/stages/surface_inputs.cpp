@@ -154,7 +154,8 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     if (run.count == 0) return;
-    const bool textured = (context.scene.materials.buckets.kind_flags[static_cast<int>(kind)] & (kMapped | kNeedsUv)) != 0;
+    const bool textured =
+        (context.scene.materials.buckets.kind_flags[static_cast<int>(kind)] & (kMapped | kNeedsUv)) != 0;
     timer.count(run.count, L::width);
     const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,    textured,
                             kIsPhaseFunction<Bsdf<L>>, kind == ClosureKind::kSggx, closure_spectra<Bsdf>()};

@@ -136,7 +136,8 @@ void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run
     const Vec2<L> uv = load_uv<L>(wave, run.column_begin + at);
     for (std::uint32_t b = 0; b < material.binding_count; ++b)
       prefetch_texture<L>(scene.textures, scene.materials.bindings[material.first_binding + b].texture, uv);
-    if (material.flags & kMapped) prefetch_texture<L>(scene.textures, scene.materials.normal_maps[material.map].texture, uv);
+    if (material.flags & kMapped)
+      prefetch_texture<L>(scene.textures, scene.materials.normal_maps[material.map].texture, uv);
   }
 }
 
@@ -186,7 +187,8 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
 template <class L> void textures(const StageContext& context, Wave& wave) noexcept {
   bool any_textured = false;
   for (int kind = 0; kind < kClosureKinds; ++kind)
-    any_textured = any_textured || (wave.runs[kind].count > 0 && (context.scene.materials.buckets.kind_flags[kind] & kNeedsUv) != 0);
+    any_textured = any_textured ||
+                   (wave.runs[kind].count > 0 && (context.scene.materials.buckets.kind_flags[kind] & kNeedsUv) != 0);
   if (!any_textured) return;
   StageTimer timer(wave.stats, Stage::kTextures);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {

@@ -10,8 +10,9 @@ namespace sheaf {
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int column) {
   float* const* words = wave.closures.columns().words;
-  return bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables, [words, column](int k, Float<L>& word)
-                                                          SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
+  return bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
+                                [words, column](int k, Float<L>& word)
+                                    SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
 }
 
 }  // namespace sheaf

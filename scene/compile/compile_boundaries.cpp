@@ -91,7 +91,8 @@ void SceneCompiler::probe_media() {
 void SceneCompiler::probe_boundaries(std::uint32_t default_value) {
   for (const std::uint32_t shape : surrounded_shapes_) {
     const SceneView view = out_->make_view();
-    out_->media_.boundaries[out_->geometry_.shapes[shape].boundary].exterior = medium_around(view, shape, default_value);
+    out_->media_.boundaries[out_->geometry_.shapes[shape].boundary].exterior =
+        medium_around(view, shape, default_value);
   }
   out_->media_.outer_medium = medium_outside(out_->make_view(), default_value);
   if (!in_.camera.medium) probe_camera();

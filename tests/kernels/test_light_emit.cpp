@@ -302,7 +302,8 @@ TEST_CASE("light emission: directions follow their pdf") {
     const Description d = placed_case("", envmap_of(folder, compensated)).scene;
     const auto scene = compile_scene(d);
     const auto mixed = [&](Vec3f w) {
-      return 0.875 * double(lookup_envmap<Scalar>(scene->view().lights.envmap, -w).pdf_solid_angle) + 0.125 * 0.25 / kPiD;
+      return 0.875 * double(lookup_envmap<Scalar>(scene->view().lights.envmap, -w).pdf_solid_angle) +
+             0.125 * 0.25 / kPiD;
     };
     check_directions(d, mixed, -1, significance);
   }

@@ -55,8 +55,8 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task starts once in order a
         CHECK(ray.origin == view.sensor.camera.origin);
         // The direction passes through the pixel.
         const Vec3f normal = normalize(cross(view.sensor.camera.dx, view.sensor.camera.dy));
-        const Vec3f on_film =
-            ray.direction * (dot(view.sensor.camera.corner, normal) / dot(ray.direction, normal)) - view.sensor.camera.corner;
+        const Vec3f on_film = ray.direction * (dot(view.sensor.camera.corner, normal) / dot(ray.direction, normal)) -
+                              view.sensor.camera.corner;
         const float film_x = dot(on_film, view.sensor.camera.dx) / length_squared(view.sensor.camera.dx);
         const float film_y = dot(on_film, view.sensor.camera.dy) / length_squared(view.sensor.camera.dy);
         CHECK(std::fabs(film_x - static_cast<float>(x) - 0.5f) <= 0.5001f);

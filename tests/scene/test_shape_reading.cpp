@@ -126,7 +126,8 @@ TEST_CASE("Mitsuba: height fields of procedural textures are sampled at the give
                  hills("name='color0'") + hills("name='color1'") + "</texture></shape><shape type='heightfield'>" +
                  hills("") + "</shape>"));
   for (int i = 0; i < 6; ++i)
-    CHECK(pixels->view().geometry.vertices[i].position.z == doctest::Approx(pixels->view().geometry.vertices[6 + i].position.z));
+    CHECK(pixels->view().geometry.vertices[i].position.z ==
+          doctest::Approx(pixels->view().geometry.vertices[6 + i].position.z));
   for (std::uint32_t y = 0; y < 6; ++y)
     for (std::uint32_t x = 0; x < 4; ++x) {
       const bool first = (x < 2) == (y < 3);

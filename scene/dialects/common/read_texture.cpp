@@ -21,9 +21,9 @@ const char* only_name(Properties& p, std::initializer_list<const char*> names) {
 
 TextureFilter read_bitmap_filter(Properties& p) {
   static constexpr NameTable<TextureFilter> kFilters{{{"bilinear", TextureFilter::kBilinear},
-                                               {"nearest", TextureFilter::kNearest},
-                                               {"trilinear", TextureFilter::kBilinear},
-                                               {"ewa", TextureFilter::kBilinear}}};
+                                                      {"nearest", TextureFilter::kNearest},
+                                                      {"trilinear", TextureFilter::kBilinear},
+                                                      {"ewa", TextureFilter::kBilinear}}};
   const char* name = only_name(p, {"filter_type", "filter", "interpolation"});
   const TextureFilter filter = p.choice(name, kFilters, TextureFilter::kBilinear);
   if (const std::string given = p.string(name, "bilinear"); given != kFilters.name_of(filter))
@@ -31,8 +31,7 @@ TextureFilter read_bitmap_filter(Properties& p) {
   return filter;
 }
 
-TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names,
-                                  TextureWrap default_value) {
+TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, TextureWrap default_value) {
   static constexpr NameTable<TextureWrap> kWraps{
       {{"repeat", TextureWrap::kRepeat}, {"mirror", TextureWrap::kMirror}, {"clamp", TextureWrap::kClamp}}};
   return p.choice(only_name(p, names), kWraps, default_value);
