@@ -39,7 +39,7 @@ const ImageLibrary* load() {
   return reinterpret_cast<ImageLibraryFunction*>(function)();
 }
 
-[[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
+[[noreturn]] void reject_image(const fs::path& path, const std::string& why) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
@@ -61,7 +61,7 @@ std::string format_of(const fs::path& path) {
   for (const Beginning& known : kBeginnings)
     if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
   if (const fs::path extension = path.extension(); extension == ".tga" || extension == ".TGA") return "targa";
-  refuse_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
+  reject_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
 }
 
 /// Checks the size in a BMP header. The library allocates the pixels of compressed BMP files when it opens them.
@@ -104,7 +104,7 @@ void check_png(const fs::path& path) {
     file.read(reinterpret_cast<char*>(head.data()), head.size());
     std::uint32_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
-    if (length > size - at - kAround) refuse_image(path, "the file is damaged or ends too early");
+    if (length > size - at - kAround) reject_image(path, "the file is damaged or ends too early");
     if (std::memcmp(&head[4], "IEND", 4) == 0) return;
     at += kAround + length;
   }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "scene/description/description.h"
-#include "scene/tables/light_kind.h"
 #include "scene/tables/scene_names.h"
 
 #include <unordered_map>

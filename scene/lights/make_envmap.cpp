@@ -227,8 +227,8 @@ EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw) {
   const std::size_t stride = stored.channels.size();
   const bool bytes = !stored.bytes.empty(), encoded = !raw && (bytes || stored.integers);
   const auto value = [&](std::size_t index) {
-    const float stored = bytes ? static_cast<float>(stored.bytes[index]) / 255.0f : stored.floats[index];
-    return encoded ? srgb_to_linear(stored) : stored;
+    const float raw_value = bytes ? static_cast<float>(stored.bytes[index]) / 255.0f : stored.floats[index];
+    return encoded ? srgb_to_linear(raw_value) : raw_value;
   };
   EnvmapImage out;
   out.width = static_cast<std::uint32_t>(stored.width);

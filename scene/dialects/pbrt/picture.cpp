@@ -49,7 +49,7 @@ std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, cons
 }
 
 std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
-  Picture pixels;
+  StoredImage pixels;
   try {
     pixels = read_stored_image(picture.file);
   } catch (const SceneError&) { return nullptr; }
@@ -78,7 +78,7 @@ std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
 
 Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
   try {
-    const Picture picture = read_stored_image(file);
+    const StoredImage picture = read_stored_image(file);
     Image out(picture.width, picture.height, {"R", "G", "B"});
     const bool decode = !raw && (picture.integers || !picture.bytes.empty());
     const std::size_t stride = picture.channels.size();
