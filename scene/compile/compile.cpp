@@ -169,7 +169,7 @@ void SceneCompiler::set_bounds() {
 
 void SceneCompiler::finish_tables() {
   GeometryTables& geometry = out_->geometry_;
-  LightTables& lights = out_->lights_.rows;
+  LightTables& lights = out_->lights_;
   out_->counts_.shapes = geometry.shapes.size();
   // Pad the tables of geometry: triangles are loaded four words at a time, and inactive lanes read row zero
   if (geometry.vertices.empty()) geometry.vertices.emplace_back();
