@@ -6,8 +6,8 @@
 #include "core/uplift.h"
 #include "kernels/lights/envmap.h"
 #include "scene/compile/compile_envmap.h"
-#include "scene/compile/spectra.h"
 #include "scene/data/glasses.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include <benchmark/benchmark.h>
 

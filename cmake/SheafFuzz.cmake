@@ -1,7 +1,7 @@
 # Fuzz targets: libFuzzer programs, see tests/fuzz/README.md. They require Clang.
 
 # The sources of each layer that read files; fuzz builds contain nothing else.
-set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.cpp scene/dialects/*/*.cpp scene/formats/*.cpp scene/xml/*.cpp
+set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.cpp scene/dialects/*/*.cpp scene/formats/*.cpp scene/materials/*.cpp scene/spectra/*.cpp scene/xml/*.cpp
   scene/tables/filter.cpp)
 set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
 

@@ -1,7 +1,7 @@
 // The interface that every BSDF and phase function implements.
 //
-// A BSDF is a template over the lane policy that stores its parameters (scene/tables/material.h). It has
-//   kKind              its ClosureKind
+// A BSDF is a template over the lane policy that derives from its parameters (scene/materials/). It has
+//   Closure            its closure, which names it for the scene
 //   kIsSpecular        it has delta lobes only: it is neither evaluated nor lit by light sampling
 //   kIsAnisotropic     the x axis of the shading frame must be the surface's tangent; otherwise any frame will do
 //   kDisperses         optional, true if defined: transmitted light keeps the first wavelength only, unless the four
@@ -17,8 +17,7 @@
 // in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
 // BSDFs would contain a copy.
 //
-// scene/tables/material.h also lists which BSDFs are thin dielectrics and which are phase functions. A thin dielectric
-// also has
+// Closure::kInfo says which BSDFs are thin dielectrics and which are phase functions. A thin dielectric also has
 //   passage(cos)       transmittance straight through, for light at this cosine to the normal
 //
 // A phase function scatters in a medium as a BSDF does on a surface. There is no normal: the z axis of the frame is wo,
@@ -32,7 +31,7 @@
 
 #include "core/sampler.h"
 #include "core/spectrum.h"
-#include "scene/tables/material.h"
+#include "scene/materials/model.h"
 
 namespace sheaf {
 
@@ -62,7 +61,7 @@ template <class Bsdf> constexpr unsigned numbers_of() {
 }
 
 /// Whether a BSDF is a phase function.
-template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf::kKind).is_phase;
+template <class Bsdf> inline constexpr bool kIsPhaseFunction = Bsdf::Closure::kInfo.is_phase;
 
 /// Whether a BSDF reads tables.
 template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };

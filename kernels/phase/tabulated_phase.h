@@ -5,15 +5,15 @@
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/table_warp.h"
+#include "scene/materials/phase_functions.h"
 #include "scene/tables/closure_tables.h"
-#include "scene/tables/material.h"
 
 namespace sheaf {
 
 template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
   using F = typename L::Float;
   using U = typename L::Uint;
-  static constexpr auto kKind = ClosureKind::kTabulatedPhase;
+  using Closure = TabulatedPhaseClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
   const float* tables = nullptr;
 

@@ -1,8 +1,8 @@
 // Compiles lights: area lights, volume lights and the description's own lights, and the tables for light selection.
-#include "scene/compile/compile_materials.h"
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/volume_light.h"
 #include "scene/compile/scene_compiler.h"
+#include "scene/spectra/spectrum_rgb.h"
 #include "scene/tables/quadric.h"
 
 #include <algorithm>

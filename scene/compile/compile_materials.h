@@ -1,15 +1,11 @@
 // Flattens the materials of a description into rows.
 #pragma once
 
-#include "scene/compile/spectra.h"
 #include "scene/description/description.h"
+#include "scene/materials/row_builder.h"
 #include "scene/tables/material.h"
-#include "scene/tables/texture.h"
 
 namespace sheaf {
-
-/// Spectra of a material's parameters, in order.
-using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
 struct CompiledMaterials {
   std::vector<MaterialRow> rows;         ///< sorted by kind, composite rows last
@@ -22,8 +18,8 @@ struct CompiledMaterials {
   std::vector<std::string> warnings;        ///< about reflectances above 1 and black metals, once for each material
   std::uint32_t default_row = 0;            ///< for shapes without a material: diffuse, reflectance 0.5
   std::uint32_t bucket_count = 1;
-  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
-  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all rows of a kind
+  std::uint32_t bucket_begin[kMaxClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t kind_flags[kMaxClosureKinds] = {};        ///< MaterialFlags of all rows of a kind
 };
 
 /// Flattens two-sided materials, masks, blends, coats and maps into rows. Texture indices are unchanged. Phase
@@ -32,14 +28,5 @@ struct CompiledMaterials {
 /// and for too deep nesting.
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr,
                                     const std::vector<PhaseDescription>& phases = {});
-
-/// Linear Rec.709 of an emission quantity; negative components become zero.
-Vec3f emission_rgb(const SpectrumDescription& spectrum);
-/// Linear Rec.709 of a reflectance or transmittance; clamped to [0, 1].
-Vec3f reflectance_rgb(const SpectrumDescription& spectrum);
-/// The warning about a reflectance whose maximum is above 1.
-std::string clamped_reflectance(float largest);
-/// Linear Rec.709 of an index of refraction or another unbounded quantity; negative components become zero.
-Vec3f unbounded_rgb(const SpectrumDescription& spectrum);
 
 }  // namespace sheaf

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "scene/compile/light_bounds.h"
-#include "scene/compile/spectra.h"
+#include "scene/spectra/spectrum_set.h"
 #include "scene/tables/scene.h"
 
 #include <concepts>

@@ -5,8 +5,8 @@
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/scene_naming.h"
-#include "scene/compile/spectra.h"
 #include "scene/formats/mesh.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include <algorithm>
 #include <limits>

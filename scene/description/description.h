@@ -3,10 +3,10 @@
 
 #include "scene/description/camera.h"
 #include "scene/description/lights.h"
-#include "scene/description/materials.h"
 #include "scene/description/media.h"
 #include "scene/description/shapes.h"
 #include "scene/description/textures.h"
+#include "scene/materials/material.h"
 #include "scene/tables/render_settings.h"
 
 #include <filesystem>

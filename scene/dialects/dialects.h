@@ -22,9 +22,6 @@ using ShapeReader = std::function<void(const XmlElement&)>;
 /// `read_shape` is the shape reader of the dialect. Throws SceneError, also for nested groups or instances.
 bool read_instancing(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape);
 
-/// Appends a material, returns its index.
-MaterialId add_material(ReadContext& context, MaterialDescription material);
-
 /// Maximum number of samples per pixel that a scene may request.
 inline constexpr int kMaxSampleCount = 1 << 24;
 /// Throws SceneError at `where` if the frame has more than 10^9 pixels.

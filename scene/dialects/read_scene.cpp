@@ -63,11 +63,6 @@ ColorMode native_color(const std::filesystem::path& file) {
   return is_pbrt_scene(file) ? ColorMode::kSpectral : ColorMode::kRgb;
 }
 
-MaterialId add_material(ReadContext& context, MaterialDescription material) {
-  context.description.materials.push_back(std::move(material));
-  return static_cast<MaterialId>(context.description.materials.size() - 1);
-}
-
 void check_frame(int width, int height, const SourceLocation& where) {
   constexpr std::int64_t kMaxPixels = 1'000'000'000;
   if (std::int64_t{width} * height > kMaxPixels)

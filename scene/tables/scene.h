@@ -79,11 +79,11 @@ struct SceneView {
   bool has_textured_lights = false;     ///< whether any area light has a texture
   std::uint32_t shape_count = 0, material_count = 0, light_count = 0;
   std::uint32_t bucket_count = 1;
-  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
-  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
-  bool has_composites = false;                         ///< whether any material is a composite
-  std::uint32_t environment = kNone;                   ///< row of the environment light, kConstant or kEnvmap
-  Vec3f center{};                                      ///< centre of the bounding sphere
+  std::uint32_t bucket_begin[kMaxClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
+  std::uint32_t kind_flags[kMaxClosureKinds] = {};        ///< MaterialFlags of all materials of a kind
+  bool has_composites = false;                            ///< whether any material is a composite
+  std::uint32_t environment = kNone;                      ///< row of the environment light, kConstant or kEnvmap
+  Vec3f center{};                                         ///< centre of the bounding sphere
   float radius = 0;
   /// Radius around `center` at which unbounded media end; infinite if no light is at infinity.
   float medium_radius = kInfinity;
@@ -180,8 +180,8 @@ class Scene {
   Envmap envmap_;
   bool has_textured_lights_ = false;
   std::uint32_t bucket_count_ = 1;
-  std::uint32_t bucket_begin_[kClosureKinds + 1] = {};
-  std::uint32_t kind_flags_[kClosureKinds] = {};
+  std::uint32_t bucket_begin_[kMaxClosureKinds + 1] = {};
+  std::uint32_t kind_flags_[kMaxClosureKinds] = {};
   bool has_composites_ = false;
   std::uint32_t environment_ = kNone;
   Vec3f center_{};

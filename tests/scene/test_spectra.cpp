@@ -1,5 +1,5 @@
 // Rows of spectra: what each kind of description evaluates to, and that rendering with rows gives RGB mode's colours.
-#include "scene/compile/spectra.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include "core/error.h"
 #include "core/rng.h"

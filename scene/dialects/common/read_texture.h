@@ -1,6 +1,7 @@
 // Textures shared by the Nori and Mitsuba dialects: bitmaps, checkerboards, mesh attributes.
 #pragma once
 
+#include "scene/xml/constant_texture.h"
 #include "scene/xml/properties.h"
 
 namespace sheaf {
@@ -23,9 +24,6 @@ TextureId add_texture(Properties& p, TextureDescription texture);
 /// Returns the texture that replaces `texture` for scalar parameters. It is the same, except that Mitsuba 2 and 3
 /// exchange the two values of a checkerboard in scalar lookups.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
-
-/// Returns the texture of an input; for a constant, appends a constant texture.
-TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
 
 /// Whether `gamma` of Mitsuba 0.6 treats the integers of an image file as linear values (1), not as sRGB (-1, 0 and,
 /// with a note, 2.2). Throws SceneError for other values.

@@ -3,6 +3,7 @@
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
+#include "scene/materials/reading.h"
 
 namespace sheaf::mitsuba {
 
@@ -20,7 +21,7 @@ MaterialId black_material(Reader& reader) {
 
 /// Material of a null interface.
 MaterialId null_material(Reader& reader) {
-  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, true, true, {}, {}});
+  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, {}, {}});
   return *reader.null;
 }
 

@@ -11,6 +11,7 @@
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/materials/reading.h"
 
 namespace sheaf {
 
