@@ -5,9 +5,9 @@
 #include "core/spectral_sensor.h"
 #include "core/uplift.h"
 #include "kernels/lights/envmap.h"
-#include "scene/compile/spectra.h"
 #include "scene/data/glasses.h"
 #include "scene/lights/make_envmap.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include <benchmark/benchmark.h>
 

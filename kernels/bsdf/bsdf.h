@@ -1,7 +1,7 @@
 // The interface that every BSDF implements; kernels/phase/phase_function.h states that of phase functions.
 //
-// A BSDF is a template over the lane policy that stores its parameters (scene/tables/material.h). It has
-//   kKind              its ClosureKind
+// A BSDF is a template over the lane policy that derives from its parameters (scene/materials/). It has
+//   Closure            its closure, which names it for the scene
 //   kIsSpecular        it has delta lobes only: it is neither evaluated nor lit by light sampling
 //   kIsAnisotropic     the x axis of the shading frame must be the surface's tangent; otherwise any frame will do
 //   kDisperses         optional, true if defined: transmitted light keeps the first wavelength only, unless the four
@@ -17,7 +17,7 @@
 // in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
 // BSDFs would contain a copy.
 //
-// scene/tables/material.h also lists which BSDFs are thin dielectrics. A thin dielectric also has
+// Closure::kInfo says which BSDFs are thin dielectrics. A thin dielectric also has
 //   passage(cos)       transmittance straight through, for light at this cosine to the normal
 //
 // CONTRIBUTING.md explains how to add a BSDF.
@@ -25,7 +25,7 @@
 
 #include "core/sampler.h"
 #include "core/scattering.h"
-#include "scene/tables/material.h"
+#include "scene/materials/model.h"
 
 namespace sheaf {
 

@@ -1,6 +1,8 @@
 // Dispatch to the BSDF below a coat, by its kind.
 #include "kernels/bsdf/coatable.h"
 
+#include "kernels/bsdf/list.h"
+
 #include <bit>
 
 namespace sheaf {
@@ -31,8 +33,9 @@ template <class L, class F> SHEAF_INLINE void for_each_nested(const CoatedParame
     const auto same = left & (float_bits(coat.nested_kind) == Uint<L>(float_bits(kind)));
     // Lanes beyond the end of a run may hold any value.
     if (kind >= 0.0f && kind < static_cast<float>(kClosureKinds))
-      CoatableBsdfs::visit(static_cast<ClosureKind>(static_cast<int>(kind)),
-                           [&]<template <class> class Bsdf>() { f(nested_bsdf<L, Bsdf>(coat), same); });
+      for_each_coatable_bsdf([&]<template <class> class Bsdf>(ClosureKind each, BsdfTag<Bsdf>) SHEAF_LAMBDA_INLINE {
+        if (each == static_cast<ClosureKind>(static_cast<int>(kind))) f(nested_bsdf<L, Bsdf>(coat), same);
+      });
     left = left & !same;
   }
 }

@@ -8,6 +8,7 @@
 #include "core/distribution.h"
 #include "kernels/bsdf/coatable.h"
 #include "kernels/bsdf/fresnel.h"
+#include "kernels/bsdf/plastic.h"
 
 namespace sheaf {
 
@@ -54,7 +55,7 @@ template <class L> struct BelowCoat {
 };
 
 template <class L> struct CoatedBsdf : CoatedParameters<L> {
-  static constexpr auto kKind = ClosureKind::kCoated;
+  using Closure = CoatedClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
 
   BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;

@@ -3,12 +3,12 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
-#include "scene/tables/material.h"
+#include "scene/materials/conductor.h"
 
 namespace sheaf {
 
 template <class L> struct ConductorBsdf : ConductorParameters<L> {
-  static constexpr auto kKind = ClosureKind::kConductor;
+  using Closure = ConductorClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
   static constexpr unsigned kNumbers = 0;
 

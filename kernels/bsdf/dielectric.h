@@ -4,12 +4,12 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
-#include "scene/tables/material.h"
+#include "scene/materials/dielectric.h"
 
 namespace sheaf {
 
 template <class L> struct DielectricBsdf : DielectricParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDielectric;
+  using Closure = DielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
   static constexpr unsigned kNumbers = kNumberX;
 

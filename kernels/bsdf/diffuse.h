@@ -3,12 +3,12 @@
 
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "scene/materials/diffuse.h"
 
 namespace sheaf {
 
 template <class L> struct DiffuseBsdf : DiffuseParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDiffuse;
+  using Closure = DiffuseClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
   static constexpr unsigned kNumbers = kNumberY | kNumberZ;
 

@@ -4,12 +4,12 @@
 
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "scene/materials/diffuse_transmitter.h"
 
 namespace sheaf {
 
 template <class L> struct DiffuseTransmitterBsdf : DiffuseTransmitterParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDiffuseTransmitter;
+  using Closure = DiffuseTransmitterClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

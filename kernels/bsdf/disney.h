@@ -11,12 +11,12 @@
 #pragma once
 
 #include "kernels/bsdf/principled_lobes.h"
-#include "scene/tables/material.h"
+#include "scene/materials/disney.h"
 
 namespace sheaf {
 
 template <class L> struct DisneyBsdf : DisneyParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDisney;
+  using Closure = DisneyClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
 

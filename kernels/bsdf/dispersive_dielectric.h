@@ -10,7 +10,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
-#include "scene/tables/material.h"
+#include "scene/materials/dielectric.h"
 
 namespace sheaf {
 
@@ -44,7 +44,7 @@ template <class L> SHEAF_INLINE Spectrum<L> first_for_all(Mask<L> single, Float<
 }
 
 template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDispersiveDielectric;
+  using Closure = DispersiveDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false, kDisperses = true;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
@@ -69,7 +69,7 @@ template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParamet
 };
 
 template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricParameters<L> {
-  static constexpr auto kKind = ClosureKind::kDispersiveThinDielectric;
+  using Closure = DispersiveThinDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }

@@ -83,11 +83,11 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
 
 template <class L>
 struct DispersiveRoughDielectricBeckmannBsdf : DispersiveRoughDielectricModel<L, BeckmannDistribution> {
-  static constexpr auto kKind = ClosureKind::kDispersiveRoughDielectricBeckmann;
+  using Closure = DispersiveRoughDielectricBeckmannClosure;
 };
 
 template <class L> struct DispersiveRoughDielectricGgxBsdf : DispersiveRoughDielectricModel<L, GgxDistribution> {
-  static constexpr auto kKind = ClosureKind::kDispersiveRoughDielectricGgx;
+  using Closure = DispersiveRoughDielectricGgxClosure;
 };
 
 }  // namespace sheaf

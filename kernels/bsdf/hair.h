@@ -23,7 +23,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
-#include "scene/tables/material.h"
+#include "scene/materials/hair.h"
 
 #include <array>
 
@@ -110,7 +110,7 @@ template <int N, class F> SHEAF_INLINE F whole_power(F a) {
 }  // namespace hair_detail
 
 template <class L> struct HairBsdf : HairParameters<L> {
-  static constexpr auto kKind = ClosureKind::kHair;
+  using Closure = HairClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
   using Angles = hair_detail::FibreAngles<L>;

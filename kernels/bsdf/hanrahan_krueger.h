@@ -9,12 +9,12 @@
 #include "core/frame.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/phase/henyey_greenstein.h"
-#include "scene/tables/material.h"
+#include "scene/materials/hanrahan_krueger.h"
 
 namespace sheaf {
 
 template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
-  static constexpr auto kKind = ClosureKind::kHanrahanKrueger;
+  using Closure = HanrahanKruegerClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

@@ -12,8 +12,8 @@
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/table_warp.h"
+#include "scene/materials/measured.h"
 #include "scene/tables/closure_tables.h"
-#include "scene/tables/material.h"
 
 namespace sheaf {
 
@@ -174,7 +174,7 @@ template <class L, class Bsdf> SHEAF_INLINE BsdfSample<L> sample(const Bsdf& bsd
 
 /// With values for red, green and blue.
 template <class L> struct MeasuredBsdf : MeasuredParameters<L> {
-  static constexpr auto kKind = ClosureKind::kMeasured;
+  using Closure = MeasuredClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   const float* tables = nullptr;
 
@@ -191,7 +191,7 @@ template <class L> struct MeasuredBsdf : MeasuredParameters<L> {
 
 /// With values at many wavelengths, interpolated linearly.
 template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
-  static constexpr auto kKind = ClosureKind::kMeasuredSpectral;
+  using Closure = MeasuredSpectralClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   const float* tables = nullptr;
 

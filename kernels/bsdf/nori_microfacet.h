@@ -6,12 +6,12 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
-#include "scene/tables/material.h"
+#include "scene/materials/nori_microfacet.h"
 
 namespace sheaf {
 
 template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
-  static constexpr auto kKind = ClosureKind::kNoriMicrofacet;
+  using Closure = NoriMicrofacetClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

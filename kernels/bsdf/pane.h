@@ -2,7 +2,7 @@
 // dielectric costs no depth.
 #pragma once
 
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 
 namespace sheaf {
 
@@ -31,7 +31,7 @@ inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t ro
                                         const Spectrum4& lambda) {
   PanePassage<Scalar> passage;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
-    if constexpr (closure_info(Bsdf<Scalar>::kKind).is_thin_dielectric)
+    if constexpr (Bsdf<Scalar>::Closure::kInfo.is_thin_dielectric)
       if (kind == scene.materials.rows[row].kind)
         passage = pane_detail::load_pane<Bsdf>(scene, row, lambda).passage(cos_theta);
   });

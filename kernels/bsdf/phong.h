@@ -7,7 +7,7 @@
 #include "core/frame.h"
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "scene/materials/phong.h"
 
 namespace sheaf {
 
@@ -19,7 +19,7 @@ template <class L> SHEAF_INLINE Float<L> lobe_probability(Spectrum<L> specular, 
 }
 
 template <class L> struct PhongBsdf : PhongParameters<L> {
-  static constexpr auto kKind = ClosureKind::kPhong;
+  using Closure = PhongClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

@@ -7,7 +7,7 @@
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
-#include "scene/tables/material.h"
+#include "scene/materials/plastic.h"
 
 namespace sheaf {
 
@@ -35,7 +35,7 @@ template <class L> SHEAF_INLINE Float<L> coat_probability(Float<L> share, Spectr
 }
 
 template <class L> struct PlasticBsdf : PlasticParameters<L> {
-  static constexpr auto kKind = ClosureKind::kPlastic;
+  using Closure = PlasticClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

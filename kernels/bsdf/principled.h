@@ -12,12 +12,12 @@
 #pragma once
 
 #include "kernels/bsdf/principled_lobes.h"
-#include "scene/tables/material.h"
+#include "scene/materials/principled.h"
 
 namespace sheaf {
 
 template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
-  static constexpr auto kKind = ClosureKind::kPrincipled;
+  using Closure = PrincipledClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
 

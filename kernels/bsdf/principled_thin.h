@@ -10,12 +10,12 @@
 
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/principled_lobes.h"
-#include "scene/tables/material.h"
+#include "scene/materials/principled_thin.h"
 
 namespace sheaf {
 
 template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
-  static constexpr auto kKind = ClosureKind::kPrincipledThin;
+  using Closure = PrincipledThinClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
 

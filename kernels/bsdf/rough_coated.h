@@ -5,6 +5,7 @@
 
 #include "kernels/bsdf/coated.h"
 #include "kernels/bsdf/microfacet.h"
+#include "kernels/bsdf/rough_plastic.h"
 
 namespace sheaf {
 
@@ -36,11 +37,11 @@ template <class L, template <class> class Distribution> struct RoughCoatedModel 
 };
 
 template <class L> struct RoughCoatedBeckmannBsdf : RoughCoatedModel<L, BeckmannDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughCoatedBeckmann;
+  using Closure = RoughCoatedBeckmannClosure;
 };
 
 template <class L> struct RoughCoatedGgxBsdf : RoughCoatedModel<L, GgxDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughCoatedGgx;
+  using Closure = RoughCoatedGgxClosure;
 };
 
 }  // namespace sheaf

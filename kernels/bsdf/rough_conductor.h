@@ -5,7 +5,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
-#include "scene/tables/material.h"
+#include "scene/materials/conductor.h"
 
 namespace sheaf {
 
@@ -38,11 +38,11 @@ template <class L, template <class> class Distribution> struct RoughConductorMod
 };
 
 template <class L> struct RoughConductorBeckmannBsdf : RoughConductorModel<L, BeckmannDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughConductorBeckmann;
+  using Closure = RoughConductorBeckmannClosure;
 };
 
 template <class L> struct RoughConductorGgxBsdf : RoughConductorModel<L, GgxDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughConductorGgx;
+  using Closure = RoughConductorGgxClosure;
 };
 
 }  // namespace sheaf

@@ -8,7 +8,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
-#include "scene/tables/material.h"
+#include "scene/materials/dielectric.h"
 
 namespace sheaf {
 
@@ -95,11 +95,11 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
 };
 
 template <class L> struct RoughDielectricBeckmannBsdf : RoughDielectricModel<L, BeckmannDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughDielectricBeckmann;
+  using Closure = RoughDielectricBeckmannClosure;
 };
 
 template <class L> struct RoughDielectricGgxBsdf : RoughDielectricModel<L, GgxDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughDielectricGgx;
+  using Closure = RoughDielectricGgxClosure;
 };
 
 }  // namespace sheaf

@@ -8,12 +8,12 @@
 
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
-#include "scene/tables/material.h"
+#include "scene/materials/rough_diffuse.h"
 
 namespace sheaf {
 
 template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
-  static constexpr auto kKind = ClosureKind::kRoughDiffuse;
+  using Closure = RoughDiffuseClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
   static constexpr unsigned kNumbers = kNumberY | kNumberZ;
 

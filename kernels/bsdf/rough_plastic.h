@@ -2,7 +2,7 @@
 // that of the rough interface, averaged over refracted directions.
 //
 // The transmittance T is a polynomial fit: T = t1 + t2 y + ... + t7 y^6 with y = (1 + t0) cos / (cos + t0). t0 widens
-// the range near grazing directions in which T rises. scene/compile/plastic.cpp computes the fit.
+// the range near grazing directions in which T rises. scene/materials/rough_coat.cpp computes the fit.
 #pragma once
 
 #include "kernels/bsdf/microfacet.h"
@@ -69,11 +69,11 @@ template <class L, template <class> class Distribution> struct RoughPlasticModel
 };
 
 template <class L> struct RoughPlasticBeckmannBsdf : RoughPlasticModel<L, BeckmannDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughPlasticBeckmann;
+  using Closure = RoughPlasticBeckmannClosure;
 };
 
 template <class L> struct RoughPlasticGgxBsdf : RoughPlasticModel<L, GgxDistribution> {
-  static constexpr auto kKind = ClosureKind::kRoughPlasticGgx;
+  using Closure = RoughPlasticGgxClosure;
 };
 
 }  // namespace sheaf

@@ -4,12 +4,12 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
-#include "scene/tables/material.h"
+#include "scene/materials/dielectric.h"
 
 namespace sheaf {
 
 template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
-  static constexpr auto kKind = ClosureKind::kThinDielectric;
+  using Closure = ThinDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }

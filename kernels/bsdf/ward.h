@@ -11,12 +11,12 @@
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/phong.h"
-#include "scene/tables/material.h"
+#include "scene/materials/ward.h"
 
 namespace sheaf {
 
 template <class L> struct WardBsdf : WardParameters<L> {
-  static constexpr auto kKind = ClosureKind::kWard;
+  using Closure = WardClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {

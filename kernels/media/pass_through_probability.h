@@ -1,6 +1,7 @@
 // Probability that a surface lets light pass unchanged: null interfaces, masks, and blends of them.
 #pragma once
 
+#include "scene/materials/list.h"
 #include "scene/tables/shape.h"
 #include "scene/tables/texture_lookup.h"
 

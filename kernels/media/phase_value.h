@@ -1,7 +1,7 @@
 // Evaluation of a medium's phase function, which may be a mixture.
 #pragma once
 
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/rng.h"
+#include "scene/materials/list.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,9 +35,9 @@ float radical_inverse(std::uint32_t i) {
 
 bool has_phase_functions(const SceneView& scene) {
   bool any = false;
-  for_each_closure([&](auto closure) {
-    const int kind = static_cast<int>(closure.kKind);
-    any = any || (closure.is_phase && scene.materials.buckets.begin[kind + 1] > scene.materials.buckets.begin[kind]);
+  for_each_closure([&]<class Closure>(ClosureKind closure, Closure) {
+    const int kind = static_cast<int>(closure);
+    any = any || (Closure::kInfo.is_phase && scene.materials.buckets.begin[kind + 1] > scene.materials.buckets.begin[kind]);
   });
   return any;
 }

@@ -7,11 +7,12 @@
 
 #include "core/warp.h"
 #include "kernels/phase/phase_function.h"
+#include "scene/materials/phase_functions.h"
 
 namespace sheaf {
 
 template <class L> struct RayleighBsdf : RayleighParameters<L> {
-  static constexpr auto kKind = ClosureKind::kRayleigh;
+  using Closure = RayleighClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L> wi) const {

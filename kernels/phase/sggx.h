@@ -12,11 +12,12 @@
 #include "core/frame.h"
 #include "core/warp.h"
 #include "kernels/phase/phase_function.h"
+#include "scene/materials/phase_functions.h"
 
 namespace sheaf {
 
 template <class L> struct SggxBsdf : SggxParameters<L> {
-  static constexpr auto kKind = ClosureKind::kSggx;
+  using Closure = SggxClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L> wi) const {

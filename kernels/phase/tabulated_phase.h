@@ -5,6 +5,7 @@
 #include "core/find_interval.h"
 #include "core/warp.h"
 #include "kernels/phase/phase_function.h"
+#include "scene/materials/phase_functions.h"
 #include "scene/tables/closure_tables.h"
 
 namespace sheaf {
@@ -12,7 +13,7 @@ namespace sheaf {
 template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
   using F = typename L::Float;
   using U = typename L::Uint;
-  static constexpr auto kKind = ClosureKind::kTabulatedPhase;
+  using Closure = TabulatedPhaseClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
   const float* tables = nullptr;
 

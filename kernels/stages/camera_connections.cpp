@@ -5,7 +5,7 @@
 // 1997, section 8.2, with the film's pixels as the measure).
 #include "core/sampler.h"
 #include "core/warp.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/push_shadow_ray.h"
@@ -73,7 +73,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
 
 template <class L, template <class> class Bsdf>
 void connect_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
   for_tiles<L>(run.count, [&](int i, int count) {
     connect_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
   });

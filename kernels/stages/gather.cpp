@@ -9,7 +9,7 @@
 // it. The distances of photons are sampled by any of the four (kernels/stages/photon_rays.cpp), so their mean pdf holds
 // for each wavelength.
 #include "core/octahedral.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/normal_map.h"
@@ -184,7 +184,7 @@ Spectrum4 gather_at(const PhotonMapView& map, Vec3f p, const GatheringVertex<L, 
 
 template <class L, template <class> class Bsdf>
 void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
     const PhotonMaps::Asked asked = context.photon_maps().maps_at(wave.rays.row(slot).flags);

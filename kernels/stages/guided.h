@@ -11,7 +11,7 @@
 #pragma once
 
 #include "core/octahedral.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/guiding/guide_record.h"
 #include "kernels/guiding/guide_sample.h"
 #include "kernels/stages/blend_value.h"

@@ -1,6 +1,6 @@
 // Stage: light candidates. Samples one light and a point on it for every non-specular vertex. The resample stage
 // evaluates the BSDF.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/blend_value.h"

@@ -14,7 +14,7 @@
 //
 // If shadow rays pass media or surfaces, w_l also depends on what they meet. Then q is unchanged, but the transmittance
 // stage receives f and applies w_l.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
@@ -164,8 +164,8 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
 
 template <class L, template <class> class Bsdf>
 void resample_run(const StageContext& context, Wave& wave, const VertexRun& run, CandidateIndex candidate) {
-  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
-  const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
+  const bool parts = has_parts(context.scene, kKindOf<Bsdf<L>>);
   for_tiles<L>(run.count, [&](int i, int count) {
     resample_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
                            parts, candidate);

@@ -16,8 +16,8 @@ template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scen
   using U = typename L::Uint;
   const U kind = gather_member<L>(scene.materials.rows, &MaterialRow::kind, material);
   Mask<L> pane(false);
-  for_each_closure([&](auto closure) SHEAF_LAMBDA_INLINE {
-    if (closure.is_thin_dielectric) pane = pane | (kind == U(static_cast<std::uint32_t>(closure.kKind)));
+  for_each_closure([&]<class Closure>(ClosureKind of_pane, Closure) SHEAF_LAMBDA_INLINE {
+    if constexpr (Closure::kInfo.is_thin_dielectric) pane = pane | (kind == U(static_cast<std::uint32_t>(of_pane)));
   });
   return pane;
 }

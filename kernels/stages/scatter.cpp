@@ -1,6 +1,6 @@
 // Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
 #include "core/octahedral.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/adjoint.h"
@@ -174,7 +174,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
   auto ended = Mask<L>(false);
   F null_transmittance(0.0f);
   path.depth_and_dimension = path.depth_and_dimension + U(kOneDepth + kOneDimension);
-  if constexpr (closure_info(Bsdf<L>::kKind).is_thin_dielectric) {
+  if constexpr (Bsdf<L>::Closure::kInfo.is_thin_dielectric) {
     if (context.integrator.thin_dielectrics_are_free) {
       const auto passes = item.wo.z * s.wi.z < F(0.0f);
       path.depth_and_dimension = select(passes, path.depth_and_dimension - U(kOneDepth), path.depth_and_dimension);
@@ -231,8 +231,8 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
 
 template <class L, template <class> class Bsdf>
 void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
-  const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
+  const bool parts = has_parts(context.scene, kKindOf<Bsdf<L>>);
   for_tiles<L>(run.count, [&](int i, int count) {
     scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
                           parts);

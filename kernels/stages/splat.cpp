@@ -1,6 +1,6 @@
 // Stage: splat. Turns the visible camera connections of photons' vertices into splats of the task.
 #include "core/color.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"

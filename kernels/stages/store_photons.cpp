@@ -2,7 +2,7 @@
 // (kernels/photons/photon.h). Media that keep beams store no photons. Precedes the textures stage, which selects among
 // mapped normals and weights photons for it.
 #include "core/octahedral.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/stages.h"

@@ -4,7 +4,7 @@
 
 #include "core/color.h"
 #include "core/spectral_sensor.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 
 #include <array>
 

@@ -1,6 +1,6 @@
 // Stage: surface inputs. Computes the inputs of closures from hits: position, normals, the viewing direction in the
 // shading frame, and the closure's parameters.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -157,8 +157,8 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
     const bool textured =
         (context.scene.materials.buckets.kind_flags[static_cast<int>(kind)] & (kMapped | kNeedsUv)) != 0;
     timer.count(run.count, L::width);
-    const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,    textured,
-                            kIsPhaseFunction<Bsdf<L>>, kind == ClosureKind::kSggx, closure_spectra<Bsdf>()};
+    const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,           textured,
+                            kIsPhaseFunction<Bsdf<L>>, kind == kClosureKind<SggxClosure>, closure_spectra<Bsdf>()};
     with_color_mode(context.scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(context.scene, wave, run, inputs); });
   });
 }

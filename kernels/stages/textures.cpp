@@ -1,6 +1,6 @@
 // Stage: textures. Processes runs of one material: replaces closure parameters by texture values, and applies normal
 // and bump maps.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"

@@ -6,6 +6,7 @@
 #include "kernels/lights/light_tree.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/wave_needs.h"
+#include "scene/materials/list.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Allocates the queues of a wave in its arena, and derives its capacity from the size of the L2 cache.
 #include "kernels/wave/wave.h"
 
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 
 #include <unistd.h>
 

@@ -1,8 +1,8 @@
 // Compiles lights: area lights, volume lights and the description's own lights, and the tables for light selection.
-#include "scene/compile/compile_materials.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/light_powers.h"
+#include "scene/spectra/spectrum_rgb.h"
 
 #include <algorithm>
 

@@ -1,14 +1,11 @@
 // Flattens the materials of a description into rows.
 #pragma once
 
-#include "scene/compile/spectra.h"
 #include "scene/description/description.h"
+#include "scene/materials/row_builder.h"
 #include "scene/tables/material_tables.h"
 
 namespace sheaf {
-
-/// Spectra of a material's parameters, in order.
-using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
 struct CompiledMaterials {
   MaterialTables tables;
@@ -25,14 +22,5 @@ struct CompiledMaterials {
 /// and for too deep nesting.
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr,
                                     const std::vector<PhaseDescription>& phases = {});
-
-/// Linear Rec.709 of an emission quantity; negative components become zero.
-Vec3f emission_rgb(const SpectrumDescription& spectrum);
-/// Linear Rec.709 of a reflectance or transmittance; clamped to [0, 1].
-Vec3f reflectance_rgb(const SpectrumDescription& spectrum);
-/// The warning about a reflectance whose maximum is above 1.
-std::string clamped_reflectance(float largest);
-/// Linear Rec.709 of an index of refraction or another unbounded quantity; negative components become zero.
-Vec3f unbounded_rgb(const SpectrumDescription& spectrum);
 
 }  // namespace sheaf

@@ -1,9 +1,9 @@
 #include "scene/compile/compile_media.h"
 
 #include "core/color.h"
-#include "scene/compile/compile_materials.h"
 #include "scene/compile/flakes.h"
 #include "scene/compile/load_volume.h"
+#include "scene/spectra/spectrum_rgb.h"
 #include "scene/tables/make_majorants.h"
 #include "scene/tables/spectral_grid.h"
 

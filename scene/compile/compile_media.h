@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/compile/compile.h"
-#include "scene/compile/spectra.h"
+#include "scene/spectra/spectrum_set.h"
 #include "scene/tables/scene.h"
 
 #include <span>

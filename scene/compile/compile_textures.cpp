@@ -3,9 +3,9 @@
 
 #include "core/color.h"
 #include "core/large_pages.h"
-#include "scene/compile/compile_materials.h"
 #include "scene/compile/load_volume.h"
 #include "scene/compile/texture_image.h"
+#include "scene/spectra/spectrum_rgb.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "scene/compile/sample_height_field.h"
 
 #include "core/color.h"
-#include "scene/compile/compile_materials.h"
 #include "scene/formats/height_field.h"
+#include "scene/spectra/spectrum_rgb.h"
 #include "scene/tables/texture_lookup.h"
 
 #include <cmath>

@@ -4,10 +4,10 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/scene_naming.h"
-#include "scene/compile/spectra.h"
 #include "scene/formats/mesh.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_context.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include <algorithm>
 #include <limits>

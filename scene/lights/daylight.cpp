@@ -11,8 +11,8 @@
 
 #include "core/color.h"
 #include "core/frame.h"
-#include "scene/compile/compile_materials.h"
 #include "scene/data/daylight.h"
+#include "scene/spectra/spectrum_rgb.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,7 +1,7 @@
 #include "scene/lights/light_context.h"
 
-#include "scene/compile/compile_materials.h"
-#include "scene/compile/spectra.h"
+#include "scene/spectra/spectrum_rgb.h"
+#include "scene/spectra/spectrum_set.h"
 #include "scene/description/description.h"
 
 namespace sheaf {

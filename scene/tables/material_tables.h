@@ -12,8 +12,8 @@ namespace sheaf {
 /// Buckets for sorting surfaces by material. The buckets of each kind of closure are contiguous.
 struct MaterialBuckets {
   std::uint32_t count = 1;
-  std::uint32_t begin[kClosureKinds + 1] = {};   ///< first bucket of each kind
-  std::uint32_t kind_flags[kClosureKinds] = {};  ///< MaterialFlags of all materials of a kind
+  std::uint32_t begin[kMaxClosureKinds + 1] = {};   ///< first bucket of each kind
+  std::uint32_t kind_flags[kMaxClosureKinds] = {};  ///< MaterialFlags of all materials of a kind
 };
 
 /// Materials for kernels.

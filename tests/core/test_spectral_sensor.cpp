@@ -3,8 +3,8 @@
 
 #include "core/rng.h"
 #include "core/uplift.h"
-#include "scene/compile/spectra.h"
 #include "scene/data/illuminants.h"
+#include "scene/spectra/spectrum_set.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/spectral_testing.h"
 #include "tests/support/statistics.h"

@@ -1,5 +1,5 @@
 // BSDFs: sampling against pdfs, energy, reciprocity, and the laws of reflection and refraction.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 
 #include "tests/support/bsdf_testing.h"
 

@@ -1,6 +1,6 @@
 // Coats over other closures: sampling, energy, and comparisons with plastics and closed forms.
 #include "kernels/bsdf/rough_coated.h"
-#include "scene/compile/plastic.h"
+#include "scene/materials/rough_coat.h"
 
 #include "tests/support/any_bsdf.h"
 #include "tests/support/bsdf_testing.h"
@@ -69,8 +69,8 @@ struct WithoutMirror : CoatedBsdf<Scalar> {
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("coats: samples of every closure have consistent pdfs and weights") {
-  CoatableBsdfs::for_each([]<template <class> class Nested>() {
-    CAPTURE(closure_info(Nested<Scalar>::kKind).name);
+  for_each_coatable_bsdf([]<template <class> class Nested>(ClosureKind, BsdfTag<Nested>) {
+    CAPTURE(Nested<Scalar>::Closure::kInfo.name);
     const auto nested = any_bsdf<Nested>(3);
     WithoutMirror smooth;
     static_cast<CoatedBsdf<Scalar>&>(smooth) = coated(nested, 1.5f, 0.3f);
@@ -146,7 +146,7 @@ TEST_CASE("coats: SIMD results of mixed closures equal scalar ones") {
   check_bsdf_lanes<CoatedBsdf>([](int lane) {
     CoatedBsdf<Scalar> out;
     int left = lane % 13;
-    CoatableBsdfs::for_each([&]<template <class> class Nested>() {
+    for_each_coatable_bsdf([&]<template <class> class Nested>(ClosureKind, BsdfTag<Nested>) {
       if (left-- == 0) out = coated(any_bsdf<Nested>(static_cast<std::uint32_t>(lane)), 1.4f, 0.2f);
     });
     return out;

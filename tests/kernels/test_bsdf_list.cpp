@@ -86,7 +86,7 @@ TEST_CASE("all bsdfs: specular BSDFs have no pdf") {
 
 TEST_CASE("all bsdfs: the pass-through of thin dielectrics agrees with their samples") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
-    if constexpr (closure_info(Bsdf::kKind).is_thin_dielectric)
+    if constexpr (Bsdf::Closure::kInfo.is_thin_dielectric)
       for (const Vec3f wo : outgoing_directions()) {
         constexpr std::uint32_t kDraws = 20000;
         const PanePassage<Scalar> passage = bsdf.passage(wo.z);
@@ -118,9 +118,9 @@ TEST_CASE("all bsdfs: each kind has a distinct name") {
   std::set<std::string_view> names;
   for (const ClosureInfo& info : kClosureInfos) names.insert(info.name);
   CHECK(names.size() == kClosureInfos.size());
-  CHECK(closure_info(ClosureKind::kThinDielectric).is_thin_dielectric);
-  CHECK_FALSE(closure_info(ClosureKind::kDielectric).is_thin_dielectric);
-  CHECK(closure_info(ClosureKind::kRayleigh).is_phase);
+  CHECK(closure_info(kClosureKind<ThinDielectricClosure>).is_thin_dielectric);
+  CHECK_FALSE(closure_info(kClosureKind<DielectricClosure>).is_thin_dielectric);
+  CHECK(closure_info(kClosureKind<RayleighClosure>).is_phase);
 }
 
 TEST_SUITE_END();

@@ -1,7 +1,7 @@
 // The measured BRDF: tables of GGX facets against the facets themselves and against Mitsuba 3 with the same tables; and
 // the conversion of spectra and colours.
 #include "core/color.h"
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "scene/data/rgb_basis.h"
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/measured_testing.h"

@@ -1,7 +1,7 @@
 // Plastics: a diffuse base under a smooth or rough coat, and the constants that are computed once per coat.
 #include "kernels/bsdf/plastic.h"
 #include "kernels/bsdf/rough_plastic.h"
-#include "scene/compile/plastic.h"
+#include "scene/materials/rough_coat.h"
 
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/capture.h"
@@ -24,8 +24,9 @@ PlasticBsdf<Scalar> plastic(float eta, float diffuse, float specular = 1, float 
 
 template <template <class> class Bsdf>
 Bsdf<Scalar> rough_plastic(float eta, float alpha, float diffuse, float specular = 1, float nonlinear = 0) {
-  constexpr auto distribution =
-      Bsdf<Scalar>::kKind == ClosureKind::kRoughPlasticGgx ? Distribution::kGgx : Distribution::kBeckmann;
+  constexpr auto distribution = std::is_same_v<typename Bsdf<Scalar>::Closure, RoughPlasticGgxClosure>
+                                    ? Distribution::kGgx
+                                    : Distribution::kBeckmann;
   const RoughCoat coat = rough_coat(distribution, alpha, eta);
   Bsdf<Scalar> bsdf;
   bsdf.eta = eta;

@@ -3,7 +3,7 @@
 #include "kernels/stages/guided.h"
 
 #include "scene/compile/compile.h"
-#include "scene/compile/plastic.h"
+#include "scene/materials/rough_coat.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 

@@ -1,9 +1,9 @@
 // Phase functions: sampling against pdfs over the whole sphere, their integrals and their mean cosines.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/media/phase_value.h"
 #include "scene/compile/compile_materials.h"
 
-#include "scene/compile/closure_tables.h"
+#include "scene/materials/closure_tables.h"
 #include "tests/support/bsdf_testing.h"
 
 namespace sheaf::test_phase {

@@ -1,5 +1,5 @@
 // SGGX microflakes: projected area against the distribution of normals, samples against pdfs, and reciprocity.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "scene/tables/medium_lookup.h"
 
 #include "tests/support/bsdf_testing.h"

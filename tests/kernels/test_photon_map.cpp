@@ -129,7 +129,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
     }
     CHECK(lit >= 20);
     // A diffuse vertex, calculated by hand.
-    const VertexRun& run = wide.wave.runs[static_cast<int>(ClosureKind::kDiffuse)];
+    const VertexRun& run = wide.wave.runs[static_cast<int>(kClosureKind<DiffuseClosure>)];
     REQUIRE(run.count > 0);
     for (int i = 0; i < run.count; ++i) {
       const auto item = wide.wave.vertices.load<Scalar>(run.column_begin + i);

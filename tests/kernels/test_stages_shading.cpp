@@ -1,6 +1,6 @@
 // The stages between a hit and the next ray: sorting, surface inputs, light sampling, shadow rays, emission,
 // scattering.
-#include "kernels/bsdf/all.h"
+#include "kernels/bsdf/list.h"
 #include "kernels/lights/light_sample.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
@@ -50,9 +50,9 @@ template <class L> class ShadedWave : public TestWave {
 int mixed(int i) { return (i * 3 + i / 4) % kSquares; }
 
 ClosureKind kind_of(int square) {
-  return square == kMirror  ? ClosureKind::kConductor
-         : square == kGlass ? ClosureKind::kDielectric
-                            : ClosureKind::kDiffuse;
+  return square == kMirror  ? kClosureKind<ConductorClosure>
+         : square == kGlass ? kClosureKind<DielectricClosure>
+                            : kClosureKind<DiffuseClosure>;
 }
 double reflectance_of(int square) {
   constexpr double kReflectance[] = {0.25, 0.5, 1, 0.75, 0.6};
@@ -129,11 +129,12 @@ TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set 
       CHECK(item.offset < 1e-4f);
       const MaterialRow& material = scene->view().materials.rows[hit.material];
       const auto closure = wave.closures.template load<Scalar>(column);
-      const int words = kind_of(square) == ClosureKind::kDiffuse     ? 4
-                        : kind_of(square) == ClosureKind::kConductor ? 12
-                                                                     : 9;
+      const int words = kind_of(square) == kClosureKind<DiffuseClosure>     ? 4
+                        : kind_of(square) == kClosureKind<ConductorClosure> ? 12
+                                                                            : 9;
       for (int k = 0; k < words; ++k) CHECK(closure.words[k] == material.words[k]);
-      if (kind_of(square) == ClosureKind::kDiffuse) CHECK(closure.words[1] == doctest::Approx(reflectance_of(square)));
+      if (kind_of(square) == kClosureKind<DiffuseClosure>)
+        CHECK(closure.words[1] == doctest::Approx(reflectance_of(square)));
     });
   }
 }
@@ -164,7 +165,7 @@ TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and 
     CHECK(test.spare_rows_untouched());
     int i = 0;
     for_each_item(wave, [&](Slot slot, int column, ClosureKind kind) {
-      if (kind != ClosureKind::kDiffuse) return;
+      if (kind != kClosureKind<DiffuseClosure>) return;
       const auto ray = wave.shadows.template load<Scalar>(i++);
       const auto item = wave.vertices.template load<Scalar>(column);
       CHECK(ray.slot == slot);
@@ -282,13 +283,13 @@ TEST_CASE_TEMPLATE("scatter: every path continues by its own closure", L, SHEAF_
       CHECK(length(ray.origin - point[slot]) < 1e-4f);
       CHECK((ray.origin.z - 2) * ray.direction.z > 0.0f);
       const float pdf = wave.radiance.get(slot).scatter_pdf;
-      if (kind_of(square) == ClosureKind::kDiffuse) {
+      if (kind_of(square) == kClosureKind<DiffuseClosure>) {
         CHECK(ray.direction.z < 0.0f);
         CHECK(pdf == doctest::Approx(-ray.direction.z * kInvPi).epsilon(1e-4));
       } else {
         CHECK(pdf == 0.0f);
       }
-      if (kind_of(square) == ClosureKind::kConductor)
+      if (kind_of(square) == kClosureKind<ConductorClosure>)
         CHECK(record_difference<Vec3>(ray.direction, {in.x, in.y, -in.z}) < 1e-6);
       if (square == kGlass && ray.direction.z > 0) {
         CHECK(record_difference<Vec3>({ray.direction.x * 1.5f, ray.direction.y * 1.5f, 0}, {in.x, in.y, 0}) < 1e-6);

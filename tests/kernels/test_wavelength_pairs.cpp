@@ -82,7 +82,7 @@ std::vector<Gathered> gather_at_sheet(const Scene& scene, const PhotonMap& map, 
   run(Stage::kSurfaceInputs);
   gather<L>(context, test.wave);
   std::vector<Gathered> found;
-  for (const ClosureKind kind : {ClosureKind::kDispersiveRoughDielectricGgx, ClosureKind::kDiffuse}) {
+  for (const ClosureKind kind : {kClosureKind<DispersiveRoughDielectricGgxClosure>, kClosureKind<DiffuseClosure>}) {
     const VertexRun& vertices = test.wave.runs[static_cast<int>(kind)];
     for (int i = 0; i < vertices.count; ++i)
       found.push_back({kind, test.wave.radiance.row(test.wave.sorted[vertices.slot_begin + i]).radiance});
@@ -117,7 +117,7 @@ TEST_CASE("gather: the factor four of single wavelengths is applied once over pa
           const auto by_single = gather_at_sheet<Single>(*scene, map, single_path, r_u);
           REQUIRE(by_wide.size() == base.size());
           for (std::size_t i = 0; i < base.size(); ++i) {
-            const bool disperses = base[i].kind == ClosureKind::kDispersiveRoughDielectricGgx;
+            const bool disperses = base[i].kind == kClosureKind<DispersiveRoughDielectricGgxClosure>;
             if (!(base[i].radiance.c0 > 0)) continue;
             ++checked[disperses ? 0 : 1];
             const bool single_vertex = disperses && from_behind && !single_path;

@@ -87,7 +87,7 @@ TEST_CASE("compile materials: textures are bound to the right parameters") {
   add_material(d, metal);
   const CompiledMaterials out = compile_materials(d.materials);
   const MaterialRow& row = out.tables.rows.at(out.row_of[0]);
-  CHECK(row.kind == ClosureKind::kRoughConductorGgx);
+  CHECK(row.kind == kClosureKind<RoughConductorGgxClosure>);
   CHECK((row.flags & kNeedsUv) != 0);
   REQUIRE(row.binding_count == 2);
   const TextureBinding& k = out.tables.bindings.at(row.first_binding);
@@ -211,8 +211,8 @@ TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
     const float phi = turn * static_cast<float>(kPiD) / 180;
     const Vec3f n{std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi), std::cos(tilt)};
     const TextureId map = add_uniform(d, folder, "map.exr", 0.5f * n.x + 0.5f, 0.5f * n.y + 0.5f, 0.5f * n.z + 0.5f);
-    const MaterialId m = add_material(d, NormalMapDescription{map, flip_green, add_diffuse(d, 0.5f)});
-    d.materials.back().soften_terminator = soften;
+    const MaterialId m =
+        add_material(d, NormalMapDescription{map, flip_green, add_diffuse(d, 0.5f), {.soften_terminator = soften}});
     if (from_behind) {
       // Seen from behind, the map is mirrored at the floor.
       add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? -turn : turn) * Transform::rotate({1, 0, 0}, 180),
@@ -252,8 +252,7 @@ TEST_CASE("bump maps: the normal is that of the displaced surface") {
   // Heights 0 and 0.5 at u = 1/4 and 3/4 give a slope of 1 per unit of u, or 0.5 per unit of length.
   const TextureId map = add_bitmap(d, folder, "slope.exr", 2, 1, {0, 0, 0, 0.5f, 0.5f, 0.5f});
   std::get<BitmapDescription>(d.textures.back().model).filter = TextureFilter::kBilinear;
-  const MaterialId m = add_material(d, BumpMapDescription{map, 1, add_diffuse(d, 0.5f)});
-  d.materials.back().soften_terminator = false;
+  const MaterialId m = add_material(d, BumpMapDescription{map, 1, add_diffuse(d, 0.5f), {.soften_terminator = false}});
   add_rectangle(d, Transform(), m);
   aim_at_floor(d);
   const Vec3f light{-0.6f, 0, 0.8f};
@@ -270,14 +269,14 @@ TEST_CASE("normal maps: normals that face away from the viewer are flipped") {
   const float tilt = 80 * static_cast<float>(kPiD) / 180;
   const TextureId map =
       add_uniform(d, folder, "away.exr", 0.5f - 0.5f * std::sin(tilt), 0.5f, 0.5f + 0.5f * std::cos(tilt));
-  const MaterialId m = add_material(d, NormalMapDescription{map, false, add_diffuse(d, 0.5f)});
-  d.materials.back().soften_terminator = false;
+  const MaterialId m =
+      add_material(d, NormalMapDescription{map, false, add_diffuse(d, 0.5f), {.soften_terminator = false}});
   add_rectangle(d, Transform(), m);
   aim_at_floor(d);
   add_point_light(d, {1000, 0, 1000}, 2e6f);
   // The flipped normal is 80 degrees off towards +x, 35 degrees from the light.
   check_mean(d, 0.5 / kPiD * cosine_degrees(35));
-  d.materials.back().fix_invalid_normals = false;
+  std::get<NormalMapDescription>(d.materials.back().model).options.fix_invalid_normals = false;
   check_mean(d, 0);
 }
 

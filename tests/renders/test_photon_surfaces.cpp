@@ -116,9 +116,7 @@ TEST_CASE("photon mapping: normal and bump maps have the mean of path tracing") 
   const auto tilted = [&](const AddMaterial& nested, bool soften) {
     return AddMaterial([&folder, nested, soften](Description& d) {
       const TextureId normals = add_picture(d, folder, "tilt.exr", {0.2f, 0.5f, 0.9f}, {0.1f, 0.6f, 0.85f});
-      const MaterialId id = add_material(d, NormalMapDescription{normals, false, nested(d)});
-      d.materials.at(static_cast<std::size_t>(id)).soften_terminator = soften;
-      return id;
+      return add_material(d, NormalMapDescription{normals, false, nested(d), {.soften_terminator = soften}});
     });
   };
   const auto bumped = [&](const AddMaterial& nested) {

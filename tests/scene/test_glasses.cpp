@@ -1,8 +1,8 @@
 // Dispersion: published indices at the yellow helium line, Abbe numbers, and compiled rows.
 #include "scene/data/glasses.h"
 
-#include "scene/compile/spectra.h"
 #include "scene/data/named_ior.h"
+#include "scene/spectra/spectrum_set.h"
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 // Metals and dielectrics by name: ranges, order, and well-known colours.
-#include "scene/compile/compile_materials.h"
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
+#include "scene/spectra/spectrum_rgb.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>

@@ -130,21 +130,21 @@ TEST_CASE("compile materials: the material under a coat is found with its textur
   ConductorDescription metal;
   metal.ior = {SpectrumDescription::constant(0.2f), TextureId{5}};
   metal.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, TextureId{3}, 0.25f};
-  d.materials.push_back({metal, true, true, "", {}});
+  d.materials.push_back({metal, "", {}});
   CoatDescription coat;
   coat.int_ior = 1.5f, coat.ext_ior = 1, coat.thickness = 0.5f;
   coat.sigma_a = TextureId{7};
-  d.materials.push_back({coat, true, true, "", {}});
+  d.materials.push_back({coat, "", {}});
   const CompiledMaterials out = compile_materials(d.materials);
   const MaterialRow& row = out.tables.rows.at(out.row_of[1]);
-  REQUIRE(row.kind == ClosureKind::kCoated);
+  REQUIRE(row.kind == kClosureKind<CoatedClosure>);
   CHECK((row.flags & kNeedsUv) != 0);
   CoatedParameters<Scalar> p;
   int k = 0;
   std::apply([&](auto&... leaf) { ((leaf = row.words[k++]), ...); }, leaves(p));
   CHECK(p.coat_eta == 1.5f);
   CHECK(p.coat_thickness == 0.5f);
-  CHECK(p.nested_kind == static_cast<float>(ClosureKind::kRoughConductorGgx));
+  CHECK(p.nested_kind == static_cast<float>(kClosureKind<RoughConductorGgxClosure>));
   CHECK(p.nested_spectra[0].c1 == 0.2f);
   CHECK(p.nested_spectra[2].c2 == 1.0f);
   CHECK(p.nested_numbers[1] == 0.25f);
@@ -166,7 +166,7 @@ TEST_CASE("compile materials: coats apply to blends and to both sides") {
   const MaterialRow& blend = c.tables.rows.at(c.row_of.back());
   REQUIRE((blend.flags & kComposite) != 0);
   for (const std::uint32_t part : blend.choice) {
-    CHECK(c.tables.rows.at(part).kind == ClosureKind::kCoated);
+    CHECK(c.tables.rows.at(part).kind == kClosureKind<CoatedClosure>);
     CHECK((c.tables.rows.at(part).flags & (kPart | kTwoSided)) == (kPart | kTwoSided));
   }
   CHECK_THROWS_WITH_AS(compile_materials(read_new(bsdf("coating", bsdf("roughcoating", bsdf("diffuse")))).materials),

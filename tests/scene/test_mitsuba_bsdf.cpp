@@ -206,10 +206,10 @@ TEST_CASE("Mitsuba materials: hair is defined by pigments or by absorption") {
 TEST_CASE("compile materials: hair gets its absorption and needs its tangent") {
   const auto parameters = [](const HairDescription& hair) {
     Description d;
-    d.materials.push_back({hair, true, true, "", {}});
+    d.materials.push_back({hair, "", {}});
     const CompiledMaterials out = compile_materials(d.materials);
     const MaterialRow& row = out.tables.rows.at(out.row_of[0]);
-    CHECK(row.kind == ClosureKind::kHair);
+    CHECK(row.kind == kClosureKind<HairClosure>);
     CHECK((row.flags & kNeedsUv) != 0);
     HairParameters<Scalar> p;
     int k = 0;

@@ -1,7 +1,7 @@
 // The base under pbrt's coats: Sheaf's closed form against pbrt's random walk, simulated here.
 #include "scene/compile/compile_textures.h"
-#include "scene/compile/plastic.h"
 #include "scene/dialects/pbrt/coat.h"
+#include "scene/materials/rough_coat.h"
 #include "scene/tables/texture_lookup.h"
 #include "tests/support/pbrt_testing.h"
 

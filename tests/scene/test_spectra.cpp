@@ -1,5 +1,5 @@
 // Spectrum rows: values of each kind of description, and colours that match RGB mode.
-#include "scene/compile/spectra.h"
+#include "scene/spectra/spectrum_set.h"
 
 #include "core/error.h"
 #include "core/rng.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "core/rng.h"
-#include "kernels/bsdf/all.h"
-#include "scene/compile/plastic.h"
+#include "kernels/bsdf/list.h"
+#include "scene/materials/rough_coat.h"
 #include "tests/support/measured_testing.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace sheaf {
 
 /// Stores `nested` as the closure below a coat.
 template <template <class> class Nested> void set_nested(CoatedParameters<Scalar>& coat, Nested<Scalar> nested) {
-  coat.nested_kind = static_cast<float>(Nested<Scalar>::kKind);
+  coat.nested_kind = static_cast<float>(kKindOf<Nested<Scalar>>);
   int k = 0;
   const auto set = [&](float word) {
     const int at = coated_word<Nested>(k++);
@@ -47,7 +47,7 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
     bsdf.coat_eta = eta;
     // The first choice is a rough metal: it has a lobe, a pdf and all of its spectra.
     int left = static_cast<int>((i + 1) % 4);
-    CoatableBsdfs::for_each([&]<template <class> class Nested>() {
+    for_each_coatable_bsdf([&]<template <class> class Nested>(ClosureKind, BsdfTag<Nested>) {
       if (left-- == 0) set_nested(bsdf, any_bsdf<Nested>(i));
     });
   }

@@ -5,7 +5,7 @@
 #include "core/vec.h"
 #include "core/warp.h"
 #include "kernels/bsdf/table_warp.h"
-#include "scene/compile/closure_tables.h"
+#include "scene/materials/closure_tables.h"
 #include "tests/support/temporary_folder.h"
 
 #include <array>

@@ -146,7 +146,7 @@ inline std::string dump(const TextureDescription& t) {
 }
 
 template <DeclarativeBsdf Model> std::string dump(const Model& v) {
-  return std::apply([](const auto&... input) { return dump_all(Model::kPlugin, input...); }, Model::fields(v));
+  return std::apply([](const auto&... input) { return dump_all(Model::kPlugins[0].name, input...); }, Model::fields(v));
 }
 inline std::string dump(const ConductorDescription& v) {
   std::string text = dump_all("conductor", v.specular_reflectance);
@@ -203,16 +203,18 @@ inline std::string dump(const NullDescription&) { return "null"; }
 inline std::string dump(const TwoSidedDescription& v) { return dump_all("twosided", v.front, v.back); }
 inline std::string dump(const MaskDescription& v) { return dump_all("mask", v.opacity, v.nested); }
 inline std::string dump(const BlendDescription& v) { return dump_all("blend", v.weight, v.nested[0], v.nested[1]); }
-inline std::string dump(const BumpMapDescription& v) { return dump_all("bumpmap", v.displacement, v.scale, v.nested); }
+inline std::string dump(const NormalOptions& v) {
+  return std::string(v.fix_invalid_normals ? "" : " keep_normals") + (v.soften_terminator ? "" : " hard_terminator");
+}
+inline std::string dump(const BumpMapDescription& v) {
+  return dump_all("bumpmap", v.displacement, v.scale, v.nested) + dump(v.options);
+}
 inline std::string dump(const NormalMapDescription& v) {
-  return dump_all("normalmap", v.normals, v.flip_green, v.nested);
+  return dump_all("normalmap", v.normals, v.flip_green, v.nested) + dump(v.options);
 }
 
 inline std::string dump(const MaterialDescription& m) {
-  std::string text = std::visit([](const auto& model) { return dump(model); }, m.model);
-  if (!m.fix_invalid_normals) text += " keep_normals";
-  if (!m.soften_terminator) text += " hard_terminator";
-  return text;
+  return std::visit([](const auto& model) { return dump(model); }, m.model);
 }
 
 inline std::string dump(const ShapeDescription& s) {

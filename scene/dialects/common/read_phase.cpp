@@ -1,8 +1,8 @@
 // Phase functions shared by the Nori and Mitsuba dialects, including blends and mixtures.
 #include "scene/dialects/common/read_phase.h"
 
-#include "scene/dialects/common/read_bsdf.h"
 #include "scene/dialects/common/read_volume.h"
+#include "scene/materials/reading.h"
 #include "scene/xml/xml_values.h"
 
 #include <cmath>

@@ -109,16 +109,6 @@ SpectrumDescription read_blackbody(const XmlElement& element) {
 
 }  // namespace
 
-SpectrumDescription scaled(SpectrumDescription spectrum, float by) {
-  using S = SpectrumDescription;
-  if (auto* constant = std::get_if<S::Constant>(&spectrum.value)) constant->value *= by;
-  if (auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) rgb->value = rgb->value * by;
-  if (auto* body = std::get_if<S::Blackbody>(&spectrum.value)) body->scale *= by;
-  if (auto* table = std::get_if<S::Table>(&spectrum.value))
-    for (float& value : table->values) value *= by;
-  return spectrum;
-}
-
 constexpr NameTable<SpectrumPluginReader> kSpectra{{{"blackbody", read_blackbody_plugin},
                                                     {"d65", read_d65},
                                                     {"illuminant", read_illuminant},

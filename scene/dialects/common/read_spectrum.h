@@ -1,6 +1,7 @@
 // Spectra and colours in XML scene files: <rgb>, <srgb>, <spectrum>, <blackbody>, <float> and their plugins.
 #pragma once
 
+#include "scene/description/scaled_spectrum.h"
 #include "scene/xml/properties.h"
 
 namespace sheaf {
@@ -8,9 +9,6 @@ namespace sheaf {
 /// Reads a spectrum from an element: a colour, a number, a <spectrum> with a value, file or plugin, or a <texture> with
 /// one of kSpectra. Throws SceneError; see also check_role.
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context);
-
-/// Returns the spectrum multiplied by `by`.
-SpectrumDescription scaled(SpectrumDescription spectrum, float by);
 
 /// Reads a plugin that defines a spectrum, constant over surfaces. The caller finishes `p`. Throws SceneError.
 using SpectrumPluginReader = SpectrumDescription (*)(Properties& p);

@@ -160,16 +160,6 @@ TextureId add_texture(Properties& p, TextureDescription texture) {
   return index;
 }
 
-TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context) {
-  if (const auto* id = std::get_if<TextureId>(&input)) return *id;
-  TextureDescription texture;
-  texture.model = CheckerboardDescription{input, input};
-  texture.where = where;
-  std::vector<TextureDescription>& textures = context.description.textures;
-  textures.push_back(std::move(texture));
-  return static_cast<TextureId>(textures.size() - 1);
-}
-
 TextureId scalar_texture(TextureId texture, ReadContext& context) {
   std::vector<TextureDescription>& textures = context.description.textures;
   const auto* squares = std::get_if<CheckerboardDescription>(&textures.at(static_cast<std::size_t>(texture)).model);

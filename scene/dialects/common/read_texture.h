@@ -1,6 +1,7 @@
 // Textures shared by the Nori and Mitsuba dialects: bitmaps, checkerboards, mesh attributes.
 #pragma once
 
+#include "scene/xml/constant_texture.h"
 #include "scene/xml/properties.h"
 
 namespace sheaf {
@@ -23,8 +24,6 @@ TextureId add_texture(Properties& p, TextureDescription texture);
 /// exchange the two values of a checkerboard in scalar lookups.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
 
-/// Returns the texture of an input; for a constant, appends a constant texture.
-TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context);
 
 /// Reads file, filter and wrap mode of a bitmap.
 BitmapDescription read_bitmap(Properties& p);

@@ -1,8 +1,7 @@
 // Selection of the supported material that is most similar to an unsupported one.
 #include "scene/dialects/common/stand_in_bsdf.h"
 
-#include "scene/dialects/common/add_material.h"
-#include "scene/dialects/common/read_bsdf.h"
+#include "scene/materials/reading.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,25 +1,35 @@
 // The Mitsuba dialect: materials.
-#include "scene/dialects/common/read_bsdf.h"
+#include "scene/dialects/common/read_phase.h"
 #include "scene/dialects/common/stand_in_bsdf.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/materials/plugins.h"
 
 namespace sheaf::mitsuba {
 
 namespace {
 
+/// Reads `diffuse`, whose reflectance may be called `albedo` as in the Nori dialect.
+MaterialModel read_diffuse(Properties& p, const BsdfDialect&) {
+  DiffuseDescription diffuse;
+  if (p.has("albedo"))
+    diffuse.reflectance = read_reflectance(p, "albedo", {});
+  else
+    read_declared(p, diffuse);
+  return diffuse;
+}
+
+/// Names that this dialect adds or changes. `mirror` is a name of the Nori dialect.
+constexpr BsdfPlugin kPlugins[] = {
+    {"diffuse", read_diffuse},
+    {"mirror", [](Properties&, const BsdfDialect&) -> MaterialModel { return ConductorDescription{}; }},
+};
+
 MaterialId read_bsdf(const XmlElement& bsdf, Reader& reader) {
   Properties p(bsdf, reader.context);
-  const BsdfDialect dialect{[&](const XmlElement& nested) { return material_of(nested, reader); },
-                            reader.before_version_2};
-  MaterialDescription material;
-  if (p.type() == "mirror") {
-    material.model = ConductorDescription{};  // name of the Nori dialect
-  } else if (p.type() == "diffuse" && p.has("albedo")) {
-    material.model = DiffuseDescription{p.spectrum_input("albedo", {}, SpectrumRole::kReflectance)};
-  } else if (!read_shared_bsdf(p, dialect, material)) {
-    p.fail_plugin(shared_bsdf_names());
-  }
-  return add_material_of(p, std::move(material));
+  const BsdfDialect dialect{.nested = [&](const XmlElement& nested) { return material_of(nested, reader); },
+                            .phase = find_phase,
+                            .before_version_2 = reader.before_version_2};
+  return add_material_of(p, {read_bsdf_plugin(p, dialect, kPlugins), {}, {}});
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // The Mitsuba dialect: shapes.
-#include "scene/dialects/common/add_material.h"
+#include "scene/materials/reading.h"
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
+#include "scene/materials/reading.h"
 
 namespace sheaf::mitsuba {
 
@@ -22,7 +23,7 @@ MaterialId black_material(Reader& reader) {
 
 /// Material of a null interface.
 MaterialId null_material(Reader& reader) {
-  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, true, true, {}, {}});
+  if (!reader.null) reader.null = add_material(reader.context, {NullDescription{}, {}, {}});
   return *reader.null;
 }
 

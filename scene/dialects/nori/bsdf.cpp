@@ -1,60 +1,34 @@
 // The Nori dialect: its own materials; all others are shared with Mitsuba.
-#include "scene/dialects/common/add_material.h"
-#include "scene/dialects/common/read_bsdf.h"
+#include "scene/dialects/common/read_phase.h"
 #include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/common/stand_in_bsdf.h"
 #include "scene/dialects/nori/reader.h"
-
-#include <algorithm>
+#include "scene/materials/plugins.h"
 
 namespace sheaf::nori {
 
 namespace {
 
-/// Reads a parameter in [0, 1] into `value`, if present.
-void read_share(Properties& p, const char* name, ScalarInput& value) {
-  value = p.scalar_input(name, value, kUnitInterval);
-}
-
-/// Returns the first of the alternative names that is present, or the first name.
-const char* first_of(Properties& p, std::initializer_list<const char*> names) {
-  for (const char* name : names)
-    if (p.has(name)) return name;
-  return *names.begin();
-}
-
-DiffuseDescription read_diffuse(Properties& p) {
-  const DiffuseDescription default_value;
+MaterialModel read_diffuse(Properties& p, const BsdfDialect&) {
   p.ignore({"use_cosine"});  // selects the sampling strategy
-  return {
-      p.spectrum_input(first_of(p, {"albedo", "reflectance"}), default_value.reflectance, SpectrumRole::kReflectance)};
+  DiffuseDescription diffuse;
+  diffuse.reflectance = read_reflectance(p, first_of(p, {"albedo", "reflectance"}), diffuse.reflectance);
+  return diffuse;
 }
 
-NoriMicrofacetDescription read_microfacet(Properties& p) {
-  NoriMicrofacetDescription result;
-  result.int_ior = read_ior(p, "intIOR", result.int_ior);
-  result.ext_ior = read_ior(p, "extIOR", result.ext_ior);
-  result.alpha = read_alpha(p, first_of(p, {"alpha", "m_alpha"}), result.alpha);
-  result.kd = p.spectrum_input(first_of(p, {"kd", "albedo"}), result.kd, SpectrumRole::kReflectance);
-  return result;
+/// Reads a model by its own function.
+template <class Model> MaterialModel read_own(Properties& p, const BsdfDialect& dialect) {
+  return Model::read(p, dialect);
 }
 
-DisneyDescription read_disney(Properties& p) {
-  DisneyDescription result;
-  result.base_color =
-      p.spectrum_input(first_of(p, {"baseColor", "albedo"}), result.base_color, SpectrumRole::kReflectance);
-  read_share(p, "metallic", result.metallic);
-  read_share(p, "subsurface", result.subsurface);
-  read_share(p, "specular", result.specular);
-  read_share(p, "specularTint", result.specular_tint);
-  read_share(p, "roughness", result.roughness);
-  read_share(p, "anisotropic", result.anisotropic);
-  read_share(p, "sheen", result.sheen);
-  read_share(p, "sheenTint", result.sheen_tint);
-  read_share(p, "clearcoat", result.clearcoat);
-  read_share(p, "clearcoatGloss", result.clearcoat_gloss);
-  return result;
-}
+/// Names that this dialect adds or changes.
+constexpr BsdfPlugin kPlugins[] = {
+    {"diffuse", read_diffuse},
+    {"disney", read_own<DisneyDescription>},
+    {"microfacet", read_own<NoriMicrofacetDescription>},
+    {"mirror", [](Properties&, const BsdfDialect&) -> MaterialModel { return ConductorDescription{}; }},
+    {"transparent", [](Properties&, const BsdfDialect&) -> MaterialModel { return NullDescription{}; }},
+};
 
 /// Reads `sigmaA`, the interior absorption coefficient of a boundary (Beer-Lambert law).
 void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorption) {
@@ -82,25 +56,10 @@ MaterialId with_normal_map(Properties& p, MaterialId nested) {
 MaterialId read_plugin(const XmlElement& element, ReadContext& context,
                        std::optional<SpectrumDescription>& absorption) {
   Properties p(element, context);
-  MaterialDescription material;
-  const BsdfDialect dialect{[&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); }, false,
-                            true};
-  if (p.type() == "diffuse") {
-    material.model = read_diffuse(p);
-  } else if (p.type() == "mirror") {
-    material.model = ConductorDescription{};
-  } else if (p.type() == "transparent") {
-    material.model = NullDescription{};
-  } else if (p.type() == "microfacet") {
-    material.model = read_microfacet(p);
-  } else if (p.type() == "disney") {
-    material.model = read_disney(p);
-  } else if (!read_shared_bsdf(p, dialect, material)) {
-    std::vector<std::string> known = shared_bsdf_names();
-    known.insert(known.end(), {"disney", "microfacet", "mirror", "transparent"});
-    std::sort(known.begin(), known.end());
-    p.fail_plugin(known);
-  }
+  const BsdfDialect dialect{.nested = [&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); },
+                            .phase = find_phase,
+                            .names_disperse = true};
+  MaterialDescription material{read_bsdf_plugin(p, dialect, kPlugins), {}, {}};
   read_absorption(p, absorption);
   const bool mapped = p.has("normal");
   if (!mapped) return add_material_of(p, std::move(material));

@@ -1,6 +1,6 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
 // references.
-#include "scene/dialects/common/add_material.h"
+#include "scene/materials/reading.h"
 #include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/nori/reader.h"
@@ -14,6 +14,7 @@
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
 #include "scene/dialects/nori/read_nori.h"
+#include "scene/materials/reading.h"
 #include "scene/tables/filter.h"
 
 namespace sheaf {

@@ -287,7 +287,7 @@ MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where)
 }  // namespace
 
 MaterialId add(Reader& reader, Model model, const SourceLocation& where) {
-  reader.description.materials.push_back({std::move(model), true, true, {}, where});
+  reader.description.materials.push_back({std::move(model), {}, where});
   return static_cast<MaterialId>(reader.description.materials.size() - 1);
 }
 

@@ -1,0 +1,42 @@
+// A measured BRDF.
+#pragma once
+
+#include "scene/materials/model.h"
+
+#include <filesystem>
+
+namespace sheaf {
+
+/// Parameters of a measured BRDF with three colour channels (kernels/bsdf/measured.h).
+template <class L> struct MeasuredParameters {
+  typename L::Float table;       ///< see scene/tables/closure_tables.h
+  Spectrum<L> red, green, blue;  ///< spectra of the table's three channels
+  static constexpr auto fields(auto& s) { return std::tie(s.table, s.red, s.green, s.blue); }
+};
+
+/// Parameters of a measured BRDF with values at many wavelengths. Spectral mode only.
+template <class L> struct MeasuredSpectralParameters {
+  typename L::Float table;
+  Spectrum<L> place;  ///< index of each wavelength in the table, with a fraction for interpolation
+  static constexpr auto fields(auto& s) { return std::tie(s.table, s.place); }
+};
+
+struct MeasuredClosure : ClosureOf<MeasuredParameters> {
+  static constexpr ClosureInfo kInfo = {.name = "measured"};
+};
+struct MeasuredSpectralClosure : ClosureOf<MeasuredSpectralParameters> {
+  static constexpr ClosureInfo kInfo = {.name = "measured_spectral"};
+};
+
+/// A measured BRDF in the file format of Dupuy and Jakob 2018.
+struct MeasuredDescription {
+  std::filesystem::path file;  ///< resolved path
+
+  using Closures = ClosureList<MeasuredClosure, MeasuredSpectralClosure>;
+  static MeasuredDescription read(Properties& p, const BsdfDialect& dialect);
+  static constexpr Plugin<MeasuredDescription> kPlugins[] = {{"measured", read}};
+  bool transmits() const { return false; }
+  MaterialRow make_row(RowContext& context) const;
+};
+
+}  // namespace sheaf

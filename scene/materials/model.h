@@ -1,0 +1,121 @@
+// What a material model declares, and the closures by which kernels know it.
+//
+// A model is a struct XDescription in scene/materials/<name>.h that holds the parameters as a file gives them, with
+// their defaults, and declares
+//   Closures           a ClosureList of the closures that its rows can have; empty for composite materials
+//   kPlugins           its names in files with the functions that read it: an array of Plugin, or kNoPlugins
+//   transmits()        whether light can pass through it; composites take a NestedTransmission, which answers for
+//                      nested materials
+// and one way to become rows of the material table:
+//   fields(), kParameters              declarative models: each parameter is a row's parameter, in the same order. They
+//                                      need no further code, neither for reading nor for rows.
+//   make_row(context)                  derives the row (scene/materials/row_builder.h)
+//   flatten(flattener, around, where)  composites: makes rows that refer to rows (scene/materials/flattener.h)
+// scene/materials/list.h lists all models. One that omits something does not compile.
+#pragma once
+
+#include "core/record_table.h"
+#include "core/spectrum.h"
+#include "scene/description/inputs.h"
+#include "scene/tables/material.h"
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <tuple>
+#include <vector>
+
+namespace sheaf {
+
+struct BsdfDialect;
+struct MaterialDescription;
+struct MaterialWrappers;
+struct RowContext;
+struct SourceLocation;
+class MaterialFlattener;
+class Properties;
+
+/// Properties of a closure that are known without its parameters.
+struct ClosureInfo {
+  const char* name = nullptr;       ///< for reports
+  bool is_thin_dielectric = false;  ///< only reflects and transmits straight on
+  bool is_phase = false;            ///< a phase function; see kernels/bsdf/bsdf.h
+  bool is_coatable = false;         ///< opaque and not a coat itself; see kernels/bsdf/coated.h
+};
+
+/// Base of closures with the parameters P. A closure is a struct with a constant kInfo, a ClosureInfo; its BSDF in
+/// kernels/bsdf/ names it.
+template <template <class> class P> struct ClosureOf { template <class L> using Parameters = P<L>; };
+
+/// Closures in an order.
+template <class... Closures> struct ClosureList {
+  static constexpr int kCount = static_cast<int>(sizeof...(Closures));
+
+  /// Position of a closure, which must be in the list once.
+  template <class Closure> static consteval int position_of() {
+    static_assert((int{std::is_same_v<Closure, Closures>} + ... + 0) == 1, "the closure is not in the list once");
+    int position = 0;
+    bool found = false;
+    ((found = found || std::is_same_v<Closure, Closures>, position += found ? 0 : 1), ...);
+    return position;
+  }
+};
+
+/// The closures of two lists.
+template <class... A, class... B> ClosureList<A..., B...> operator+(ClosureList<A...>, ClosureList<B...>);
+
+/// A name of a model in files, and the function that reads its properties. nullptr: they are read as kParameters.
+template <class Model> struct Plugin {
+  const char* name;
+  Model (*read)(Properties& p, const BsdfDialect& dialect) = nullptr;
+  constexpr bool has_reader() const { return read != nullptr; }
+};
+/// kPlugins of a model whose names belong to a dialect alone.
+inline constexpr std::array<Plugin<void>, 0> kNoPlugins{};
+
+/// Names of a parameter in files. Numbers lie in [low, high].
+struct ParameterName {
+  const char* name;
+  const char* also = nullptr;  ///< alternative name
+  float low = 0, high = 1;
+};
+
+/// Whether a material nested in a composite one transmits light.
+struct NestedTransmission {
+  const std::vector<MaterialDescription>& materials;
+  int depth;
+  bool operator()(MaterialId id) const;
+};
+
+/// A model whose row is derived by code of its own.
+template <class Model>
+concept DerivedBsdf = requires(const Model& model, RowContext& context) {
+  { model.make_row(context) } -> std::same_as<MaterialRow>;
+};
+
+/// A model that is read and compiled from its declaration alone. fields() ties its members, ScalarInputs and
+/// SpectrumInputs with their defaults, and kParameters names them.
+template <class Model>
+concept DeclarativeBsdf = !DerivedBsdf<Model> && requires(Model & model) {
+  Model::kParameters, Model::fields(model);
+};
+
+/// A model that combines other materials.
+template <class Model>
+concept CompositeMaterial = requires(const Model& model, MaterialFlattener& flattener, const MaterialWrappers& around,
+                                     const SourceLocation& where) {
+  { model.flatten(flattener, around, where) } -> std::same_as<std::uint32_t>;
+};
+
+/// The requirements on a model that the compiler can check; see above.
+template <class Model>
+concept CompleteModel = (int{DeclarativeBsdf<Model>} + int{DerivedBsdf<Model>} + int{CompositeMaterial<Model>} == 1) &&
+                        requires(const Model& model, const NestedTransmission& nested) {
+  typename Model::Closures;
+  Model::kPlugins;
+  requires requires { model.transmits(); } || requires {
+    model.transmits(nested);
+  };
+};
+
+}  // namespace sheaf

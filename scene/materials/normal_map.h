@@ -1,0 +1,24 @@
+// Normal maps.
+#pragma once
+
+#include "scene/materials/model.h"
+#include "scene/materials/normal_options.h"
+
+namespace sheaf {
+
+/// Normal map: reads the shading normal from a texture, in the frame of the surface's tangent.
+struct NormalMapDescription {
+  TextureId normals{};      ///< (r, g, b) = (n + 1) / 2
+  bool flip_green = false;  ///< DirectX convention: green points down
+  MaterialId nested{};
+  NormalOptions options = {};
+
+  using Closures = ClosureList<>;
+  static NormalMapDescription read(Properties& p, const BsdfDialect& dialect);
+  static constexpr Plugin<NormalMapDescription> kPlugins[] = {{"normalmap", read}};
+  bool transmits(const NestedTransmission& of) const { return of(nested); }
+  std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
+                        const SourceLocation& where) const;
+};
+
+}  // namespace sheaf

@@ -1,0 +1,49 @@
+// Mitsuba's principled: reading, and the row.
+#include "scene/materials/principled.h"
+
+#include "scene/materials/reading.h"
+#include "scene/materials/row_builder.h"
+
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+const ScalarInput kAbsent = 0.0f;
+
+constexpr const char* kBlackMetal =
+    "the metallic part of this principled material is black: with 'specular' 0, an index of refraction of 1, nothing "
+    "reflects specularly, as in Mitsuba (expected 'specular' above 0 or another 'eta')";
+
+}  // namespace
+
+PrincipledDescription PrincipledDescription::read(Properties& p, const BsdfDialect&) {
+  PrincipledDescription result;
+  read_declared(p, result);
+  const std::optional<float> given_eta = p.find_number("eta", kPositive);
+  const std::optional<float> specular = p.find_number("specular", kUnitInterval);
+  if (given_eta && specular) p.fail("has both 'eta' and 'specular', expected one");
+  if (given_eta) result.eta = *given_eta;
+  // Burley 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering": specular is the
+  // reflectance at normal incidence over 0.08.
+  if (specular) result.eta = 2.0f / (1.0f - std::sqrt(0.08f * *specular)) - 1.0f;
+  p.ignore({"main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"});
+  return result;
+}
+
+MaterialRow PrincipledDescription::make_row(RowContext& context) const {
+  MaterialRowBuilder<PrincipledParameters> m{context};
+  m.set_declared(*this);
+  // An index-matched boundary would transmit without refraction, a delta lobe without a pdf.
+  constexpr float kMinTransmittingEta = 1.001f;
+  const bool matched = eta == 1.0f && spec_trans != kAbsent;
+  m.p.eta = matched ? kMinTransmittingEta : eta;
+  if (spec_tint != kAbsent || sheen_tint != kAbsent)
+    m.set_luminance(m.p.base_luminance, m.p.base_color, base_color, TextureRole::kScalar);
+  // kernels/bsdf/principled.h: without a difference of the indices, metal has no specular reflection.
+  if (eta == 1.0f && metallic != kAbsent && spec_trans == kAbsent) context.warning = kBlackMetal;
+  return with_tangent(m.row<PrincipledClosure>(), anisotropic);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,170 @@
+#include "scene/materials/reading.h"
+
+#include "scene/data/glasses.h"
+#include "scene/data/named_ior.h"
+#include "scene/description/scaled_spectrum.h"
+#include "scene/xml/constant_texture.h"
+#include "scene/xml/xml_values.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+constexpr float kMinAlpha = 1e-4f;
+
+/// Maximum of a spectrum per channel in linear Rec.709. For a table, returns its maximum value in all three channels.
+Vec3f brightest(const SpectrumDescription& spectrum) {
+  using S = SpectrumDescription;
+  if (const auto* constant = std::get_if<S::Constant>(&spectrum.value))
+    return {constant->value, constant->value, constant->value};
+  if (const auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) return rgb->value;
+  float most = 0;
+  if (const auto* table = std::get_if<S::Table>(&spectrum.value))
+    for (const float v : table->values) most = std::max(most, v);
+  return {most, most, most};
+}
+
+}  // namespace
+
+MaterialId add_material(ReadContext& context, MaterialDescription material) {
+  context.description.materials.push_back(std::move(material));
+  return static_cast<MaterialId>(context.description.materials.size() - 1);
+}
+
+MaterialId add_material_of(Properties& p, MaterialDescription material) {
+  p.reject_unused();
+  material.where = p.where();
+  if (const std::string* id = p.element().find_attribute("id")) material.id = *id;
+  return add_material(p.context(), std::move(material));
+}
+
+MaterialId add_black_material(Properties& p) {
+  MaterialDescription black;
+  black.model = DiffuseDescription{SpectrumDescription::constant(0)};
+  black.where = p.where();
+  return add_material(p.context(), std::move(black));
+}
+
+float read_ior(Properties& p, const char* property, float default_value) {
+  if (!p.is_string(property)) return p.number(property, default_value, kPositive);
+  const std::string name = *p.find_string(property);
+  if (const std::optional<float> ior = find_ior(name)) return *ior;
+  if (const Dispersion* dispersion = find_dispersion(name)) return catalogue_ior(*dispersion);
+  std::vector<std::string> known = ior_names();
+  const std::vector<std::string> dispersing = dispersion_names();
+  known.insert(known.end(), dispersing.begin(), dispersing.end());
+  p.fail_at(property,
+            "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known));
+}
+
+SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput default_value) {
+  return p.spectrum_input(name, std::move(default_value), SpectrumRole::kReflectance);
+}
+
+void read_unit(Properties& p, const char* name, ScalarInput& value) {
+  value = p.scalar_input(name, value, kUnitInterval);
+}
+
+ScalarInput read_alpha(Properties& p, const char* name, ScalarInput default_value) {
+  ScalarInput alpha = p.scalar_input(name, default_value, kNotNegative);
+  if (float* constant = std::get_if<float>(&alpha)) *constant = std::max(*constant, kMinAlpha);
+  return alpha;
+}
+
+RoughnessDescription read_roughness(Properties& p) {
+  RoughnessDescription result;
+  const std::string distribution = p.find_string("distribution").value_or("beckmann");
+  if (distribution == "ggx") {
+    result.distribution = RoughnessDescription::Distribution::kGgx;
+  } else if (distribution == "phong" || distribution == "as") {
+    // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
+    p.context().note(p.where(),
+                     "distribution '" + distribution + "' is rendered with 'beckmann', which is nearly the same");
+  } else if (distribution != "beckmann") {
+    p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
+  }
+  const bool along = p.has("alpha_u"), across = p.has("alpha_v");
+  if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
+  if (along && p.has("alpha")) p.fail_at("alpha", "is given beside 'alpha_u' and 'alpha_v', expected one or the other");
+  result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
+  result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
+  p.ignore({"sample_visible"});
+  return result;
+}
+
+RoughnessDescription read_uniform_roughness(Properties& p) {
+  for (const char* name : {"alpha", "alpha_u", "alpha_v"})
+    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number: the roughness is the same everywhere");
+  RoughnessDescription result = read_roughness(p);
+  if (result.alpha_u != result.alpha_v)
+    p.fail_at("alpha_v", "differs from 'alpha_u', expected the same roughness along and across");
+  return result;
+}
+
+void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular) {
+  if (!p.boolean("ensure_energy_conservation", true)) return;
+  auto* d = std::get_if<SpectrumDescription>(&diffuse);
+  auto* s = std::get_if<SpectrumDescription>(&specular);
+  if (d == nullptr || s == nullptr) return;
+  const Vec3f sum = brightest(*d) + brightest(*s);
+  const float most = std::max({sum.x, sum.y, sum.z});
+  if (!(most > 1.0f)) return;
+  constexpr float kMax = 0.99f;
+  *d = scaled(std::move(*d), kMax / most);
+  *s = scaled(std::move(*s), kMax / most);
+  p.context().note(p.where(), "reflects up to " + std::to_string(most) +
+                                  " of the light; its reflectances are scaled down so that they add up to 0.99");
+}
+
+std::vector<float> read_numbers(Properties& p, const char* name) {
+  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
+  return parse_floats(*p.find_string(name), p.where(), name);
+}
+
+const char* first_of(Properties& p, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    if (p.has(name)) return name;
+  return *names.begin();
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std::size_t high, const char* expected) {
+  const std::vector<const XmlElement*> found = p.objects("bsdf");
+  if (found.size() < low || found.size() > high)
+    p.fail("holds " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
+  return found;
+}
+
+MaterialId read_nested_bsdf(Properties& p, const BsdfDialect& dialect) {
+  return dialect.nested(*nested_bsdfs(p, 1, 1, "one")[0]);
+}
+
+void expect_opaque(Properties& p, MaterialId nested) {
+  const std::vector<MaterialDescription>& materials = p.context().description.materials;
+  if (transmits(materials, nested))
+    p.fail("holds a material that transmits light (line " +
+           std::to_string(materials[static_cast<std::size_t>(nested)].where.line) + ")");
+}
+
+const XmlElement& only_texture(Properties& p) {
+  const XmlElement* texture = p.any_texture_or_color();
+  if (texture == nullptr) p.fail("holds no <texture>, expected one");
+  return *texture;
+}
+
+TextureId read_map(const XmlElement& texture, ReadContext& context) {
+  return texture_showing(context.readers.texture(texture, context), texture.where, context);
+}
+
+void note_polarisation(Properties& p) {
+  p.context().note(p.where(), "bsdf '" + p.type() + "' does to all light what it does to light that is not polarised");
+}
+
+}  // namespace sheaf

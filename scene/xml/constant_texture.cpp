@@ -1,0 +1,15 @@
+#include "scene/xml/constant_texture.h"
+
+namespace sheaf {
+
+TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context) {
+  if (const auto* id = std::get_if<TextureId>(&input)) return *id;
+  TextureDescription texture;
+  texture.model = CheckerboardDescription{input, input};
+  texture.where = where;
+  std::vector<TextureDescription>& textures = context.description.textures;
+  textures.push_back(std::move(texture));
+  return static_cast<TextureId>(textures.size() - 1);
+}
+
+}  // namespace sheaf
