@@ -108,8 +108,9 @@ template <class L, template <class> class Bsdf>
 /// Russian roulette by expected contribution (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in
 /// Light Transport Simulation", 2016; without splitting). A vertex of throughput b in a cell that scatters the mean
 /// radiance M is expected to contribute b M. Roulette starts where this falls below half of the path's first such
-/// expectation. Returns survival probabilities, or `default_value` if the cell has no mean or the path no reference.
-/// `sum`: the lanes of the throughput added up.
+/// expectation. Unlike roulette by throughput it may terminate paths below depth rr_depth; from there on the survival
+/// probability is below 1. Returns survival probabilities, or `default_value` if the cell has no mean or the path no
+/// reference. `sum`: the lanes of the throughput added up.
 template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> default_value) {

@@ -124,7 +124,7 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
 
 /// Items [first, last) of a run, all of one material.
 struct MaterialRun {
-  const MaterialRow* material = nullptr;
+  const MaterialRow* material = nullptr;  ///< null: no items
   int first = 0, last = 0;
 };
 
