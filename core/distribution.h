@@ -2,6 +2,7 @@
 // the unit square for textured lights and environment maps.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/vec.h"
 
 #include <span>
@@ -44,12 +45,8 @@ SHEAF_INLINE AliasSample<L> sample_alias(const AliasEntry* table, typename L::Ui
   const U row = min(to_uint(u * scale), count - U(1u));
   const F rest = clamp(fma(u, scale, -to_float(row)), F(0.0f), F(kOneMinusEpsilon));
 
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, offset + row);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = reinterpret_cast<const float*>(table + lanes[lane]);
   F words[4];
-  load_rows4(rows, words);
+  RowPointers<L>(table, offset + row).read_four(words);
 
   const F threshold = words[0];
   const auto itself = rest < threshold;

@@ -50,13 +50,4 @@ template <class F> SHEAF_INLINE F clamp(F a, F lo, F hi) { return min(max(a, lo)
 /// a + t (b - a).
 template <class F> SHEAF_INLINE F lerp(F t, F a, F b) { return fma(t, b - a, a); }
 
-/// Reads four words per lane from base + index[lane]. The table must be readable three words beyond its last row.
-template <class L> SHEAF_INLINE void gather_row4(const float* base, typename L::Uint index, typename L::Float* out) {
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = base + lanes[lane];
-  load_rows4(rows, out);
-}
-
 }  // namespace sheaf

@@ -2,6 +2,7 @@
 // number.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/spectrum.h"
 
 namespace sheaf {
@@ -50,14 +51,10 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
   const U cell = min(to_uint(place), U(4 * kCells - 1));
   const F t = place - to_float(cell);
   const U row = cell & U(kCells - 1), turn = cell >> WavelengthQuantiles::kCellBits;
-  alignas(kSimdAlignment) std::uint32_t at[L::width];
-  store(at, row);
-  const float *rows[L::width], *next_rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane)
-    rows[lane] = kWavelengthQuantiles.nodes[at[lane]], next_rows[lane] = rows[lane] + 4;
   F below[4], above[4];
-  load_rows4(rows, below);
-  load_rows4(next_rows, above);
+  RowPointers<L> nodes(kWavelengthQuantiles.nodes, row);
+  nodes.read_four(below);
+  nodes.read_four(above);
   F lambda[4], pdf[4];
   for (int k = 0; k < 4; ++k) {
     const F width = above[k] - below[k];

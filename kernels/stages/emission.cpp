@@ -1,5 +1,6 @@
 // Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
 // hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
+#include "core/lane_array.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
@@ -73,8 +74,7 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const bool visible = has_surroundings(scene);
   const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
   const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
-  for (std::uint32_t lanes = transparent; lanes != 0; lanes &= lanes - 1)
-    mark_transparent(wave, slots[std::countr_zero(lanes)]);
+  for_each_lane(transparent, [&](int lane) SHEAF_LAMBDA_INLINE { mark_transparent(wave, slots[lane]); });
   if (!visible) return;
   const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);

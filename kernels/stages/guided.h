@@ -10,6 +10,7 @@
 // guide.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 #include "kernels/bsdf/all.h"
 #include "kernels/guiding/guide_record.h"
@@ -18,8 +19,6 @@
 #include "kernels/stages/roulette.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/wave/lane_mean.h"
-
-#include <bit>
 
 namespace sheaf {
 
@@ -116,14 +115,13 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   using F = Float<L>;
   constexpr float kMin = 0.5f;
   const F mean = gather(context.guide.means, wave.guide_cells.load<L>(column).row);
-  alignas(kSimdAlignment) float references[L::width], expected[L::width];
+  LaneArray<F> references;
+  const LaneArray<F> expected(sum * mean);
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
-  store(expected, sum * mean);
   for (int lane = 0; lane < count; ++lane)
     if (references[lane] == 0.0f && expected[lane] > 0.0f)
       references[lane] = wave.guide_references[slots[lane]] = expected[lane];
-  F reference;
-  load(references, reference);
+  const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
   const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
@@ -139,26 +137,17 @@ void note_directions(const StageContext& context, const Wave& wave, const Slot* 
   F divisor(1.0f);
   if (context.scene.needs_transmittance)
     divisor = lane_mean<L>(context.scene.color, wave.rescaled_pdfs.gather<L>(slots).r_u);
-  alignas(kSimdAlignment) float px[L::width], py[L::width], pz[L::width], pdf[L::width], over[L::width];
-  alignas(kSimdAlignment) std::uint32_t bits[L::width], side[L::width], dimension[L::width];
-  store(px, item.p.x), store(py, item.p.y), store(pz, item.p.z);
-  store(pdf, bsdf_pdf);
-  store(over, divisor / total(path.beta));
-  store(bits, encode_octahedral<L>(direction));
-  store(side, wave.guide_cells.load<L>(column).side);
-  store(dimension, path.dimension());
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    if (dimension[lane] >= TrainingSamples::kMaxVertices) continue;
+  const LaneRows<L, Vec3> p(item.p);
+  const LaneArray<F> pdf(bsdf_pdf), per_throughput(divisor / total(path.beta));
+  const LaneArray<Uint<L>> directions(encode_octahedral<L>(direction)), side(wave.guide_cells.load<L>(column).side),
+      dimension(path.dimension());
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
+    if (dimension[lane] >= TrainingSamples::kMaxVertices) return;
     const RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
-    context.training->add({{px[lane], py[lane], pz[lane]},
-                           bits[lane],
-                           over[lane],
-                           pdf[lane],
-                           side[lane],
-                           row.task_sample & ~kTransparent},
-                          total(row.radiance));
-  }
+    context.training->add(
+        {p[lane], directions[lane], per_throughput[lane], pdf[lane], side[lane], row.task_sample & ~kTransparent},
+        total(row.radiance));
+  });
 }
 
 }  // namespace sheaf

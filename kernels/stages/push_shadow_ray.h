@@ -1,6 +1,7 @@
 // Pushes shadow rays from vertices to the queue of the shadow stages: rays to lights, and rays to the camera.
 #pragma once
 
+#include "core/lane_array.h"
 #include "kernels/media/medium_boundary.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
@@ -56,9 +57,7 @@ SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot
   out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
   out.direction = target - out.origin;
   out.contribution = contribution;
-  alignas(kSimdAlignment) std::uint32_t slot_words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
-  load(slot_words, out.slot);
+  out.slot = make_lanes<Uint<L>>([slots](int lane) SHEAF_LAMBDA_INLINE { return slots[lane]; });
   out.light = end.light;
   const auto kept =
       is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);
