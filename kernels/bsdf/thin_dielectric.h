@@ -12,7 +12,7 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
   static constexpr auto kKind = ClosureKind::kThinDielectric;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   /// `cos_theta`: cosine to the normal, on either side.
   SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
