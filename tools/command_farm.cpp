@@ -3,7 +3,7 @@
 #include "core/output_file.h"
 #include "tools/commands.h"
 #include "tools/farm_scripts.h"
-#include "tools/picture_files.h"
+#include "tools/image_files.h"
 #include "tools/render_plan.h"
 
 #include <fmt/format.h>
@@ -190,7 +190,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.emplace_back(stem + ".exr");
   for (const fs::path& output : outputs) {
-    check_picture_name(output);
+    check_image_name(output);
     check_writable(output);
     farm.outputs.push_back(split_output(output, farm.has_frames));
   }

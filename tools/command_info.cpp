@@ -9,8 +9,8 @@
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupted_image.h"
-#include "tools/picture_files.h"
 #include "tools/read_options.h"
 
 #include <fmt/format.h>

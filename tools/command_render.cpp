@@ -17,10 +17,10 @@
 #include "scene/dialects/read_scene.h"
 #include "scene/xml/xml.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
-#include "tools/picture_files.h"
 #include "tools/preview.h"
 #include "tools/render_arguments.h"
 #include "tools/render_plan.h"
@@ -53,9 +53,9 @@ constexpr std::uint32_t kDenoisedSamples = 16;
 /// Returns all files that the render writes, the images first. Checks that the formats are known, the names are
 /// distinct and the locations are writable. Throws Error.
 std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
-  std::vector<std::string> pictures = arguments.outputs;
-  if (pictures.empty()) pictures.push_back(fs::path(arguments.scene).stem().string() + ".exr");
-  std::vector<NamedFile> outputs = named_pictures(pictures);
+  std::vector<std::string> images = arguments.outputs;
+  if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  std::vector<NamedFile> outputs = named_images(images);
   if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
   const NamedFile scene{"the scene", arguments.scene};
@@ -395,7 +395,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
     report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
     const Image image = so_far.to_image();
     for (const fs::path& file :
-         write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
+         write_images(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
       print_message("wrote what there is to " + file.string());
   };
   RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, preview, show);
@@ -411,7 +411,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!part.empty()) add_part_attributes(metadata, part, result.samples);
   const bool denoised = add_denoised(arguments, image, metadata);
-  const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
+  const std::vector<fs::path> written = write_images(outputs, image, metadata);
   bool complete = written.size() == outputs.size() && checkpointer.is_saved();
   // Write the statistics and finish.
   result.report.peak_rss_bytes = peak_rss_bytes();

@@ -88,7 +88,7 @@ template <class L> struct BsdfValue {
 };
 
 /// Transmission of a thin dielectric straight through.
-template <class L> struct PanePassage {
+template <class L> struct StraightTransmission {
   Spectrum<L> share;              ///< transmittance
   typename L::Float probability;  ///< probability that sample() transmits
 };

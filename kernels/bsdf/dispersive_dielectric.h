@@ -75,7 +75,7 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   /// See ThinDielectricBsdf::passage().
-  SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
+  SHEAF_INLINE StraightTransmission<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
     const Spectrum<L> once = fresnel_dispersive<L>(abs(cos_theta), this->eta).reflectance;
     const Spectrum<L> through =

@@ -182,7 +182,7 @@ class Renderer {
     AdaptiveFilm& film = *state_.adaptive;
     const auto is_late = [&] {
       const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-      return options_.time_limit > 0 && film.has_picture() && elapsed.count() >= options_.time_limit;
+      return options_.time_limit > 0 && film.has_image() && elapsed.count() >= options_.time_limit;
     };
     while (!stopped() && !is_late()) {
       if (!film.begin_round()) break;
@@ -475,7 +475,7 @@ std::optional<double> noise_of(const Film& film, const std::optional<SplatFilm>&
   if (photons == 0) return std::nullopt;
   Image image = film.to_image();
   splats->add_to(image, photons);
-  return picture_noise(image);
+  return image_noise(image);
 }
 
 Image RenderResult::to_image() const {

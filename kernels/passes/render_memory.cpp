@@ -58,7 +58,7 @@ double adaptive_bytes(const FilmSize& film, const SamplePlan& plan) {
 }
 
 /// Bytes per pixel of the final image, and of its copy from before the id layers were added.
-double picture_bytes(const FilmSize& film, const RenderOptions& options) {
+double image_bytes(const FilmSize& film, const RenderOptions& options) {
   const double channels =
       film.layout.size() + static_cast<double>(film.row.variances + film.row.bins) + film.layout.half_count() + 1;
   double ids = 0;
@@ -126,7 +126,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   const double edges = plan.adapts ? adaptive_bytes(film, plan) : border_bytes(film, plan);
   uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
                   parts + "; so do fewer layers"});
-  uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + "; so do fewer layers"});
+  uses.push_back({"the picture", film.pixels * image_bytes(film, options), parts + "; so do fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "Fewer photons take less"});
   uses.push_back({"rays", threads_of(options) * worker_bytes(film, plan, needs, wave_size_of(options, needs)),

@@ -55,8 +55,7 @@ template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slo
 /// Updates the medium of the new ray and RescaledPdfs, in scenes with SceneView::needs_transmittance. Returns the mean
 /// of r_u, by which the throughput must be divided. `single`: only the first wavelength continues. Distances of the
 /// path were sampled by it so far, except those of stored photons, which any of the four may have sampled.
-/// `null_transmittance`: probability of passing an open pane, which shadow rays pass as well; 0: no open pane was
-/// passed.
+/// `null_transmittance`: probability of passing a thin dielectric that shadow rays pass as well; 0: none was passed.
 template <class L>
 Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
                       Mask<L> single, Float<L> null_transmittance, RayState<L>& ray) {
@@ -211,7 +210,7 @@ SHEAF_INLINE FreePassage<L> count_depth(const StageContext& context, const Wave&
     if (context.integrator.thin_dielectrics_are_free) {
       const auto passes = wo.z * wi.z < F(0.0f);
       path.depth_and_dimension = select(passes, path.depth_and_dimension - U(kOneDepth), path.depth_and_dimension);
-      if (context.scene.has_open_panes)
+      if (context.scene.shadow_rays_pass_thin_dielectrics)
         out.null_transmittance = select(passes, bsdf.passage(wo.z).probability, F(0.0f));
       out.ended = (!passes) & ((wave.rays.gather<L>(tile.slots).flags & U(kRayLast)) != U(0u));
     }
@@ -244,7 +243,7 @@ SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave
   const auto is_delta = pdf_solid_angle == F(0.0f), passed = null_transmittance > F(0.0f);
   if (context.gathers_photons() || context.starts_at_lights()) {
     const U before = wave.rays.gather<L>(tile.slots).flags;
-    // Light sampling passes thin dielectrics that are open, so they do not count as specular here.
+    // Light sampling passes such thin dielectrics, so they do not count as specular here.
     const auto specular = is_delta & (null_transmittance == F(0.0f));
     ray.flags |= select(passed, before & U(kRayHistory), history_behind<L, InMedium>(context, before, specular));
     if (context.gathers_photons()) continues = continues & (is_delta | !context.maps->ends_at<L>(before, InMedium));

@@ -121,12 +121,13 @@ void SceneCompiler::add_materials() {
   };
   out_->has_transparency_ =
       !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
-  out_->has_open_panes_ = in_.integrator.thin_dielectrics_are_free && panes_can_be_open();
-  out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
+  out_->shadow_rays_pass_thin_dielectrics_ =
+      in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
+  out_->has_transparency_ = out_->has_transparency_ || out_->shadow_rays_pass_thin_dielectrics_;
   out_->counts_.materials = in_.materials.size();
 }
 
-bool SceneCompiler::panes_can_be_open() const {
+bool SceneCompiler::shadow_rays_can_pass_thin_dielectrics() const {
   const std::vector<MaterialRow>& rows = out_->materials_;
   const auto is_thin_dielectric = [&](std::uint32_t row) {
     return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_thin_dielectric;

@@ -34,7 +34,7 @@ SceneView Scene::view() const {
   v.majorant_grids = majorant_rows_.data();
   v.blackbodies = blackbodies_ ? &*blackbodies_ : nullptr;
   v.needs_transmittance = has_transparency_;
-  v.has_open_panes = has_open_panes_;
+  v.shadow_rays_pass_thin_dielectrics = shadow_rays_pass_thin_dielectrics_;
   v.camera_medium = camera_medium_;
   v.outer_medium = outer_medium_;
   v.lights = lights_.data();

@@ -63,7 +63,7 @@ struct SceneView {
   bool needs_transmittance = false;             ///< whether shadow rays may pass through surfaces or media
   /// Whether shadow rays pass through thin dielectrics. This requires that passing costs no depth, and that no thin
   /// dielectric has a texture or is part of a composite material.
-  bool has_open_panes = false;
+  bool shadow_rays_pass_thin_dielectrics = false;
   std::uint32_t camera_medium = 0;  ///< medium that contains the camera: 0 for vacuum, else 1 + row
   std::uint32_t outer_medium = 0;   ///< medium that surrounds the scene, likewise
   const LightRow* lights = nullptr;
@@ -165,7 +165,7 @@ class Scene {
   std::vector<MajorantGrid> majorant_grids_;
   std::vector<MajorantGridRow> majorant_rows_;
   std::optional<BlackbodyTable> blackbodies_;
-  bool has_transparency_ = false, has_open_panes_ = false;
+  bool has_transparency_ = false, shadow_rays_pass_thin_dielectrics_ = false;
   std::uint32_t camera_medium_ = 0, outer_medium_ = 0;
   std::vector<LightRow> lights_;
   std::vector<AliasEntry> light_alias_, triangle_alias_;

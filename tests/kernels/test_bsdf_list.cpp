@@ -84,12 +84,12 @@ TEST_CASE("all bsdfs: specular ones have no density") {
   });
 }
 
-TEST_CASE("all bsdfs: panes let pass what their samples let pass") {
+TEST_CASE("all bsdfs: thin dielectrics let pass what their samples let pass") {
   for_each_variant([]<class Bsdf>(const Bsdf& bsdf) {
     if constexpr (closure_info(Bsdf::kKind).is_thin_dielectric)
       for (const Vec3f wo : outgoing_directions()) {
         constexpr std::uint32_t kDraws = 20000;
-        const PanePassage<Scalar> passage = bsdf.passage(wo.z);
+        const StraightTransmission<Scalar> passage = bsdf.passage(wo.z);
         double passed = 0, light = 0;
         for (std::uint32_t i = 0; i < kDraws; ++i) {
           const auto s = bsdf.sample(wo, lane_random(14, i, 0));
