@@ -41,6 +41,8 @@ template <class L> using Mask = typename L::Mask;
 inline constexpr float kPi = 3.14159265358979323846f;
 inline constexpr float kInvPi = 0.31830988618379067154f;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// The largest float below 1.
+inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
 /// a squared.
 template <class F> SHEAF_INLINE F sqr(F a) { return a * a; }

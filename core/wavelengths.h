@@ -65,12 +65,4 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
           detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, turn)};
 }
 
-/// Factor on a path's throughput when it finds light: the balance heuristic with the four wavelengths as strategies
-/// (Wilkie et al. 2014). `relative`: for each wavelength, the pdf with which it would have sampled the path, over the
-/// pdf by which the throughput was divided (that of the first). All ones give 1. If only the first wavelength can
-/// sample the path, as after refraction by a dispersive surface, `relative` is (1, 0, 0, 0) and the factor is 4.
-template <class L> SHEAF_INLINE Float<L> hero_balance(Spectrum<L> relative) {
-  return Float<L>(4.0f) / ((relative.c0 + relative.c1) + (relative.c2 + relative.c3));
-}
-
 }  // namespace sheaf

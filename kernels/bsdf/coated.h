@@ -5,7 +5,6 @@
 //   f = (1 - R(wo)) (1 - R(wi)) exp(-sigma_a thickness (1 / cos o + 1 / cos i)) f_nested(o, i) / eta^2.
 #pragma once
 
-#include "core/distribution.h"
 #include "kernels/bsdf/coatable.h"
 #include "kernels/bsdf/fresnel.h"
 

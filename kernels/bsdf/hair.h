@@ -18,7 +18,6 @@
 // photons at the side where they enter.
 #pragma once
 
-#include "core/distribution.h"
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"

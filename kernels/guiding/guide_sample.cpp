@@ -17,12 +17,12 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
     const GuideMixture& m = guide.mixtures[lane < count ? row[lane] : 0];
     const float a = m.bsdf_share;
     // The BSDF uses the lower part of u, rescaled, so that its lobes are as well stratified as without guiding.
-    rest[lane] = min(number[lane] / a, 0x1.fffffep-1f);
+    rest[lane] = min(number[lane] / a, kOneMinusEpsilon);
     kappa[lane] = 1;
     mean.set(lane, {0, 0, 1});
     if (number[lane] < a) continue;
     taken[lane] = 1;
-    float v = clamp((number[lane] - a) / (1 - a), 0.0f, 0x1.fffffep-1f);
+    float v = clamp((number[lane] - a) / (1 - a), 0.0f, kOneMinusEpsilon);
     const int k = choose_lobe(m, v);
     kappa[lane] = m.kappa[k];
     mean.set(lane, {m.x[k], m.y[k], m.z[k]});

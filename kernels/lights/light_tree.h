@@ -7,10 +7,9 @@
 // compute.
 #pragma once
 
-#include "core/lane_array.h"
 #include "scene/tables/light_tree.h"
 
-#include "core/distribution.h"
+#include "core/lane_array.h"
 #include "core/vec.h"
 
 namespace sheaf {

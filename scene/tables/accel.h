@@ -77,9 +77,6 @@ class Accel {
   /// Memory that Embree holds, in bytes.
   std::size_t bytes() const;
 
-  /// The Embree library's version, e.g. "3.13.5".
-  static const char* library_version();
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -1,7 +1,7 @@
 // The compiled scene: flat, immutable tables that kernels access by index, and the kernels' view of them.
 #pragma once
 
-#include "core/distribution.h"
+#include "core/alias_table.h"
 #include "core/spectral_sensor.h"
 #include "core/spectrum_row.h"
 #include "core/uplift.h"

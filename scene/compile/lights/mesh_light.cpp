@@ -1,5 +1,5 @@
 // Mesh lights: rows, power and bounds.
-#include "core/distribution.h"
+#include "core/alias_table.h"
 #include "core/warp.h"
 #include "scene/compile/lights/area_light.h"
 #include "scene/compile/lights/texture_mean.h"
