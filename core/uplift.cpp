@@ -74,6 +74,7 @@ template <class L> struct Trial {
 
 template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target, Trial<L>& trial) {
   using F = typename L::Float;
+  // Integrate colour and derivatives
   F sum[3], d[3][3];
   for (int channel = 0; channel < 3; ++channel) sum[channel] = d[channel][0] = d[channel][1] = d[channel][2] = F(0.0f);
   for (int i = 0; i < Quadrature::kNodes; ++i) {
@@ -90,6 +91,7 @@ template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target
       d[channel][2] = fma(gt, t, d[channel][2]);
     }
   }
+  // Compare with the target
   const F goal[3] = {target.x, target.y, target.z};
   trial.error = F(0.0f);
   for (int channel = 0; channel < 3; ++channel) {

@@ -123,6 +123,7 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
+  // Cut the frame
   if (arguments.tiles) {
     if (is_given("crop"))
       throw Error(ExitCode::kUsage, "--crop and --tiles cannot be given together: the frame is cut once");
@@ -134,6 +135,7 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     throw Error(ExitCode::kUsage,
                 "the samples of ptracer cannot be rendered in parts, and its tiles take as long as "
                 "the frame: a farm can render its frames, with --parts 1 --tiles");
+  // Cut the samples
   const auto parts = static_cast<std::uint32_t>(arguments.parts);
   if (plan.samples < parts)
     throw Error(ExitCode::kUsage,

@@ -74,6 +74,7 @@ template <class L, template <class> class Bsdf>
                                                 const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
   using F = Float<L>;
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
+  // Choose between guide and BSDF, and sample both
   const GuideSample<L> of_guide = sample_guide<L>(context.guide, wave.guide_cells.load<L>(column).row, count, u);
   u.x = of_guide.bsdf_u;
   GuidedSample<L> out;
@@ -81,6 +82,7 @@ template <class L, template <class> class Bsdf>
   s = bsdf.sample(item.wo, u);
   out.direction = frame.to_world(s.wi);
   Spectrum<L> f_cos = s.weight * s.pdf_solid_angle;
+  // Evaluate the BSDF for directions of the guide
   if (any(of_guide.taken)) {
     const Vec3<L> wi = frame.to_local(of_guide.direction);
     const BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
@@ -91,6 +93,7 @@ template <class L, template <class> class Bsdf>
     s.eta_scale = select(of_guide.taken, eta_scale_of<L>(bsdf, item.wo, wi), s.eta_scale);
     s.valid = s.valid | of_guide.taken;
   }
+  // Combine the pdfs and the weight
   out.bsdf_pdf = s.pdf_solid_angle;
   const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
   // The weight of a delta lobe needs bsdf_share as well.

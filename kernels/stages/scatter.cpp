@@ -65,6 +65,7 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   const RayState<L> before = wave.rays.gather<L>(slots);
   F distance(0.0f);
   const auto passed = null_transmittance > F(0.0f);
+  // Find the medium of the new ray
   U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium | kRayHistory));
   flags |= select(passed, before.flags & U(kRayFromMedium), U(0u));
   if (in_medium) {
@@ -77,11 +78,13 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
     distance = hit.t;
   }
   ray.flags |= flags;
+  // Update the rescaled pdfs
   RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
   const bool by_any = context.starts_at_lights() && context.photons->stores_photons();
   r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
   wave.rescaled_pdfs.scatter<L>(slots, count, r);
+  // Update the distance since the last vertex
   const std::uint32_t on = mask_bits(passed & L::first(count));
   add_distance_since_vertex<L>(wave, slots, on, distance);
   for (int lane = 0; lane < count; ++lane)

@@ -21,6 +21,7 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
   LaneArray<U> medium(U(scene.outer_medium));
   int lane_of[L::width], going = 0;
   for_each_lane(mask_bits(lanes), [&](int lane) { lane_of[going++] = lane; });
+  // Trace from surface to surface up to a boundary of media
   for (int round = 0; going > 0 && round < kMaxCrossings; ++round) {
     int next = 0;
     trace_packets(
@@ -42,11 +43,13 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
             const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[i]);
             const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
                                                         from + along * packet.t_far[i], packet.instance[i]);
+            // Find the medium on the near side of the boundary
             if (shape.boundary != kNone) {
               const BoundaryRow& sides = scene.boundaries[shape.boundary];
               medium[lane] = dot(y.ng, along) < 0.0f ? sides.exterior : sides.interior;
               continue;
             }
+            // Continue behind other surfaces
             origins.set(lane, offset_origin<Scalar>(y.p, y.ng, y.offset, along));
             lane_of[next++] = lane;
           }
