@@ -28,10 +28,7 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
         scene, wave, going, RayRecorder::Query::kNearest,
         [&](int first, int count, RayPacket& packet) {
           for (int i = 0; i < count; ++i) {
-            const Vec3f o = origins[lane_of[first + i]], d = directions[lane_of[first + i]];
-            packet.origin_x[i] = o.x, packet.origin_y[i] = o.y, packet.origin_z[i] = o.z;
-            packet.direction_x[i] = d.x, packet.direction_y[i] = d.y, packet.direction_z[i] = d.z;
-            packet.t_far[i] = kInfinity;
+            packet.set_ray(i, origins[lane_of[first + i]], directions[lane_of[first + i]]);
             packet.shape[i] = kNone;
           }
         },
