@@ -466,7 +466,7 @@ TEST_CASE("light tree: two lights share by the cosines at either end, their dist
   CHECK(probability(balls, {}, {0, 0, 1}, 0) == near(0.7 / 1.7));
 }
 
-TEST_CASE("light tree: awkward lights") {
+TEST_CASE("light tree: awkward numbers and places of lights") {
   SUBCASE("none") {
     const LightTree tree = checked_tree({});
     const auto choice = draw_light(tree, {}, {0, 0, 1}, 0.5f);
@@ -493,6 +493,9 @@ TEST_CASE("light tree: awkward lights") {
     CHECK(tree.depth > kMaxLightTreeDepth - 2);
     CHECK(std::fabs(sum_of_probabilities(tree, {1, 1, 0}, {}) - 1) < 1e-4);
   }
+}
+
+TEST_CASE("light tree: awkward values of lights") {
   SUBCASE("no power") {
     Lights lights = mixed_lights(40);
     for (std::size_t i = 0; i < lights.size(); i += 2) lights[i].power = i % 4 == 0 ? 0.0f : -kInfinity;

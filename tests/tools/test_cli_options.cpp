@@ -223,6 +223,49 @@ TEST_CASE("options: a standard output that cannot be written is exit code 4") {
   CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "out.exr"));
 }
 
+namespace {
+
+/// Each option that changes the picture, with a value that is not the standard.
+const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"},
+                                                                   {"color", "spectral"},
+                                                                   {"spectral-bins", "4"},
+                                                                   {"integrator", "direct"},
+                                                                   {"sampler", "stratified"},
+                                                                   {"filter-mode", "importance"},
+                                                                   {"replicates", "2"},
+                                                                   {"light-sampler", "uniform"},
+                                                                   {"candidates", "2"},
+                                                                   {"guiding", ""},
+                                                                   {"medium-estimator", "delta"},
+                                                                   {"step-size", "0.1"},
+                                                                   {"max-depth", "3"},
+                                                                   {"rr-depth", "3"},
+                                                                   {"crop", "0,0,4,4"},
+                                                                   {"samples", "0:2"},
+                                                                   {"size", "8x8"},
+                                                                   {"scale", "0.5"},
+                                                                   {"define", "size=8"},
+                                                                   {"aov", "depth"},
+                                                                   {"light-groups", ""},
+                                                                   {"denoise", "nlm"},
+                                                                   {"watertight", ""},
+                                                                   {"noise-target", "0.5"},
+                                                                   {"lenient", ""},
+                                                                   {"nori-camera", "upstream"},
+                                                                   {"float", ""},
+                                                                   {"spp", ""},
+                                                                   {"view", ""},
+                                                                   {"up", ""},
+                                                                   {"fov", ""}};
+
+/// Options of the run, with which the same picture comes out.
+const std::vector<std::pair<std::string, std::string>> kRuns = {
+    {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
+    {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
+    {"serve", ""},       {"tev", ""},          {"help", ""}};
+
+}  // namespace
+
 TEST_CASE("options: a render goes on from its checkpoint with the options that it was begun with, and no others") {
   const Workplace place;
   write_bytes(place.folder / "other.exr", "");
@@ -231,45 +274,8 @@ TEST_CASE("options: a render goes on from its checkpoint with the options that i
   const auto resume = [&](const std::string& options) {
     return run(place.folder, common + "--checkpoint a.state --resume " + options);
   };
-  // Each option that changes the picture, with a value that is not the standard.
-  const std::vector<std::pair<std::string, std::string>> changes = {{"seed", "7"},
-                                                                    {"color", "spectral"},
-                                                                    {"spectral-bins", "4"},
-                                                                    {"integrator", "direct"},
-                                                                    {"sampler", "stratified"},
-                                                                    {"filter-mode", "importance"},
-                                                                    {"replicates", "2"},
-                                                                    {"light-sampler", "uniform"},
-                                                                    {"candidates", "2"},
-                                                                    {"guiding", ""},
-                                                                    {"medium-estimator", "delta"},
-                                                                    {"step-size", "0.1"},
-                                                                    {"max-depth", "3"},
-                                                                    {"rr-depth", "3"},
-                                                                    {"crop", "0,0,4,4"},
-                                                                    {"samples", "0:2"},
-                                                                    {"size", "8x8"},
-                                                                    {"scale", "0.5"},
-                                                                    {"define", "size=8"},
-                                                                    {"aov", "depth"},
-                                                                    {"light-groups", ""},
-                                                                    {"denoise", "nlm"},
-                                                                    {"watertight", ""},
-                                                                    {"noise-target", "0.5"},
-                                                                    {"lenient", ""},
-                                                                    {"nori-camera", "upstream"},
-                                                                    {"float", ""},
-                                                                    {"spp", ""},
-                                                                    {"view", ""},
-                                                                    {"up", ""},
-                                                                    {"fov", ""}};
-  // Those of the run, with which the same picture comes out.
-  const std::vector<std::pair<std::string, std::string>> runs = {
-      {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
-      {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
-      {"serve", ""},       {"tev", ""},          {"help", ""}};
   std::set<std::string> known;
-  for (const auto& [name, value] : changes) {
+  for (const auto& [name, value] : kChanges) {
     CAPTURE_BINDING(name);
     known.insert(name);
     // Not by themselves, or not for a scene.
@@ -280,7 +286,7 @@ TEST_CASE("options: a render goes on from its checkpoint with the options that i
     CHECK(contains(outcome.err, "--" + name + " is '"));
   }
   CHECK(run(place.folder, "render scene.xml --spp 5 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
-  for (const auto& [name, value] : runs) {
+  for (const auto& [name, value] : kRuns) {
     CAPTURE_BINDING(name);
     known.insert(name);
     if (value.empty() && name != "no-timestamps") continue;
