@@ -1,7 +1,7 @@
 // The cost of the primitives of core per item. Every benchmark reports "per_item" in seconds (1.5n is 1.5 nanoseconds)
 // for as many items as a wave has, which fit the L1 or L2 cache.
+#include "core/alias_table.h"
 #include "core/bucket_sort.h"
-#include "core/distribution.h"
 #include "core/frame.h"
 #include "core/sampler.h"
 #include "core/slot_table.h"
@@ -277,21 +277,6 @@ template <class L> static void alias_sample(benchmark::State& state) {
     return Vec3<L>{bits_float(s.index), s.pdf, s.remapped};
   });
 }
-template <class L> static void distribution_1d_sample(benchmark::State& state) {
-  const Distribution1D d(bench_weights(state.range(0)));
-  run_pairs<L>(state, [&](Float<L> u, Float<L>) {
-    const Sample1D<L> s = d.sample<L>(u);
-    return Vec3<L>{bits_float(s.index), s.pdf, s.x};
-  });
-}
-template <class L> static void distribution_2d_sample(benchmark::State& state) {
-  const auto width = static_cast<std::size_t>(state.range(0));
-  const Distribution2D d(bench_weights(state.range(0) * state.range(0) / 2), width, width / 2);
-  run_pairs<L>(state, [&](Float<L> u, Float<L> v) {
-    const Sample2D<L> s = d.sample<L>(u, v);
-    return Vec3<L>{s.p.x, s.p.y, s.pdf};
-  });
-}
 
 namespace {
 
@@ -321,9 +306,7 @@ template <SamplerKind kind> bool sampler(const std::string& name) {
     both("square_to_cone", warp_cone<Scalar>, warp_cone<Wide>) &&
     both("square_to_triangle", warp_triangle<Scalar>, warp_triangle<Wide>) &&
     both("hemisphere_in_frame", frame_from_normal<Scalar>, frame_from_normal<Wide>) &&
-    both("sample_alias", alias_sample<Scalar>, alias_sample<Wide>, {8, 4096, 1 << 18}) &&
-    both("distribution_1d", distribution_1d_sample<Scalar>, distribution_1d_sample<Wide>, {8, 4096}) &&
-    both("distribution_2d", distribution_2d_sample<Scalar>, distribution_2d_sample<Wide>, {64, 1024});
+    both("sample_alias", alias_sample<Scalar>, alias_sample<Wide>, {8, 4096, 1 << 18});
 
 }  // namespace
 

@@ -26,7 +26,7 @@ Image noisy_picture(int width, int height, bool complete) {
   return image;
 }
 
-void denoise_picture(benchmark::State& state, bool complete) {
+void denoise_image(benchmark::State& state, bool complete) {
   const Image image = noisy_picture(1280, 720, complete);
   const std::clock_t start = std::clock();
   for (auto _ : state) benchmark::DoNotOptimize(denoise(image, Denoiser::kNlMeans));
@@ -34,8 +34,8 @@ void denoise_picture(benchmark::State& state, bool complete) {
                                              benchmark::Counter::kAvgIterations);
 }
 
-BENCHMARK_CAPTURE(denoise_picture, halves_and_features, true)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(denoise_picture, colors_alone, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(denoise_image, halves_and_features, true)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(denoise_image, colors_alone, false)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

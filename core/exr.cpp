@@ -160,6 +160,7 @@ std::vector<std::string> channel_names(const Imf::Header& header) {
 
 /// An image of zeros with the size and position of a part and the channels `names`. Throws SceneError.
 Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector<std::string> names) {
+  // Check the channels
   const SourceLocation where{path.string(), 0};
   if (is_deep(header)) throw SceneError(where, "deep images are not supported");
   for (const std::string& name : names) {
@@ -169,6 +170,7 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
       throw SceneError(where, "channel '" + name + "' is subsampled, which is not supported");
     }
   }
+  // Check the windows
   const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
   const auto too_far = [](int v) { return std::abs(static_cast<long long>(v)) > (1 << 24); };
@@ -177,6 +179,7 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
   for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
     if (too_far(corner)) throw SceneError(where, "a window of the image is too far from the origin");
   }
+  // Create the image
   check_image_memory(path, width, height, names.size(), sizeof(float));
   Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));
   image.x0 = window.min.x - frame.min.x;

@@ -28,6 +28,7 @@ std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   check_image_size(path, image.frame_width, image.frame_height, channels,
                    std::max<std::size_t>(fs::file_size(path), kBelievedFileBytes));
   check_image_memory(path, image.frame_width, image.frame_height, channels, sizeof(float));
+  // Intersect both windows
   const int x_begin = std::max(image.x0, 0), x_end = std::min(image.x0 + image.width, image.frame_width);
   const int y_begin = std::max(image.y0, 0), y_end = std::min(image.y0 + image.height, image.frame_height);
   if (x_begin >= x_end || y_begin >= y_end)
@@ -57,6 +58,7 @@ RgbChromaticities space_of(const ExrPart& part, bool xyz) {
 
 StoredImage read_exr_colors(const fs::path& path, bool raw) {
   const SourceLocation where{path.string(), 0};
+  // Find the part and the channels that hold the colour
   const std::vector<ExrPart> parts = read_exr_parts(path);
   std::vector<ImageChannels> flat;
   std::vector<std::size_t> part_of;
@@ -68,6 +70,7 @@ StoredImage read_exr_colors(const fs::path& path, bool raw) {
   if (flat.empty()) throw SceneError(where, "deep images are not supported");
   const ColorChannels found = find_color_channels(flat, where);
   const ExrPart& part = parts[part_of[found.part]];
+  // Read the channels
   std::vector<std::string> names;
   for (const std::size_t c : found.channels) names.push_back(part.channels[c]);
   if (found.alpha) names.push_back(part.channels[*found.alpha]);
@@ -79,6 +82,7 @@ StoredImage read_exr_colors(const fs::path& path, bool raw) {
   colors.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   if (found.alpha) colors.channels.emplace_back("A");
   colors.floats = pixels_of_frame(path, std::move(image));
+  // Convert to Rec.709
   if (grey || raw) return colors;
   if (!convert_to_rec709(colors.floats, space_of(part, found.xyz), colors.channels.size()))
     throw SceneError(where,

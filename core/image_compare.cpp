@@ -81,6 +81,7 @@ Sums sum_channel(const Pair& pair, const std::string& channel, const Overlap& ov
   std::optional<ChannelView> variance_a, variance_b;
   if (pair.options.variance_a) variance_a.emplace(*pair.options.variance_a, channel, "the first image's variance");
   if (pair.options.variance_b) variance_b.emplace(*pair.options.variance_b, channel, "the second image's variance");
+  // Add up errors and z-tests over the pixels
   Sums sums;
   for (int y = overlap.y0; y < overlap.y1; ++y) {
     for (int x = overlap.x0; x < overlap.x1; ++x) {
@@ -143,6 +144,7 @@ std::optional<Image> variance_layers(const Image& image) {
 }
 
 ImageComparison compare_images(const Image& a, const Image& b, const CompareOptions& options) {
+  // Find the pixels and channels to compare
   const Overlap overlap = find_overlap(a, b);
   require_cover(options.variance_a, a, "the first");
   require_cover(options.variance_b, b, "the second");
@@ -151,6 +153,7 @@ ImageComparison compare_images(const Image& a, const Image& b, const CompareOpti
   result.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   result.width = overlap.x1 - overlap.x0;
   result.height = overlap.y1 - overlap.y0;
+  // Compare channel by channel
   ZTest test;
   test.significance = options.significance;
   Sums all;
@@ -160,6 +163,7 @@ ImageComparison compare_images(const Image& a, const Image& b, const CompareOpti
     test.mean_p.push_back(p_value(z_value(sums.a - sums.b, sums.variance, magnitude)));
     all.add(sums);
   }
+  // Average over pixels and channels
   const double count = std::max(static_cast<double>(all.values), 1.0);
   result.mse = all.squares / count;
   result.relative_mse = all.relative / count;

@@ -41,6 +41,8 @@ template <class L> using Mask = typename L::Mask;
 inline constexpr float kPi = 3.14159265358979323846f;
 inline constexpr float kInvPi = 0.31830988618379067154f;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// The largest float below 1.
+inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
 /// a squared.
 template <class F> SHEAF_INLINE F sqr(F a) { return a * a; }
@@ -49,14 +51,5 @@ template <class F> SHEAF_INLINE F safe_sqrt(F a) { return sqrt(max(a, F(0.0f)));
 template <class F> SHEAF_INLINE F clamp(F a, F lo, F hi) { return min(max(a, lo), hi); }
 /// a + t (b - a).
 template <class F> SHEAF_INLINE F lerp(F t, F a, F b) { return fma(t, b - a, a); }
-
-/// Reads four words per lane from base + index[lane]. The table must be readable three words beyond its last row.
-template <class L> SHEAF_INLINE void gather_row4(const float* base, typename L::Uint index, typename L::Float* out) {
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = base + lanes[lane];
-  load_rows4(rows, out);
-}
 
 }  // namespace sheaf

@@ -49,7 +49,7 @@ template <class L> struct QuantileDraw {
     using F = Float<L>;
     const auto in_run = place < F(0.0f);
     const F parts = select(in_run, F(1.0f), probability * F(static_cast<float>(kQuantiles)));
-    return min(select(in_run, place + F(1.0f), place) / parts, F(0x1.fffffep-1f));
+    return min(select(in_run, place + F(1.0f), place) / parts, F(kOneMinusEpsilon));
   }
 };
 

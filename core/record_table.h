@@ -4,7 +4,7 @@
 // rows of its lanes as a `Record<L>`, or a named member of them.
 #pragma once
 
-#include "core/soa.h"
+#include "core/lane_array.h"
 
 #include <array>
 #include <type_traits>

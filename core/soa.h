@@ -61,7 +61,6 @@ template <template <class> class Record> class Soa {
   /// Binds only the first `columns` columns. Loads and stores of whole rows need all.
   void bind(Arena& arena, int capacity, int columns = kLeafCount<Record>) {
     capacity_ = capacity;
-    bound_ = columns;
     auto* next = arena.take<float>(static_cast<std::size_t>(columns) * stride(capacity));
     int left = columns;
     const auto assign = [&]<class T>(T*& column) {
@@ -97,7 +96,6 @@ template <template <class> class Record> class Soa {
   /// The columns, for kernels that access only some of them.
   const Record<Columns>& columns() const { return columns_; }
   int capacity() const { return capacity_; }
-  int bound_columns() const { return bound_; }
 
  private:
   static std::size_t stride(int capacity) {
@@ -107,7 +105,7 @@ template <template <class> class Record> class Soa {
   }
 
   Record<Columns> columns_{};
-  int capacity_ = 0, bound_ = 0;
+  int capacity_ = 0;
 };
 
 }  // namespace sheaf

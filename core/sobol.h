@@ -58,6 +58,7 @@ template <class L>
 SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsigned wanted = kAllNumbers) {
   using U = typename L::Uint;
   using namespace sobol_detail;
+  // Expand the index in powers of the primitive polynomials of dimensions 2 to 4
   U a = index, b = index, c = index;
   // Large divisors do not change small indices.
   if (any((index >> 8) != U(0u))) {
@@ -155,9 +156,11 @@ template <class U> SHEAF_INLINE auto scrambled_float(U fraction, U key) {
 template <class L>
 SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block, unsigned wanted = kAllNumbers) {
   using namespace sobol_detail;
+  // Shuffle the index and compute the point
   const Keys<L> keys(at, block);
   typename L::Uint point[4];
   sobol4<L>(keys.shuffle(at.index), point, wanted);
+  // Scramble each number by a key of its own
   const typename L::Float any(0.0f);
   Random4<L> u{any, any, any, any};
   if ((wanted & kNumberX) != 0) u.x = scrambled_float(point[0], keys.scramble[0]);

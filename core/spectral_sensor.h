@@ -1,6 +1,7 @@
 // The sensor of spectral mode: from radiance at four wavelengths to linear Rec.709.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/vec.h"
 #include "core/wavelengths.h"
 
@@ -24,19 +25,17 @@ template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curv
   const F place = clamp((lambda - F(360.0f)) * F(0.2f), F(0.0f), F(float(SensorCurves::kNodes - 1)));
   const U i = min(to_uint(place), U(std::uint32_t(SensorCurves::kNodes - 2)));
   const F t = place - to_float(i);
-  alignas(kSimdAlignment) std::uint32_t node[L::width];
-  store(node, i);
-  const float *rows[L::width], *next_rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane) rows[lane] = curves.rgb[node[lane]], next_rows[lane] = rows[lane] + 4;
   F below[4], above[4];
-  load_rows4(rows, below);
-  load_rows4(next_rows, above);
+  RowPointers<L> nodes(curves.rgb, i);
+  nodes.read_four(below);
+  nodes.read_four(above);
   return {lerp(t, below[0], above[0]), lerp(t, below[1], above[1]), lerp(t, below[2], above[2])};
 }
 
 /// The estimate of a pixel's colour from one path: the mean of radiance * response / pdf over its wavelengths. The
 /// expectation is that of emission_table_to_rgb() for the spectrum, except that colours outside the gamut keep their
-/// negative components. `radiance`: as carried by the path, with hero_balance() included.
+/// negative components. `radiance`: as carried by the path; if only the first wavelength could
+/// sample the path, it counts four times.
 template <class L>
 SHEAF_INLINE Vec3<L> radiance_to_rgb(const SensorCurves& curves, const Wavelengths<L>& w, const Spectrum<L>& radiance) {
   Vec3<L> sum;

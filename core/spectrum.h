@@ -38,6 +38,10 @@ template <class L> SHEAF_INLINE Float<L> max_component(Spectrum<L> a) { return m
 template <class L> SHEAF_INLINE Spectrum<L> select(Mask<L> m, Spectrum<L> a, Spectrum<L> b) {
   return {select(m, a.c0, b.c0), select(m, a.c1, b.c1), select(m, a.c2, b.c2), select(m, a.c3, b.c3)};
 }
+/// f of each of the four lanes.
+template <class L, class F> SHEAF_INLINE Spectrum<L> map_spectrum(const Spectrum<L>& a, F&& f) {
+  return {f(a.c0), f(a.c1), f(a.c2), f(a.c3)};
+}
 /// The sum of all four lanes.
 template <class L> SHEAF_INLINE Float<L> total(Spectrum<L> a) { return (a.c0 + a.c1) + (a.c2 + a.c3); }
 template <class L> SHEAF_INLINE Mask<L> is_black(Spectrum<L> a) { return max_component(a) <= Float<L>(0.0f); }

@@ -2,6 +2,7 @@
 // on the kind of spectrum.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/record_table.h"
 #include "core/sigmoid_polynomial.h"
 
@@ -60,12 +61,8 @@ template <class L> struct LoadedSpectrum {
 
 /// Reads one row per lane.
 template <class L> SHEAF_INLINE LoadedSpectrum<L> load_spectrum(const SpectrumRow* rows, typename L::Uint index) {
-  alignas(kSimdAlignment) std::uint32_t i[L::width];
-  store(i, index);
-  const float* words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) words[lane] = &rows[i[lane]].c0;
   typename L::Float c[4];
-  load_rows4(words, c);
+  RowPointers<L>(rows, index).read_four(c);
   return {{c[0], c[1], c[2]}, c[3], gather_member<L>(rows, &SpectrumRow::table, index)};
 }
 

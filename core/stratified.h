@@ -54,7 +54,7 @@ SHEAF_INLINE Pair<L> point_in_cell(SampleGrid grid, typename L::Uint cell, bool 
   using F = typename L::Float;
   const auto [row, column] = divide(cell, grid.columns);
   const F width(1.0f / static_cast<float>(grid.columns)), height(1.0f / static_cast<float>(grid.rows)), one(1.0f);
-  const F last(0x1.fffffep-1f);
+  const F last(kOneMinusEpsilon);
   if (correlated) {
     u = to_float(permuted(row, grid.rows, key_y)) + u;
     v = to_float(permuted(column, grid.columns, key_x)) + v;

@@ -74,6 +74,7 @@ template <class L> struct Trial {
 
 template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target, Trial<L>& trial) {
   using F = typename L::Float;
+  // Integrate colour and derivatives
   F sum[3], d[3][3];
   for (int channel = 0; channel < 3; ++channel) sum[channel] = d[channel][0] = d[channel][1] = d[channel][2] = F(0.0f);
   for (int i = 0; i < Quadrature::kNodes; ++i) {
@@ -90,6 +91,7 @@ template <class L> SHEAF_INLINE void measure(const Quadrature& q, Vec3<L> target
       d[channel][2] = fma(gt, t, d[channel][2]);
     }
   }
+  // Compare with the target
   const F goal[3] = {target.x, target.y, target.z};
   trial.error = F(0.0f);
   for (int channel = 0; channel < 3; ++channel) {
@@ -174,21 +176,16 @@ void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
   constexpr int kSize = UpliftTable::kSize, kStart = kSize / 4;
   static_assert(kSize % kWidth == 0);
   const auto fit_node = [&](Trial<Wide>& trial, int z, int x, bool cold) {
-    alignas(kSimdAlignment) float rgb[3][kWidth], c[3][kWidth];
-    for (int lane = 0; lane < kWidth; ++lane) {
-      const Vec3f color = node_color(largest, z, second, x + lane);
-      rgb[0][lane] = color.x, rgb[1][lane] = color.y, rgb[2][lane] = color.z;
-    }
-    Vec3<Wide> target;
-    load(rgb[0], target.x), load(rgb[1], target.y), load(rgb[2], target.z);
+    LaneRows<Wide, Vec3> colors;
+    for (int lane = 0; lane < kWidth; ++lane) colors.set(lane, node_color(largest, z, second, x + lane));
     if (cold)
-      fit_from_grey<Wide>(q, target, trial);
+      fit_from_grey<Wide>(q, colors.load(), trial);
     else
-      fit<Wide>(q, target, trial, 25);
-    for (int k = 0; k < 3; ++k) store(c[k], trial.c[k]);
+      fit<Wide>(q, colors.load(), trial, 25);
+    const LaneArray c0(trial.c[2]), c1(trial.c[1]), c2(trial.c[0]);
     for (int lane = 0; lane < kWidth; ++lane) {
       float* node = nodes + 4 * (((largest * kSize + z) * kSize + second) * kSize + x + lane);
-      for (int k = 0; k < 3; ++k) node[k] = c[2 - k][lane];
+      node[0] = c0[lane], node[1] = c1[lane], node[2] = c2[lane];
     }
   };
   for (int x = 0; x < kSize; x += kWidth) {

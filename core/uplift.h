@@ -7,6 +7,7 @@
 // spectra of that brightness, because a sigmoid has no advantage over a factor there.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/sigmoid_polynomial.h"
 
 #include <vector>
@@ -76,8 +77,7 @@ SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename
   const F fx = place.x - to_float(x), fy = place.y - to_float(y), fz = place.z - to_float(z);
   const U size = U(std::uint32_t(kSize));
   const U first = (((largest * size + z) * size + y) * size + x) << 2;
-  alignas(kSimdAlignment) std::uint32_t offset[L::width];
-  store(offset, first);
+  const LaneArray<U> offset(first);
   const auto corner = [&](std::uint32_t by, F(&c)[4]) {
     const float* rows[L::width];
     for (int lane = 0; lane < L::width; ++lane) rows[lane] = table.nodes.data() + offset[lane] + 4 * by;

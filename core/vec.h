@@ -40,6 +40,8 @@ template <class L> SHEAF_INLINE Vec3<L> cross(Vec3<L> a, Vec3<L> b) {
 template <class L> SHEAF_INLINE Float<L> length_squared(Vec3<L> a) { return dot(a, a); }
 template <class L> SHEAF_INLINE Float<L> length(Vec3<L> a) { return sqrt(dot(a, a)); }
 template <class L> SHEAF_INLINE Vec3<L> normalize(Vec3<L> a) { return a * (Float<L>(1.0f) / sqrt(dot(a, a))); }
+/// `w` mirrored at the unit vector `m`: both include the same angle with it.
+template <class L> SHEAF_INLINE Vec3<L> reflect(Vec3<L> w, Vec3<L> m) { return m * (Float<L>(2.0f) * dot(w, m)) - w; }
 template <class L> SHEAF_INLINE Vec3<L> abs(Vec3<L> a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
 template <class L> SHEAF_INLINE Float<L> max_component(Vec3<L> a) { return max(a.x, max(a.y, a.z)); }
 template <class L> SHEAF_INLINE Vec3<L> select(Mask<L> m, Vec3<L> a, Vec3<L> b) {

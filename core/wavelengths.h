@@ -2,6 +2,7 @@
 // number.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/spectrum.h"
 
 namespace sheaf {
@@ -50,14 +51,10 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
   const U cell = min(to_uint(place), U(4 * kCells - 1));
   const F t = place - to_float(cell);
   const U row = cell & U(kCells - 1), turn = cell >> WavelengthQuantiles::kCellBits;
-  alignas(kSimdAlignment) std::uint32_t at[L::width];
-  store(at, row);
-  const float *rows[L::width], *next_rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane)
-    rows[lane] = kWavelengthQuantiles.nodes[at[lane]], next_rows[lane] = rows[lane] + 4;
   F below[4], above[4];
-  load_rows4(rows, below);
-  load_rows4(next_rows, above);
+  RowPointers<L> nodes(kWavelengthQuantiles.nodes, row);
+  nodes.read_four(below);
+  nodes.read_four(above);
   F lambda[4], pdf[4];
   for (int k = 0; k < 4; ++k) {
     const F width = above[k] - below[k];
@@ -66,14 +63,6 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
   }
   return {detail::rotate_lanes<L>({lambda[0], lambda[1], lambda[2], lambda[3]}, turn),
           detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, turn)};
-}
-
-/// Factor on a path's throughput when it finds light: the balance heuristic with the four wavelengths as strategies
-/// (Wilkie et al. 2014). `relative`: for each wavelength, the pdf with which it would have sampled the path, over the
-/// pdf by which the throughput was divided (that of the first). All ones give 1. If only the first wavelength can
-/// sample the path, as after refraction by a dispersive surface, `relative` is (1, 0, 0, 0) and the factor is 4.
-template <class L> SHEAF_INLINE Float<L> hero_balance(Spectrum<L> relative) {
-  return Float<L>(4.0f) / ((relative.c0 + relative.c1) + (relative.c2 + relative.c3));
 }
 
 }  // namespace sheaf

@@ -2,7 +2,7 @@
 #include "core/error.h"
 #include "core/image_compare.h"
 #include "tools/commands.h"
-#include "tools/picture_files.h"
+#include "tools/image_files.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ struct CompareArguments {
 /// Variance of an image: from `file`, divided by `spp`, or from the image's own layers if `file` is empty.
 std::optional<Image> find_variance(const Image& image, const std::string& file, unsigned spp) {
   if (file.empty()) return variance_layers(image);
-  check_is_picture(file);
+  check_is_image(file);
   Image variance = read_image(file);
   if (const std::optional<Image> layers = variance_layers(variance)) variance = *layers;
   for (float& value : variance.data) value /= static_cast<float>(spp);
@@ -80,7 +80,7 @@ std::vector<std::string> find_failures(const ImageComparison& result, const Comp
 }
 
 int compare(const CompareArguments& arguments) {
-  for (const std::string& file : {arguments.a, arguments.b}) check_is_picture(file);
+  for (const std::string& file : {arguments.a, arguments.b}) check_is_image(file);
   const Image a = read_image(arguments.a), b = read_image(arguments.b);
   CompareOptions options;
   options.significance = arguments.significance;

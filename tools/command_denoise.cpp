@@ -4,8 +4,8 @@
 #include "core/output_file.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupted_image.h"
-#include "tools/picture_files.h"
 
 #include <fmt/format.h>
 
@@ -28,13 +28,13 @@ struct DenoiseArguments {
 
 std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
   const NamedFile input{"the one that is read,", arguments.input};
-  const std::vector<NamedFile> outputs = named_pictures(arguments.outputs);
+  const std::vector<NamedFile> outputs = named_images(arguments.outputs);
   check_overwriting(outputs, {&input, 1});
   check_all_writable(outputs);
   return {arguments.outputs.begin(), arguments.outputs.end()};
 }
 
-int denoise_picture(const DenoiseArguments& arguments) {
+int denoise_image(const DenoiseArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
   const Denoiser denoiser = denoiser_from_name(arguments.method);
   check_denoiser(denoiser);
@@ -45,7 +45,7 @@ int denoise_picture(const DenoiseArguments& arguments) {
   const DenoiseResult result = denoise(image, denoiser, arguments.threads);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   add_denoise_attribute(metadata, result);
-  const std::vector<fs::path> written = write_pictures(outputs, result.image, metadata);
+  const std::vector<fs::path> written = write_images(outputs, result.image, metadata);
   if (!arguments.quiet) {
     if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
     print_message(fmt::format("denoised in {:.2f} s ({})", elapsed.count(), result.description));
@@ -75,7 +75,7 @@ void add_denoise_command(Command& program, int& exit_code) {
   command.add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
       .in_range(0, 4096);
   command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command.on_call([arguments, &exit_code] { exit_code = denoise_picture(*arguments); });
+  command.on_call([arguments, &exit_code] { exit_code = denoise_image(*arguments); });
 }
 
 }  // namespace sheaf

@@ -3,7 +3,7 @@
 #include "core/output_file.h"
 #include "tools/commands.h"
 #include "tools/farm_scripts.h"
-#include "tools/picture_files.h"
+#include "tools/image_files.h"
 #include "tools/render_plan.h"
 
 #include <fmt/format.h>
@@ -123,6 +123,7 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
+  // Cut the frame
   if (arguments.tiles) {
     if (is_given("crop"))
       throw Error(ExitCode::kUsage, "--crop and --tiles cannot be given together: the frame is cut once");
@@ -134,6 +135,7 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     throw Error(ExitCode::kUsage,
                 "the samples of ptracer cannot be rendered in parts, and its tiles take as long as "
                 "the frame: a farm can render its frames, with --parts 1 --tiles");
+  // Cut the samples
   const auto parts = static_cast<std::uint32_t>(arguments.parts);
   if (plan.samples < parts)
     throw Error(ExitCode::kUsage,
@@ -190,7 +192,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.emplace_back(stem + ".exr");
   for (const fs::path& output : outputs) {
-    check_picture_name(output);
+    check_image_name(output);
     check_writable(output);
     farm.outputs.push_back(split_output(output, farm.has_frames));
   }

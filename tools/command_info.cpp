@@ -9,8 +9,8 @@
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupted_image.h"
-#include "tools/picture_files.h"
 #include "tools/read_options.h"
 
 #include <fmt/format.h>
@@ -109,6 +109,7 @@ std::string describe(const Description& description, const Scene& scene, const C
   std::string text;
   const auto out = std::back_inserter(text);
   const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
+  // Describe the settings
   fmt::format_to(out, "file        {}\n", description.file.string());
   fmt::format_to(out, "film        {} x {} pixels", film.width, film.height);
   if (film.crop) {
@@ -120,6 +121,7 @@ std::string describe(const Description& description, const Scene& scene, const C
                  rendered == sampler.kind ? "" : fmt::format(" for {}", kSamplers.name_of(sampler.kind)),
                  sampler.sample_count, sampler.seed);
   fmt::format_to(out, "integrator  {}\n", describe_integrator(description.integrator));
+  // Describe the contents
   fmt::format_to(out, "shapes      {} ({} triangles, {} vertices, {} quadrics)\n", info.shapes, info.triangles,
                  info.vertices, info.quadrics);
   if (info.curve_segments > 0) fmt::format_to(out, "curves      {} segments\n", info.curve_segments);
@@ -134,6 +136,7 @@ std::string describe(const Description& description, const Scene& scene, const C
   if (info.shapes > 0) {
     fmt::format_to(out, "bounds      {} to {}\n", describe(info.bounds_min), describe(info.bounds_max));
   }
+  // Describe memory and messages
   text += describe(report);
   fmt::format_to(out, "memory      {:.3f} MB of tables, {:.3f} MB of acceleration structure\n",
                  megabytes(info.table_bytes), megabytes(info.accel_bytes));
@@ -180,6 +183,7 @@ std::string describe(const ExrHeader& header, const std::string& file) {
   for (const ExrMetadata::Attribute& attribute : header.attributes) {
     const auto* words = std::get_if<std::string>(&attribute.value);
     const bool manifest = attribute.name.starts_with("cryptomatte/") && attribute.name.ends_with("/manifest");
+    // Cryptomatte: the names of the manifest
     if (manifest && words != nullptr) {
       const std::vector<std::string> names = manifest_names(*words);
       fmt::format_to(out, "names       {}: {} of them\n", attribute.name, names.size());

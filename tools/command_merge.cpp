@@ -4,9 +4,9 @@
 #include "core/saturate.h"
 #include "kernels/film/noise.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
-#include "tools/picture_files.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +28,7 @@ struct MergeArguments {
 std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
   std::vector<NamedFile> parts;
   for (const std::string& part : arguments.parts) parts.push_back({"one of its parts,", part});
-  const std::vector<NamedFile> outputs = named_pictures(arguments.outputs);
+  const std::vector<NamedFile> outputs = named_images(arguments.outputs);
   check_overwriting(outputs, parts);
   check_all_writable(outputs);
   return {arguments.outputs.begin(), arguments.outputs.end()};
@@ -58,7 +58,7 @@ PixelRect choose_whole(const MergeArguments& arguments, const std::vector<PartFi
 
 /// Throws SceneError if parts or samples are missing.
 void check_complete(const MergeArguments& arguments, const std::vector<PartFile>& files,
-                    const std::vector<PicturePart>& parts, const PixelRect& whole) {
+                    const std::vector<ImagePart>& parts, const PixelRect& whole) {
   if (arguments.incomplete) return;
   for (const PartFile& file : files)
     if (file.interrupted)
@@ -101,16 +101,16 @@ void mark_interrupted(ExrMetadata& metadata, double taken, std::uint32_t planned
   add_interrupted_attributes(metadata, taken, planned);
 }
 
-int merge_pictures(const MergeArguments& arguments) {
+int merge_images(const MergeArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
   // Read and check the headers of all parts.
   std::vector<PartFile> files;
-  std::vector<PicturePart> parts;
+  std::vector<ImagePart> parts;
   bool has_denoised = false, interrupted = false;
   for (const std::string& path : arguments.parts) {
     check_is_exr(path);
     files.push_back(read_part_header(path));
-    check_same_picture(files.front(), files.back());
+    check_same_image(files.front(), files.back());
     parts.push_back(files.back().part);
     has_denoised |= files.back().has_denoised;
     interrupted |= files.back().interrupted;
@@ -122,15 +122,15 @@ int merge_pictures(const MergeArguments& arguments) {
   if (whole.area() * first.channels.size() * sizeof(float) > kMaxImageBytes)
     throw SceneError({first.part.name, 0}, "is part of a picture that is too large");
   // Merge the parts.
-  PictureMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
-                       find_ids(files));
-  for (const PicturePart& part : parts) merger.add(part, read_exr(part.name));
+  ImageMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
+                     find_ids(files));
+  for (const ImagePart& part : parts) merger.add(part, read_exr(part.name));
   // Make the metadata of the merged image.
   ExrMetadata metadata = whole_metadata(files);
   if (arguments.full_floats) metadata.half_channels.clear();
   const Image image = merger.finish();
   const bool is_noise_known = !is_noise_unknown(merger.pixels_without_variance(), image.pixel_count());
-  const std::optional<double> noise = is_noise_known ? picture_noise(image) : std::nullopt;
+  const std::optional<double> noise = is_noise_known ? image_noise(image) : std::nullopt;
   for (ExrMetadata::Attribute& attribute : metadata.attributes)
     if (attribute.name == "sheaf/noise") attribute.value = noise ? fmt::format("{:.6g}", *noise) : "unknown";
   const double share = covered_share(parts, whole, first.samples_per_pixel);
@@ -139,7 +139,7 @@ int merge_pictures(const MergeArguments& arguments) {
     metadata.attributes.push_back(
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
   // Write the outputs and print messages.
-  const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
+  const std::vector<fs::path> written = write_images(outputs, image, metadata);
   const int exit_code = static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
   if (arguments.quiet) return exit_code;
   if (has_denoised)
@@ -176,7 +176,7 @@ void add_merge_command(Command& program, int& exit_code) {
                    "Store all layers with 32 bits. Default: as the parts do, or for ranges of samples 16 bits where "
                    "values are small enough");
   command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command.on_call([arguments, &exit_code] { exit_code = merge_pictures(*arguments); });
+  command.on_call([arguments, &exit_code] { exit_code = merge_images(*arguments); });
 }
 
 }  // namespace sheaf

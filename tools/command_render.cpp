@@ -9,21 +9,16 @@
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
-#include "scene/xml/xml.h"
+#include "tools/apply_arguments.h"
 #include "tools/commands.h"
+#include "tools/image_files.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
-#include "tools/picture_files.h"
 #include "tools/preview.h"
-#include "tools/render_arguments.h"
-#include "tools/render_plan.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -34,9 +29,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <limits>
 #include <memory>
-#include <tuple>
 
 namespace sheaf {
 
@@ -44,18 +37,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Maximum pixels along a side of the frame, as in scene files.
-constexpr int kMaxFrameSide = 1'000'000'000;
-
-/// With a denoiser, renders with at least this many samples per pixel use four sets of samples, others two.
-constexpr std::uint32_t kDenoisedSamples = 16;
-
 /// Returns all files that the render writes, the images first. Checks that the formats are known, the names are
 /// distinct and the locations are writable. Throws Error.
 std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
-  std::vector<std::string> pictures = arguments.outputs;
-  if (pictures.empty()) pictures.push_back(fs::path(arguments.scene).stem().string() + ".exr");
-  std::vector<NamedFile> outputs = named_pictures(pictures);
+  std::vector<std::string> images = arguments.outputs;
+  if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  std::vector<NamedFile> outputs = named_images(images);
   if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
   const NamedFile scene{"the scene", arguments.scene};
@@ -70,101 +57,6 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
   std::vector<NamedFile> sources;
   for (const fs::path& file : files) sources.push_back({"what the scene is made of,", file});
   check_overwriting(outputs, sources);
-}
-
-void apply_integrator(const RenderArguments& arguments, Description& scene) {
-  if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
-  IntegratorSettings& integrator = scene.integrator;
-  if (arguments.spp) integrator.photons.max_passes = 0;
-  if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
-  if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
-  if (arguments.candidates) integrator.candidates = *arguments.candidates;
-  if (!arguments.light_sampler.empty())
-    integrator.light_selector = kLightSelectors.option("light sampler", arguments.light_sampler);
-  if (!arguments.medium_estimator.empty())
-    integrator.medium_estimator = kMediumEstimators.option("medium estimator", arguments.medium_estimator);
-  if (arguments.step_size) integrator.step_size = *arguments.step_size;
-}
-
-/// Default maximum samples per pixel if a noise target or a time limit decides.
-constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
-
-bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
-
-/// Sets the sampler and the samples per pixel. Adds a note if they differ from the scene's.
-void apply_sampler(const RenderArguments& arguments, Description& scene) {
-  SamplerSettings& sampler = scene.sampler;
-  const auto note = [&](std::string text) {
-    if (!text.empty()) scene.notes.push_back(std::move(text));
-  };
-  if (arguments.sampler.empty()) {
-    note(rendered_sampler_note(sampler.kind));
-    sampler.kind = rendered_sampler(sampler.kind);
-  } else {
-    sampler.kind = kSamplers.option("sampler", arguments.sampler);
-    note(stand_in_sampler_note(arguments.sampler));
-  }
-  const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
-  sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
-  note(rounding_note(sampler.kind, wanted));
-}
-
-/// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
-/// frame is too large.
-void apply_size(const RenderArguments& arguments, FilmSettings& film) {
-  if (arguments.size.empty() && !arguments.scale) return;
-  const FilmSettings before = film;
-  if (!arguments.size.empty()) std::tie(film.width, film.height) = parse_size(arguments.size);
-  const double scale = arguments.scale.value_or(1.0);
-  if (std::max(film.width, film.height) * scale > kMaxFrameSide)
-    throw Error(ExitCode::kUsage,
-                fmt::format("--scale {:g} makes a frame of {:g} x {:g} pixels, expected at most {} along each side",
-                            scale, film.width * scale, film.height * scale, kMaxFrameSide));
-  const auto scaled = [](int pixels, double factor) { return saturate<int>(std::round(pixels * factor)); };
-  film.width = std::max(scaled(film.width, scale), 1);
-  film.height = std::max(scaled(film.height, scale), 1);
-  if (!film.crop) return;
-  const double x = static_cast<double>(film.width) / before.width, y = static_cast<double>(film.height) / before.height;
-  PixelRect crop{scaled(film.crop->x0, x), scaled(film.crop->y0, y), scaled(film.crop->x1, x),
-                 scaled(film.crop->y1, y)};
-  crop.x0 = std::min(crop.x0, film.width - 1);
-  crop.y0 = std::min(crop.y0, film.height - 1);
-  crop.x1 = std::max(crop.x1, crop.x0 + 1);
-  crop.y1 = std::max(crop.y1, crop.y0 + 1);
-  film.crop = crop;
-}
-
-/// The rectangle to render. Throws Error (exit code 2) if the given one does not lie inside the frame.
-PixelRect choose_crop(const RenderArguments& arguments, const FilmSettings& film) {
-  if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
-  const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
-  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.x0 >= crop.x1 ||
-      crop.y0 >= crop.y1) {
-    throw Error(ExitCode::kUsage,
-                fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} pixels", crop.x0,
-                            crop.y0, crop.x1, crop.y1, film.width, film.height));
-  }
-  return crop;
-}
-
-/// Number of sets of samples: as requested. By default several if non-local means need variances and the sampler's
-/// samples are not independent. Throws Error (exit code 2) if there would be a single set.
-int choose_replicates(const RenderArguments& arguments, const SamplerSettings& sampler) {
-  if (arguments.denoiser != "nlm") return arguments.replicates;
-  if (sampler.sample_count < 2 || arguments.replicates == 1)
-    throw Error(ExitCode::kUsage, "--denoise nlm needs at least two samples per pixel, and --replicates above 1");
-  if (arguments.replicates != 0 || sampler.kind == SamplerKind::kIndependent) return arguments.replicates;
-  return sampler.sample_count < kDenoisedSamples ? 2 : 4;
-}
-
-/// The requested AOVs plus those that the denoiser uses.
-AovSet wanted_aovs(const RenderArguments& arguments) {
-  AovSet aovs = aovs_from_names(arguments.aovs);
-  if (arguments.denoiser.empty()) return aovs;
-  for (const Aov aov : {Aov::kAlbedo, Aov::kNormal, Aov::kDepth}) aovs.insert(aov);
-  if (arguments.denoiser == "nlm")
-    for (const Aov aov : {Aov::kVariance, Aov::kHalf}) aovs.insert(aov);
-  return aovs;
 }
 
 /// Throws Error (exit code 2) if layers are requested but no output can store them.
@@ -193,8 +85,23 @@ int taken_samples(const RenderReport& report) {
   return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
 }
 
-ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& report, const Description& scene,
-                          const SceneNames& names, const Image& image) {
+/// A scene with the options of the command line.
+struct RenderJob {
+  const RenderArguments& arguments;
+  AovSet aovs;
+  std::vector<fs::path> outputs;  ///< images
+  Description description;        ///< with the options applied
+  ColorMode color;
+  std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
+  std::unique_ptr<Scene> scene;
+
+  const char* color_name() const { return color == ColorMode::kSpectral ? "spectral" : "rgb"; }
+};
+
+ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, const Image& image) {
+  const RenderArguments& arguments = job.arguments;
+  const Description& scene = job.description;
+  const SceneNames& names = job.scene->names();
   ExrMetadata metadata;
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
@@ -215,11 +122,9 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const RenderReport& 
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
   }
-  for (auto& [name, value] : cryptomatte_attributes(wanted_aovs(arguments), names))
-    metadata.attributes.push_back({name, value});
+  for (auto& [name, value] : cryptomatte_attributes(job.aovs, names)) metadata.attributes.push_back({name, value});
   if (!arguments.samples.empty())
-    for (auto& [name, value] : part_id_attributes(wanted_aovs(arguments), names))
-      metadata.attributes.push_back({name, value});
+    for (auto& [name, value] : part_id_attributes(job.aovs, names)) metadata.attributes.push_back({name, value});
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
@@ -290,24 +195,6 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
-RenderOptions render_options(const RenderArguments& arguments, const SamplerSettings& sampler, AovSet aovs,
-                             const PixelRect& crop) {
-  RenderOptions options;
-  options.seed = arguments.seed;
-  options.threads = arguments.threads;
-  options.wave_size = arguments.wave_size;
-  options.spectral_bins = arguments.spectral_bins;
-  options.replicates = choose_replicates(arguments, sampler);
-  options.guiding = arguments.guiding;
-  options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
-  options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
-  options.aovs = aovs;
-  options.light_groups = arguments.light_groups;
-  options.crop = crop;
-  if (!arguments.samples.empty()) options.samples = parse_samples(arguments.samples);
-  return options;
-}
-
 /// Prints notes and warnings before the render.
 void print_start(const Description& description, const Scene& scene) {
   for (const std::string& note : description.notes) print_message(note);
@@ -329,142 +216,112 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
                     stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-/// The requested color mode; otherwise that of the scene's dialect, with a note.
-ColorMode choose_color(const RenderArguments& arguments, Description& description) {
-  const ColorMode native = native_color(arguments.scene);
-  if (arguments.color.empty() && native == ColorMode::kSpectral)
-    description.notes.push_back(arguments.scene +
-                                ": rendered with --color spectral, as pbrt does; --color rgb is faster");
-  const ColorMode color = arguments.color.empty()         ? native
-                          : arguments.color == "spectral" ? ColorMode::kSpectral
-                                                          : ColorMode::kRgb;
-  if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
-    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
-  return color;
+/// The images that the render writes, with default names if none are given.
+std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs) {
+  std::vector<fs::path> images;
+  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
+    images.push_back(outputs[i].file);
+  return images;
+}
+
+/// Writes the image so far.
+void write_so_far(const RenderJob& job, const RenderState& state, RenderReport report) {
+  report.color = job.color_name();
+  report.interrupted = true;
+  const RenderResult so_far = preview_of(*job.scene, state, job.aovs);
+  report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
+  const Image image = so_far.to_image();
+  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
+    print_message("wrote what there is to " + file.string());
+}
+
+/// The final image and what became of it.
+struct WrittenImage {
+  Image image;
+  bool is_denoised;             ///< or no denoiser was requested
+  std::vector<fs::path> files;  ///< that were written
+};
+
+/// Denoises the image of `result` and writes it. Frees the film of `result`.
+WrittenImage write_result(const RenderJob& job, RenderResult& result) {
+  WrittenImage out{result.to_image(), true, {}};
+  result.film = Film();  // free its memory before writing
+  ExrMetadata metadata = make_metadata(job, result.report, out.image);
+  if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
+  if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
+  out.is_denoised = add_denoised(job.arguments, out.image, metadata);
+  out.files = write_images(job.outputs, out.image, metadata);
+  return out;
+}
+
+/// Writes the statistics if requested. Returns false if that fails.
+bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
+  report.peak_rss_bytes = peak_rss_bytes();
+  report.peak_private_bytes = peak_private_bytes();
+  return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
 int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
-  // Check the outputs before any work.
-  const AovSet aovs = wanted_aovs(arguments);
+  // Check the outputs before any work
+  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);
-  std::vector<fs::path> outputs;
-  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
-    outputs.push_back(all_outputs[i].file);
-  check_layers(arguments, outputs);
+  job.outputs = image_outputs(arguments, all_outputs);
+  check_layers(arguments, job.outputs);
   if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
-  Preview preview(arguments.preview, arguments.scene, outputs.front().string(), arguments.quiet);
-  // Read the scene and apply the options.
+  Preview preview(arguments.preview, arguments.scene, job.outputs.front().string(), arguments.quiet);
+
+  // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  check_sources(all_outputs, description.files);
-  const ColorMode color = choose_color(arguments, description);
-  const char* const color_name = color == ColorMode::kSpectral ? "spectral" : "rgb";
-  apply_integrator(arguments, description);
-  apply_sampler(arguments, description);
-  apply_size(arguments, description.film);
-  if (!arguments.filter_mode.empty())
-    description.film.filter_mode =
-        arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
-  else if (arguments.denoiser == "oidn")
-    description.film.filter_mode = FilterMode::kImportance;
-  const PixelRect crop = choose_crop(arguments, description.film);
-  // Read the checkpoint.
+  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  check_sources(all_outputs, job.description.files);
+  job.color = choose_color(arguments, job.description);
+  const PixelRect crop = apply_arguments(arguments, job.description);
+
+  // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
                                                       ? RenderSettings{}
-                                                      : render_settings(given, description.files));
-  const std::string part = arguments.samples.empty() && arguments.crop.empty()
-                               ? ""
-                               : part_settings(render_settings(given, description.files));
+                                                      : render_settings(given, job.description.files));
+  if (!arguments.samples.empty() || !arguments.crop.empty())
+    job.part = part_settings(render_settings(given, job.description.files));
   std::optional<RenderState> resumed = checkpointer.resumed();
-  // Compile the scene.
+
+  // Compile the scene
   const double build_start = Progress::steady_seconds();
-  const std::unique_ptr<Scene> scene = arguments.read.lenient
-                                           ? compile_leniently(description, {arguments.watertight, color})
-                                           : compile_scene(description, {arguments.watertight, color});
+  const CompileOptions compile_options{arguments.watertight, job.color};
+  job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
+                                     : compile_scene(job.description, compile_options);
   move_to_large_pages();
   const double build_end = Progress::steady_seconds();
-  if (!arguments.quiet) print_start(description, *scene);
+  if (!arguments.quiet) print_start(job.description, *job.scene);
 
-  // Render.
-  RenderOptions options = render_options(arguments, description.sampler, aovs, crop);
+  // Render
+  RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
-  const auto show = [&](const RenderState& state, RenderReport report) {
-    report.color = color_name;
-    report.interrupted = true;
-    const RenderResult so_far = preview_of(*scene, state, aovs);
-    report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
-    const Image image = so_far.to_image();
-    for (const fs::path& file :
-         write_pictures(outputs, image, make_metadata(arguments, report, description, scene->names(), image)))
-      print_message("wrote what there is to " + file.string());
-  };
-  RenderResult result = render_with_progress(*scene, std::move(options), arguments.quiet, checkpointer, preview, show);
-  // Denoise and write the image.
+  const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
+  RenderResult result =
+      render_with_progress(*job.scene, std::move(options), arguments.quiet, checkpointer, preview, show);
   preview.begin_writing();
   result.report.scene = arguments.scene;
-  result.report.color = color_name;
+  result.report.color = job.color_name();
   result.report.load_seconds = build_start - load_start;
   result.report.build_seconds = build_end - build_start;
-  Image image = result.to_image();
-  result.film = Film();  // free its memory before writing
-  ExrMetadata metadata = make_metadata(arguments, result.report, description, scene->names(), image);
-  if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
-  if (!part.empty()) add_part_attributes(metadata, part, result.samples);
-  const bool denoised = add_denoised(arguments, image, metadata);
-  const std::vector<fs::path> written = write_pictures(outputs, image, metadata);
-  bool complete = written.size() == outputs.size() && checkpointer.is_saved();
-  // Write the statistics and finish.
-  result.report.peak_rss_bytes = peak_rss_bytes();
-  result.report.peak_private_bytes = peak_private_bytes();
-  if (!arguments.stats.empty())
-    complete &= try_to_write([&] { write_text_file(arguments.stats, to_json(result.report)); });
-  if (!arguments.quiet) print_end(result, written, description.stand_ins.size());
-  preview.finish(!complete || !denoised ? "failed" : result.interrupted ? "interrupted" : "done", image, result.report);
+
+  // Write image and statistics
+  const WrittenImage written = write_result(job, result);
+  bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
+  complete &= write_statistics(arguments, result.report);
+  if (!arguments.quiet) print_end(result, written.files, job.description.stand_ins.size());
+
+  // Report the outcome
+  const bool failed = !complete || !written.is_denoised;
+  preview.finish(failed ? "failed" : result.interrupted ? "interrupted" : "done", written.image, result.report);
   if (!complete) return static_cast<int>(ExitCode::kOutput);
-  if (!denoised) return static_cast<int>(ExitCode::kRuntime);
+  if (!written.is_denoised) return static_cast<int>(ExitCode::kRuntime);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
 }  // namespace
-
-RenderPlan plan_render(const std::vector<std::string>& words) {
-  Program program("sheaf", "");
-  RenderArguments arguments;
-  Command command = add_render_options(program, arguments);
-  RenderPlan plan;
-  command.on_call([&] {
-    for (const auto& [name, value] : command.given()) plan.given.push_back(name);
-  });
-  // Parse the options as `sheaf render` does.
-  std::vector<std::string> line{"sheaf", "render"};
-  line.insert(line.end(), words.begin(), words.end());
-  std::vector<char*> pointers;
-  for (std::string& word : line) pointers.push_back(word.data());
-  if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
-    throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
-  // Read the scene and apply the options.
-  const AovSet aovs = wanted_aovs(arguments);
-  Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  apply_integrator(arguments, scene);
-  apply_sampler(arguments, scene);
-  apply_size(arguments, scene.film);
-  // Fill in the plan.
-  plan.integrator = scene.integrator.kind;
-  plan.crop = choose_crop(arguments, scene.film);
-  const PhotonMappingSettings& photons = scene.integrator.photons;
-  const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
-  plan.samples = maps && photons.progressive && photons.max_passes > 0
-                     ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
-                     : scene.sampler.sample_count;
-  if (maps && photons.gathering == PhotonGathering::kFinal)
-    plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
-  plan.sets_given = arguments.replicates > 0;
-  plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
-                              : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
-  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
-  return plan;
-}
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();

@@ -61,12 +61,12 @@ void LivePage::set_report(const std::string& json) {
   report_ = json;
 }
 
-void LivePage::set_picture(std::shared_ptr<const Image> picture) {
+void LivePage::set_image(std::shared_ptr<const Image> image) {
   const std::lock_guard lock(mutex_);
-  picture_ = std::move(picture);
+  image_ = std::move(image);
   encoded_ = nullptr;
-  ++picture_number_;
-  picture_seen_ = false;
+  ++image_number_;
+  image_seen_ = false;
 }
 
 void LivePage::add_message(std::string_view message) {
@@ -77,14 +77,14 @@ void LivePage::add_message(std::string_view message) {
 
 bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kLookSeconds; }
 
-bool LivePage::wants_picture() const { return picture_seen_.load(std::memory_order_relaxed) && is_watched(); }
+bool LivePage::wants_image() const { return image_seen_.load(std::memory_order_relaxed) && is_watched(); }
 
 void LivePage::wait_until_seen(double seconds) {
   if (!is_watched()) return;
   const double start = Progress::steady_seconds();
   std::unique_lock lock(mutex_);
   const bool seen = seen_.wait_for(lock, std::chrono::duration<double>(seconds),
-                                   [this] { return state_seen_ && sent_number_ == picture_number_; });
+                                   [this] { return state_seen_ && sent_number_ == image_number_; });
   const double left = std::min(kOthersSeconds, seconds) - (Progress::steady_seconds() - start);
   if (seen && left > 0) seen_.wait_for(lock, std::chrono::duration<double>(left), [] { return false; });
 }
@@ -92,7 +92,7 @@ void LivePage::wait_until_seen(double seconds) {
 HttpResponse LivePage::answer(std::string_view path) {
   if (path == "/") return {200, "text/html; charset=utf-8", shared_text(kPreviewPage)};
   if (path == "/status.json") return status();
-  if (path == "/picture.png") return picture();
+  if (path == "/picture.png") return encoded_image();
   return {404, HttpResponse().type, nullptr};
 }
 
@@ -113,7 +113,7 @@ HttpResponse LivePage::status() {
                   {"fraction", fraction},
                   {"elapsed_seconds", elapsed},
                   {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
-                  {"picture", picture_number_},
+                  {"picture", image_number_},
                   {"messages", messages_},
                   {"report", Json::parse(report_)}};
   state_seen_ = true;
@@ -121,22 +121,22 @@ HttpResponse LivePage::status() {
   return {200, "application/json", shared_text(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
 }
 
-HttpResponse LivePage::picture() {
+HttpResponse LivePage::encoded_image() {
   std::unique_lock lock(mutex_);
-  if (!picture_) return {404, HttpResponse().type, nullptr};
-  const int number = picture_number_;
+  if (!image_) return {404, HttpResponse().type, nullptr};
+  const int number = image_number_;
   std::shared_ptr<const std::string> encoded = encoded_;
   if (!encoded) {  // only the server's thread encodes
-    const std::shared_ptr<const Image> image = picture_;
+    const std::shared_ptr<const Image> image = image_;
     lock.unlock();
     const double start = Progress::steady_seconds();
     const std::vector<unsigned char> png = encode_png(*image, kPngLevel);
     encoded = std::make_shared<const std::string>(png.begin(), png.end());
     encoding_seconds_ = Progress::steady_seconds() - start;
     lock.lock();
-    if (number == picture_number_) encoded_ = encoded;
+    if (number == image_number_) encoded_ = encoded;
   }
-  if (number == picture_number_) picture_seen_ = true;
+  if (number == image_number_) image_seen_ = true;
   // The server releases the body once it is sent.
   const auto sent = [this, encoded, number](const std::string*) {
     const std::lock_guard guard(mutex_);

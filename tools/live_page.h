@@ -34,12 +34,12 @@ class LivePage {
   /// Sets the statistics so far, a JSON object.
   void set_report(const std::string& json);
   /// Sets the image so far; it is encoded on the first request.
-  void set_picture(std::shared_ptr<const Image> picture);
+  void set_image(std::shared_ptr<const Image> image);
   /// Adds a line to the log. The page shows the last 200 lines.
   void add_message(std::string_view message);
 
   /// Whether a browser is connected and has requested the last image.
-  bool wants_picture() const;
+  bool wants_image() const;
   /// Time that encoding the last image took, s.
   double encoding_seconds() const { return encoding_seconds_.load(std::memory_order_relaxed); }
   /// If a browser is connected, waits until it has received the last state and image, at most `seconds`.
@@ -48,7 +48,7 @@ class LivePage {
  private:
   HttpResponse answer(std::string_view path);
   HttpResponse status();
-  HttpResponse picture();
+  HttpResponse encoded_image();
   bool is_watched() const;
 
   /// The scene file; an id that distinguishes this render from others at the same port.
@@ -56,16 +56,16 @@ class LivePage {
   std::atomic<std::uint64_t> done_{0}, total_{0};
   std::atomic<double> looked_{-1e9};  ///< time of the last status request, s on the steady clock
   std::atomic<double> encoding_seconds_{0};
-  std::atomic<bool> picture_seen_{true};  ///< the last image was requested; true if there is no image
-  mutable std::mutex mutex_;              ///< guards the members below
+  std::atomic<bool> image_seen_{true};  ///< the last image was requested; true if there is no image
+  mutable std::mutex mutex_;            ///< guards the members below
   std::condition_variable seen_;
   std::string state_ = "reading", report_ = "null";
   bool state_seen_ = false;
   double start_ = 0, end_ = 0;  ///< of the render, s on the steady clock; 0: not yet
   std::deque<std::string> messages_;
-  std::shared_ptr<const Image> picture_;
-  std::shared_ptr<const std::string> encoded_;  ///< picture_ as a PNG file; null: not encoded yet
-  int picture_number_ = 0, sent_number_ = 0;    ///< numbers of the last image and of the last image sent; 0: none
+  std::shared_ptr<const Image> image_;
+  std::shared_ptr<const std::string> encoded_;  ///< image_ as a PNG file; null: not encoded yet
+  int image_number_ = 0, sent_number_ = 0;      ///< numbers of the last image and of the last image sent; 0: none
   HttpServer server_;                           ///< last member: its thread uses the others and must end first
 };
 

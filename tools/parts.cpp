@@ -157,7 +157,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
   return file;
 }
 
-void check_same_picture(const PartFile& first, const PartFile& other) {
+void check_same_image(const PartFile& first, const PartFile& other) {
   const SourceLocation where{other.part.name, 0};
   const auto fail = [&](const std::string& what, const std::string& here, const std::string& there) {
     throw SceneError(where, fmt::format("is no part of the same picture as '{}': {} is '{}' here and '{}' there",

@@ -23,7 +23,7 @@ void add_part_attributes(ExrMetadata& metadata, const std::string& settings, con
 
 /// The header of a part.
 struct PartFile {
-  PicturePart part;
+  ImagePart part;
   int frame_width = 0, frame_height = 0;
   std::uint32_t samples_per_pixel = 0;  ///< of the whole image, whether taken or not
   bool interrupted = false;
@@ -40,7 +40,7 @@ struct PartFile {
 PartFile read_part_header(const std::filesystem::path& file);
 
 /// Throws SceneError, which names the difference, unless both files are parts of one image.
-void check_same_picture(const PartFile& first, const PartFile& other);
+void check_same_image(const PartFile& first, const PartFile& other);
 
 /// Header of the merged image: the attributes that the parts share, and the sums of dropped rays and samples. Omits the
 /// attributes of interrupted renders.

@@ -90,7 +90,7 @@ void Preview::watch(RenderOptions& options) {
 bool Preview::is_due() {
   const double now = Progress::steady_seconds();
   if (now < next_.load(std::memory_order_relaxed)) return false;
-  const bool looked_at = (page_ && page_->wants_picture()) || (tev_ && tev_->is_ready());
+  const bool looked_at = (page_ && page_->wants_image()) || (tev_ && tev_->is_ready());
   double never = 0;
   if (looked_at) asked_.compare_exchange_strong(never, now, std::memory_order_relaxed);
   return looked_at;
@@ -99,9 +99,9 @@ bool Preview::is_due() {
 void Preview::show(const RenderState& state) {
   Image image = state.film.to_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
-  const std::shared_ptr<const Image> picture = beauty_of(image);
-  if (page_) page_->set_picture(picture);
-  if (tev_ && tev_->is_ready()) tev_->show(picture);
+  const std::shared_ptr<const Image> beauty = beauty_of(image);
+  if (page_) page_->set_image(beauty);
+  if (tev_ && tev_->is_ready()) tev_->show(beauty);
   const double now = Progress::steady_seconds();
   double cost = now - asked_;
   // The page encodes in parallel to the render, on one of its processors.
@@ -114,12 +114,12 @@ void Preview::begin_writing() {
   if (page_) page_->set_state("writing");
 }
 
-void Preview::finish(const std::string& state, const Image& picture, const RenderReport& report) {
+void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
   if (!page_ && !tev_) return;
-  if (tev_) tev_->show(beauty_of(picture));
+  if (tev_) tev_->show(beauty_of(image));
   if (page_) {
     page_->set_report(to_json(report));
-    page_->set_picture(beauty_of(picture.find_channel("denoised.R") >= 0 ? denoised_only(picture) : picture));
+    page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
     page_->set_state(state);
   }
   if (tev_) tev_->finish(kTevSeconds);

@@ -43,7 +43,7 @@ class Preview {
   void begin_writing();
   /// Shows the finished image. Waits for viewers to fetch it: at most 5 s for tev, 3 s for browsers, and not at all if
   /// nobody is connected. `state`: "done", "interrupted" ...
-  void finish(const std::string& state, const Image& picture, const RenderReport& report);
+  void finish(const std::string& state, const Image& image, const RenderReport& report);
 
  private:
   bool is_due();

@@ -13,7 +13,7 @@ namespace sheaf {
 namespace {
 
 /// Adds options for inputs, outputs and image quality.
-void add_picture_options(Command& command, RenderArguments& arguments) {
+void add_image_options(Command& command, RenderArguments& arguments) {
   command.add_option("scene", arguments.scene, "Scene file").required();
   command.add_option("-o,--output", arguments.outputs,
                      "Picture to write, .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. "
@@ -154,7 +154,7 @@ void add_run_options(Command& command, RenderArguments& arguments) {
 Command add_render_options(Command& program, RenderArguments& arguments) {
   Command command = program.add_command(
       "render", "Render a scene file (of Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to pictures.");
-  add_picture_options(command, arguments);
+  add_image_options(command, arguments);
   add_layer_options(command, arguments);
   add_transport_options(command, arguments);
   add_run_options(command, arguments);

@@ -91,10 +91,10 @@ TevViewer::~TevViewer() {
   thread_.join();
 }
 
-void TevViewer::show(std::shared_ptr<const Image> picture) {
+void TevViewer::show(std::shared_ptr<const Image> image) {
   {
     const std::lock_guard lock(mutex_);
-    waiting_ = std::move(picture);
+    waiting_ = std::move(image);
     ready_ = false;
   }
   changed_.notify_all();
@@ -122,16 +122,16 @@ void TevViewer::run() {
       if (!socket_.is_open()) changed_.wait_for(lock, kTryEvery, [this] { return stop_.load(); });
     } else if (waiting_) {
       // Send the next image.
-      const std::shared_ptr<const Image> picture = std::exchange(waiting_, nullptr);
+      const std::shared_ptr<const Image> image = std::exchange(waiting_, nullptr);
       sending_ = true;
       lock.unlock();
-      const bool sent = send(*picture);
+      const bool sent = send(*image);
       if (!sent && !stop_) say_("the tev viewer at " + place_ + " is gone, or takes no more pictures");
       lock.lock();
       sending_ = false;
       if (!sent) socket_ = Socket();
       tried_ = sent;  // the viewer may have restarted: finish() waits for another attempt
-      if (!sent && !waiting_) waiting_ = picture;
+      if (!sent && !waiting_) waiting_ = image;
       ready_ = sent && !waiting_;
       changed_.notify_all();
     } else {
@@ -151,15 +151,14 @@ void TevViewer::connect() {
   socket_ = std::move(socket);
 }
 
-bool TevViewer::send(const Image& picture) {
+bool TevViewer::send(const Image& image) {
   if (is_hung_up(socket_)) return false;
-  if (!created_ && !send_all(socket_, tev_create_packet(name_, picture), kSendSeconds, stop_)) return false;
+  if (!created_ && !send_all(socket_, tev_create_packet(name_, image), kSendSeconds, stop_)) return false;
   created_ = true;
-  const std::size_t row = static_cast<std::size_t>(picture.width) * picture.channels.size() * sizeof(float);
+  const std::size_t row = static_cast<std::size_t>(image.width) * image.channels.size() * sizeof(float);
   const int rows = static_cast<int>(std::max(kPieceBytes / row, std::size_t{1}));
-  for (int y = 0; y < picture.height; y += rows)
-    if (!send_all(socket_, tev_update_packet(name_, picture, y, std::min(y + rows, picture.height)), kSendSeconds,
-                  stop_))
+  for (int y = 0; y < image.height; y += rows)
+    if (!send_all(socket_, tev_update_packet(name_, image, y, std::min(y + rows, image.height)), kSendSeconds, stop_))
       return false;
   return true;
 }

@@ -38,14 +38,14 @@ class TevViewer {
   /// Whether the viewer is connected and has received all images.
   bool is_ready() const { return ready_.load(std::memory_order_relaxed); }
   /// Queues an image; replaces one that is not sent yet. Does not block.
-  void show(std::shared_ptr<const Image> picture);
+  void show(std::shared_ptr<const Image> image);
   /// Waits until everything is sent, at most `seconds`. Does not wait if the viewer is not connected.
   void finish(double seconds);
 
  private:
   void run();
   void connect();
-  bool send(const Image& picture);
+  bool send(const Image& image);
 
   const std::string name_, place_;
   const std::vector<Address> addresses_;

@@ -72,9 +72,19 @@ template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* t
 }
 
 /// Transmission of a thin dielectric straight through.
-template <class L> struct PanePassage {
+template <class L> struct StraightTransmission {
   Spectrum<L> share;              ///< transmittance
   typename L::Float probability;  ///< probability that sample() transmits
 };
+
+/// The sample of a direction on the same side as wo, weighted by value and pdf of all lobes. `possible`: lanes where
+/// the sampled lobe can scatter there.
+template <class L>
+SHEAF_INLINE BsdfSample<L> sample_with_value(Vec3<L> wi, const BsdfValue<L>& value, Mask<L> possible = Mask<L>(true)) {
+  using F = Float<L>;
+  const Mask<L> valid = possible & (value.pdf_solid_angle > F(0.0f));
+  return {wi, value.f_cos * (F(1.0f) / select(valid, value.pdf_solid_angle, F(1.0f))), value.pdf_solid_angle, F(1.0f),
+          valid};
+}
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 // Dispatch to the BSDF below a coat, by its kind.
 #include "kernels/bsdf/coatable.h"
 
+#include "core/lane_array.h"
 #include "kernels/bsdf/list.h"
 
 #include <bit>
@@ -25,8 +26,7 @@ template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> nested_bsdf
 
 /// Calls f.operator()<Bsdf>(bsdf, lanes) for each closure kind below the coats in the register.
 template <class L, class F> SHEAF_INLINE void for_each_nested(const CoatedParameters<L>& coat, F&& f) {
-  alignas(kSimdAlignment) float kinds[L::width];
-  store(kinds, coat.nested_kind);
+  const LaneArray<Float<L>> kinds(coat.nested_kind);
   Mask<L> left(true);
   while (any(left)) {
     const float kind = kinds[std::countr_zero(mask_bits(left))];

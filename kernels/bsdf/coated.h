@@ -5,7 +5,6 @@
 //   f = (1 - R(wo)) (1 - R(wi)) exp(-sigma_a thickness (1 / cos o + 1 / cos i)) f_nested(o, i) / eta^2.
 #pragma once
 
-#include "core/distribution.h"
 #include "kernels/bsdf/coatable.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/plastic.h"
@@ -29,8 +28,8 @@ template <class L> struct BelowCoat {
   /// Transmittance along both segments inside the coat, given their cosines.
   SHEAF_INLINE Spectrum<L> absorption(F cos_o, F cos_i) const {
     const F path = coat.coat_thickness * (F(1.0f) / max(cos_o, F(1e-6f)) + F(1.0f) / max(cos_i, F(1e-6f)));
-    const auto& s = coat.coat_absorption;
-    return {exp(-s.c0 * path), exp(-s.c1 * path), exp(-s.c2 * path), exp(-s.c3 * path)};
+    return map_spectrum<L>(coat.coat_absorption,
+                           [path](F sigma_a) SHEAF_LAMBDA_INLINE { return exp(-sigma_a * path); });
   }
 
   /// f cos and pdf of the base, without the losses by reflection at the boundary. Both directions are above the

@@ -13,7 +13,7 @@ template <class L> struct DielectricBsdf : DielectricParameters<L> {
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
   static constexpr unsigned kNumbers = kNumberX;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;

@@ -12,14 +12,8 @@ template <class L> BsdfSample<L> DisneyBsdf<L>::sample(Vec3<L> wo, const Random4
   const Mask<L> diffuse = u.x < view.p_diffuse;
   Vec3<L> m = view.facets.sample_visible({wo.x, wo.y, abs(wo.z)}, u.y, u.z);
   if (any(view.p_coat > F(0.0f))) m = select<L>(u.x < view.p_diffuse + view.p_coat, view.coat.sample(u.y, u.z), m);
-  BsdfSample<L> s;
-  s.wi = select<L>(diffuse, cosine_hemisphere_polar<L>(u.y, u.z), m * (F(2.0f) * dot(wo, m)) - wo);
-  const BsdfValue<L> value = evaluate(view, s.wi);
-  s.pdf_solid_angle = value.pdf_solid_angle;
-  s.valid = value.pdf_solid_angle > F(0.0f);
-  s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-  s.eta_scale = F(1.0f);
-  return s;
+  const Vec3<L> wi = select<L>(diffuse, cosine_hemisphere_polar<L>(u.y, u.z), reflect(wo, m));
+  return sample_with_value<L>(wi, evaluate(view, wi));
 }
 
 template struct DisneyBsdf<Wide>;

@@ -47,7 +47,7 @@ template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParamet
   using Closure = DispersiveDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false, kDisperses = true;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
@@ -72,26 +72,25 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
   using Closure = DispersiveThinDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   /// See ThinDielectricBsdf::passage().
-  SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
+  SHEAF_INLINE StraightTransmission<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
     const Spectrum<L> once = fresnel_dispersive<L>(abs(cos_theta), this->eta).reflectance;
-    const auto in_all = [](F r) SHEAF_LAMBDA_INLINE { return (F(1.0f) - r) / (F(1.0f) + r); };
-    const Spectrum<L> through{in_all(once.c0), in_all(once.c1), in_all(once.c2), in_all(once.c3)};
+    const Spectrum<L> through =
+        map_spectrum<L>(once, [](F r) SHEAF_LAMBDA_INLINE { return (F(1.0f) - r) / (F(1.0f) + r); });
     return {this->transmittance * through, total(through) * F(0.25f)};
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
     const Spectrum<L> once = fresnel_dispersive<L>(abs(wo.z), this->eta).reflectance;
-    const auto in_all = [](F r) SHEAF_LAMBDA_INLINE { return (r + r) / (F(1.0f) + r); };
-    const Spectrum<L> back{in_all(once.c0), in_all(once.c1), in_all(once.c2), in_all(once.c3)};
+    const Spectrum<L> back = map_spectrum<L>(once, [](F r) SHEAF_LAMBDA_INLINE { return (r + r) / (F(1.0f) + r); });
     const F probability = total(back) * F(0.25f);
     const auto reflected = u.x < probability;
     const F per_choice = F(1.0f) / select(reflected, probability, F(1.0f) - probability);
-    const Spectrum<L> through{F(1.0f) - back.c0, F(1.0f) - back.c1, F(1.0f) - back.c2, F(1.0f) - back.c3};
+    const Spectrum<L> through = map_spectrum<L>(back, [](F r) SHEAF_LAMBDA_INLINE { return F(1.0f) - r; });
     BsdfSample<L> s;
     s.wi = {-wo.x, -wo.y, select(reflected, wo.z, -wo.z)};
     s.weight = select<L>(reflected, this->reflectance * back, this->transmittance * through) * per_choice;

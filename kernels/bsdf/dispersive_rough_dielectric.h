@@ -63,8 +63,8 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
 
   /// Indices of the far side relative to the near side.
   SHEAF_INLINE Spectrum<L> relative_indices(Float<L> side) const {
-    const auto at = [&](Float<L> index) SHEAF_LAMBDA_INLINE { return rough_boundary_index<L>(index, side); };
-    return {at(this->eta.c0), at(this->eta.c1), at(this->eta.c2), at(this->eta.c3)};
+    return map_spectrum<L>(this->eta,
+                           [side](Float<L> index) SHEAF_LAMBDA_INLINE { return rough_boundary_index<L>(index, side); });
   }
 
   /// Probability of the sampled lobe.

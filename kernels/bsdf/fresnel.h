@@ -43,5 +43,11 @@ template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) 
   // part. The lower bound avoids 0 / 0 for eta = k = 0 at normal incidence.
   return (t1 - t2) * t3 / max((t1 + t2) * (t3 + t4), F(1e-30f));
 }
+/// The same for four wavelengths.
+template <class L>
+SHEAF_INLINE Spectrum<L> fresnel_conductor(Float<L> cos_incident, const Spectrum<L>& eta, const Spectrum<L>& k) {
+  return {fresnel_conductor(cos_incident, eta.c0, k.c0), fresnel_conductor(cos_incident, eta.c1, k.c1),
+          fresnel_conductor(cos_incident, eta.c2, k.c2), fresnel_conductor(cos_incident, eta.c3, k.c3)};
+}
 
 }  // namespace sheaf

@@ -18,7 +18,6 @@
 // photons at the side where they enter.
 #pragma once
 
-#include "core/distribution.h"
 #include "core/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
@@ -159,9 +158,9 @@ template <class L> struct HairBsdf : HairParameters<L> {
       attenuation[0] = Spectrum<L>(f);
       attenuation[1] = t * (enters * enters);
       attenuation[2] = attenuation[1] * turns;
-      const auto ever_after = [&](F x) SHEAF_LAMBDA_INLINE { return x / max(one - x, F(1e-7f)); };
-      attenuation[3] = attenuation[2] * Spectrum<L>(ever_after(turns.c0), ever_after(turns.c1), ever_after(turns.c2),
-                                                    ever_after(turns.c3));
+      // The last lobe sums all longer paths, a geometric series.
+      attenuation[3] = attenuation[2] *
+                       map_spectrum<L>(turns, [one](F x) SHEAF_LAMBDA_INLINE { return x / max(one - x, F(1e-7f)); });
       F sum(0.0f);
       for (std::size_t p = 0; p < kLobes; ++p) {
         Spectrum<L>& a = attenuation[p];
@@ -192,17 +191,15 @@ template <class L> struct HairBsdf : HairParameters<L> {
                           this->pheomelanin_absorption * this->pheomelanin;
     const Mask<L> by_colour = this->by_reflectance > F(0.5f);
     if (any(by_colour)) sigma_a = select<L>(by_colour, absorption_of_reflectance(), sigma_a);
-    const auto& s = sigma_a;
-    return {exp(s.c0 * minus_length), exp(s.c1 * minus_length), exp(s.c2 * minus_length), exp(s.c3 * minus_length)};
+    return map_spectrum<L>(sigma_a, [minus_length](F s) SHEAF_LAMBDA_INLINE { return exp(s * minus_length); });
   }
 
   /// Absorption of a fibre in hair whose multiple-scattering colour is `absorption` (a fit: Chiang 2016, section 4.2).
   SHEAF_INLINE Spectrum<L> absorption_of_reflectance() const {
     const F b = this->azimuthal_roughness;
     const F fit = polynomial(b, 5.969f, -0.215f, 2.532f, -10.73f, 5.574f, 0.245f);
-    const auto of = [&](F c) SHEAF_LAMBDA_INLINE { return sqr(log(clamp(c, F(1e-4f), F(1.0f))) / fit); };
-    const Spectrum<L>& c = this->absorption;
-    return {of(c.c0), of(c.c1), of(c.c2), of(c.c3)};
+    return map_spectrum<L>(this->absorption,
+                           [fit](F c) SHEAF_LAMBDA_INLINE { return sqr(log(clamp(c, F(1e-4f), F(1.0f))) / fit); });
   }
 
   /// Variance v of the first lobe and scale s of the azimuthal lobes, by fits that make roughness in [0, 1]

@@ -53,7 +53,7 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
   SHEAF_INLINE Spectrum<L> depth() const { return extinction() * this->thickness; }
 
   static SHEAF_INLINE Spectrum<L> attenuation(Spectrum<L> t, Float<L> path) {
-    return {exp(-t.c0 * path), exp(-t.c1 * path), exp(-t.c2 * path), exp(-t.c3 * path)};
+    return map_spectrum<L>(t, [path](Float<L> x) SHEAF_LAMBDA_INLINE { return exp(-x * path); });
   }
 
   /// Probability that sample() lets light pass unscattered. It averages three lanes, because the fourth may not be a

@@ -203,12 +203,11 @@ template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
     using U = Uint<L>;
     const TableCell<L> cell = values.cell(x, y);
     const U size = values.width * values.height;
-    const auto one = [&](F at) {
+    return map_spectrum<L>(this->place, [&](F at) {
       const U low = min(to_uint(max(at, F(0.0f))), channels - U(1u));
       const U high = min(low + U(1u), channels - U(1u));
       return lerp(at - to_float(low), values.interpolate(cell, low * size), values.interpolate(cell, high * size));
-    };
-    return {one(this->place.c0), one(this->place.c1), one(this->place.c2), one(this->place.c3)};
+    });
   }
 };
 

@@ -31,14 +31,6 @@ template <class L, class Model> struct MicrofacetDistribution {
     return select(dot(v, m) * v.z > F(0.0f), model().smith_g1_over_cos(v), F(0.0f));
   }
 
-  /// Lambda = 1 / G1 - 1; unbounded at grazing directions.
-  SHEAF_INLINE F smith_lambda(Vec3<L> v) const {
-    return F(1.0f) / max(model().smith_g1_over_cos(v) * abs(v.z), F(1e-30f)) - F(1.0f);
-  }
-
-  /// Separable masking and shadowing: G1(wi) G1(wo).
-  SHEAF_INLINE F smith_g(Vec3<L> wi, Vec3<L> wo, Vec3<L> m) const { return smith_g1(wi, m) * smith_g1(wo, m); }
-
   /// Solid-angle pdf of m for sample_visible(), D(m) G1(wo) |wo.m| / wo.z, for wo.z > 0.
   SHEAF_INLINE F pdf_visible(Vec3<L> wo, Vec3<L> m) const {
     return model().density(m) * smith_g1_over_cos(wo, m) * abs(dot(wo, m));

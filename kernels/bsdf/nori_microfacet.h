@@ -3,7 +3,7 @@
 // Nori documents it.
 #pragma once
 
-#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/diffuse_base.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
 #include "scene/materials/nori_microfacet.h"
@@ -30,18 +30,10 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
-    using F = Float<L>;
     const BeckmannDistribution<L> facets(this->alpha, this->alpha);
-    const Vec3<L> m = facets.sample_visible(wo, u.y, u.z);
-    const Vec3<L> mirrored = m * (F(2.0f) * dot(wo, m)) - wo;
-    BsdfSample<L> s;
-    s.wi = select<L>(u.x < facet_share(), mirrored, square_to_cosine_hemisphere<L>(u.y, u.z));
-    const BsdfValue<L> value = evaluate(wo, s.wi);
-    s.pdf_solid_angle = value.pdf_solid_angle;
-    s.valid = value.pdf_solid_angle > F(0.0f);
-    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-    s.eta_scale = F(1.0f);
-    return s;
+    const Vec3<L> mirrored = reflect(wo, facets.sample_visible(wo, u.y, u.z));
+    return sample_specular_or_diffuse<L>(mirrored, facet_share(), u,
+                                         [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });
   }
 
  private:

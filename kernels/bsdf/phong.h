@@ -6,17 +6,10 @@
 
 #include "core/frame.h"
 #include "core/warp.h"
-#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/diffuse_base.h"
 #include "scene/materials/phong.h"
 
 namespace sheaf {
-
-/// Probability of sampling the specular lobe, by the reflectances of both lobes.
-template <class L> SHEAF_INLINE Float<L> lobe_probability(Spectrum<L> specular, Spectrum<L> diffuse) {
-  using F = Float<L>;
-  const F glossy = total(specular), all = glossy + total(diffuse);
-  return select(all > F(0.0f), glossy / max(all, F(1e-30f)), F(0.5f));
-}
 
 template <class L> struct PhongBsdf : PhongParameters<L> {
   using Closure = PhongClosure;
@@ -40,14 +33,8 @@ template <class L> struct PhongBsdf : PhongParameters<L> {
     const auto turn = sincos_2pi<L>(u.z);
     const Vec3<L> around{sin_a * turn.cos, sin_a * turn.sin, cos_a};
     const Vec3<L> glossy = Frame<L>::from_normal({-wo.x, -wo.y, wo.z}).to_world(around);
-    BsdfSample<L> s;
-    s.wi = select<L>(u.x < probability(), glossy, square_to_cosine_hemisphere<L>(u.y, u.z));
-    const BsdfValue<L> value = evaluate(wo, s.wi);
-    s.pdf_solid_angle = value.pdf_solid_angle;
-    s.valid = value.pdf_solid_angle > F(0.0f);
-    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-    s.eta_scale = F(1.0f);
-    return s;
+    return sample_specular_or_diffuse<L>(glossy, probability(), u,
+                                         [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });
   }
 
  private:

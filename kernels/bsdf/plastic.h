@@ -18,12 +18,11 @@ SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_ref
                                        Float<L> eta) {
   using F = Float<L>;
   const F inverse_eta2 = F(1.0f) / (eta * eta);
-  const auto one = [&](F a) SHEAF_LAMBDA_INLINE {
+  return map_spectrum<L>(albedo, [&](F a) SHEAF_LAMBDA_INLINE {
     // A base of albedo 1 under a coat with total internal reflection would be 0 / 0.
     const F loss = F(1.0f) - internal_reflectance * lerp(nonlinear, F(1.0f), a);
     return a * inverse_eta2 / max(loss, F(1e-6f));
-  };
-  return {one(albedo.c0), one(albedo.c1), one(albedo.c2), one(albedo.c3)};
+  });
 }
 
 /// Probability of sampling the specular lobe of a coat with Fresnel reflectance `share`. Proportional to what each lobe

@@ -66,7 +66,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       bsdf = select(wo.z > zero, dielectric * p.spec_trans, zero);
       sheen = select(brdf > zero, dielectric * p.sheen, zero);
       const auto& c = p.base_color;
-      if (any(bsdf > zero)) transmittance = {safe_sqrt(c.c0), safe_sqrt(c.c1), safe_sqrt(c.c2), safe_sqrt(c.c3)};
+      if (any(bsdf > zero)) transmittance = map_spectrum<L>(c, [](F x) SHEAF_LAMBDA_INLINE { return safe_sqrt(x); });
       max_transmittance = max_component(transmittance);
 
       const F f0 = normal_reflectance(p.eta);

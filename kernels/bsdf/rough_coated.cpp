@@ -19,7 +19,7 @@ BsdfSample<L> RoughCoatedModel<L, Distribution>::sample(Vec3<L> wo, const Random
   BsdfSample<L> s = below.sample(wo, below.rest_of(u, p_coat));
   const auto is_mirror = (!at_coat) & (s.pdf_solid_angle == F(0.0f));
   const Vec3<L> m = facets().sample_visible(wo, u.y, u.z);
-  s.wi = select<L>(at_coat, m * (F(2.0f) * dot(wo, m)) - wo, s.wi);
+  s.wi = select<L>(at_coat, reflect(wo, m), s.wi);
   const BsdfValue<L> value = evaluate(below, wo, s.wi, entering, p_coat);
   const auto has_density = value.pdf_solid_angle > F(0.0f);
   s.weight = select<L>(is_mirror, s.weight * (entering * coat_transmittance(s.wi.z) / max(F(1.0f) - p_coat, F(1e-20f))),

@@ -29,11 +29,7 @@ template <class L, template <class> class Distribution> struct RoughConductorMod
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
 
   SHEAF_INLINE Spectrum<L> fresnel(Float<L> cos_facet) const {
-    const Float<L> c = min(cos_facet, Float<L>(1.0f));
-    const auto& n = this->eta;
-    const auto& a = this->k;
-    return this->reflectance * Spectrum<L>{fresnel_conductor(c, n.c0, a.c0), fresnel_conductor(c, n.c1, a.c1),
-                                           fresnel_conductor(c, n.c2, a.c2), fresnel_conductor(c, n.c3, a.c3)};
+    return this->reflectance * fresnel_conductor<L>(min(cos_facet, Float<L>(1.0f)), this->eta, this->k);
   }
 };
 

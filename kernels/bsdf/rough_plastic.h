@@ -5,6 +5,7 @@
 // the range near grazing directions in which T rises. scene/materials/rough_coat.cpp computes the fit.
 #pragma once
 
+#include "kernels/bsdf/diffuse_base.h"
 #include "kernels/bsdf/microfacet.h"
 #include "kernels/bsdf/plastic.h"
 
@@ -32,16 +33,10 @@ template <class L, template <class> class Distribution> struct RoughPlasticModel
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
     const F entering = coat_transmittance(wo.z), coat_probability = probability(entering);
-    const Vec3<L> m = facets().sample_visible(wo, u.y, u.z);
-    const Vec3<L> mirrored = m * (F(2.0f) * dot(wo, m)) - wo;
-    BsdfSample<L> s;
-    s.wi = select<L>(u.x < coat_probability, mirrored, square_to_cosine_hemisphere<L>(u.y, u.z));
-    const BsdfValue<L> value = evaluate(wo, s.wi, entering, coat_probability);
-    s.pdf_solid_angle = value.pdf_solid_angle;
-    s.valid = value.pdf_solid_angle > F(0.0f);
-    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-    s.eta_scale = F(1.0f);
-    return s;
+    const Vec3<L> mirrored = reflect(wo, facets().sample_visible(wo, u.y, u.z));
+    return sample_specular_or_diffuse<L>(mirrored, coat_probability, u, [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE {
+      return evaluate(wo, wi, entering, coat_probability);
+    });
   }
 
  private:

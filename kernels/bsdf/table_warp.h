@@ -109,11 +109,13 @@ template <class L> struct TableWarp : TableGrid<L> {
 
   /// Maps the random numbers u and v to a point with this density.
   SHEAF_INLINE Point sample(F u, F v) const {
+    // Sample y from the marginal density of the rows
     const U row =
         find_interval<L>(this->height, [&](U i) SHEAF_LAMBDA_INLINE { return this->at(marginal() + i) <= v; });
     const U end = conditional() + row * this->width + this->width - U(1u);
     const F low_total = this->at(end), high_total = this->at(end + this->width);
     const F y = solve(low_total, high_total, v - this->at(marginal() + row));
+    // Sample x from the conditional density within the row
     const F left = u * lerp(y, low_total, high_total);
     const U line = conditional() + row * this->width;
     const auto up_to = [&](U i) SHEAF_LAMBDA_INLINE {
@@ -134,6 +136,7 @@ template <class L> struct TableWarp : TableGrid<L> {
     const F a = lerp(c.y, this->at(c.corner), this->at(c.corner + this->width));
     const F b = lerp(c.y, this->at(c.corner + U(1u)), this->at(c.corner + this->width + U(1u)));
     const U line = conditional() + c.corner, end = conditional() + c.row * this->width + this->width - U(1u);
+    // Integrate within the row up to x, and over the rows up to y
     const F left = fma(c.x, fma(F(0.5f) * c.x, b - a, a), lerp(c.y, this->at(line), this->at(line + this->width)));
     const F low_total = this->at(end), high_total = this->at(end + this->width);
     const F below = fma(c.y, fma(F(0.5f) * c.y, high_total - low_total, low_total), this->at(marginal() + c.row));

@@ -12,10 +12,10 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
   using Closure = ThinDielectricClosure;
   static constexpr bool kIsSpecular = true, kIsAnisotropic = false;
 
-  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {Spectrum<L>(Float<L>(0.0f)), Float<L>(0.0f)}; }
+  SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L>) const { return {}; }
 
   /// `cos_theta`: cosine to the normal, on either side.
-  SHEAF_INLINE PanePassage<L> passage(Float<L> cos_theta) const {
+  SHEAF_INLINE StraightTransmission<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
     const F once = fresnel_dielectric<L>(abs(cos_theta), this->eta).reflectance;
     const F through = (F(1.0f) - once) / (F(1.0f) + once);

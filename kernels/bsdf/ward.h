@@ -9,8 +9,7 @@
 #pragma once
 
 #include "core/warp.h"
-#include "kernels/bsdf/bsdf.h"
-#include "kernels/bsdf/phong.h"
+#include "kernels/bsdf/diffuse_base.h"
 #include "scene/materials/ward.h"
 
 namespace sheaf {
@@ -37,18 +36,12 @@ template <class L> struct WardBsdf : WardParameters<L> {
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
-    // Draw a slope from the Gaussian.
+    // Draw a slope from the Gaussian
     const F r = sqrt(-log(max(F(1.0f) - u.y, F(1e-30f))));
     const auto turn = sincos_2pi<L>(u.z);
     const Vec3<L> m = normalize<L>({this->alpha_u * r * turn.cos, this->alpha_v * r * turn.sin, F(1.0f)});
-    BsdfSample<L> s;
-    s.wi = select<L>(u.x < probability(), m * (F(2.0f) * dot(wo, m)) - wo, square_to_cosine_hemisphere<L>(u.y, u.z));
-    const BsdfValue<L> value = evaluate(wo, s.wi);
-    s.pdf_solid_angle = value.pdf_solid_angle;
-    s.valid = value.pdf_solid_angle > F(0.0f);
-    s.weight = value.f_cos * (F(1.0f) / select(s.valid, value.pdf_solid_angle, F(1.0f)));
-    s.eta_scale = F(1.0f);
-    return s;
+    return sample_specular_or_diffuse<L>(reflect(wo, m), probability(), u,
+                                         [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });
   }
 
  private:

@@ -122,6 +122,7 @@ template <class L, int kHalves> class TileFilter {
     const float k2 = sqr(settings_.color_k);
     const F apart(1.0f - in_.correlation(dx, dy));
     SumRow raw[kHalves];
+    // Find the rows of the pixels and of those at the offset
     const float *p[kHalves][3], *q[kHalves][3], *vp[3], *vq[3];
     for (int c = 0; c < 3; ++c) {
       const auto channel = static_cast<std::size_t>(c);
@@ -132,6 +133,7 @@ template <class L, int kHalves> class TileFilter {
       vp[c] = in_.variance[channel].row(y) + start;
       vq[c] = in_.variance[channel].row(y + dy) + start + dx;
     }
+    // Compute the distance of each pixel, the sum over the colour channels
     for (int x = 0; x < width() + 2 * kPatch; x += L::width) {
       F distance[kHalves];
       for (int h = 0; h < kHalves; ++h) distance[h] = F(0.0f);
@@ -147,6 +149,7 @@ template <class L, int kHalves> class TileFilter {
       }
       for (int h = 0; h < kHalves; ++h) store_at(raw[h].at(x - kPatch), distance[h]);
     }
+    // Sum distances along the row
     for (int h = 0; h < kHalves; ++h)
       sum_row(raw[h], offset.small[h][y & (kRing - 1)], offset.large[h][y & (kRing - 1)]);
   }
@@ -342,12 +345,14 @@ template <class L, int kHalves> class TileFilter {
     float color[3], self = at(own, 0) * share;
     for (int c = 0; c < 3; ++c) color[c] = at(sum, c) * share;
     if (fits_plane(filter)) {
+      // Fit the plane: moments of the weights about their centre
       const float center_x = at(sum, 4) * share, center_y = at(sum, 5) * share;
       const float xx = at(sum, 6) - center_x * at(sum, 4) + kLevel, xy = at(sum, 7) - center_x * at(sum, 5),
                   yy = at(sum, 8) - center_y * at(sum, 5) + kLevel;
       const float determinant = xx * yy - xy * xy;
       const float across_x = (yy * center_x - xy * center_y) / determinant,
                   across_y = (xx * center_y - xy * center_x) / determinant;
+      // Step along the slope of each colour from the centre to the pixel
       for (int c = 0; c < 3; ++c) {
         const float step =
             across_x * (at(sum, 9 + c) - center_x * at(sum, c)) + across_y * (at(sum, 12 + c) - center_y * at(sum, c));

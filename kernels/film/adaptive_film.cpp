@@ -201,6 +201,7 @@ void AdaptiveFilm::assemble(Film& film) const {
       const Set& set = tile.sets[s];
       if (set.used == 0) continue;
       const double scale = 1.0 / set.used;
+      // Add the sums of the set, ids and half buffer included
       for_each_pixel(tile.outer, [&](int x, int y) {
         const std::size_t from = index_in(tile.outer, x, y), pixel = film.pixel_index(x, y);
         const double* const sums = set.sums.data() + from * row_size();
@@ -216,6 +217,7 @@ void AdaptiveFilm::assemble(Film& film) const {
         *to++ += scale * sums[0];
         for (const std::size_t c : halved_) *to++ += scale * sums[1 + c];
       });
+      // Count the samples
       for_each_pixel(tile.own, [&](int x, int y) {
         film.counts_[film.pixel_index(x, y)] += set.counts[index_in(tile.own, x, y)];
       });

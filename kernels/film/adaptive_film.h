@@ -46,7 +46,7 @@ class AdaptiveFilm {
   /// Adds the samples of a unit and marks it as done. Different threads may add different units concurrently.
   void add(std::size_t unit, const FilmTile& samples);
   /// Whether every set of every tile has samples.
-  bool has_picture() const { return rounds_ > 0; }
+  bool has_image() const { return rounds_ > 0; }
   /// Estimated final number of samples per pixel of a tile, summed over all sets.
   double expected_samples(std::size_t tile) const { return expected_[tile]; }
   /// Number of samples per pixel that a tile has taken so far, summed over all sets.

@@ -146,7 +146,7 @@ std::optional<double> Film::noise() const {
   if (row_.variances < kComponents || row_.with_variance[kComponents - 1] != kBlue) return std::nullopt;
   std::vector<float> channels(row_.channels + row_.variances + 1 + row_.bins +
                               static_cast<std::size_t>(layout_.half_count()));
-  PictureNoise noise;
+  ImageNoise noise;
   std::size_t unknown = 0;
   for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel) {
     std::fill(channels.begin(), channels.end(), 0.0f);

@@ -175,6 +175,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   const auto count = in.get<std::uint64_t>();
   if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect))
     in.fail("has tiles that cannot be: damaged");
+  // Read the tiles' rectangles
   const PixelRect around = PixelRect{0, 0, of.width(), of.height()}.grown(kMaxReach);
   std::vector<PixelRect> squares;
   std::uint64_t pixels = 0;
@@ -185,6 +186,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) *
                             static_cast<std::uint64_t>(1 + of.layout().size() + of.spectral_bins())))
     in.fail("is truncated");
+  // Read the samples of each tile
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
     for (bool& content : tile.content) content = in.get<std::uint8_t>() != 0;
@@ -197,6 +199,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
       in.get(set.luminance);
     }
   }
+  // Read the units of work
   const auto units = in.get<std::uint64_t>();
   if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("has more units than tiles: damaged");
   film.units_.resize(static_cast<std::size_t>(units));

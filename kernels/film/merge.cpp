@@ -36,7 +36,7 @@ std::optional<SampleRange> first_gap(std::vector<SampleRange> ranges, std::uint3
 
 }  // namespace
 
-void check_overlaps(std::span<const PicturePart> parts) {
+void check_overlaps(std::span<const ImagePart> parts) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
       const PixelRect both = parts[i].pixels.intersection(parts[k].pixels);
@@ -51,20 +51,20 @@ void check_overlaps(std::span<const PicturePart> parts) {
     }
 }
 
-double covered_share(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples) {
+double covered_share(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples) {
   double covered = 0;
-  for (const PicturePart& part : parts)
+  for (const ImagePart& part : parts)
     covered += static_cast<double>(part.pixels.intersection(whole).area()) * part.samples.count;
   return covered / (static_cast<double>(whole.area()) * samples);
 }
 
-std::optional<PartGap> find_gap(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples) {
+std::optional<PartGap> find_gap(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples) {
   std::uint64_t covered = 0;
-  for (const PicturePart& part : parts) covered += part.pixels.intersection(whole).area() * part.samples.count;
+  for (const ImagePart& part : parts) covered += part.pixels.intersection(whole).area() * part.samples.count;
   if (covered == whole.area() * samples) return std::nullopt;
   // All pixels of a cell between the edges of parts have the same samples.
   std::set<int> across{whole.x0, whole.x1}, down{whole.y0, whole.y1};
-  for (const PicturePart& part : parts) {
+  for (const ImagePart& part : parts) {
     const PixelRect pixels = part.pixels.intersection(whole);
     if (pixels.is_empty()) continue;
     across.insert({pixels.x0, pixels.x1});
@@ -74,7 +74,7 @@ std::optional<PartGap> find_gap(std::span<const PicturePart> parts, const PixelR
     for (auto x = across.begin(); std::next(x) != across.end(); ++x) {
       const PixelRect cell{*x, *y, *std::next(x), *std::next(y)};
       std::vector<SampleRange> ranges;
-      for (const PicturePart& part : parts)
+      for (const ImagePart& part : parts)
         if (!part.pixels.intersection(cell).is_empty()) ranges.push_back(part.samples);
       if (const auto gap = first_gap(std::move(ranges), samples)) return PartGap{cell, *gap};
     }
@@ -105,9 +105,9 @@ std::string missing_part_layer(const Image& part) {
   return "";
 }
 
-PictureMerger::PictureMerger(int frame_width, int frame_height, const PixelRect& whole,
-                             const std::vector<std::string>& channels, std::uint32_t samples,
-                             std::array<std::vector<float>, kNameKinds> ids)
+ImageMerger::ImageMerger(int frame_width, int frame_height, const PixelRect& whole,
+                         const std::vector<std::string>& channels, std::uint32_t samples,
+                         std::array<std::vector<float>, kNameKinds> ids)
     : image_(whole.width(), whole.height(), channels),
       whole_(whole),
       samples_(samples),
@@ -136,12 +136,12 @@ PictureMerger::PictureMerger(int frame_width, int frame_height, const PixelRect&
   }
 }
 
-std::size_t PictureMerger::pixel_index(int x, int y) const {
+std::size_t ImageMerger::pixel_index(int x, int y) const {
   return static_cast<std::size_t>(y - whole_.y0) * static_cast<std::size_t>(whole_.width()) +
          static_cast<std::size_t>(x - whole_.x0);
 }
 
-void PictureMerger::begin_sums() {
+void ImageMerger::begin_sums() {
   if (!sums_.empty()) return;
   sums_.resize(image_.pixel_count() * row_size_);
   summed_.resize(image_.pixel_count());
@@ -149,7 +149,7 @@ void PictureMerger::begin_sums() {
     if (IdChannels(image_, kind).any()) coverage_[kind].resize(image_.pixel_count());
 }
 
-void PictureMerger::add(const PicturePart& part, const Image& image) {
+void ImageMerger::add(const ImagePart& part, const Image& image) {
   const PixelRect there{image.x0, image.y0, image.x0 + image.width, image.y0 + image.height};
   if (!(there == part.pixels)) throw SceneError({part.name, 0}, "has other pixels than its header says");
   std::vector<int> from;
@@ -165,15 +165,15 @@ void PictureMerger::add(const PicturePart& part, const Image& image) {
   add_sums(part, image, from, pixels);
 }
 
-void PictureMerger::copy(const Image& image, const std::vector<int>& from, const PixelRect& pixels) {
+void ImageMerger::copy(const Image& image, const std::vector<int>& from, const PixelRect& pixels) {
   for (int y = pixels.y0; y < pixels.y1; ++y)
     for (int x = pixels.x0; x < pixels.x1; ++x)
       for (std::size_t c = 0; c < from.size(); ++c)
         image_.at(x - whole_.x0, y - whole_.y0, static_cast<int>(c)) = image.at(x - image.x0, y - image.y0, from[c]);
 }
 
-void PictureMerger::add_sums(const PicturePart& part, const Image& image, const std::vector<int>& from,
-                             const PixelRect& pixels) {
+void ImageMerger::add_sums(const ImagePart& part, const Image& image, const std::vector<int>& from,
+                           const PixelRect& pixels) {
   const int weight_channel = image.find_channel("part.weight");
   const int squared_channel = image.find_channel("part.weightSquared");
   const int half_channel = image.find_channel("part.halfWeight");
@@ -228,7 +228,7 @@ void PictureMerger::add_sums(const PicturePart& part, const Image& image, const 
     }
 }
 
-void PictureMerger::finish_pixel(const double* row, float* out) const {
+void ImageMerger::finish_pixel(const double* row, float* out) const {
   const double weight = row[kWeight], half = row[kHalfWeight];
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     const double* const sum = row + channels_[c].sum;
@@ -257,7 +257,7 @@ void PictureMerger::finish_pixel(const double* row, float* out) const {
   }
 }
 
-Image PictureMerger::finish() {
+Image ImageMerger::finish() {
   const IdChannels id_channels[kNameKinds] = {{image_, 0}, {image_, 1}};
   for (std::size_t pixel = 0; pixel < summed_.size(); ++pixel) {
     if (summed_[pixel] == 0) continue;

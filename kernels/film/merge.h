@@ -25,7 +25,7 @@
 namespace sheaf {
 
 /// The pixels and samples that a part holds.
-struct PicturePart {
+struct ImagePart {
   std::string name;     ///< file name, for messages
   PixelRect pixels;     ///< inside the frame
   SampleRange samples;  ///< taken in each of these pixels
@@ -38,13 +38,13 @@ struct PartGap {
 };
 
 /// Throws SceneError, naming both parts, if two parts share a sample.
-void check_overlaps(std::span<const PicturePart> parts);
+void check_overlaps(std::span<const ImagePart> parts);
 
 /// First gap that non-overlapping parts leave in the pixels `whole` with `samples` samples each; nothing if complete.
-std::optional<PartGap> find_gap(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples);
+std::optional<PartGap> find_gap(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
 /// Share, 0 to 1, of all samples of the pixels `whole` that non-overlapping parts hold.
-double covered_share(std::span<const PicturePart> parts, const PixelRect& whole, std::uint32_t samples);
+double covered_share(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
 /// Whether the merged image omits a channel, because it only serves merging or cannot be merged.
 bool is_left_out(std::string_view channel);
@@ -53,17 +53,17 @@ bool is_left_out(std::string_view channel);
 std::string missing_part_layer(const Image& part);
 
 /// Merges parts of one render, one after the other.
-class PictureMerger {
+class ImageMerger {
  public:
   /// `whole`: pixels of the merged image inside a frame of frame_width x frame_height. `channels`: its channels.
   /// `samples`: samples per pixel. `ids`: for each kind of name, the Cryptomatte ids by index; empty if not needed.
-  PictureMerger(int frame_width, int frame_height, const PixelRect& whole, const std::vector<std::string>& channels,
-                std::uint32_t samples, std::array<std::vector<float>, kNameKinds> ids);
+  ImageMerger(int frame_width, int frame_height, const PixelRect& whole, const std::vector<std::string>& channels,
+              std::uint32_t samples, std::array<std::vector<float>, kNameKinds> ids);
 
   /// Adds a part, which must not overlap others. Ignores its pixels outside the merged image. `image` needs at least
   /// the channels of the merged image. If it holds part of the samples, it also needs the layers of
   /// Film::add_part_layers() and add_part_ids(). Throws SceneError if layers are missing or values are invalid.
-  void add(const PicturePart& part, const Image& image);
+  void add(const ImagePart& part, const Image& image);
 
   /// Returns the merged image; pixels without parts are zero. Call this once.
   Image finish();
@@ -81,7 +81,7 @@ class PictureMerger {
 
   void begin_sums();
   void copy(const Image& image, const std::vector<int>& from, const PixelRect& pixels);
-  void add_sums(const PicturePart& part, const Image& image, const std::vector<int>& from, const PixelRect& pixels);
+  void add_sums(const ImagePart& part, const Image& image, const std::vector<int>& from, const PixelRect& pixels);
   void finish_pixel(const double* row, float* out) const;
   std::size_t pixel_index(int x, int y) const;
 

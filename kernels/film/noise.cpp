@@ -13,7 +13,7 @@ double mean_but_worst(std::vector<double>& values) {
   return std::accumulate(values.begin(), values.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
-void PictureNoise::add(const float* value, const float* variance) {
+void ImageNoise::add(const float* value, const float* variance) {
   double of_value = 0, of_variance = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     of_value += kLuminance[c] * static_cast<double>(value[c]);
@@ -25,14 +25,14 @@ void PictureNoise::add(const float* value, const float* variance) {
   sum_ += of_value;
 }
 
-double PictureNoise::noise() {
+double ImageNoise::noise() {
   const double mean = sum_ / static_cast<double>(std::max<std::size_t>(values_.size(), 1));
   for (std::size_t pixel = 0; pixel < values_.size(); ++pixel)
     relative_[pixel] = relative_square(values_[pixel], relative_[pixel], mean);
   return std::sqrt(mean_but_worst(relative_));
 }
 
-std::optional<double> picture_noise(const Image& image) {
+std::optional<double> image_noise(const Image& image) {
   constexpr const char* kNames[] = {"R", "G", "B"};
   int values[3], variances[3];
   for (std::size_t c = 0; c < 3; ++c) {
@@ -40,7 +40,7 @@ std::optional<double> picture_noise(const Image& image) {
     variances[c] = image.find_channel(std::string("variance.") + kNames[c]);
     if (values[c] < 0 || variances[c] < 0) return std::nullopt;
   }
-  PictureNoise noise;
+  ImageNoise noise;
   const int count = image.find_channel("sampleCount");
   std::size_t unknown = 0;
   for (int y = 0; y < image.height; ++y)

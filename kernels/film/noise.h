@@ -46,13 +46,13 @@ inline double relative_square(double value, double variance, double mean) {
 
 /// Noise of an image, computed from its layers as by Film::noise(). Returns nothing if R, G and B have no variances, or
 /// if more than 0.1% of the pixels have fewer than two samples.
-std::optional<double> picture_noise(const Image& image);
+std::optional<double> image_noise(const Image& image);
 
 /// Mean without the largest 0.1% of the values; 0 for an empty list. Reorders `values`.
 double mean_but_worst(std::vector<double>& values);
 
 /// Computes Film::noise() pixel by pixel.
-class PictureNoise {
+class ImageNoise {
  public:
   /// `value` and `variance`: R, G and B of one pixel.
   void add(const float* value, const float* variance);

@@ -82,6 +82,7 @@ SplatFilm::SplatFilm(PixelRect crop)
       squares_(sums_.size()) {}
 
 void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter& filter) {
+  // Add a splat to the pixels under the filter
   const auto add_at = [&](const Splat& splat, float x, const SplatFilter::Span& down) {
     const SplatFilter::Span across = filter.across(x, crop_.x0, crop_.x1);
     for (int j = 0; j < down.count; ++j)
@@ -97,6 +98,7 @@ void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter
         }
       }
   };
+  // Add a splat to a band, also across the seam of panoramic cameras
   const auto add_splat = [&](const Splat& splat, int begin, int end) {
     const SplatFilter::Span down = filter.down(splat.y, begin, end);
     if (down.count == 0) return;
@@ -104,6 +106,7 @@ void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter
     for (int k = 1; k <= filter.turns(); ++k)
       for (const int sign : {-1, 1}) add_at(splat, splat.x + static_cast<float>(sign * k) * filter.turn(), down);
   };
+  // Add all splats to each band, in the order of tasks
   const int bands = (crop_.height() + kBand - 1) / kBand;
   tbb::parallel_for(tbb::blocked_range<int>(0, bands, 1), [&](const tbb::blocked_range<int>& range) {
     const int first = crop_.y0 + range.begin() * kBand, end = std::min(crop_.y1, crop_.y0 + range.end() * kBand);

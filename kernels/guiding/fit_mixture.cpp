@@ -1,6 +1,7 @@
 // EM for mixtures of von Mises-Fisher lobes and a BSDF; see fit_mixture.h.
 #include "kernels/guiding/fit_mixture.h"
 
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 
 namespace sheaf {
@@ -90,7 +91,7 @@ GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& s
   WideFloat of_bsdf;
   const float a = mixture.bsdf_share;
   for (const Samples& s : samples) {
-    alignas(64) float parts[kWidth][kGuideLobes], factor[kWidth];
+    alignas(64) float parts[kWidth][kGuideLobes];
     for (int lane = 0; lane < kWidth; ++lane) lobe_parts(mixture, {s.x[lane], s.y[lane], s.z[lane]}, parts[lane]);
     WideFloat bsdf_pdf, weight;
     load(s.bsdf_pdf, bsdf_pdf), load(s.weight, weight);
@@ -98,13 +99,11 @@ GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& s
     const WideFloat pdf = fma(sum_parts<Wide>(parts), WideFloat(1 - a), bsdf);
     const WideFloat per_pdf = weight / max(pdf, WideFloat(1e-20f));
     of_bsdf += bsdf * per_pdf;
-    store(factor, per_pdf * WideFloat(1 - a));
+    const LaneArray factor(per_pdf * WideFloat(1 - a));
     for (int lane = 0; lane < kWidth; ++lane) sums.add(parts[lane], factor[lane], {s.x[lane], s.y[lane], s.z[lane]});
   }
   GuideSums out = sums.rows();
-  alignas(64) float bsdf[kWidth];
-  store(bsdf, of_bsdf);
-  for (const float b : bsdf) out.bsdf += b;
+  for (const float bsdf : LaneArray(of_bsdf)) out.bsdf += bsdf;
   return out;
 }
 

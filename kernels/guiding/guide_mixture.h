@@ -66,7 +66,7 @@ SHEAF_INLINE int choose_lobe(const GuideMixture& m, float& u) {
   }
   lobe = std::min(lobe, kGuideLobes - 1);
   const float begin = lobe == 0 ? 0.0f : m.below[lobe - 1], share = m.below[lobe] - begin;
-  u = clamp((u - begin) / max(share, 1e-20f), 0.0f, 0x1.fffffep-1f);
+  u = clamp((u - begin) / max(share, 1e-20f), 0.0f, kOneMinusEpsilon);
   return lobe;
 }
 

@@ -2,6 +2,7 @@
 // policy. scene/tables/envmap.h defines the parameterisation.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/uplift.h"
 #include "core/warp.h"
 #include "scene/tables/instance.h"
@@ -39,15 +40,11 @@ template <class L> struct EnvmapNodes {
 template <class L> SHEAF_INLINE EnvmapNodes<L> load_nodes(const EnvmapView& map, const EnvmapCell<L>& cell) {
   using U = Uint<L>;
   const U column = cell.row * U(map.width + 1) + cell.column;
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, column);
-  const float* rows[L::width];
+  RowPointers<L> rows(map.columns, column);
   EnvmapNodes<L> nodes;
   for (int side = 0; side < 2; ++side) {
-    for (int lane = 0; lane < L::width; ++lane)
-      rows[lane] = reinterpret_cast<const float*>(map.columns + lanes[lane] + side);
     Float<L> words[4];
-    load_rows4(rows, words);
+    rows.read_four(words);
     for (int k = 0; k < 6; ++k) {
       const U word = float_bits(words[k / 2]);
       nodes.radiance[2 * side + k / 3][k % 3] = envmap_value<L>(k % 2 == 0 ? word & U(0xffffu) : word >> 16);
@@ -154,11 +151,9 @@ namespace detail {
 /// Prefetches rows[index] for each lane, and with `next` the row behind it.
 template <class L, class Row> SHEAF_INLINE void prefetch(const Row* rows, typename L::Uint index, bool next) {
 #if defined(__GNUC__)
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  for (int lane = 0; lane < L::width; ++lane) {
-    __builtin_prefetch(rows + lanes[lane]);
-    if (next) __builtin_prefetch(rows + lanes[lane] + 1);
+  for (const std::uint32_t row : LaneArray<Uint<L>>(index)) {
+    __builtin_prefetch(rows + row);
+    if (next) __builtin_prefetch(rows + row + 1);
   }
 #endif
 }

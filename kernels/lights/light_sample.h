@@ -2,6 +2,7 @@
 // Also returns that pdf for a point found by BSDF sampling.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/sampler.h"
 #include "core/uplift.h"
 #include "kernels/lights/light_select.h"
@@ -29,8 +30,7 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
   using F = Float<L>;
   using U = Uint<L>;
   Spectrum<L> out(F(1.0f));
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, texture);
+  const LaneArray<U> lanes(texture);
   for (std::uint32_t left = mask_bits(active & (texture != U(kNone))); left != 0;) {
     const std::uint32_t row = lanes[std::countr_zero(left)];
     const auto same = texture == U(row);

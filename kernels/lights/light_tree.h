@@ -9,7 +9,7 @@
 
 #include "scene/tables/light_tree.h"
 
-#include "core/distribution.h"
+#include "core/lane_array.h"
 #include "core/vec.h"
 
 namespace sheaf {
@@ -68,16 +68,9 @@ template <class L> struct NodeWords {
 
 template <class L>
 SHEAF_INLINE NodeWords<L> load_node(const LightTreeView& tree, typename L::Uint index, const Receiver<L>& at) {
-  alignas(kSimdAlignment) std::uint32_t lanes[L::width];
-  store(lanes, index);
-  const float* rows[L::width];
-  for (int lane = 0; lane < L::width; ++lane)
-    rows[lane] = reinterpret_cast<const float*>(tree.nodes[lanes[lane]].words);
+  RowPointers<L> rows(tree.nodes, index);
   NodeWords<L> node;
-  for (int k = 0; k < LightNodeRow::kWordCount; k += 4) {
-    load_rows4(rows, node.words + k);
-    for (int lane = 0; lane < L::width; ++lane) rows[lane] += 4;
-  }
+  for (int k = 0; k < LightNodeRow::kWordCount; k += 4) rows.read_four(node.words + k);
   node.move_to(at);
   return node;
 }

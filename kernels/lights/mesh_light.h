@@ -1,7 +1,7 @@
 // Emissive triangle meshes, sampled uniformly by area.
 #pragma once
 
-#include "core/distribution.h"
+#include "core/alias_table.h"
 #include "kernels/lights/area_light.h"
 #include "scene/lights/mesh_light.h"
 

@@ -54,6 +54,7 @@ SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> ori
   const float* const m = row.world_to_grid;
   F enter = t_min, leave = t_max;
   hits = Mask<L>(row.bounds != nullptr);
+  // Clip the ray, in grid space, by the slabs of the box
   const auto slab = [&](int axis, F& o_out, F& d_out, F& inverse_out) SHEAF_LAMBDA_INLINE {
     const F d = F(m[axis]) * direction.x + F(m[4 + axis]) * direction.y + F(m[8 + axis]) * direction.z;
     const F o = F(m[axis]) * origin.x + F(m[4 + axis]) * origin.y + F(m[8 + axis]) * origin.z + F(m[12 + axis]);
@@ -74,6 +75,7 @@ SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> ori
   slab(1, walk.origin.y, walk.direction.y, walk.inverse.y);
   slab(2, walk.origin.z, walk.direction.z, walk.inverse.z);
   hits = hits & (enter < leave);
+  // Find the first cell
   const auto start = [&](int axis, F o, F d) SHEAF_LAMBDA_INLINE {
     const float end = static_cast<float>(row.cells[axis] << row.base_log2) - 0.5f;
     return min(max(o + enter * d, F(0.0f)), F(end));

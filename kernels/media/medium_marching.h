@@ -25,6 +25,7 @@ template <class Step> SHEAF_INLINE void for_each_step(const MediumRay& ray, floa
 template <class MediumEmission>
 inline float march(const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts, PathWeights& path,
                    MediumEmission& emission) {
+  // Sample the optical depth at which the path scatters
   const float target = exponential_distance(1.0f, u);
   Float4 depth;
   float found = -1.0f;
@@ -52,6 +53,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
     --counts.null;
     return found;
   }
+  // Pass through the medium
   const Float4 passed = exp(Float4() - depth);
   if (!ray.has(kMediumScatters)) {
     path.beta = path.beta * passed;

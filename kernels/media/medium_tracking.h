@@ -85,6 +85,7 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
     path.r_u = path.r_u * ray.odds(ratio * sigma_t);
     return t;
   }
+  // Pass through the medium
   const Float4 passed = transmittance(sigma_t, ray.length);
   const float p = passed[ray.hero];
   const Float4 ratio = passed * (1.0f / p);
@@ -137,6 +138,7 @@ SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& rando
     const Float4 sigma_maj = majorant_spectrum(ray, segment.bound);
     const float sigma = sigma_maj[ray.hero];
     for (float t = segment.t0;;) {
+      // Step to the next collision or to the end of the segment
       const float left = segment.t1 - t;
       const bool collides = sigma * left > depth;
       const float step = collides ? depth / sigma : left;
@@ -146,6 +148,7 @@ SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& rando
         break;
       }
       t += step;
+      // Report the collision and sample the depth of the next one
       if (!collide(Collision{t, sigma_maj, passed})) return passed;
       if (--collisions_left == 0) {
         ++counts.abandoned;

@@ -19,7 +19,8 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 /// that cost no depth. `behind`: seen from the back of the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
   const MaterialRow& m = scene.materials.rows[passing_detail::side_of(scene, row, behind)];
-  return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_thin_dielectric);
+  return (m.flags & kComposite) != 0 ||
+         (scene.shadow_rays_pass_thin_dielectrics && closure_info(m.kind).is_thin_dielectric);
 }
 
 /// Probability, in [0, 1], with which the select_materials stage chooses a row for which `counts` is true.

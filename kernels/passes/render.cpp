@@ -40,7 +40,7 @@ std::optional<double> noise_of(const Film& film, const std::optional<SplatFilm>&
   if (photons == 0) return std::nullopt;
   Image image = film.to_image();
   splats->add_to(image, photons);
-  return picture_noise(image);
+  return image_noise(image);
 }
 
 Image RenderResult::to_image() const {

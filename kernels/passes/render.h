@@ -58,7 +58,7 @@ struct RenderOptions {
   std::function<void(const RenderReport&)> on_report;
 };
 
-/// Noise of the image: Film::noise(), or picture_noise() of the image with splats. Empty if there are splats but no
+/// Noise of the image: Film::noise(), or image_noise() of the image with splats. Empty if there are splats but no
 /// photon has been emitted yet.
 std::optional<double> noise_of(const Film& film, const std::optional<SplatFilm>& splats, std::uint64_t photons);
 

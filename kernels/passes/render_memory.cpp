@@ -58,7 +58,7 @@ double adaptive_bytes(const FilmSize& film, const SampleLayout& layout) {
 }
 
 /// Bytes per pixel of the final image, and of its copy from before the id layers were added.
-double picture_bytes(const FilmSize& film, const RenderOptions& options) {
+double image_bytes(const FilmSize& film, const RenderOptions& options) {
   const double channels =
       film.channels.size() + static_cast<double>(film.row.variances + film.row.bins) + film.channels.half_count() + 1;
   double ids = 0;

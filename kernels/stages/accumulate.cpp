@@ -6,6 +6,7 @@
 // never for negative colours. Pixels of spectral images may have negative components, by noise and for colours outside
 // of Rec.709.
 #include "core/color.h"
+#include "core/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/stages/stages.h"
@@ -21,23 +22,22 @@ namespace {
 
 /// Assigns each wavelength to its spectral bin, for films that have bins.
 template <class L> void bin_tile(CameraTask& task, int count, const RadianceState<L>& r, const Wavelengths<L>& w) {
-  const Spectrum<L> values[] = {w.lambda, w.pdf, r.radiance};
-  alignas(kSimdAlignment) float words[3][4][L::width], weight[L::width];
-  for (int j = 0; j < 3; ++j) {
-    store(words[j][0], values[j].c0), store(words[j][1], values[j].c1);
-    store(words[j][2], values[j].c2), store(words[j][3], values[j].c3);
-  }
-  alignas(kSimdAlignment) std::uint32_t index[L::width];
-  store(weight, r.weight);
-  store(index, r.task_sample & Uint<L>(~kTransparent));
+  const LaneRows<L, Spectrum> lambdas(w.lambda), pdfs(w.pdf), radiances(r.radiance);
+  const LaneArray<Float<L>> weight(r.weight);
+  const LaneArray<Uint<L>> index(r.task_sample & Uint<L>(~kTransparent));
   const float per_nm = static_cast<float>(task.spectral_bins()) / (kWavelengthMax - kWavelengthMin);
   for (int lane = 0; lane < count; ++lane) {
     SpectralSample& out = task.samples.spectrum(index[lane]);
-    for (int k = 0; k < 4; ++k) {
-      const int bin = static_cast<int>((words[0][k][lane] - kWavelengthMin) * per_nm);
+    const Spectrum4 lambda = lambdas[lane], pdf = pdfs[lane], radiance = radiances[lane];
+    const auto add = [&](int k, float at, float value) {
+      const int bin = static_cast<int>((at - kWavelengthMin) * per_nm);
       out.bin[k] = static_cast<std::uint16_t>(std::min(bin, task.spectral_bins() - 1));
-      out.value[k] = 0.25f * weight[lane] * words[2][k][lane] / words[1][k][lane];
-    }
+      out.value[k] = value;
+    };
+    add(0, lambda.c0, 0.25f * weight[lane] * radiance.c0 / pdf.c0);
+    add(1, lambda.c1, 0.25f * weight[lane] * radiance.c1 / pdf.c1);
+    add(2, lambda.c2, 0.25f * weight[lane] * radiance.c2 / pdf.c2);
+    add(3, lambda.c3, 0.25f * weight[lane] * radiance.c3 / pdf.c3);
   }
 }
 

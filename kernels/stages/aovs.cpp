@@ -1,6 +1,7 @@
 // Stage: AOVs. Writes the layers of the first surface of each camera path to the task's samples, weighted by the pixel
 // filter as radiance is. Mirrors and glass count as surfaces; null interfaces, masks that the ray passes and hidden
 // lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
+#include "core/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/surface_albedo.h"
@@ -8,8 +9,6 @@
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
-
-#include <bit>
 
 namespace sheaf {
 
@@ -24,13 +23,10 @@ template <class L> struct SampleLanes {
   /// Writes values times the filter weight to the channels from `first` on. Non-finite values become 0.
   template <std::size_t N> SHEAF_INLINE void put_words(int first, const Float<L> (&values)[N]) const {
     for (std::size_t k = 0; k < N; ++k) {
-      alignas(kSimdAlignment) float words[L::width];
       const Float<L> value = values[k] * weight;
-      store(words, select(is_finite(value), value, Float<L>(0.0f)));
-      for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
-        const int lane = std::countr_zero(left);
-        sample[lane][first + static_cast<int>(k)] = words[lane];
-      }
+      const LaneArray<Float<L>> words(select(is_finite(value), value, Float<L>(0.0f)));
+      for_each_lane(lanes,
+                    [&](int lane) SHEAF_LAMBDA_INLINE { sample[lane][first + static_cast<int>(k)] = words[lane]; });
     }
   }
   SHEAF_INLINE void put(int first, const Vec3<L>& value) const {
@@ -41,13 +37,8 @@ template <class L> struct SampleLanes {
 /// Stores the shapes that the samples hit.
 template <class L>
 SHEAF_INLINE void put_surfaces(SampleBuffer& samples, std::uint32_t lanes, Uint<L> task_sample, Uint<L> shape) {
-  alignas(kSimdAlignment) std::uint32_t index[L::width], shapes[L::width];
-  store(index, task_sample & Uint<L>(~kTransparent));
-  store(shapes, shape);
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    samples.surface(index[lane]).shape = shapes[lane];
-  }
+  const LaneArray<Uint<L>> index(task_sample & Uint<L>(~kTransparent)), shapes(shape);
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE { samples.surface(index[lane]).shape = shapes[lane]; });
 }
 
 /// The lanes whose rays come straight from the camera, with their samples.
@@ -57,12 +48,8 @@ SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const Radiance
   SampleLanes<L> out;
   out.weight = radiance.weight;
   out.lanes = mask_bits(((flags & Uint<L>(kRayFromCamera)) != Uint<L>(0u)) & L::first(count));
-  alignas(kSimdAlignment) std::uint32_t index[L::width];
-  store(index, radiance.task_sample & Uint<L>(~kTransparent));
-  for (std::uint32_t left = out.lanes; left != 0; left &= left - 1) {
-    const int lane = std::countr_zero(left);
-    out.sample[lane] = samples[index[lane]];
-  }
+  const LaneArray<Uint<L>> index(radiance.task_sample & Uint<L>(~kTransparent));
+  for_each_lane(out.lanes, [&](int lane) SHEAF_LAMBDA_INLINE { out.sample[lane] = samples[index[lane]]; });
   return out;
 }
 
@@ -78,15 +65,10 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
   };
   F depth = seen_by(scene.sensor.camera);
   if (scene.sensor.more_camera_count == 0) return depth;
-  alignas(kSimdAlignment) std::uint32_t pixels[L::width];
-  alignas(kSimdAlignment) float column[L::width];
-  store(pixels, pixel);
-  for (int lane = 0; lane < L::width; ++lane) column[lane] = static_cast<float>(task.frame().x(pixels[lane])) + 0.5f;
-  F x;
-  load(column, x);
+  const LaneArray<Uint<L>> pixels(pixel);
+  const F x = make_lanes<F>([&](int lane) { return static_cast<float>(task.frame().x(pixels[lane])) + 0.5f; });
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]),
-                   depth);
+    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]), depth);
   return depth;
 }
 

@@ -1,6 +1,7 @@
 // Evaluates the parts of blends one material row at a time for a whole register of vertices, and sums them by share.
 #include "kernels/stages/blend_value.h"
 
+#include "core/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_texture.h"
@@ -156,8 +157,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   at.query = {at.y.uv, hit.shape, hit.primitive, hit.u, hit.v, at.y.p};
   const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
   BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
-  alignas(kSimdAlignment) std::uint32_t roots[L::width];
-  store(roots, shape.material);
+  const LaneArray<U> roots(shape.material);
   with_color_mode(scene, [&]<ColorMode Mode>() { at.lambda = shading_wavelengths<L, Mode>(wave, slots); });
   // Evaluate one blend at a time, for all lanes on the same side of it.
   while (any(lanes)) {

@@ -1,9 +1,11 @@
 // Stage: camera rays. Importance-samples positions in the pixel by the pixel filter (scene/tables/filter.h) and
 // generates camera rays.
+#include "core/lane_array.h"
 #include "core/sampler.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/stages.h"
+#include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -18,16 +20,12 @@ bool has_lens(const SceneView& scene) { return scene.sensor.camera.has_lens() ||
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                     const PathState<L>& path, const Random4<L>& camera) {
-  const bool lens = has_lens(context.scene);
-  alignas(kSimdAlignment) float u[L::width];
+  Float<L> u = camera.z;
   if (context.wavelength_sample >= 0.0f)
-    store(u, Float<L>(context.wavelength_sample));
-  else
-    store(u,
-          lens
-              ? draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength, {}, kNumberX).x
-              : camera.z);
-  for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = u[lane];
+    u = Float<L>(context.wavelength_sample);
+  else if (has_lens(context.scene))
+    u = draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength, {}, kNumberX).x;
+  scatter_wavelength_samples<L>(wave, slots, count, u);
 }
 
 /// The ray of the camera whose column of the film contains the position.
@@ -68,20 +66,15 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
 /// Stores the offsets of samples from their pixels' centres, for the film.
 template <class L>
 SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, Float<L> x, Float<L> y) {
-  alignas(kSimdAlignment) std::uint32_t index[L::width];
-  alignas(kSimdAlignment) float xs[L::width], ys[L::width];
-  store(index, sample);
-  store(xs, x);
-  store(ys, y);
+  const LaneArray<Uint<L>> index(sample);
+  const LaneArray<Float<L>> xs(x), ys(y);
   for (int lane = 0; lane < count; ++lane) task.samples.offset(index[lane]) = {xs[lane], ys[lane]};
 }
 
 /// Stores the filter weights of samples with the surfaces that they will hit.
 template <class L> SHEAF_INLINE void remember_weights(CameraTask& task, Uint<L> sample, int count, Float<L> weight) {
-  alignas(kSimdAlignment) std::uint32_t index[L::width];
-  alignas(kSimdAlignment) float weights[L::width];
-  store(index, sample);
-  store(weights, weight);
+  const LaneArray<Uint<L>> index(sample);
+  const LaneArray<Float<L>> weights(weight);
   for (int lane = 0; lane < count; ++lane) task.samples.surface(index[lane]).weight = weights[lane];
 }
 
@@ -91,8 +84,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   using F = typename L::Float;
   using U = typename L::Uint;
   CameraTask& task = context.camera_task();
-  alignas(kSimdAlignment) float x[L::width], y[L::width];
-  alignas(kSimdAlignment) std::uint32_t pixel[L::width], sample[L::width];
+  LaneArray<F> x, y;
+  LaneArray<U> pixel, sample;
   RadianceState<L> radiance;
   radiance.task_sample = U(static_cast<std::uint32_t>(task.cursor.index)) + L::index();
   // Take samples from the task; unused lanes repeat the last one
@@ -104,12 +97,9 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     y[lane] = lane < count ? static_cast<float>(task.y()) : y[last];
     if (lane < count) task.advance();
   }
-  F px, py;
   PathState<L> path;
-  load(x, px);
-  load(y, py);
-  load(sample, path.sample);
-  load(pixel, path.pixel);
+  path.sample = sample.load();
+  path.pixel = pixel.load();
   // In RGB mode the fourth lane is unused: it starts at 0 and stays 0, whatever BSDFs do.
   const F weight(context.scene.sensor.camera.weight);
   path.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
@@ -123,7 +113,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, path, u);
   const auto dx = context.scene.sensor.filter->sample<L>(u.x), dy = context.scene.sensor.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
-  const F film_x = px + F(0.5f) + dx.position, film_y = py + F(0.5f) + dy.position;
+  const F film_x = x.load() + F(0.5f) + dx.position, film_y = y.load() + F(0.5f) + dy.position;
   const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
   // Generate the ray
   RayState<L> ray;

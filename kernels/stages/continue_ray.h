@@ -2,6 +2,7 @@
 // and shadow rays share parts of this code.
 #pragma once
 
+#include "core/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
@@ -31,22 +32,14 @@ inline bool keeps_distance_since_vertex(const StageContext& context) {
 
 /// Gathers words of Wave::distance_since_vertex.
 template <class L> SHEAF_INLINE Float<L> gather_distance_since_vertex(const Wave& wave, const Slot* slots) {
-  alignas(kSimdAlignment) float words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) words[lane] = wave.distance_since_vertex[slots[lane]];
-  Float<L> out;
-  load(words, out);
-  return out;
+  return make_lanes<Float<L>>([&](int lane) SHEAF_LAMBDA_INLINE { return wave.distance_since_vertex[slots[lane]]; });
 }
 
 /// Adds `distance`, m, to the distance of the paths of `lanes` since their last vertex.
 template <class L>
 SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> distance) {
-  alignas(kSimdAlignment) float more[L::width];
-  store(more, distance);
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    wave.distance_since_vertex[slots[lane]] += more[lane];
-  }
+  const LaneArray<Float<L>> more(distance);
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE { wave.distance_since_vertex[slots[lane]] += more[lane]; });
 }
 
 /// Continues the paths of `passing` behind the surface that their rays hit at distance `t`. They become active, or

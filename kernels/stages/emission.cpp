@@ -1,5 +1,6 @@
 // Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
 // hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
+#include "core/lane_array.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
@@ -70,12 +71,13 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const SceneView& scene = context.scene;
+  // Mark camera paths transparent that see nothing
   const bool visible = has_surroundings(scene);
   const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
   const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
-  for (std::uint32_t lanes = transparent; lanes != 0; lanes &= lanes - 1)
-    mark_transparent(wave, slots[std::countr_zero(lanes)]);
+  for_each_lane(transparent, [&](int lane) SHEAF_LAMBDA_INLINE { mark_transparent(wave, slots[lane]); });
   if (!visible) return;
+  // Add each light, weighted by MIS
   const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
@@ -103,6 +105,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, Textured>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                             ray.origin + ray.direction * hit.t, hit.instance);
+  // Evaluate the emitted radiance
   LightRecord<L> light = load_lights<L>(context.scene, hit.light);
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
   if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(context.scene, hit.light, lambda);
@@ -110,17 +113,20 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
     light.radiance = light.radiance * light_textures<L, Mode>(context.scene, light.texture, L::first(count),
                                                               {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
 
+  // Find the lanes that see the light
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const auto hidden = from_camera & Mask<L>(context.integrator.hide_emitters);
   const auto faces = (dot(ray.direction, y.ng) < F(0.0f)) | light.is_two_sided();
   const auto lit =
       faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
+  // Add the radiance, weighted by MIS
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
                 light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,
                                          hit.t + from.distance_since_vertex, y.ng);
   const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
   add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
+  // Continue camera rays behind hidden lights
   continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
 }
 

@@ -8,6 +8,7 @@
 // lanes. If only the first wavelength continues, only its own pdf remains, because the path's distances were sampled by
 // it. The distances of photons are sampled by any of the four (kernels/stages/photon_rays.cpp), so their mean pdf holds
 // for each wavelength.
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/photon_kernel.h"
@@ -21,7 +22,6 @@
 #include "kernels/wave/stage_timer.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace sheaf {
 
@@ -124,10 +124,8 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
 };
 
 template <class L> float sum_of_lanes(Float<L> value) {
-  alignas(kSimdAlignment) float words[L::width];
-  store(words, value);
   float sum = 0;
-  for (const float word : words) sum += word;
+  for (const float lane : LaneArray<Float<L>>(value)) sum += lane;
   return sum;
 }
 
@@ -155,16 +153,14 @@ template <class L, class Vertex> float squared_lookup_radius(const PhotonMapView
   int count = 0;
   for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) {
     const auto near = vertex.near_photons(map, i, lanes, Float<L>(within));
-    alignas(kSimdAlignment) float squared[L::width];
-    store(squared, near.squared);
-    for (std::uint32_t bits = mask_bits(near.lanes); bits != 0; bits &= bits - 1) {
-      const float one = squared[std::countr_zero(bits)];
-      if (!(one < within)) continue;
+    const LaneArray<Float<L>> squared(near.squared);
+    for_each_lane(mask_bits(near.lanes), [&](int lane) {
+      if (!(squared[lane] < within)) return;
       if (count == map.lookup_size) std::pop_heap(nearest, nearest + count--);
-      nearest[count++] = one;
+      nearest[count++] = squared[lane];
       std::push_heap(nearest, nearest + count);
       if (count == map.lookup_size) within = nearest[0];
-    }
+    });
   });
   return within;
 }

@@ -12,6 +12,7 @@
 // also for rays that have lost the other wavelengths.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/wavelengths.h"
 #include "kernels/media/phase_value.h"
 #include "kernels/photons/photon_kernel.h"
@@ -78,20 +79,16 @@ Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::
   const FlightShares shares(context, flags, ray);
   Float4 sum;
   for (std::size_t first = 0; first < found.size(); first += L::width) {
-    alignas(kSimdAlignment) float cosines[L::width] = {}, sines[L::width], squares[L::width] = {}, weights[L::width];
-    std::fill_n(sines, L::width, 1.0f);
+    LaneArray<F> cosines(F(0.0f)), sines(F(1.0f)), squares(F(0.0f));
     const int count = static_cast<int>(std::min<std::size_t>(L::width, found.size() - first));
     for (int i = 0; i < count; ++i) {
       const NearLine& line = found[first + static_cast<std::size_t>(i)];
       cosines[i] = line.cosine, sines[i] = line.sine, squares[i] = line.squared;
     }
-    F cosine, sine, squared;
-    load(cosines, cosine);
-    load(sines, sine);
-    load(squares, squared);
     // Phase functions depend on directions only by the angle.
-    const F phase = phase_value<L>(context.scene, ray.seen.medium.phase, Vec3<L>{sine, F(0.0f), cosine});
-    store(weights, phase * beam_kernel<L>(map.kernel(), squared) / sine);
+    const F sine = sines.load();
+    const F phase = phase_value<L>(context.scene, ray.seen.medium.phase, Vec3<L>{sine, F(0.0f), cosines.load()});
+    const LaneArray<F> weights(phase * beam_kernel<L>(map.kernel(), squares.load()) / sine);
     for (int i = 0; i < count; ++i) {
       const NearLine& line = found[first + static_cast<std::size_t>(i)];
       const PhotonBeamMap::Record& beam = map.beam(line.index);

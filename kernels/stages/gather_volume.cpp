@@ -8,6 +8,7 @@
 // Homogeneous media may store beams instead (kernels/stages/gather_beams.h). Transmittance is exact in homogeneous
 // media. Other media take one walk of ratio tracking for all photons and for the light from behind the medium.
 #include "core/frame.h"
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/gather_beams.h"
@@ -98,19 +99,16 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
   const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
   Float4 sum;
   for (std::size_t first = 0; first < near.size(); first += L::width) {
-    alignas(kSimdAlignment) std::uint32_t directions[L::width] = {};
-    alignas(kSimdAlignment) float squared[L::width] = {}, weights[L::width];
+    LaneArray<Uint<L>> directions(Uint<L>(0u));
+    LaneArray<F> squared(F(0.0f));
     const int count = static_cast<int>(std::min<std::size_t>(L::width, near.size() - first));
     for (int i = 0; i < count; ++i) {
       directions[i] = map.photon(near[first + static_cast<std::size_t>(i)].point.index).direction;
       squared[i] = near[first + static_cast<std::size_t>(i)].point.squared;
     }
-    Uint<L> direction;
-    F distance;
-    load(directions, direction);
-    load(squared, distance);
-    const Vec3<L> wi = frame.to_local(decode_octahedral<L>(direction));
-    store(weights, phase_value<L>(scene, ray.medium.phase, wi) * photon_kernel<L>(map.kernel(), distance));
+    const Vec3<L> wi = frame.to_local(decode_octahedral<L>(directions.load()));
+    const LaneArray<F> weights(phase_value<L>(scene, ray.medium.phase, wi) *
+                               photon_kernel<L>(map.kernel(), squared.load()));
     for (int i = 0; i < count; ++i) {
       const NearPhoton& one = near[first + static_cast<std::size_t>(i)];
       const VolumePhotonMap::Record& photon = map.photon(one.point.index);

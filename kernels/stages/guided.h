@@ -10,6 +10,7 @@
 // guide.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/guiding/guide_record.h"
@@ -18,8 +19,6 @@
 #include "kernels/stages/roulette.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/wave/lane_mean.h"
-
-#include <bit>
 
 namespace sheaf {
 
@@ -75,6 +74,7 @@ template <class L, template <class> class Bsdf>
                                                 const Bsdf<L>& bsdf, const VertexItem<L>& item, Random4<L> u) {
   using F = Float<L>;
   const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
+  // Choose between guide and BSDF, and sample both
   const GuideSample<L> of_guide = sample_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, count, u);
   u.x = of_guide.bsdf_u;
   GuidedSample<L> out;
@@ -82,6 +82,7 @@ template <class L, template <class> class Bsdf>
   s = bsdf.sample(item.wo, u);
   out.direction = frame.to_world(s.wi);
   Spectrum<L> f_cos = s.weight * s.pdf_solid_angle;
+  // Evaluate the BSDF for directions of the guide
   if (any(of_guide.taken)) {
     const Vec3<L> wi = frame.to_local(of_guide.direction);
     const BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
@@ -92,6 +93,7 @@ template <class L, template <class> class Bsdf>
     s.eta_scale = select(of_guide.taken, eta_scale_of<L>(bsdf, item.wo, wi), s.eta_scale);
     s.valid = s.valid | of_guide.taken;
   }
+  // Combine the pdfs and the weight
   out.bsdf_pdf = s.pdf_solid_angle;
   const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
   // The weight of a delta lobe needs bsdf_share as well.
@@ -117,14 +119,13 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   using F = Float<L>;
   constexpr float kMin = 0.5f;
   const F mean = gather(context.guide().means, wave.guide_cells.load<L>(column).row);
-  alignas(kSimdAlignment) float references[L::width], expected[L::width];
+  LaneArray<F> references;
+  const LaneArray<F> expected(sum * mean);
   for (int lane = 0; lane < L::width; ++lane) references[lane] = wave.guide_references[slots[lane]];
-  store(expected, sum * mean);
   for (int lane = 0; lane < count; ++lane)
     if (references[lane] == 0.0f && expected[lane] > 0.0f)
       references[lane] = wave.guide_references[slots[lane]] = expected[lane];
-  F reference;
-  load(references, reference);
+  const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
   const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
@@ -140,26 +141,17 @@ void note_directions(const StageContext& context, const Wave& wave, const Slot* 
   F divisor(1.0f);
   if (context.scene.needs_transmittance)
     divisor = lane_mean<L>(context.scene.color, wave.rescaled_pdfs.gather<L>(slots).r_u);
-  alignas(kSimdAlignment) float px[L::width], py[L::width], pz[L::width], pdf[L::width], over[L::width];
-  alignas(kSimdAlignment) std::uint32_t bits[L::width], side[L::width], dimension[L::width];
-  store(px, item.p.x), store(py, item.p.y), store(pz, item.p.z);
-  store(pdf, bsdf_pdf);
-  store(over, divisor / total(path.beta));
-  store(bits, encode_octahedral<L>(direction));
-  store(side, wave.guide_cells.load<L>(column).side);
-  store(dimension, path.dimension());
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
-    if (dimension[lane] >= TrainingSamples::kMaxVertices) continue;
+  const LaneRows<L, Vec3> p(item.p);
+  const LaneArray<F> pdf(bsdf_pdf), per_throughput(divisor / total(path.beta));
+  const LaneArray<Uint<L>> directions(encode_octahedral<L>(direction)), side(wave.guide_cells.load<L>(column).side),
+      dimension(path.dimension());
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
+    if (dimension[lane] >= TrainingSamples::kMaxVertices) return;
     const RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
-    context.training_samples().add({{px[lane], py[lane], pz[lane]},
-                                    bits[lane],
-                                    over[lane],
-                                    pdf[lane],
-                                    side[lane],
-                                    row.task_sample & ~kTransparent},
-                                   total(row.radiance));
-  }
+    context.training_samples().add(
+        {p[lane], directions[lane], per_throughput[lane], pdf[lane], side[lane], row.task_sample & ~kTransparent},
+        total(row.radiance));
+  });
 }
 
 }  // namespace sheaf

@@ -104,22 +104,26 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
   with_color_mode(scene, [&]<ColorMode Mode>() {
     for (int group = -kAhead; group < groups; ++group) {
       const int numbers = group + kAhead, rows = group + kRows, columns = group + kColumns;
+      // Draw random numbers
       for (int i = 0; i < kTogether && has(numbers); ++i) {
         // With an odd number of tiles, the last group holds the last tile twice.
         const int begin = std::min(numbers * kTogether + i, tiles - 1) * L::width;
         ring[numbers % kRing][i] = {slots + begin, run.column_begin + begin,
                                     numbers_of<L>(context, wave, slots + begin, set)};
       }
+      // Sample rows of the environment map
       for (int i = 0; i < kTogether && DrawsMap && has(rows); ++i) {
         const Random4<L>& u = ring[rows % kRing][i].u;
         drawn[rows % kRing][i] = draw_envmap_row<L>(scene.lights.envmap, u.z);
         prefetch_envmap_column<L>(scene.lights.envmap, u.y, drawn[rows % kRing][i]);
       }
+      // Sample columns of the environment map
       for (int i = 0; i < kTogether && DrawsMap && has(columns); ++i) {
         draw_envmap_column<L>(scene.lights.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
         prefetch_envmap_nodes<L>(scene.lights.envmap, drawn[columns % kRing][i]);
       }
       if (group < 0) continue;
+      // Choose lights and sample them
       const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
       choose_for<L>(context, wave, now, set.index == 0, in_medium, mapped_parts, choices);
       for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)

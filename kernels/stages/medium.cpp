@@ -4,6 +4,7 @@
 //
 // Paths diverge here, so each is processed alone, with its four spectral lanes in one register
 // (kernels/media/medium_tracking.h).
+#include "core/lane_array.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
 #include "kernels/media/density_weights.h"
@@ -286,7 +287,7 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
   DensityPaths by_density(context, wave, counts);
   for_tiles<L>(paths, [&](int i, int count) {
     const Slot* slots = wave.medium.data() + i;
-    alignas(kSimdAlignment) float u[L::width];
+    LaneArray<Float<L>> u;
     bool is_drawn = false;
     for (int lane = 0; lane < count; ++lane) {
       MediumPath path = load_path(wave, slots[lane]);
@@ -297,9 +298,9 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
         // Draw the numbers of the tile when its first path needs one
         if (!is_drawn) {
           const PathState<L> state = wave.paths.gather<L>(slots);
-          store(u, draw<L>(context.sampler, state.pixel, state.sample, state.dimension(), SampleBlock::kSelect, {},
-                           kNumberY)
-                       .y);
+          u = LaneArray(
+              draw<L>(context.sampler, state.pixel, state.sample, state.dimension(), SampleBlock::kSelect, {}, kNumberY)
+                  .y);
           is_drawn = true;
         }
         medium_path(context, wave, path, ray, u[lane], counts);

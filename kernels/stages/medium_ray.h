@@ -11,7 +11,6 @@ namespace sheaf {
 
 /// The hero lane, whose extinction is used to sample distances. Spectral mode: the first wavelength. RGB mode: each of
 /// the three lanes with equal probability, chosen by the path's index.
-inline std::uint32_t hero_lane_flags(std::uint32_t lane) { return lane << kRayHeroShift; }
 inline int hero_lane(std::uint32_t flags) { return static_cast<int>((flags & kRayHeroMask) >> kRayHeroShift); }
 
 /// Wavelengths of a path; 0 in RGB mode.

@@ -3,6 +3,7 @@
 // Photons carry flux instead of radiance. As for camera paths, the maximum lane of their throughput starts at 1, so
 // that Russian roulette treats both alike. RadianceState::weight holds the flux of that lane, W. The random numbers are
 // those of one long sequence of samples (kPhotonPixel).
+#include "core/lane_array.h"
 #include "core/sampler.h"
 #include "kernels/lights/light_emit.h"
 #include "kernels/photons/light_task.h"
@@ -23,15 +24,15 @@ template <class L> struct PhotonNumbers {
 };
 
 template <class L> PhotonNumbers<L> take_numbers(LightTask& task, int count) {
-  alignas(kSimdAlignment) std::uint32_t low[L::width] = {}, high[L::width] = {};
+  LaneArray<Uint<L>> low(Uint<L>(0u)), high(Uint<L>(0u));
   PhotonNumbers<L> out;
   out.in_task = Uint<L>(static_cast<std::uint32_t>(task.emitted())) + L::index();
   for (int lane = 0; lane < count; ++lane, task.advance()) {
     low[lane] = static_cast<std::uint32_t>(task.next());
     high[lane] = static_cast<std::uint32_t>(task.next() >> 32);
   }
-  load(low, out.low);
-  load(high, out.high);
+  out.low = low.load();
+  out.high = high.load();
   return out;
 }
 
@@ -65,11 +66,9 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   const Random4<L> a = number(SampleBlock::kLight), b = number(SampleBlock::kScatter);
   const Random4<L> c = number(SampleBlock::kWavelength);
   const F one = c.x;
-  if constexpr (Mode == ColorMode::kSpectral) {
-    alignas(kSimdAlignment) float words[L::width];
-    store(words, context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
-    for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = words[lane];
-  }
+  if constexpr (Mode == ColorMode::kSpectral)
+    scatter_wavelength_samples<L>(wave, slots, count,
+                                  context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
   // Select a light and emit the photon
   const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);
   PhotonEmission<L> photon = emit_photon<L, Mode>(scene, choice, a, b, shading_wavelengths<L, Mode>(wave, slots));

@@ -1,6 +1,7 @@
 // Pushes shadow rays from vertices to the queue of the shadow stages: rays to lights, and rays to the camera.
 #pragma once
 
+#include "core/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
@@ -8,9 +9,10 @@
 namespace sheaf {
 
 /// Bits of TransmittanceItem::flags for rays to the camera if lights are hidden, in place of two bits that shadow rays
-/// do not use. Camera rays pass hidden lights until they meet an open pane; they see lights behind it.
+/// do not use. Camera rays pass hidden lights until they meet a thin dielectric; they see lights behind
+/// it.
 enum ShadowFlags : std::uint32_t {
-  kShadowFromHiddenLight = kRayFromCamera,  ///< starts on a hidden light and has passed no pane
+  kShadowFromHiddenLight = kRayFromCamera,  ///< starts on a hidden light and has passed no thin dielectric
   kShadowPassedHiddenLight = kRayLast,
 };
 inline constexpr std::uint32_t kShadowFlags = kShadowFromHiddenLight | kShadowPassedHiddenLight;
@@ -56,9 +58,7 @@ SHEAF_INLINE void push_shadow_ray(const SceneView& scene, Wave& wave, const Slot
   out.origin = offset_origin<L>(item.p, item.ng, item.offset, target - item.p);
   out.direction = target - out.origin;
   out.contribution = contribution;
-  alignas(kSimdAlignment) std::uint32_t slot_words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) slot_words[lane] = slots[lane];
-  load(slot_words, out.slot);
+  out.slot = make_lanes<Uint<L>>([slots](int lane) SHEAF_LAMBDA_INLINE { return slots[lane]; });
   out.light = end.light;
   const auto kept =
       is_finite(out.direction) & is_finite(total(contribution)) & !is_black(contribution) & L::first(count);

@@ -114,6 +114,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   const U single = select(candidate.single, U(1u), U(0u));
   ReservoirItem<L> r;
   if (is_first) {
+    // Start the reservoir with the first candidate
     r.u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kResample, {}, kNumberX).x;
     r.target = light.target;
     r.contribution = candidate.contribution;
@@ -124,6 +125,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
     r.single = single;
     return r;
   }
+  // Choose between the kept candidate and this one
   r = wave.reservoirs.load<L>(column);
   r.sum = r.sum + weight;
   const F share = weight / max(r.sum, F(1e-37f));
@@ -131,6 +133,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   // The remainder of u is uniform again.
   const F rest = select(taken, r.u, r.u - share) / max(select(taken, share, F(1.0f) - share), F(1e-37f));
   r.u = clamp(rest, F(0.0f), F(kOneMinusEpsilon));
+  // Replace the kept candidate
   r.target = select<L>(taken, light.target, r.target);
   r.contribution = select<L>(taken, candidate.contribution, r.contribution);
   r.weight = select(taken, weight, r.weight);

@@ -15,11 +15,11 @@ template <class L> struct RoutedHits {
 template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scene, typename L::Uint material) {
   using U = typename L::Uint;
   const U kind = gather_member<L>(scene.materials.rows, &MaterialRow::kind, material);
-  Mask<L> pane(false);
-  for_each_closure([&]<class Closure>(ClosureKind of_pane, Closure) SHEAF_LAMBDA_INLINE {
-    if constexpr (Closure::kInfo.is_thin_dielectric) pane = pane | (kind == U(static_cast<std::uint32_t>(of_pane)));
+  Mask<L> found(false);
+  for_each_closure([&]<class Closure>(ClosureKind closure, Closure) SHEAF_LAMBDA_INLINE {
+    if constexpr (Closure::kInfo.is_thin_dielectric) found = found | (kind == U(static_cast<std::uint32_t>(closure)));
   });
-  return pane;
+  return found;
 }
 
 /// Pushes the slots of `lanes` to the queue of their vertex's material: composite or surface, or finished if the path

@@ -1,4 +1,5 @@
 // Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
+#include "core/lane_array.h"
 #include "core/octahedral.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
@@ -18,14 +19,20 @@ namespace sheaf {
 
 namespace {
 
+/// Vertices of one closure kind that fill a register.
+struct ScatterTile {
+  const Slot* slots;  ///< of their paths
+  int column, count;  ///< their columns are [column, column + count)
+  bool is_mapped;     ///< some materials of the kind have mapped normals
+  bool has_parts;     ///< some materials of the kind are parts of blends
+};
+
 /// Stores the data that the emission stage needs for the MIS weight of light that the new ray finds.
 template <class L>
 SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> pdf_solid_angle,
                                       Vec3<L> ns) {
-  alignas(kSimdAlignment) float pdf[L::width];
-  alignas(kSimdAlignment) std::uint32_t normal[L::width];
-  store(pdf, pdf_solid_angle);
-  store(normal, encode_octahedral<L>(ns));
+  const LaneArray<Float<L>> pdf(pdf_solid_angle);
+  const LaneArray<Uint<L>> normal(encode_octahedral<L>(ns));
   const auto remember = [&](int lane) SHEAF_LAMBDA_INLINE {
     RadianceState<Scalar>& row = wave.radiance.row(slots[lane]);
     row.scatter_pdf = pdf[lane];
@@ -35,22 +42,21 @@ SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32
     for (int lane = 0; lane < L::width; ++lane) remember(lane);
     return;
   }
-  for (; lanes != 0; lanes &= lanes - 1) remember(std::countr_zero(lanes));
+  for_each_lane(lanes, remember);
 }
 
 /// Reduces paths that a dispersive surface has transmitted to a single wavelength.
 template <class L> SHEAF_INLINE void keep_first_wavelength(Wave& wave, const Slot* slots, std::uint32_t lanes) {
-  for (; lanes != 0; lanes &= lanes - 1) {
-    float& hero = wave.wavelength_samples[slots[std::countr_zero(lanes)]];
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
+    float& hero = wave.wavelength_samples[slots[lane]];
     hero = bits_float(float_bits(hero) | kSingleWavelength);
-  }
+  });
 }
 
 /// Updates the medium of the new ray and RescaledPdfs, in scenes with SceneView::needs_transmittance. Returns the mean
 /// of r_u, by which the throughput must be divided. `single`: only the first wavelength continues. Distances of the
 /// path were sampled by it so far, except those of stored photons, which any of the four may have sampled.
-/// `null_transmittance`: probability of passing an open pane, which shadow rays pass as well; 0: no open pane was
-/// passed.
+/// `null_transmittance`: probability of passing a thin dielectric that shadow rays pass as well; 0: none was passed.
 template <class L>
 Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots, int count, Vec3<L> ng, bool in_medium,
                       Mask<L> single, Float<L> null_transmittance, RayState<L>& ray) {
@@ -60,6 +66,7 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   const RayState<L> before = wave.rays.gather<L>(slots);
   F distance(0.0f);
   const auto passed = null_transmittance > F(0.0f);
+  // Find the medium of the new ray
   U flags = before.flags & U(~(kRayFromCamera | kRayLast | kRayFromMedium | kRayHistory));
   flags |= select(passed, before.flags & U(kRayFromMedium), U(0u));
   if (in_medium) {
@@ -72,11 +79,13 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
     distance = hit.t;
   }
   ray.flags |= flags;
+  // Update the rescaled pdfs
   RescaledPdfs<L> r = wave.rescaled_pdfs.gather<L>(slots);
   const bool by_any = context.starts_at_lights() && context.light_task().stores_photons();
   r.r_u = select<L>(single, Spectrum<L>(by_any ? lane_mean<L>(scene.color, r.r_u) : r.r_u.c0), r.r_u);
   r.r_l = select<L>(passed, r.r_l * (F(1.0f) / select(passed, null_transmittance, F(1.0f))), r.r_u);
   wave.rescaled_pdfs.scatter<L>(slots, count, r);
+  // Update the distance since the last vertex
   const std::uint32_t on = mask_bits(passed & L::first(count));
   add_distance_since_vertex<L>(wave, slots, on, distance);
   for (int lane = 0; lane < count; ++lane)
@@ -109,124 +118,211 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
   return lanes;
 }
 
-template <class L, template <class> class Bsdf>
-SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
-                               bool mapped, bool parts) {
-  using F = Float<L>;
-  using U = Uint<L>;
-  // Sample the BSDF or the guide
-  const auto item = wave.vertices.load<L>(column);
-  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
-  PathState<L> path = wave.paths.gather<L>(slots);
-  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter, {},
-                         context.samples_guide() ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
-  const ShadingFrame<L, Bsdf<L>::kIsAnisotropic> frame(item);
-  GuidedSample<L> sample{};
-  if (kIsGuided<Bsdf<L>> && context.samples_guide()) {
-    sample = sample_guided<L>(context, wave, column, count, bsdf, item, u);
-  } else {
-    sample.bsdf = bsdf.sample(item.wo, u);
-    sample.direction = frame.to_world(sample.bsdf.wi);
-    if (parts && context.samples_guide())
-      sample.guide = guide_value<L>(context, wave, column, sample.bsdf.valid & L::first(count), sample.direction);
-  }
-  BsdfSample<L>& s = sample.bsdf;
-  const Vec3<L> direction = sample.direction;
+/// The shading frame that a BSDF needs.
+template <class L, template <class> class Bsdf> using FrameOf = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>;
 
-  // Weight the sample as the whole blend
-  Mask<L> blended(false);
-  if (parts && !context.starts_at_lights())
-    blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), sample);
-  if (kIsGuided<Bsdf<L>> && context.trains_guide())
-    note_directions<L>(context, wave, slots, column,
-                       mask_bits(s.valid & (s.pdf_solid_angle > F(0.0f)) & L::first(count)), item, path, direction,
-                       sample.bsdf_pdf);
+/// Samples the BSDF, or BSDF and guide together.
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE GuidedSample<L> sample_bsdf_or_guide(const StageContext& context, const Wave& wave,
+                                                  const ScatterTile& tile, const Bsdf<L>& bsdf,
+                                                  const VertexItem<L>& item, const FrameOf<L, Bsdf>& frame,
+                                                  Random4<L> u) {
+  if (kIsGuided<Bsdf<L>> && context.samples_guide())
+    return sample_guided<L>(context, wave, tile.column, tile.count, bsdf, item, u);
+  GuidedSample<L> sample{};
+  sample.bsdf = bsdf.sample(item.wo, u);
+  sample.direction = frame.to_world(sample.bsdf.wi);
+  if (tile.has_parts && context.samples_guide())
+    sample.guide =
+        guide_value<L>(context, wave, tile.column, sample.bsdf.valid & L::first(tile.count), sample.direction);
+  return sample;
+}
+
+/// Photons: replaces the weight of BSDFs that are not reciprocal by that of the adjoint BSDF.
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void weigh_as_adjoint(const StageContext& context, const Bsdf<L>& bsdf, Vec3<L> wo, BsdfSample<L>& s) {
+  using F = Float<L>;
   if constexpr (NotReciprocal<Bsdf<L>, Vec3<L>>) {
     const Mask<L> usable = s.valid & (s.pdf_solid_angle > F(0.0f));
     if (context.starts_at_lights())
-      s.weight = adjoint_f_cos<L>(bsdf, item.wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));
+      s.weight = adjoint_f_cos<L>(bsdf, wo, s.wi) * (F(1.0f) / select(usable, s.pdf_solid_angle, F(1.0f)));
   }
-  // Update the throughput
-  const F arrived = total(path.beta);
-  path.beta = path.beta * s.weight;
+}
+
+/// Reduces paths to a single wavelength where a dispersive surface scatters the others into other directions. Returns
+/// these lanes.
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE Mask<L> lose_wavelengths(Wave& wave, const ScatterTile& tile, const Bsdf<L>& bsdf, Vec3<L> wo,
+                                      Vec3<L> wi) {
   Mask<L> single(false);
   if constexpr (kDisperses<Bsdf<L>>) {
-    single = loses_wavelengths<L>(bsdf, item.wo, s.wi) & L::first(count);
-    keep_first_wavelength<L>(wave, slots, mask_bits(single));
+    single = loses_wavelengths<L>(bsdf, wo, wi) & L::first(tile.count);
+    keep_first_wavelength<L>(wave, tile.slots, mask_bits(single));
   }
-  if (!context.starts_at_lights()) {
-    if (mapped) {
-      const TexturedItem<L> t = wave.textured.load<L>(column);
-      const F terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, direction, s.wi.z);
-      path.beta = path.beta * select(blended, F(1.0f), terminator);
-    }
-    path.eta_scale = path.eta_scale * s.eta_scale * sample.guided_pdf_ratio;
-  } else if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
+  return single;
+}
+
+/// Camera paths: updates throughput and eta scale. `blended`: lanes whose weight includes the shadow terminator, see
+/// weigh_as_blend().
+template <class L>
+SHEAF_INLINE void scatter_radiance(const Wave& wave, const ScatterTile& tile, const GuidedSample<L>& sample,
+                                   Mask<L> blended, PathState<L>& path) {
+  const BsdfSample<L>& s = sample.bsdf;
+  path.beta = path.beta * s.weight;
+  if (tile.is_mapped) {
+    const TexturedItem<L> t = wave.textured.load<L>(tile.column);
+    const Float<L> terminator = shadow_terminator<L>(t.ns_unmapped, t.terminator, sample.direction, s.wi.z);
+    path.beta = path.beta * select(blended, Float<L>(1.0f), terminator);
+  }
+  path.eta_scale = path.eta_scale * s.eta_scale * sample.guided_pdf_ratio;
+}
+
+/// Photons: updates the throughput, with the adjoint corrections at surfaces (kernels/stages/adjoint.h).
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void scatter_photon(const Wave& wave, const ScatterTile& tile, const VertexItem<L>& item,
+                                 const FrameOf<L, Bsdf>& frame, const GuidedSample<L>& sample, PathState<L>& path) {
+  const BsdfSample<L>& s = sample.bsdf;
+  path.beta = path.beta * s.weight;
+  if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
     const Vec3<L> arriving = frame.to_world(item.wo);
-    path.beta = path.beta * (adjoint_cosines<L>(item, arriving, direction, s.wi.z) * s.eta_scale);
-    if (mapped) {
-      const TexturedItem<L> t = wave.textured.load<L>(column);
+    path.beta = path.beta * (adjoint_cosines<L>(item, arriving, sample.direction, s.wi.z) * s.eta_scale);
+    if (tile.is_mapped) {
+      const TexturedItem<L> t = wave.textured.load<L>(tile.column);
       path.beta = path.beta * adjoint_terminator<L>(t, arriving, item.wo.z);
-      path.beta = select<L>(matches_normal_choice<L>(t, item.ns, direction), path.beta, Spectrum<L>(F(0.0f)));
+      path.beta =
+          select<L>(matches_normal_choice<L>(t, item.ns, sample.direction), path.beta, Spectrum<L>(Float<L>(0.0f)));
     }
   }
-  // Count depth; thin dielectrics may be free
-  auto ended = Mask<L>(false);
-  F null_transmittance(0.0f);
+}
+
+/// Paths at a thin dielectric that costs no depth.
+template <class L> struct FreePassage {
+  /// Probability of passing a thin dielectric that shadow rays pass as well; 0: none was passed.
+  typename L::Float null_transmittance = typename L::Float(0.0f);
+  typename L::Mask ended = typename L::Mask(false);  ///< reflected, although the ray was the last of its path
+};
+
+/// Counts depth and random-number dimension. Thin dielectrics that light passes may be free.
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE FreePassage<L> count_depth(const StageContext& context, const Wave& wave, const ScatterTile& tile,
+                                        const Bsdf<L>& bsdf, Vec3<L> wo, Vec3<L> wi, PathState<L>& path) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  FreePassage<L> out;
   path.depth_and_dimension = path.depth_and_dimension + U(kOneDepth + kOneDimension);
   if constexpr (Bsdf<L>::Closure::kInfo.is_thin_dielectric) {
     if (context.integrator.thin_dielectrics_are_free) {
-      const auto passes = item.wo.z * s.wi.z < F(0.0f);
+      const auto passes = wo.z * wi.z < F(0.0f);
       path.depth_and_dimension = select(passes, path.depth_and_dimension - U(kOneDepth), path.depth_and_dimension);
-      if (context.scene.has_open_panes)
-        null_transmittance = select(passes, bsdf.passage(item.wo.z).probability, F(0.0f));
-      ended = (!passes) & ((wave.rays.gather<L>(slots).flags & U(kRayLast)) != U(0u));
+      if (context.scene.shadow_rays_pass_thin_dielectrics)
+        out.null_transmittance = select(passes, bsdf.passage(wo.z).probability, F(0.0f));
+      out.ended = (!passes) & ((wave.rays.gather<L>(tile.slots).flags & U(kRayLast)) != U(0u));
     }
   }
-  auto alive = s.valid & (!ended) & !is_black(path.beta) & (path.depth() < U(kLongestPath)) & L::first(count);
+  return out;
+}
 
-  // Spawn the continuation ray
+/// The ray from the vertex along `direction`, without its medium and history.
+template <class L>
+SHEAF_INLINE RayState<L> spawn_ray(const StageContext& context, const VertexItem<L>& item, Vec3<L> direction,
+                                   const PathState<L>& path) {
+  using U = Uint<L>;
   RayState<L> ray;
   ray.direction = direction;
   ray.origin = offset_origin<L>(item.p, item.ng, item.offset, ray.direction);
-  ray.t_max = F(kInfinity);
+  ray.t_max = Float<L>(kInfinity);
   const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   ray.flags = select(path.depth() + U(1u) < U(max_depth), U(0u), U(kRayLast));
+  return ray;
+}
+
+/// Adds the path's history to the flags of the ray, if photon maps need it. Returns the paths that the integrator
+/// continues behind a vertex that samples directions with `pdf_solid_angle`.
+template <class L, bool InMedium>
+SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave, const ScatterTile& tile,
+                                   Float<L> pdf_solid_angle, Float<L> null_transmittance, RayState<L>& ray) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  Mask<L> continues(true);
+  const auto is_delta = pdf_solid_angle == F(0.0f), passed = null_transmittance > F(0.0f);
   if (context.gathers_photons() || context.starts_at_lights()) {
-    const U before = wave.rays.gather<L>(slots).flags;
-    // Light sampling passes open panes, so they do not count as specular here.
-    const auto specular = (s.pdf_solid_angle == F(0.0f)) & (null_transmittance == F(0.0f));
-    const auto passed = null_transmittance > F(0.0f);
-    ray.flags |= select(passed, before & U(kRayHistory),
-                        history_behind<L, kIsPhaseFunction<Bsdf<L>>>(context, before, specular));
-    if (context.gathers_photons())
-      alive = alive &
-              ((s.pdf_solid_angle == F(0.0f)) | !context.photon_maps().ends_at<L>(before, kIsPhaseFunction<Bsdf<L>>));
-    if (context.starts_at_lights() && context.light_task().ends_at_scattering())
-      alive = alive & (s.pdf_solid_angle == F(0.0f));
+    const U before = wave.rays.gather<L>(tile.slots).flags;
+    // Light sampling passes such thin dielectrics, so they do not count as specular here.
+    const auto specular = is_delta & (null_transmittance == F(0.0f));
+    ray.flags |= select(passed, before & U(kRayHistory), history_behind<L, InMedium>(context, before, specular));
+    if (context.gathers_photons()) continues = continues & (is_delta | !context.photon_maps().ends_at<L>(before, InMedium));
+    if (context.starts_at_lights() && context.light_task().ends_at_scattering()) continues = continues & is_delta;
   }
-  if (context.integrator.ends_at_diffuse)
-    alive = alive & ((s.pdf_solid_angle == F(0.0f)) | (null_transmittance > F(0.0f)));
+  if (context.integrator.ends_at_diffuse) continues = continues & (is_delta | passed);
+  return continues;
+}
+
+/// Queues the paths of `alive` for intersection, and the others as finished.
+SHEAF_INLINE void queue_paths(Wave& wave, const ScatterTile& tile, std::uint32_t alive) {
+  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(alive));
+  wave.active.push(tile.slots, alive);
+  wave.finished.push(tile.slots, ~alive & ((1u << tile.count) - 1u));
+}
+
+template <class L, template <class> class Bsdf>
+SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const ScatterTile& tile) {
+  using F = Float<L>;
+  constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
+  const Slot* const slots = tile.slots;
+  const int column = tile.column, count = tile.count;
+  const auto item = wave.vertices.load<L>(column);
+  const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
+  const FrameOf<L, Bsdf> frame(item);
+  PathState<L> path = wave.paths.gather<L>(slots);
+
+  // Sample the BSDF or the guide
+  const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter, {},
+                         context.samples_guide() ? kAllNumbers : numbers_of<Bsdf<L>>() | kNumberW);
+  GuidedSample<L> sample = sample_bsdf_or_guide<L, Bsdf>(context, wave, tile, bsdf, item, frame, u);
+  BsdfSample<L>& s = sample.bsdf;
+
+  // Weight the sample as the whole blend, or by the adjoint BSDF
+  Mask<L> blended(false);
+  if (tile.has_parts && !context.starts_at_lights())
+    blended = weigh_as_blend<L, kDisperses<Bsdf<L>>>(context, wave, slots, L::first(count), sample);
+  if (kIsGuided<Bsdf<L>> && context.trains_guide())
+    note_directions<L>(context, wave, slots, column,
+                       mask_bits(s.valid & (s.pdf_solid_angle > F(0.0f)) & L::first(count)), item, path,
+                       sample.direction, sample.bsdf_pdf);
+  weigh_as_adjoint<L, Bsdf>(context, bsdf, item.wo, s);
+
+  // Update the throughput and count depth
+  const F arrived = total(path.beta);
+  const Mask<L> single = lose_wavelengths<L, Bsdf>(wave, tile, bsdf, item.wo, s.wi);
+  if (context.starts_at_lights())
+    scatter_photon<L, Bsdf>(wave, tile, item, frame, sample, path);
+  else
+    scatter_radiance<L>(wave, tile, sample, blended, path);
+  const FreePassage<L> passage = count_depth<L, Bsdf>(context, wave, tile, bsdf, item.wo, s.wi, path);
+  Mask<L> alive =
+      s.valid & (!passage.ended) & !is_black(path.beta) & (path.depth() < Uint<L>(kLongestPath)) & L::first(count);
+
+  // Spawn the continuation ray
+  RayState<L> ray = spawn_ray<L>(context, item, sample.direction, path);
+  alive = alive & track_history<L, kInMedium>(context, wave, tile, s.pdf_solid_angle, passage.null_transmittance, ray);
   F divisor(1.0f);
   if (context.scene.needs_transmittance)
-    divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kIsPhaseFunction<Bsdf<L>>, single,
-                              null_transmittance, ray);
+    divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kInMedium, single, passage.null_transmittance, ray);
+
   // Apply Russian roulette
   F survival = survival_by_throughput<L>(context, path, divisor);
   if (kIsGuided<Bsdf<L>> && context.samples_guide())
     survival = expected_survival<L>(context, wave, slots, column, count, path.depth(), arrived / divisor, survival);
   alive = alive & roulette<L>(path, survival, u.w);
+
+  // Store the states and queue the paths
   wave.rays.scatter<L>(slots, count, ray);
   wave.paths.scatter<L>(slots, count, path);
-  const std::uint32_t scattered = mask_bits(L::first(count) & (null_transmittance == F(0.0f)));
-  const bool mapped_parts = parts && mapped;
+  const std::uint32_t scattered = mask_bits(L::first(count) & (passage.null_transmittance == F(0.0f)));
+  const bool mapped_parts = tile.has_parts && tile.is_mapped;
   const Vec3<L> ns = mapped_parts ? receiver_normal<L>(context.scene, wave, slots, column, item.ns) : item.ns;
   remember_scattering<L>(wave, slots, scattered, s.pdf_solid_angle, ns);
-
-  const std::uint32_t bits = mask_bits(alive);
-  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(bits));
-  wave.active.push(slots, bits);
-  wave.finished.push(slots, ~bits & ((1u << count) - 1u));
+  queue_paths(wave, tile, mask_bits(alive));
 }
 
 template <class L, template <class> class Bsdf>
@@ -234,8 +330,8 @@ void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) 
   const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
   const bool parts = has_parts(context.scene, kKindOf<Bsdf<L>>);
   for_tiles<L>(run.count, [&](int i, int count) {
-    scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,
-                          parts);
+    scatter_tile<L, Bsdf>(context, wave,
+                          {wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped, parts});
   });
 }
 

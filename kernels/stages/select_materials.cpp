@@ -1,6 +1,7 @@
 // Stage: select materials. Selects a mask's material or "nothing", and one of the two materials of a blend, in
 // proportion to their shares. The selected part determines where the path continues; kernels/stages/blend_value.h adds
 // the contribution of the other parts. If "nothing" is selected, the ray continues behind the surface.
+#include "core/lane_array.h"
 #include "core/sampler.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
@@ -18,8 +19,7 @@ template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint
   using F = Float<L>;
   using U = Uint<L>;
   F share(0.0f);
-  alignas(kSimdAlignment) std::uint32_t rows[L::width];
-  store(rows, row);
+  const LaneArray<U> rows(row);
   while (any(lanes)) {
     const std::uint32_t material = rows[std::countr_zero(mask_bits(lanes))];
     const MaterialRow& m = scene.materials.rows[material];
@@ -73,27 +73,19 @@ template <class L>
 SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
                                const TextureQuery<L>& query, Uint<L> material, Mask<L> behind,
                                const KnownShares<L>& masks) {
-  alignas(kSimdAlignment) float uv[4][L::width], p[3][L::width], shares[L::width];
-  alignas(kSimdAlignment) std::uint32_t words[3][L::width];
   const std::uint32_t known = mask_bits(masks.known), from_behind = mask_bits(behind);
-  store(shares, masks.share);
-  if ((lanes & ~known) != 0) {
-    store(uv[0], query.uv.x), store(uv[1], query.uv.y), store(uv[2], query.b1), store(uv[3], query.b2);
-    store(p[0], query.p.x), store(p[1], query.p.y), store(p[2], query.p.z);
-    store(words[0], query.shape), store(words[1], query.primitive), store(words[2], material);
-  }
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int i = std::countr_zero(lanes);
-    float share = shares[i];
-    if ((known >> i & 1u) == 0)
-      share = pass_through_probability(
-          scene, words[2][i], (from_behind >> i & 1u) != 0,
-          {{uv[0][i], uv[1][i]}, words[0][i], words[1][i], uv[2][i], uv[3][i], {p[0][i], p[1][i], p[2][i]}});
-    if (share == 1.0f) continue;
-    Spectrum4& r_l = wave.rescaled_pdfs.row(slots[i]).r_l;
+  const LaneArray<Float<L>> shares(masks.share);
+  const LaneArray<Uint<L>> materials(material);
+  const LaneRows<L, TextureQuery> queries(query);
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
+    float share = shares[lane];
+    if ((known >> lane & 1u) == 0)
+      share = pass_through_probability(scene, materials[lane], (from_behind >> lane & 1u) != 0, queries[lane]);
+    if (share == 1.0f) return;
+    Spectrum4& r_l = wave.rescaled_pdfs.row(slots[lane]).r_l;
     const float divisor = max(share, 1e-20f);
     r_l = {r_l.c0 / divisor, r_l.c1 / divisor, r_l.c2 / divisor, r_l.c3 / divisor};
-  }
+  });
 }
 
 template <class L>

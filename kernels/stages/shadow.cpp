@@ -1,12 +1,11 @@
 // Stage: shadow. Traces shadow rays between vertices and sampled lights with Embree, sixteen at a time, and adds the
 // unoccluded contributions.
+#include "core/lane_array.h"
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stages.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
-
-#include <bit>
 
 namespace sheaf {
 
@@ -41,7 +40,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
           load(packet.t_far + at, t_far);
           arrived |= mask_bits((t_far >= Float<L>(0.0f)) & L::first(lanes)) << at;
         });
-        for (; arrived != 0; arrived &= arrived - 1) add_unoccluded(wave, first + std::countr_zero(arrived), tally);
+        for_each_lane(arrived, [&](int i) SHEAF_LAMBDA_INLINE { add_unoccluded(wave, first + i, tally); });
       });
   wave.shadow_count = 0;
 }

@@ -136,9 +136,6 @@ static_assert(
     }(),
     "the list follows the enumeration");
 
-/// The name of a stage in reports.
-inline std::string_view stage_name(Stage stage) { return kStages<Wide>[static_cast<std::size_t>(stage)].name; }
-
 /// Whether a stage takes part in the context's pass.
 inline bool takes_part(const StageContext& context, StageUse use) {
   const PassKind pass = context.pass();

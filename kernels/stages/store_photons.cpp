@@ -44,6 +44,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   if (in_medium &&
       keeps_beams(context.integrator.photons, context.scene.media.rows[(ray.flags >> kRayMediumShift) - 1u]))
     return;
+  // Compute the power, with the pdfs of the path so far
   const PathState<Scalar> path = wave.paths.get(slot);
   const RadianceState<Scalar>& row = wave.radiance.row(slot);
   const auto item = wave.vertices.load<Scalar>(column);
@@ -51,6 +52,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
                             ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                             : 1.0f;
   const float share = in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray);
+  // Make the record
   Photon photon;
   photon.p = item.p;
   photon.power = path.beta * (row.weight / (divisor * max(share, 1e-20f)));
@@ -59,6 +61,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
   photon.order = row.task_sample << kVertexBits | path.dimension();
+  // Store it, or count it as dropped
   if (is_finite(max_component(photon.power)) && is_finite(item.p)) {
     task.stored.push_back(photon);
     return;

@@ -1,5 +1,6 @@
 // Stage: surface inputs. Computes the inputs of closures from hits: position, normals, the viewing direction in the
 // shading frame, and the closure's parameters.
+#include "core/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stages.h"
@@ -94,16 +95,14 @@ template <class L>
 [[gnu::noinline]] void flake_words(const SceneView& scene, Wave& wave, const RayState<L>& ray, int column) {
   using F = Float<L>;
   const VertexItem<L> item = wave.vertices.load<L>(column);
-  alignas(kSimdAlignment) float place[3][L::width], entries[6][L::width] = {};
-  alignas(kSimdAlignment) std::uint32_t flags[L::width];
-  store(place[0], item.p.x), store(place[1], item.p.y), store(place[2], item.p.z);
-  store(flags, ray.flags);
+  const LaneRows<L, Vec3> p(item.p);
+  const LaneArray<Uint<L>> flags(ray.flags);
+  alignas(kSimdAlignment) float entries[6][L::width] = {};
   for (int lane = 0; lane < L::width; ++lane) {
     const std::uint32_t medium = flags[lane] >> kRayMediumShift;
     // Lanes behind the end of the run may hold anything.
     if (medium == 0 || (scene.media.rows[medium - 1].flags & kMediumFlakes) == 0) continue;
-    const FlakeMatrix s =
-        flake_matrix(scene, scene.media.rows[medium - 1], {place[0][lane], place[1][lane], place[2][lane]});
+    const FlakeMatrix s = flake_matrix(scene, scene.media.rows[medium - 1], p[lane]);
     for (int k = 0; k < 6; ++k) entries[k][lane] = s.entries[k];
   }
   F matrix[6];

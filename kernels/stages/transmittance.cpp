@@ -4,7 +4,7 @@
 // kernels/stages/resample.cpp and RescaledPdfs):
 //     w_l = P_l^2 / (P_l^2 + P_b^2)
 // P_l is the mean over the lanes of r_l, and P_b that of r_u times `pdf_ratio`.
-#include "kernels/bsdf/pane.h"
+#include "kernels/bsdf/thin_dielectric_passage.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
@@ -103,15 +103,15 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const float u = packet.u[at], v = packet.v[at];
   const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
                                              ray.item.origin + d * packet.t_far[at], packet.instance[at]);
-  PanePassage<Scalar> passage;
+  StraightTransmission<Scalar> passage;
   // Find the pass-through probability
   if (hidden) {
     passage = {Spectrum4(1.0f), 1.0f};
     ray.state.flags |= kShadowPassedHiddenLight;
   } else if ((scene.materials.rows[shape.material].flags & kComposite) == 0) {
     const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
-    passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
-    // Behind a pane the camera sees lights, so a light that the ray has passed before blocks it.
+    passage = thin_dielectric_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
+    // Behind a thin dielectric the camera sees lights, so a light that the ray has passed before blocks it.
     if ((ray.state.flags & kShadowPassedHiddenLight) != 0) return false;
     ray.state.flags &= ~kShadowFromHiddenLight;
   } else {

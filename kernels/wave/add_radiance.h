@@ -2,9 +2,8 @@
 #pragma once
 
 #include "core/float4.h"
+#include "core/lane_array.h"
 #include "kernels/wave/wave.h"
-
-#include <bit>
 
 namespace sheaf {
 
@@ -22,16 +21,14 @@ template <class L>
 SHEAF_INLINE void add_radiance(Wave& wave, const Slot* slots, std::uint32_t lanes, const Spectrum<L>& found,
                                typename L::Uint light) {
   alignas(kSimdAlignment) float values[L::width][4];
-  alignas(kSimdAlignment) std::uint32_t lights[L::width];
   float* rows[L::width];
   for (int lane = 0; lane < L::width; ++lane) rows[lane] = values[lane];
   const typename L::Float words[4] = {found.c0, found.c1, found.c2, found.c3};
   store_rows4(rows, words, L::width);
-  store(lights, light);
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const int lane = std::countr_zero(lanes);
+  const LaneArray<typename L::Uint> lights(light);
+  for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
     add_radiance(wave, slots[lane], Float4::load(values[lane]), lights[lane]);
-  }
+  });
 }
 
 /// Sets the alpha of the path's sample to 0: its ray left the scene without hitting anything visible.

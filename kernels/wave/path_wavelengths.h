@@ -6,6 +6,7 @@
 // equal wavelengths, the dead lanes cannot affect that choice.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/wavelengths.h"
 #include "kernels/wave/wave.h"
 
@@ -16,11 +17,13 @@ inline constexpr std::uint32_t kSingleWavelength = 0x80000000u;
 
 /// Gathers words of Wave::wavelength_samples.
 template <class L> SHEAF_INLINE Float<L> gather_wavelength_samples(const Wave& wave, const Slot* slots) {
-  alignas(kSimdAlignment) float words[L::width];
-  for (int lane = 0; lane < L::width; ++lane) words[lane] = wave.wavelength_samples[slots[lane]];
-  Float<L> out;
-  load(words, out);
-  return out;
+  return make_lanes<Float<L>>([&](int lane) SHEAF_LAMBDA_INLINE { return wave.wavelength_samples[slots[lane]]; });
+}
+
+/// Stores the first `count` lanes of `u` to words of Wave::wavelength_samples.
+template <class L> SHEAF_INLINE void scatter_wavelength_samples(Wave& wave, const Slot* slots, int count, Float<L> u) {
+  const LaneArray<Float<L>> words(u);
+  for (int lane = 0; lane < count; ++lane) wave.wavelength_samples[slots[lane]] = words[lane];
 }
 
 /// Whether the path has a single wavelength.

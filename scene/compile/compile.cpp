@@ -125,14 +125,14 @@ void SceneCompiler::add_materials() {
   };
   out_->needs_transmittance_ =
       !in_.media.empty() || std::any_of(out_->materials_.rows.begin(), out_->materials_.rows.end(), lets_pass);
-  out_->has_open_panes_ = in_.integrator.thin_dielectrics_are_free && panes_can_be_open();
+  out_->shadow_rays_pass_thin_dielectrics_ = in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
   // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
   const bool passes_lights = in_.integrator.kind == IntegratorKind::kLightTracer && in_.integrator.hide_emitters;
-  out_->needs_transmittance_ = out_->needs_transmittance_ || out_->has_open_panes_ || passes_lights;
+  out_->needs_transmittance_ = out_->needs_transmittance_ || out_->shadow_rays_pass_thin_dielectrics_ || passes_lights;
   out_->counts_.materials = in_.materials.size();
 }
 
-bool SceneCompiler::panes_can_be_open() const {
+bool SceneCompiler::shadow_rays_can_pass_thin_dielectrics() const {
   const std::vector<MaterialRow>& rows = out_->materials_.rows;
   const auto is_thin_dielectric = [&](std::uint32_t row) {
     return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_thin_dielectric;

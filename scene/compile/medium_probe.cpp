@@ -71,10 +71,7 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
     bool going = false;
     for (int i = 0; i < kPacketWidth; ++i) {
       const Probe& probe = probes[static_cast<std::size_t>(i)];
-      packet.origin_x[i] = probe.origin.x, packet.origin_y[i] = probe.origin.y, packet.origin_z[i] = probe.origin.z;
-      packet.direction_x[i] = probe.direction.x, packet.direction_y[i] = probe.direction.y;
-      packet.direction_z[i] = probe.direction.z;
-      packet.t_far[i] = probe.found ? 0.0f : kInfinity;
+      packet.set_ray(i, probe.origin, probe.direction, probe.found ? 0.0f : kInfinity);
     }
     scene.accel->intersect(packet, kPacketWidth);
     for (int i = 0; i < kPacketWidth; ++i) {
@@ -103,9 +100,7 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
     const Vec3f d = normalize(to - from);
     for (int round = 0; round < kMaxCrossings; ++round) {
       RayPacket packet;
-      packet.origin_x[0] = origin.x, packet.origin_y[0] = origin.y, packet.origin_z[0] = origin.z;
-      packet.direction_x[0] = d.x, packet.direction_y[0] = d.y, packet.direction_z[0] = d.z;
-      packet.t_far[0] = kInfinity;
+      packet.set_ray(0, origin, d);
       packet.shape[0] = kNone;
       scene.accel->intersect(packet, 1);
       if (packet.shape[0] == kNone) break;

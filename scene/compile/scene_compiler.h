@@ -67,7 +67,7 @@ class SceneCompiler {
   SpectrumSet* spectra() { return spectra_ ? &*spectra_ : nullptr; }
   void add_cameras();
   void add_materials();
-  bool panes_can_be_open() const;
+  bool shadow_rays_can_pass_thin_dielectrics() const;
   /// Call after all shapes and instances have been added.
   void set_bounds();
   /// Pads tables for kernels, and builds the tables that depend on all others.

@@ -1,6 +1,6 @@
 #include "scene/lights/mesh_light.h"
 
-#include "core/distribution.h"
+#include "core/alias_table.h"
 #include "core/warp.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"

@@ -376,8 +376,6 @@ void Accel::occluded(RayPacket& packet, int count) const noexcept {
 
 std::size_t Accel::bytes() const { return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, impl_->bytes.load())); }
 
-const char* Accel::library_version() { return RTC_VERSION_STRING; }
-
 struct PointAccel::Impl : EmbreeScene {};
 
 namespace {

@@ -34,6 +34,13 @@ struct alignas(64) RayPacket {
 
   /// Initialises the fields that are the same for all packets.
   RayPacket();
+
+  /// Sets origin, direction and maximum distance of ray `i`.
+  void set_ray(int i, Vec3f origin, Vec3f direction, float distance = kInfinity) {
+    origin_x[i] = origin.x, origin_y[i] = origin.y, origin_z[i] = origin.z;
+    direction_x[i] = direction.x, direction_y[i] = direction.y, direction_z[i] = direction.z;
+    t_far[i] = distance;
+  }
 };
 
 /// The shapes of a group: `shape_count` rows of AccelInput::shapes.
@@ -76,9 +83,6 @@ class Accel {
   void occluded(RayPacket& packet, int count) const noexcept;
   /// Memory that Embree holds, in bytes.
   std::size_t bytes() const;
-
-  /// The Embree library's version, e.g. "3.13.5".
-  static const char* library_version();
 
  private:
   struct Impl;

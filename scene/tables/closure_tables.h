@@ -5,6 +5,7 @@
 // it is a NaN, and all other data in tables is finite.
 #pragma once
 
+#include "core/lane_array.h"
 #include "core/record_table.h"
 
 #include <bit>
@@ -38,9 +39,7 @@ template <class L> SHEAF_INLINE TablePlace<L> find_table(const float* tables, Fl
   if (all(valid)) return {first, valid};
   const std::uint32_t lanes = mask_bits(valid);
   if (lanes == 0) return {U(0u), valid};
-  alignas(kSimdAlignment) std::uint32_t all_first[L::width];
-  store(all_first, first);
-  return {select(valid, first, U(all_first[std::countr_zero(lanes)])), typename L::Mask(true)};
+  return {select(valid, first, U(LaneArray<U>(first)[std::countr_zero(lanes)])), typename L::Mask(true)};
 }
 
 /// Gathers a record from the floats [first, first + kLeafCount).

@@ -15,7 +15,7 @@ SceneView Scene::make_view() const {
   v.center = center_;
   v.radius = radius_;
   v.needs_transmittance = needs_transmittance_;
-  v.has_open_panes = has_open_panes_;
+  v.shadow_rays_pass_thin_dielectrics = shadow_rays_pass_thin_dielectrics_;
   v.light_selector = integrator_.light_selector;
   v.color = color_;
   return v;

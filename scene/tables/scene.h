@@ -35,7 +35,7 @@ struct SceneView {
   bool needs_transmittance = false;  ///< whether shadow rays may pass through surfaces, media or lights
   /// Whether shadow rays pass through thin dielectrics. This requires that passing costs no depth, and that no thin
   /// dielectric has a texture or is part of a composite material.
-  bool has_open_panes = false;
+  bool shadow_rays_pass_thin_dielectrics = false;
   LightSelector light_selector = LightSelector::kBvh;
   ColorMode color = ColorMode::kRgb;
 };
@@ -90,7 +90,7 @@ class Scene {
   std::unique_ptr<Accel> accel_;
   Vec3f center_{};
   float radius_ = 0;
-  bool needs_transmittance_ = false, has_open_panes_ = false;
+  bool needs_transmittance_ = false, shadow_rays_pass_thin_dielectrics_ = false;
   FilmSettings film_;
   SamplerSettings sampler_;
   IntegratorSettings integrator_;

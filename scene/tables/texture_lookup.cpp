@@ -1,5 +1,6 @@
 #include "scene/tables/texture_lookup.h"
 
+#include "core/lane_array.h"
 #include "core/prefetch.h"
 #include "scene/tables/brick_grid_lookup.h"
 
@@ -187,13 +188,12 @@ SHEAF_INLINE void prefetch_patch(const TextureView& view, const BitmapRow& bitma
   const TexelPair<L> y = texel_pair<L>(bitmap.wrap_v, uv.y, bitmap.height);
   constexpr int kShift = tile_shift(Format);
   const typename L::Uint per_row(bitmap.tiles_per_row);
-  alignas(kSimdAlignment) std::uint32_t tiles[2][L::width];
-  store(tiles[0], (y.first >> kShift) * per_row + (x.first >> kShift));
-  store(tiles[1], (y.second >> kShift) * per_row + (x.second >> kShift));
+  const LaneArray<typename L::Uint> near((y.first >> kShift) * per_row + (x.first >> kShift)),
+      far((y.second >> kShift) * per_row + (x.second >> kShift));
   const TexelTile* const first = view.tiles + bitmap.first_tile;
   for (int lane = 0; lane < L::width; ++lane) {
-    prefetch(first + tiles[0][lane]);
-    prefetch(first + tiles[1][lane]);
+    prefetch(first + near[lane]);
+    prefetch(first + far[lane]);
   }
 }
 
@@ -275,16 +275,11 @@ template <class L> struct VolumeValue { typename L::Float rgb[3]; };
 /// Not inlined, to have one copy of the code: few scenes use it.
 template <class L>
 [[gnu::noinline]] VolumeValue<L> lookup_volume(const TextureView& view, const VolumeTextureRow& row, Vec3<L> p) {
-  alignas(kSimdAlignment) float at[3][L::width];
-  const typename L::Float places[3] = {p.x, p.y, p.z};
-  for (int axis = 0; axis < 3; ++axis) store(at[axis], places[axis]);
-  for (int lane = 0; lane < L::width; ++lane) {
-    const Vec3f value = lookup_grid_color(view.grids[row.grid], {at[0][lane], at[1][lane], at[2][lane]}) * row.scale;
-    at[0][lane] = value.x, at[1][lane] = value.y, at[2][lane] = value.z;
-  }
-  VolumeValue<L> out;
-  for (int k = 0; k < 3; ++k) load(at[k], out.rgb[k]);
-  return out;
+  LaneRows<L, Vec3> values(p);
+  for (int lane = 0; lane < L::width; ++lane)
+    values.set(lane, lookup_grid_color(view.grids[row.grid], values[lane]) * row.scale);
+  const Vec3<L> rgb = values.load();
+  return {{rgb.x, rgb.y, rgb.z}};
 }
 
 /// Weight of a wireframe's first child; 1 on shapes without triangles.

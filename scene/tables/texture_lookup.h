@@ -20,6 +20,7 @@ template <class L> struct TextureQuery {
   typename L::Uint primitive;
   typename L::Float b1, b2;  ///< mesh attributes: barycentric coordinates, the weights of vertices 1 and 2
   Vec3<L> p{};               ///< volumes: world-space point; not set by lights, whose textures contain no volumes
+  static constexpr auto fields(auto& s) { return std::tie(s.uv, s.shape, s.primitive, s.b1, s.b2, s.p); }
 };
 
 /// Decodes sRGB (IEC 61966-2-1) to linear for an integer from 0 to 255. Monotonic, with 0 to 0 and 255 to 1 exactly;

@@ -1,7 +1,6 @@
 // Warps: samples against their pdfs, and SIMD lanes against scalar code.
 #include "core/warp.h"
 
-#include "core/distribution.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
 

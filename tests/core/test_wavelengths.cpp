@@ -128,14 +128,4 @@ TEST_CASE("wavelengths: white light is estimated with little variance") {
   }
 }
 
-TEST_CASE("wavelengths: the balance heuristic over the four counts each path once") {
-  CHECK(hero_balance(Spectrum4(1.0f)) == 1.0f);
-  CHECK(hero_balance(Spectrum4(1, 0, 0, 0)) == 4.0f);
-  // Two strategies with different pdfs p and q that both sample f: p f / mean + q f / mean has an average weight of 1.
-  const float p = 0.3f, q = 0.9f;
-  const float by_first = hero_balance(Spectrum4(1, q / p, 1, q / p)) / p;
-  const float by_second = hero_balance(Spectrum4(1, p / q, 1, p / q)) / q;
-  CHECK(0.5f * (p * by_first + q * by_second) == doctest::Approx(1));
-}
-
 }  // namespace sheaf::test_wavelengths

@@ -9,13 +9,13 @@ namespace {
 
 void try_part(const std::filesystem::path& file) {
   const PartFile part = read_part_header(file);
-  check_same_picture(part, part);
+  check_same_image(part, part);
   std::array<std::vector<float>, kNameKinds> ids;
   for (std::size_t kind = 0; kind < kNameKinds; ++kind)
     if (const auto found = ids_from_attribute(part.text(part_id_attribute(kind)))) ids[kind] = *found;
   const PixelRect frame{0, 0, part.frame_width, part.frame_height};
   if (frame.area() * part.channels.size() > 1u << 20) return;
-  PictureMerger merger(part.frame_width, part.frame_height, frame, part.channels, part.samples_per_pixel, ids);
+  ImageMerger merger(part.frame_width, part.frame_height, frame, part.channels, part.samples_per_pixel, ids);
   merger.add(part.part, read_exr(file));
   (void)merger.finish();
   (void)whole_metadata({part});

@@ -89,7 +89,7 @@ TEST_CASE("all bsdfs: the pass-through of thin dielectrics agrees with their sam
     if constexpr (Bsdf::Closure::kInfo.is_thin_dielectric)
       for (const Vec3f wo : outgoing_directions()) {
         constexpr std::uint32_t kDraws = 20000;
-        const PanePassage<Scalar> passage = bsdf.passage(wo.z);
+        const StraightTransmission<Scalar> passage = bsdf.passage(wo.z);
         double passed = 0, light = 0;
         for (std::uint32_t i = 0; i < kDraws; ++i) {
           const auto s = bsdf.sample(wo, lane_random(14, i, 0));

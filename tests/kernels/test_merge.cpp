@@ -76,13 +76,13 @@ std::array<std::vector<float>, kNameKinds> some_ids() {
 }
 
 /// Merges parts. The result has no channels for further merging.
-Image joined(const FilterWeights* weights, const std::vector<PicturePart>& parts) {
+Image joined(const FilterWeights* weights, const std::vector<ImagePart>& parts) {
   const PixelRect frame{0, 0, kFrameWidth, kFrameHeight};
   const std::vector<std::string> channels = picture_of(weights, {0, 0, 1, 1}, {0, kPerSet}, false).channels;
-  PictureMerger merger(kFrameWidth, kFrameHeight, frame, channels, kSamples, some_ids());
+  ImageMerger merger(kFrameWidth, kFrameHeight, frame, channels, kSamples, some_ids());
   check_overlaps(parts);
   CHECK(!find_gap(parts, frame, kSamples));
-  for (const PicturePart& part : parts)
+  for (const ImagePart& part : parts)
     merger.add(part, picture_of(weights, part.pixels, part.samples, part.samples.count < kSamples));
   return merger.finish();
 }
@@ -135,7 +135,7 @@ TEST_CASE("merge: merged sample ranges approximate the whole for every filter an
         joined(weights, {{"a", frame, {0, 2}}, {"b", frame, {2, 2}}, {"c", frame, {4, 2}}, {"d", frame, {6, 6}}}),
         whole);
     // Single sets: parts that have no variance of their own.
-    std::vector<PicturePart> sets;
+    std::vector<ImagePart> sets;
     for (std::uint32_t set = kSets; set > 0; --set) sets.push_back({"set", frame, {(set - 1) * kPerSet, kPerSet}});
     check_near(joined(weights, sets), whole);
     check_near(joined(weights, {{"a", left_part, {0, kSamples}}, {"b", right_part, {4, 8}}, {"c", right_part, {0, 4}}}),
@@ -143,26 +143,26 @@ TEST_CASE("merge: merged sample ranges approximate the whole for every filter an
     const Image tiles = joined(weights, {{"a", left_part, {0, kSamples}}, {"b", right_part, {0, kSamples}}});
     CHECK(tiles.channels == whole.channels);
     CHECK(std::memcmp(tiles.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) == 0);
-    CHECK(picture_noise(tiles) == picture_noise(whole));
+    CHECK(image_noise(tiles) == image_noise(whole));
   }
 }
 
 TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
   const PixelRect frame = frame_part(0, 0, 10, 10), top = frame_part(0, 0, 10, 4), bottom = frame_part(0, 4, 10, 10);
-  const auto throws = [](std::vector<PicturePart> parts) { CHECK_THROWS_AS(check_overlaps(parts), SceneError); };
+  const auto throws = [](std::vector<ImagePart> parts) { CHECK_THROWS_AS(check_overlaps(parts), SceneError); };
   throws({{"a", frame, {0, 8}}, {"b", frame, {7, 1}}});
   throws({{"a", top, {0, 8}}, {"b", frame_part(9, 3, 10, 9), {0, 8}}});
   throws({{"a", top, {0, 8}}, {"a", top, {0, 8}}});
   try {
-    check_overlaps(std::vector<PicturePart>{{"a.exr", frame, {0, 8}}, {"b.exr", frame_part(3, 2, 4, 3), {4, 8}}});
+    check_overlaps(std::vector<ImagePart>{{"a.exr", frame, {0, 8}}, {"b.exr", frame_part(3, 2, 4, 3), {4, 8}}});
     CHECK(false);
   } catch (const SceneError& error) {
     CHECK(std::string(error.what()) == "b.exr: has samples that 'a.exr' has too: 4:4 of the pixel 3,2");
   }
-  const std::vector<PicturePart> parts{{"a", top, {0, 8}},
-                                       {"b", bottom, {0, 3}},
-                                       {"c", frame_part(0, 4, 5, 10), {3, 5}},
-                                       {"d", frame_part(5, 4, 10, 9), {3, 5}}};
+  const std::vector<ImagePart> parts{{"a", top, {0, 8}},
+                                     {"b", bottom, {0, 3}},
+                                     {"c", frame_part(0, 4, 5, 10), {3, 5}},
+                                     {"d", frame_part(5, 4, 10, 9), {3, 5}}};
   CHECK_NOTHROW(check_overlaps(parts));
   const auto gap = find_gap(parts, frame, 8);
   REQUIRE(gap);
@@ -170,7 +170,7 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
   CHECK(gap->samples == SampleRange{3, 5});
   CHECK(covered_share(parts, frame, 8) == doctest::Approx(1.0 - 5.0 * 5 / 800));
   CHECK(!find_gap(parts, frame_part(0, 0, 10, 9), 8));
-  const auto end = find_gap(std::vector<PicturePart>{{"a", frame, {0, 8}}}, frame, 9);
+  const auto end = find_gap(std::vector<ImagePart>{{"a", frame, {0, 8}}}, frame, 9);
   REQUIRE(end);
   CHECK(end->samples == SampleRange{8, 1});
 }
@@ -179,9 +179,9 @@ TEST_CASE("merge: parts with missing layers or impossible headers are rejected")
   const PixelRect frame = frame_part(0, 0, kFrameWidth, kFrameHeight);
   const Image whole = picture_of(nullptr, frame, {0, kSamples}, false);
   const Image part = picture_of(nullptr, frame, {0, 6}, true);
-  const PicturePart of{"a.exr", frame, {0, 6}};
+  const ImagePart of{"a.exr", frame, {0, 6}};
   const auto merger = [&] {
-    return PictureMerger(kFrameWidth, kFrameHeight, frame, whole.channels, kSamples, some_ids());
+    return ImageMerger(kFrameWidth, kFrameHeight, frame, whole.channels, kSamples, some_ids());
   };
   CHECK_NOTHROW(merger().add(of, part));
   CHECK_THROWS_AS(merger().add(of, whole), SceneError);
@@ -206,7 +206,7 @@ TEST_CASE("merge: parts with missing layers or impossible headers are rejected")
   // A number without an id in the header.
   Image damaged = part;
   damaged.at(3, 2, number) = 5;
-  PictureMerger last = merger();
+  ImageMerger last = merger();
   last.add(of, damaged);
   CHECK_THROWS_AS(last.finish(), SceneError);
   CHECK(!ids_from_attribute("0123456"));

@@ -150,32 +150,64 @@ TEST_CASE("line query: every beam near a ray is found once however beams are spl
   CHECK(none.empty());
 }
 
+namespace {
+
+/// A medium and how its beams are gathered.
+struct BeamCase {
+  std::array<float, 3> extinction;
+  float g;
+  PhotonKernel kernel;
+  int max_depth;
+  MediumEstimator estimator;
+};
+
+constexpr double kBeamRadius = 0.1;
+constexpr Double3 kAlbedo = {0.8, 0.6, 0.9};
+
+/// Radiance that beams scatter towards a ray along z from `origin`.
+Double3 gathered_by_hand(const BeamCase& c, Vec3f origin, const std::vector<PhotonBeam>& beams) {
+  Double3 sum{}, sigma;
+  for (std::size_t k = 0; k < 3; ++k) sigma[k] = static_cast<double>(c.extinction[k]);
+  for (const PhotonBeam& beam : beams) {
+    const Nearest n = nearest(origin, {0, 0, 1}, {beam.start, beam.direction, beam.length});
+    const auto edges = static_cast<int>(beam.place & kMaxPhotonEdges);
+    if (n.t <= 0 || n.t >= 7.5 || n.along < 0 || n.along >= static_cast<double>(beam.length) ||
+        n.distance >= kBeamRadius || (c.max_depth > 0 && edges > c.max_depth - 1) || beam.place >> 8 != 1)
+      continue;
+    const double g = static_cast<double>(c.g);
+    // Light continues along the beam; the ray is traced backwards.
+    const double phase = (1 - g * g) / (4 * kExactPi * std::pow(1 + g * g + 2 * g * n.cosine, 1.5));
+    const Double3 power = colors(beam.power), odds = colors(beam.odds);
+    // Probability that the beam reaches this distance, with each lane's extinction or with the maximum one.
+    double comes = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      comes += odds[k] / 3 * std::exp(-n.along * (c.estimator == MediumEstimator::kRatio ? sigma[1] : sigma[k]));
+    for (std::size_t k = 0; k < 3; ++k)
+      sum[k] += std::exp(-sigma[k] * (n.t + n.along)) / comes * power[k] / 1000 * sigma[k] * kAlbedo[k] * phase *
+                kernel_across(c.kernel, n.distance / kBeamRadius) / kBeamRadius / n.sine;
+  }
+  return sum;
+}
+
+}  // namespace
+
 TEST_CASE("gather volume: SIMD beam results equal scalar ones and the sum over all beams") {
-  struct Case {
-    std::array<float, 3> extinction;
-    float g;
-    PhotonKernel kernel;
-    int max_depth;
-    MediumEstimator estimator;
-  };
-  for (const auto& [extinction, g, kernel, max_depth, estimator] :
-       {Case{{0.2f, 0.2f, 0.2f}, 0.0f, PhotonKernel::kDisc, -1, MediumEstimator::kNullMis},
-        Case{{0.3f, 0.6f, 0.1f}, 0.7f, PhotonKernel::kCone, 4, MediumEstimator::kNullMis},
-        Case{{0.3f, 0.6f, 0.1f}, -0.4f, PhotonKernel::kEpanechnikov, 3, MediumEstimator::kRatio}}) {
-    CAPTURE_BINDING(g);
-    const Double3 albedo = {0.8, 0.6, 0.9};
+  for (const BeamCase& c :
+       {BeamCase{{0.2f, 0.2f, 0.2f}, 0.0f, PhotonKernel::kDisc, -1, MediumEstimator::kNullMis},
+        BeamCase{{0.3f, 0.6f, 0.1f}, 0.7f, PhotonKernel::kCone, 4, MediumEstimator::kNullMis},
+        BeamCase{{0.3f, 0.6f, 0.1f}, -0.4f, PhotonKernel::kEpanechnikov, 3, MediumEstimator::kRatio}}) {
+    CAPTURE(c.g);
     MediumDescription medium;
     medium.coefficients =
-        ExtinctionAlbedoDescription{SpectrumDescription::rgb(extinction[0], extinction[1], extinction[2]),
+        ExtinctionAlbedoDescription{SpectrumDescription::rgb(c.extinction[0], c.extinction[1], c.extinction[2]),
                                     SpectrumDescription::rgb(0.8f, 0.6f, 0.9f)};
     Description d = filled_box(medium);
-    d.integrator.max_depth = max_depth;
-    d.integrator.medium_estimator = estimator;
-    d.media[0].phase = add_phase(d, g);
+    d.integrator.max_depth = c.max_depth;
+    d.integrator.medium_estimator = c.estimator;
+    d.media[0].phase = add_phase(d, c.g);
     const auto scene = compile_scene(d);
     const std::vector<PhotonBeam> beams = random_beams(3000, 1);
-    constexpr double kRadius = 0.1;
-    const VolumePhotonMaps volume{{}, PhotonBeamMap({beams}, 1000, 0.1f, 0.4f, kernel)};
+    const VolumePhotonMaps volume{{}, PhotonBeamMap({beams}, 1000, static_cast<float>(kBeamRadius), 0.4f, c.kernel)};
     const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
     TestWave wide(24, 0), scalar(24, 0);
     StageContext context = wide.context(*scene);
@@ -187,38 +219,17 @@ TEST_CASE("gather volume: SIMD beam results equal scalar ones and the sum over a
     gather_volume<Wide>(context, wide.wave);
     gather_volume<Single>(context, scalar.wave);
     CHECK(wide.wave.medium.empty());
-    Double3 sigma;
-    for (std::size_t c = 0; c < 3; ++c) sigma[c] = static_cast<double>(extinction[c]);
     for (const Slot slot : slots) {
-      const Vec3f origin = wide.wave.rays.get(slot).origin;
-      Double3 sum{};
-      for (const PhotonBeam& beam : beams) {
-        const Nearest n = nearest(origin, {0, 0, 1}, {beam.start, beam.direction, beam.length});
-        const auto edges = static_cast<int>(beam.place & kMaxPhotonEdges);
-        if (n.t <= 0 || n.t >= 7.5 || n.along < 0 || n.along >= static_cast<double>(beam.length) ||
-            n.distance >= kRadius || (max_depth > 0 && edges > max_depth - 1) || beam.place >> 8 != 1)
-          continue;
-        const double gg = static_cast<double>(g);
-        // Light continues along the beam; the ray is traced backwards.
-        const double phase = (1 - gg * gg) / (4 * kExactPi * std::pow(1 + gg * gg + 2 * gg * n.cosine, 1.5));
-        const Double3 power = colors(beam.power), odds = colors(beam.odds);
-        // Probability that the beam reaches this distance, with each lane's extinction or with the maximum one.
-        double comes = 0;
-        for (std::size_t c = 0; c < 3; ++c)
-          comes += odds[c] / 3 * std::exp(-n.along * (estimator == MediumEstimator::kRatio ? sigma[1] : sigma[c]));
-        for (std::size_t c = 0; c < 3; ++c)
-          sum[c] += std::exp(-sigma[c] * (n.t + n.along)) / comes * power[c] / 1000 * sigma[c] * albedo[c] * phase *
-                    kernel_across(kernel, n.distance / kRadius) / kRadius / n.sine;
-      }
+      const Double3 sum = gathered_by_hand(c, wide.wave.rays.get(slot).origin, beams);
       CHECK(sum[0] > 0);
       const Double3 by_wide = colors(wide.wave.radiance.row(slot).radiance),
                     by_scalar = colors(scalar.wave.radiance.row(slot).radiance),
                     left = colors(wide.wave.paths.get(slot).beta);
-      for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t k = 0; k < 3; ++k) {
         // Compare ratios, because Approx's tolerance is not relative for small numbers.
-        CHECK(by_wide[c] / sum[c] == doctest::Approx(1).epsilon(3e-3));
-        CHECK(by_scalar[c] / sum[c] == doctest::Approx(1).epsilon(3e-3));
-        CHECK(left[c] == doctest::Approx(std::exp(-sigma[c] * 7.5)).epsilon(1e-4));
+        CHECK(by_wide[k] / sum[k] == doctest::Approx(1).epsilon(3e-3));
+        CHECK(by_scalar[k] / sum[k] == doctest::Approx(1).epsilon(3e-3));
+        CHECK(left[k] == doctest::Approx(std::exp(-static_cast<double>(c.extinction[k]) * 7.5)).epsilon(1e-4));
       }
     }
   }

@@ -90,6 +90,43 @@ TEST_CASE("photon map: powers are divided by the number of emitted photons and c
   CHECK(PhotonMap({}, 1, 1, PhotonKernel::kDisc).view().empty());
 }
 
+namespace {
+
+/// The radius of the maps of the test below, m.
+constexpr double kLookupRadius = 0.4;
+
+/// Red radiance that the photons around a diffuse vertex reflect, over its reflectance.
+double gathered_by_hand(const VertexItem<Scalar>& item, const std::vector<std::vector<Photon>>& tasks,
+                        PhotonKernel kernel, int lookup_size) {
+  std::vector<std::pair<double, const Photon*>> near;
+  for (const auto& task : tasks)
+    for (const Photon& photon : task) {
+      const double distance = static_cast<double>(length(photon.p - item.p));
+      if (distance < kLookupRadius && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMaxPhotonEdges) <= 3)
+        near.emplace_back(distance, &photon);
+    }
+  double radius = kLookupRadius;
+  if (lookup_size > 0 && near.size() >= static_cast<std::size_t>(lookup_size)) {
+    std::sort(near.begin(), near.end());
+    near.resize(static_cast<std::size_t>(lookup_size));
+    radius = near.back().first;
+    near.pop_back();
+  }
+  double sum = 0;
+  for (const auto& [distance, photon] : near) {
+    const double x = distance / radius;
+    const Vec3f wi = decode_octahedral<Scalar>(photon->direction);
+    if (item.wo.z <= 0 || dot(wi, item.ns) <= 0) continue;
+    const double k = kernel == PhotonKernel::kDisc ? 1 : kernel == PhotonKernel::kCone ? 3 * (1 - x) : 2 * (1 - x * x);
+    const double shading = std::fabs(static_cast<double>(dot(wi, item.ns)) / static_cast<double>(dot(wi, item.ng)));
+    sum += k * shading * static_cast<double>(photon->power.c0) / 1000;
+  }
+  const double pi = 3.14159265358979;
+  return sum / pi / (pi * radius * radius);
+}
+
+}  // namespace
+
 TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons") {
   Description d = mixed_scene();
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -109,7 +146,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
         std::pair{PhotonKernel::kDisc, 20}, std::pair{PhotonKernel::kCone, 5}}) {
     CAPTURE_BINDING(kernel);
     CAPTURE_BINDING(lookup_size);
-    const PhotonMap map(tasks, 1000, 0.4f, kernel, lookup_size);
+    const PhotonMap map(tasks, 1000, static_cast<float>(kLookupRadius), kernel, lookup_size);
     const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
     TestWave wide(120, 0), scalar(120, 0);
     wide.begin({2, 7, 14, 15}, 0, 2, 16);
@@ -135,33 +172,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
       const auto item = wide.wave.vertices.load<Scalar>(run.column_begin + i);
       const Slot slot = wide.wave.sorted[run.slot_begin + i];
       const float reflectance = wide.wave.closures.columns().words[0][run.column_begin + i];
-      std::vector<std::pair<double, const Photon*>> near;
-      for (const auto& task : tasks)
-        for (const Photon& photon : task) {
-          const double distance = static_cast<double>(length(photon.p - item.p));
-          if (distance < 0.4 && std::fabs(item.ng.y) > 0.5f && (photon.surface & kMaxPhotonEdges) <= 3)
-            near.emplace_back(distance, &photon);
-        }
-      double radius = 0.4;
-      if (lookup_size > 0 && near.size() >= static_cast<std::size_t>(lookup_size)) {
-        std::sort(near.begin(), near.end());
-        near.resize(static_cast<std::size_t>(lookup_size));
-        radius = near.back().first;
-        near.pop_back();
-      }
-      double sum = 0;
-      for (const auto& [distance, photon] : near) {
-        const double x = distance / radius;
-        const Vec3f wi = decode_octahedral<Scalar>(photon->direction);
-        if (item.wo.z <= 0 || dot(wi, item.ns) <= 0) continue;
-        const double k = kernel == PhotonKernel::kDisc   ? 1
-                         : kernel == PhotonKernel::kCone ? 3 * (1 - x)
-                                                         : 2 * (1 - x * x);
-        const double shading = std::fabs(static_cast<double>(dot(wi, item.ns)) / static_cast<double>(dot(wi, item.ng)));
-        sum += k * shading * static_cast<double>(photon->power.c0) / 1000;
-      }
-      const double pi = 3.14159265358979;
-      const double expected = sum * static_cast<double>(reflectance) / pi / (pi * radius * radius);
+      const double expected = static_cast<double>(reflectance) * gathered_by_hand(item, tasks, kernel, lookup_size);
       INFO("item " << i);
       CHECK(static_cast<double>(scalar.wave.radiance.row(slot).radiance.c0) == doctest::Approx(expected).epsilon(2e-3));
     }

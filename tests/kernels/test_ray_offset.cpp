@@ -96,13 +96,7 @@ class Random {
 
 RayPacket one_ray(Vec3f origin, Vec3f direction) {
   RayPacket packet;
-  packet.origin_x[0] = origin.x;
-  packet.origin_y[0] = origin.y;
-  packet.origin_z[0] = origin.z;
-  packet.direction_x[0] = direction.x;
-  packet.direction_y[0] = direction.y;
-  packet.direction_z[0] = direction.z;
-  packet.t_far[0] = kInfinity;
+  packet.set_ray(0, origin, direction);
   return packet;
 }
 

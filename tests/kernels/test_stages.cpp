@@ -261,6 +261,36 @@ TEST_CASE_TEMPLATE("stages: empty queues do no work", L, SHEAF_STAGE_LANES) {
   CHECK(wave.shadow_count == 0);
 }
 
+namespace {
+
+/// Runs a stage. Checks that it changes the queues alone that it names, and empties those that it consumes.
+void run_and_check_queues(const StageEntry& stage, const StageContext& context, Wave& wave) {
+  CAPTURE(stage.name);
+  std::vector<std::vector<Slot>> before;
+  for (const SlotList PathPool::*list : PathPool::kLists)
+    before.emplace_back((wave.*list).span().begin(), (wave.*list).span().end());
+  const int shadows = wave.shadow_count;
+  stage.run(context, wave);
+  check_conservation(wave);
+  for (int i = 0; i < kSlotLists; ++i) {
+    CAPTURE(i);
+    const auto queue = static_cast<Queue>(i);
+    const SlotList& list = wave.*PathPool::kLists[i];
+    const auto& old = before[static_cast<std::size_t>(i)];
+    if (stage.produces.contains(queue)) continue;
+    if (!stage.consumes.contains(queue))
+      CHECK(std::equal(old.begin(), old.end(), list.span().begin(), list.span().end()));
+    else if (queue != Queue::kFree && queue != Queue::kSorted)
+      CHECK(list.empty());
+  }
+  if (stage.consumes.contains(Queue::kShadows))
+    CHECK(wave.shadow_count == 0);
+  else if (!stage.produces.contains(Queue::kShadows))
+    CHECK(wave.shadow_count == shadows);
+}
+
+}  // namespace
+
 TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are empty afterwards", L,
                    SHEAF_STAGE_LANES) {
   Description d = mixed_scene();
@@ -305,29 +335,8 @@ TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are 
     for (int step = 0; step < 20; ++step)
       for (const StageEntry& stage : kStages<L>) {
         if (!takes_part(context, stage.use)) continue;
-        CAPTURE(stage.name);
-        std::vector<std::vector<Slot>> before;
-        for (const SlotList PathPool::*list : PathPool::kLists)
-          before.emplace_back((wave.*list).span().begin(), (wave.*list).span().end());
-        const int shadows = wave.shadow_count;
-        stage.run(context, wave);
-        check_conservation(wave);
+        run_and_check_queues(stage, context, wave);
         if (wave.stats[stage.stage].items > 0) worked.insert(stage.stage);
-        for (int i = 0; i < kSlotLists; ++i) {
-          CAPTURE(i);
-          const auto queue = static_cast<Queue>(i);
-          const SlotList& list = wave.*PathPool::kLists[i];
-          const auto& old = before[static_cast<std::size_t>(i)];
-          if (stage.produces.contains(queue)) continue;
-          if (!stage.consumes.contains(queue))
-            CHECK(std::equal(old.begin(), old.end(), list.span().begin(), list.span().end()));
-          else if (queue != Queue::kFree && queue != Queue::kSorted)
-            CHECK(list.empty());
-        }
-        if (stage.consumes.contains(Queue::kShadows))
-          CHECK(wave.shadow_count == 0);
-        else if (!stage.produces.contains(Queue::kShadows))
-          CHECK(wave.shadow_count == shadows);
       }
     for (const StageEntry& stage : kStages<L>) {
       CAPTURE(stage.name);

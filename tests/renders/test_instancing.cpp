@@ -163,12 +163,7 @@ TEST_CASE("instancing: each of thousands of instances is hit at its position") {
     RayPacket packet;
     const int count = static_cast<int>(std::min<std::uint32_t>(kPacketWidth, kCount - first));
     for (int i = 0; i < count; ++i) {
-      const Vec3f from = center(first + static_cast<std::uint32_t>(i));
-      packet.origin_x[i] = from.x;
-      packet.origin_y[i] = from.y;
-      packet.origin_z[i] = from.z - 0.5f;
-      packet.direction_z[i] = 1;
-      packet.t_far[i] = kInfinity;
+      packet.set_ray(i, center(first + static_cast<std::uint32_t>(i)) - Vec3f{0, 0, 0.5f}, {0, 0, 1});
     }
     scene->view().accel->intersect(packet, count);
     for (int i = 0; i < count; ++i) {

@@ -202,8 +202,8 @@ TEST_CASE("a checkpoint keeps the counters of a render") {
     write_checkpoint(file, kSettings, state);
     const RenderState again = read_checkpoint(file, kSettings);
     REQUIRE(again.adaptive.has_value());
-    CHECK(again.adaptive->has_picture() == state.adaptive->has_picture());
-    ++(state.adaptive->has_picture() ? with_picture : without);
+    CHECK(again.adaptive->has_image() == state.adaptive->has_image());
+    ++(state.adaptive->has_image() ? with_picture : without);
     for (const std::size_t tile : {0u, 1u})
       CHECK(again.adaptive->expected_samples(tile) == state.adaptive->expected_samples(tile));
   };

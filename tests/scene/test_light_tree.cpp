@@ -468,7 +468,7 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
 }
 
 TEST_CASE("light tree: degenerate sets of lights give valid trees") {
-  SUBCASE("no lights") {
+  SUBCASE("none") {
     const LightTree tree = checked_tree({});
     const auto choice = draw_light(tree, {}, {0, 0, 1}, 0.5f);
     CHECK(!choice.valid);
@@ -494,7 +494,10 @@ TEST_CASE("light tree: degenerate sets of lights give valid trees") {
     CHECK(tree.depth > kMaxLightTreeDepth - 2);
     CHECK(std::fabs(sum_of_probabilities(tree, {1, 1, 0}, {}) - 1) < 1e-4);
   }
-  SUBCASE("lights without power") {
+}
+
+TEST_CASE("light tree: awkward values of lights") {
+  SUBCASE("no power") {
     Lights lights = mixed_lights(40);
     for (std::size_t i = 0; i < lights.size(); i += 2) lights[i].power = i % 4 == 0 ? 0.0f : -kInfinity;
     const LightTree some = checked_tree(lights);

@@ -394,13 +394,7 @@ TEST_CASE("lights: no shadow ray to an emissive instance is blocked by that inst
     ++valid;
     RayPacket packet{};
     for (int lane = 0; lane < kPacketWidth; ++lane) {
-      const Vec3f d = s.target - Vec3f{0, 0, 0.01f};
-      packet.origin_x[lane] = packet.origin_y[lane] = 0;
-      packet.origin_z[lane] = 0.01f;
-      packet.direction_x[lane] = d.x;
-      packet.direction_y[lane] = d.y;
-      packet.direction_z[lane] = d.z;
-      packet.t_far[lane] = 1;
+      packet.set_ray(lane, {0, 0, 0.01f}, s.target - Vec3f{0, 0, 0.01f}, 1);
       packet.shape[lane] = kNone;
     }
     view.accel->intersect(packet, 1);

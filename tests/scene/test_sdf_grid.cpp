@@ -301,20 +301,36 @@ TEST_CASE("sdf grid: rays enter and leave alternately at every position and scal
     }
 }
 
-TEST_CASE("sdf grid: flipped normals and SIMD packets and instances and mixed scenes work") {
+namespace {
+
+/// A sphere, a cube, and two grids, of which the first has flipped normals; shapes 1 and 3 are the grids.
+std::vector<ShapeDescription> mixed_shapes() {
   const SdfGrid grid = sampled({12, 10, 9}, ball(0.35));
-  const auto fill = [&](std::vector<ShapeDescription>& shapes) {
-    Description all;
-    add_shape(all, SphereShape{{1.2f, 0.5f, 0.5f}, 0.3f}, Transform());
-    add_shape(all, grid, Transform::scale({1, 1.2f, 1})).flip_normals = true;
-    add_shape(all, CubeShape{}, Transform::translate({-0.5f, 0.5f, 0.5f}) * Transform::scale({0.2f, 0.2f, 0.2f}));
-    add_shape(all, grid, Transform::translate({0, 0, -1}));
-    shapes = std::move(all.shapes);
-  };
+  Description all;
+  add_shape(all, SphereShape{{1.2f, 0.5f, 0.5f}, 0.3f}, Transform());
+  add_shape(all, grid, Transform::scale({1, 1.2f, 1})).flip_normals = true;
+  add_shape(all, CubeShape{}, Transform::translate({-0.5f, 0.5f, 0.5f}) * Transform::scale({0.2f, 0.2f, 0.2f}));
+  add_shape(all, grid, Transform::translate({0, 0, -1}));
+  return std::move(all.shapes);
+}
+
+/// Ray `i` of 2000 towards these shapes.
+struct TestRay {
+  Vec3f origin, direction;
+  explicit TestRay(std::uint32_t i) {
+    const Vec3f target = Vec3f{0.4f, 0.6f, 0.2f} + random_direction(72, i) * 0.6f;
+    origin = target + random_direction(71, i) * 6.0f;
+    direction = normalize(target - origin);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("sdf grid: flipped normals, instances, and beside other shapes") {
   Description plain = empty_scene(4, 4), instanced = empty_scene(4, 4);
-  fill(plain.shapes);
+  plain.shapes = mixed_shapes();
   instanced.groups.emplace_back();
-  fill(instanced.groups[0].shapes);
+  instanced.groups[0].shapes = mixed_shapes();
   const Transform place =
       Transform::translate({1, 2, 3}) * Transform::rotate({1, 1, 0}, 50) * Transform::scale({2, 1.5f, 2});
   InstanceDescription instance;
@@ -322,17 +338,14 @@ TEST_CASE("sdf grid: flipped normals and SIMD packets and instances and mixed sc
   instanced.instances.push_back(instance);
   const auto a = compile_scene(plain), b = compile_scene(instanced);
   int on_grid[2] = {0, 0};
-  std::vector<std::pair<TracedHit, Vec3f>> hits;
   for (std::uint32_t i = 0; i < 2000; ++i) {
-    const Vec3f target = Vec3f{0.4f, 0.6f, 0.2f} + random_direction(72, i) * 0.6f;
-    const Vec3f origin = target + random_direction(71, i) * 6.0f, direction = normalize(target - origin);
+    const auto [origin, direction] = TestRay(i);
     const auto x = trace_ray(a->view(), origin, direction);
     const Vec3f origin2 = place.point(origin), direction2 = place.vector(direction);
     const auto y = trace_ray(b->view(), origin2, direction2);
     if (!x || !y) continue;
     const auto p = surface_at(a->view(), origin, direction, *x), q = surface_at(b->view(), origin2, direction2, *y);
     if (std::fabs(dot(p.ng, direction)) < 0.2f) continue;
-    hits.push_back({*x, origin + direction * x->t});
     if (x->shape % 2 == 1) {
       ++on_grid[x->shape / 2];
       CHECK((dot(p.ng, direction) > 0) == (x->shape == 1));
@@ -346,19 +359,30 @@ TEST_CASE("sdf grid: flipped normals and SIMD packets and instances and mixed sc
   }
   CHECK(on_grid[0] > 200);
   CHECK(on_grid[1] > 200);
+}
 
-  const SceneView view = a->view();
+TEST_CASE("sdf grid: lanes together are as single ones, also beside other shapes") {
+  Description d = empty_scene(4, 4);
+  d.shapes = mixed_shapes();
+  const auto scene = compile_scene(d);
+  const SceneView view = scene->view();
+  std::vector<std::pair<TracedHit, Vec3f>> hits;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    const auto [origin, direction] = TestRay(i);
+    const auto hit = trace_ray(view, origin, direction);
+    if (!hit || std::fabs(dot(surface_at(view, origin, direction, *hit).ng, direction)) < 0.2f) continue;
+    hits.push_back({*hit, origin + direction * hit->t});
+  }
+  CHECK(hits.size() > 400);
   double worst = 0;
   for (std::size_t first = 0; first + kWidth <= hits.size(); first += kWidth) {
-    alignas(kSimdAlignment) std::uint32_t shapes[kWidth], primitives[kWidth];
-    alignas(kSimdAlignment) float us[kWidth], vs[kWidth];
-    for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      const TracedHit& hit = hits[first + lane].first;
-      shapes[lane] = hit.shape, primitives[lane] = hit.primitive, us[lane] = hit.u, vs[lane] = hit.v;
-    }
-    Uint<Wide> shape, primitive;
-    Float<Wide> u, v;
-    load(shapes, shape), load(primitives, primitive), load(us, u), load(vs, v);
+    const auto hit_of = [&](int lane) -> const TracedHit& {
+      return hits[first + static_cast<std::size_t>(lane)].first;
+    };
+    const WideUint shape = wide_uints([&](int lane) { return hit_of(lane).shape; }),
+                   primitive = wide_uints([&](int lane) { return hit_of(lane).primitive; });
+    const WideFloat u = wide_floats([&](int lane) { return hit_of(lane).u; }),
+                    v = wide_floats([&](int lane) { return hit_of(lane).v; });
     const auto at = wide_record<Vec3>([&](int lane) { return hits[first + static_cast<std::size_t>(lane)].second; });
     const auto y = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, shape), primitive, u, v, at,
                                              Uint<Wide>(kNone));

@@ -1,25 +1,13 @@
 // Fills registers lane by lane and compares them with the results of scalar code.
 #pragma once
 
-#include "core/lanes.h"
+#include "core/lane_array.h"
 
 namespace sheaf {
 
 /// A register whose lane k holds f(k).
-template <class F> WideFloat wide_floats(F&& f) {
-  alignas(kSimdAlignment) float lanes[kWidth];
-  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = f(lane);
-  WideFloat out;
-  load(lanes, out);
-  return out;
-}
-template <class F> WideUint wide_uints(F&& f) {
-  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
-  for (int lane = 0; lane < kWidth; ++lane) lanes[lane] = f(lane);
-  WideUint out;
-  load(lanes, out);
-  return out;
-}
+template <class F> WideFloat wide_floats(F&& f) { return make_lanes<WideFloat>(f); }
+template <class F> WideUint wide_uints(F&& f) { return make_lanes<WideUint>(f); }
 template <class F> WideMask wide_mask(F&& f) {
   return wide_uints([&](int lane) { return f(lane) ? 1u : 0u; }) != WideUint(0u);
 }

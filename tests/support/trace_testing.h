@@ -17,14 +17,8 @@ struct TracedHit {
 inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, Vec3f direction, float t_near = 0,
                                           float t_far = kInfinity) {
   RayPacket packet;
-  packet.origin_x[0] = origin.x;
-  packet.origin_y[0] = origin.y;
-  packet.origin_z[0] = origin.z;
-  packet.direction_x[0] = direction.x;
-  packet.direction_y[0] = direction.y;
-  packet.direction_z[0] = direction.z;
+  packet.set_ray(0, origin, direction, t_far);
   packet.t_near[0] = t_near;
-  packet.t_far[0] = t_far;
   packet.shape[0] = kNone;
   scene.accel->intersect(packet, 1);
   if (packet.shape[0] == kNone) return std::nullopt;

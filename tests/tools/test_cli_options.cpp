@@ -222,6 +222,49 @@ TEST_CASE("options: an unwritable standard output has exit code 4") {
   CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "out.exr"));
 }
 
+namespace {
+
+/// Each option that changes the picture, with a value that is not the standard.
+const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"},
+                                                                   {"color", "spectral"},
+                                                                   {"spectral-bins", "4"},
+                                                                   {"integrator", "direct"},
+                                                                   {"sampler", "stratified"},
+                                                                   {"filter-mode", "importance"},
+                                                                   {"replicates", "2"},
+                                                                   {"light-sampler", "uniform"},
+                                                                   {"candidates", "2"},
+                                                                   {"guiding", ""},
+                                                                   {"medium-estimator", "delta"},
+                                                                   {"step-size", "0.1"},
+                                                                   {"max-depth", "3"},
+                                                                   {"rr-depth", "3"},
+                                                                   {"crop", "0,0,4,4"},
+                                                                   {"samples", "0:2"},
+                                                                   {"size", "8x8"},
+                                                                   {"scale", "0.5"},
+                                                                   {"define", "size=8"},
+                                                                   {"aov", "depth"},
+                                                                   {"light-groups", ""},
+                                                                   {"denoise", "nlm"},
+                                                                   {"watertight", ""},
+                                                                   {"noise-target", "0.5"},
+                                                                   {"lenient", ""},
+                                                                   {"nori-camera", "upstream"},
+                                                                   {"float", ""},
+                                                                   {"spp", ""},
+                                                                   {"view", ""},
+                                                                   {"up", ""},
+                                                                   {"fov", ""}};
+
+/// Options of the run, with which the same picture comes out.
+const std::vector<std::pair<std::string, std::string>> kRuns = {
+    {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
+    {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
+    {"serve", ""},       {"tev", ""},          {"help", ""}};
+
+}  // namespace
+
 TEST_CASE("options: a render resumes from its checkpoint only with its original options") {
   const Workplace place;
   write_bytes(place.folder / "other.exr", "");
@@ -230,45 +273,8 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
   const auto resume = [&](const std::string& options) {
     return run(place.folder, common + "--checkpoint a.state --resume " + options);
   };
-  // Each option that changes the image, with a value that is not the default.
-  const std::vector<std::pair<std::string, std::string>> changes = {{"seed", "7"},
-                                                                    {"color", "spectral"},
-                                                                    {"spectral-bins", "4"},
-                                                                    {"integrator", "direct"},
-                                                                    {"sampler", "stratified"},
-                                                                    {"filter-mode", "importance"},
-                                                                    {"replicates", "2"},
-                                                                    {"light-sampler", "uniform"},
-                                                                    {"candidates", "2"},
-                                                                    {"guiding", ""},
-                                                                    {"medium-estimator", "delta"},
-                                                                    {"step-size", "0.1"},
-                                                                    {"max-depth", "3"},
-                                                                    {"rr-depth", "3"},
-                                                                    {"crop", "0,0,4,4"},
-                                                                    {"samples", "0:2"},
-                                                                    {"size", "8x8"},
-                                                                    {"scale", "0.5"},
-                                                                    {"define", "size=8"},
-                                                                    {"aov", "depth"},
-                                                                    {"light-groups", ""},
-                                                                    {"denoise", "nlm"},
-                                                                    {"watertight", ""},
-                                                                    {"noise-target", "0.5"},
-                                                                    {"lenient", ""},
-                                                                    {"nori-camera", "upstream"},
-                                                                    {"float", ""},
-                                                                    {"spp", ""},
-                                                                    {"view", ""},
-                                                                    {"up", ""},
-                                                                    {"fov", ""}};
-  // Options of the run that do not change the image.
-  const std::vector<std::pair<std::string, std::string>> runs = {
-      {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
-      {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
-      {"serve", ""},       {"tev", ""},          {"help", ""}};
   std::set<std::string> known;
-  for (const auto& [name, value] : changes) {
+  for (const auto& [name, value] : kChanges) {
     CAPTURE_BINDING(name);
     known.insert(name);
     // Options that need others or do not apply to scenes.
@@ -279,7 +285,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     CHECK(contains(outcome.err, "--" + name + " is '"));
   }
   CHECK(run(place.folder, "render scene.xml --spp 5 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
-  for (const auto& [name, value] : runs) {
+  for (const auto& [name, value] : kRuns) {
     CAPTURE_BINDING(name);
     known.insert(name);
     if (value.empty() && name != "no-timestamps") continue;

@@ -1,4 +1,4 @@
-#include "tools/picture_files.h"
+#include "tools/image_files.h"
 
 #include "core/error.h"
 #include "core/file_format.h"
@@ -21,19 +21,19 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
-void check_picture_name(const fs::path& path) {
+void check_image_name(const fs::path& path) {
   const std::string extension = extension_of(path);
   if (extension != ".exr" && extension != ".png")
     throw Error(ExitCode::kUsage, "the name of the picture '" + path.string() + "' must end in .exr or .png");
 }
 
-std::vector<NamedFile> named_pictures(const std::vector<std::string>& files) {
-  std::vector<NamedFile> pictures;
+std::vector<NamedFile> named_images(const std::vector<std::string>& files) {
+  std::vector<NamedFile> images;
   for (const std::string& file : files) {
-    check_picture_name(file);
-    pictures.push_back({"the picture", file});
+    check_image_name(file);
+    images.push_back({"the picture", file});
   }
-  return pictures;
+  return images;
 }
 
 void check_is_exr(const fs::path& file) {
@@ -48,7 +48,7 @@ void check_is_exr(const fs::path& file) {
                    "is " + format.name + expected + (loses ? "; other formats lack the layers that this needs" : ""));
 }
 
-void check_is_picture(const fs::path& file) {
+void check_is_image(const fs::path& file) {
   if (!fs::is_regular_file(file)) return;
   const FileFormat format = file_format(file);
   if (format.use == FileUse::kImage) {
@@ -92,8 +92,8 @@ bool try_to_write(const std::function<void()>& write) {
   }
 }
 
-std::vector<fs::path> write_pictures(const std::vector<fs::path>& files, const Image& image,
-                                     const ExrMetadata& metadata) {
+std::vector<fs::path> write_images(const std::vector<fs::path>& files, const Image& image,
+                                   const ExrMetadata& metadata) {
   std::vector<fs::path> written;
   const bool denoised = image.find_channel("denoised.R") >= 0;
   for (const fs::path& file : files) {

@@ -6,11 +6,11 @@
 
 namespace sheaf {
 
-namespace pane_detail {
+namespace thin_dielectric_detail {
 
 /// Loads the BSDF of material `row` at the wavelengths `lambda`.
 template <template <class> class Bsdf>
-Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum4& lambda) {
+Bsdf<Scalar> load_thin_dielectric(const SceneView& scene, std::uint32_t row, const Spectrum4& lambda) {
   float words[kLeafCount<Bsdf>];
   std::copy_n(scene.materials.rows[row].words, kLeafCount<Bsdf>, words);
   if (scene.color == ColorMode::kSpectral) {
@@ -23,17 +23,17 @@ Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum
   return bsdf_of_words<Bsdf<Scalar>>(scene.materials.closure_tables, [&words](int k, float& word) { word = words[k]; });
 }
 
-}  // namespace pane_detail
+}  // namespace thin_dielectric_detail
 
 /// Straight transmission of the thin dielectric with material `row`, at this cosine to the normal. `lambda`: the path's
 /// wavelengths in spectral mode.
-inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t row, float cos_theta,
-                                        const Spectrum4& lambda) {
-  PanePassage<Scalar> passage;
+inline StraightTransmission<Scalar> thin_dielectric_passage(const SceneView& scene, std::uint32_t row, float cos_theta,
+                                                            const Spectrum4& lambda) {
+  StraightTransmission<Scalar> passage;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (Bsdf<Scalar>::Closure::kInfo.is_thin_dielectric)
       if (kind == scene.materials.rows[row].kind)
-        passage = pane_detail::load_pane<Bsdf>(scene, row, lambda).passage(cos_theta);
+        passage = thin_dielectric_detail::load_thin_dielectric<Bsdf>(scene, row, lambda).passage(cos_theta);
   });
   return passage;
 }

@@ -1,0 +1,46 @@
+#include "tools/render_plan.h"
+
+#include "core/error.h"
+#include "scene/dialects/read_scene.h"
+#include "tools/apply_arguments.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+RenderPlan plan_render(const std::vector<std::string>& words) {
+  Program program("sheaf", "");
+  RenderArguments arguments;
+  Command command = add_render_options(program, arguments);
+  RenderPlan plan;
+  command.on_call([&] {
+    for (const auto& [name, value] : command.given()) plan.given.push_back(name);
+  });
+  // Parse the options as `sheaf render` does
+  std::vector<std::string> line{"sheaf", "render"};
+  line.insert(line.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& word : line) pointers.push_back(word.data());
+  if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
+    throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
+  // Read the scene and apply the options
+  const AovSet aovs = wanted_aovs(arguments);
+  Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  plan.crop = apply_arguments(arguments, scene);
+  // Fill in the plan
+  plan.integrator = scene.integrator.kind;
+  const PhotonMappingSettings& photons = scene.integrator.photons;
+  const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
+  plan.samples = maps && photons.progressive && photons.max_passes > 0
+                     ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
+                     : scene.sampler.sample_count;
+  if (maps && photons.gathering == PhotonGathering::kFinal)
+    plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
+  plan.sets_given = arguments.replicates > 0;
+  plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
+                              : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
+  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
+  return plan;
+}
+
+}  // namespace sheaf
