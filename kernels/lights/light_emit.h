@@ -29,10 +29,10 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
   if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
   PhotonEmission<L> e{};
   TextureQuery<L> query{};
-  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    const auto active = light.is(kLightKind<typename Kind::Kind>);
+  Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    const auto active = light.is(kLightKind<typename Light::Kind>);
     if (!any(active)) return;
-    light_emit_detail::merge<L>(active, Kind::template emit<L, Mode>({scene, light, active, lambda}, a, b, query), e);
+    light_emit_detail::merge<L>(active, Light::template emit<L, Mode>({scene, light, active, lambda}, a, b, query), e);
   });
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));

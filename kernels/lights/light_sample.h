@@ -45,13 +45,13 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
 
 namespace light_detail {
 
-/// Samples a light of type `Kind` in the lanes of `active`.
-template <class L, ColorMode Mode, class Kind>
+/// Samples a light of type `Light` in the lanes of `active`.
+template <class L, ColorMode Mode, class Light>
 SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
                                         const EnvmapDraw<L>* drawn, TextureQuery<L>& texture) {
-  LightSample<L> s = Kind::template sample<L, Mode>({scene, light, active, lambda, drawn}, from, u, texture);
-  s.delta = Mask<L>(Kind::kHitKind == LightHitKind::kNever);
+  LightSample<L> s = Light::template sample<L, Mode>({scene, light, active, lambda, drawn}, from, u, texture);
+  s.delta = Mask<L>(Light::kHitKind == LightHitKind::kNever);
   return s;
 }
 
@@ -70,10 +70,10 @@ template <class L, ColorMode Mode>
                                                      const Random4<L>& u, const Spectrum<L>& lambda,
                                                      const EnvmapDraw<L>* drawn, TextureQuery<L>& query) {
   LightSample<L> s{};
-  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    const auto active = light.is(kLightKind<typename Kind::Kind>);
+  Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    const auto active = light.is(kLightKind<typename Light::Kind>);
     if (any(active))
-      merge<L>(active, sample_kind<L, Mode, Kind>(scene, from, light, active, u, lambda, drawn, query), s);
+      merge<L>(active, sample_kind<L, Mode, Light>(scene, from, light, active, u, lambda, drawn, query), s);
   });
   return s;
 }
@@ -119,10 +119,10 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
   const LightHit<L> hit{from, direction, t, ng};
   const Spectrum<L> no_lambda;
   Float<L> pdf(0.0f);
-  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    if constexpr (Kind::kHitKind == LightHitKind::kSurface) {
-      const Mask<L> here = active & light.is(kLightKind<typename Kind::Kind>);
-      if (any(here)) pdf = select(here, Kind::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
+  Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    if constexpr (Light::kHitKind == LightHitKind::kSurface) {
+      const Mask<L> here = active & light.is(kLightKind<typename Light::Kind>);
+      if (any(here)) pdf = select(here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
     }
   });
   return pdf;
@@ -131,9 +131,9 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
 /// Whether light `index` is hit by paths that leave the scene.
 inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
-  Lights::for_each([&]<class Kind>(Kind) {
-    if constexpr (Kind::kHitKind == LightHitKind::kEscape)
-      surrounds = surrounds || scene.lights.rows[index].is(kLightKind<typename Kind::Kind>);
+  Lights::for_each([&]<class Light>(Light) {
+    if constexpr (Light::kHitKind == LightHitKind::kEscape)
+      surrounds = surrounds || scene.lights.rows[index].is(kLightKind<typename Light::Kind>);
   });
   return surrounds;
 }
@@ -149,10 +149,10 @@ SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint3
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
   if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
   EnvmapValue<L> value{};
-  Lights::for_each([&]<class Kind>(Kind) SHEAF_LAMBDA_INLINE {
-    if constexpr (Kind::kHitKind == LightHitKind::kEscape)
-      if (light.is(kLightKind<typename Kind::Kind>))
-        value = Kind::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
+  Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    if constexpr (Light::kHitKind == LightHitKind::kEscape)
+      if (light.is(kLightKind<typename Light::Kind>))
+        value = Light::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
   });
   return value;
 }

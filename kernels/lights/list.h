@@ -22,10 +22,10 @@
 namespace sheaf {
 
 /// A list of light kinds, as types.
-template <LightModel... Kinds> struct LightList {
-  using SceneKinds = LightKindList<typename Kinds::Kind...>;
+template <LightModel... Models> struct LightList {
+  using SceneKinds = LightKindList<typename Models::Kind...>;
   /// Calls f(kind) for each kind, with a value of its type.
-  template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(Kinds{}), ...); }
+  template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(Models{}), ...); }
 };
 
 /// All light kinds. Scenes whose lights are all of the first kind are the most common.

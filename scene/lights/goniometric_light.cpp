@@ -22,7 +22,7 @@ Vec3f GoniometricLightKind::integral(const SceneView& scene, const LightRow& lig
 }
 
 IntegralSharing GoniometricLightKind::integral_key(const SceneView&, const LightRow&, std::vector<std::uint32_t>&) {
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 Vec3f GoniometricLightKind::position(const LightRow& light) { return light.data<GoniometricLightData>().position; }

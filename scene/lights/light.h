@@ -66,9 +66,9 @@ enum class LightDomain {
 
 /// Sharing of the integral in a light's power.
 enum class IntegralSharing {
-  kOne,   ///< no integral: it is 1
-  kAll,   ///< shared by all lights with the same kind, texture and key
-  kNone,  ///< not shared
+  kNoIntegral,  ///< no integral: it is 1
+  kShared,      ///< shared by all lights with the same kind, texture and key
+  kOwn,         ///< not shared
 };
 
 /// Functions of a kind of lights for building light tables.

@@ -47,9 +47,10 @@ class IntegralGroups {
       if (compiler.integral == nullptr) continue;
       std::vector<std::uint32_t> key{row.kind, row.texture};
       const IntegralSharing sharing = compiler.integral_key(scene, row, key);
-      if (sharing == IntegralSharing::kOne) continue;
+      if (sharing == IntegralSharing::kNoIntegral) continue;
       std::size_t group = firsts_.size();
-      if (sharing == IntegralSharing::kAll && (row.texture == kNone || !depends_on_mesh(scene.textures, row.texture)))
+      if (sharing == IntegralSharing::kShared &&
+          (row.texture == kNone || !depends_on_mesh(scene.textures, row.texture)))
         group = known.emplace(std::move(key), group).first->second;
       if (group == firsts_.size()) firsts_.push_back(light);
       members_.emplace_back(light, group);
@@ -73,7 +74,8 @@ Vec3f light_power(const SceneView& scene, std::uint32_t light) {
   const LightCompiler& compiler = light_compiler_of(row);
   const Vec3f power = compiler.power(scene, row);
   std::vector<std::uint32_t> key;
-  if (compiler.integral == nullptr || compiler.integral_key(scene, row, key) == IntegralSharing::kOne) return power;
+  if (compiler.integral == nullptr || compiler.integral_key(scene, row, key) == IntegralSharing::kNoIntegral)
+    return power;
   return power * compiler.integral(scene, row, kMeanPoints);
 }
 

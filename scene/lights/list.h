@@ -47,9 +47,8 @@ template <CompilableLight... Kinds> struct LightKindList {
   /// The position of a kind.
   template <class Kind> static constexpr LightKind kind_of() {
     static_assert((std::is_same_v<Kind, Kinds> + ...) == 1, "a kind must be listed once");
-    std::uint32_t position = 0, next = 0;
-    ((position = std::is_same_v<Kind, Kinds> ? next++ : (next++, position)), ...);
-    return static_cast<LightKind>(position);
+    constexpr bool kMatches[] = {std::is_same_v<Kind, Kinds>...};
+    return static_cast<LightKind>(std::find(kMatches, kMatches + kCount, true) - kMatches);
   }
   /// The functions of each kind, by LightKind.
   static constexpr std::array<LightCompiler, kCount> compilers() { return {make_light_compiler<Kinds>()...}; }

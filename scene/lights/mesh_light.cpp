@@ -162,16 +162,16 @@ Vec3f MeshLightKind::integral(const SceneView& scene, const LightRow& light, int
 IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightRow& light,
                                             std::vector<std::uint32_t>& key) {
   constexpr std::uint32_t kMaxTriangles = 64;
-  if (light.texture == kNone) return IntegralSharing::kOne;
+  if (light.texture == kNone) return IntegralSharing::kNoIntegral;
   const auto mesh = light.data<MeshLightData>();
-  if (mesh.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
+  if (mesh.triangle_count > kMaxTriangles) return IntegralSharing::kOwn;
   for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
     const LightUvRow& uvs = scene.lights.uvs[mesh.first_uv + i];
     for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
       key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
     key.push_back(rounded_share(scene.lights.triangle_alias[mesh.first_triangle + i].pdf));
   }
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,

@@ -53,7 +53,7 @@ IntegralSharing ProjectorLightKind::integral_key(const SceneView&, const LightRo
                                                  std::vector<std::uint32_t>& key) {
   const Vec2f scale = light.data<ProjectorLightData>().image_scale;
   key.insert(key.end(), {float_bits(scale.x), float_bits(scale.y), light.flags & kIsEven});
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 Vec3f ProjectorLightKind::position(const LightRow& light) { return light.data<ProjectorLightData>().position; }

@@ -80,10 +80,10 @@ Vec3f QuadricLightKind::integral(const SceneView& scene, const LightRow& light, 
 /// which determine the scaling of area elements.
 IntegralSharing QuadricLightKind::integral_key(const SceneView& scene, const LightRow& light,
                                                std::vector<std::uint32_t>& key) {
-  if (light.texture == kNone) return IntegralSharing::kOne;
+  if (light.texture == kNone) return IntegralSharing::kNoIntegral;
   const QuadricRow& row = scene.geometry.quadrics[light.data<QuadricLightData>().quadric];
   key.push_back(static_cast<std::uint32_t>(row.kind));
-  if (row.uniform_scale > 0.0f) return IntegralSharing::kAll;
+  if (row.uniform_scale > 0.0f) return IntegralSharing::kShared;
   const auto product = [&](int i, int j) {
     const float *a = row.to_object + 4 * i, *b = row.to_object + 4 * j;
     return double{a[0]} * b[0] + double{a[1]} * b[1] + double{a[2]} * b[2];
@@ -91,7 +91,7 @@ IntegralSharing QuadricLightKind::integral_key(const SceneView& scene, const Lig
   const double trace = product(0, 0) + product(1, 1) + product(2, 2);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j <= i; ++j) key.push_back(rounded_share(static_cast<float>(product(i, j) / trace)));
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,

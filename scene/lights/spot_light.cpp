@@ -92,7 +92,7 @@ IntegralSharing LinearSpotLightKind::integral_key(const SceneView&, const LightR
                                                   std::vector<std::uint32_t>& key) {
   const LinearSpot spot = light.data<LinearSpotLightData>();
   key.insert(key.end(), {float_bits(spot.cutoff_angle), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 Vec3f LinearSpotLightKind::position(const LightRow& light) { return light.data<LinearSpotLightData>().position; }
@@ -112,7 +112,7 @@ IntegralSharing SmoothSpotLightKind::integral_key(const SceneView&, const LightR
                                                   std::vector<std::uint32_t>& key) {
   const SmoothSpot spot = light.data<SmoothSpotLightData>();
   key.insert(key.end(), {float_bits(spot.cos_cutoff), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
-  return IntegralSharing::kAll;
+  return IntegralSharing::kShared;
 }
 
 Vec3f SmoothSpotLightKind::position(const LightRow& light) { return light.data<SmoothSpotLightData>().position; }

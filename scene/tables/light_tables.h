@@ -1,7 +1,7 @@
 // The lights of a scene: rows, their parts, and the tables for light selection.
 #pragma once
 
-#include "core/distribution.h"
+#include "core/alias_table.h"
 #include "core/error.h"
 #include "scene/tables/envmap.h"
 #include "scene/tables/light.h"

@@ -3,6 +3,7 @@
 
 #include "kernels/lights/light_tree.h"
 #include "scene/compile/compile.h"
+#include "scene/lights/light_powers.h"
 #include "scene/tables/quadric.h"
 #include "tests/support/light_testing.h"
 #include "tests/support/records_testing.h"

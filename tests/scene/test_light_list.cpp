@@ -55,7 +55,7 @@ TEST_CASE("light list: kinds are numbered by their position, and have a table ea
   CHECK(static_cast<std::uint32_t>(kLightKind<VolumeLightKind>) == LightKinds::kCount - 1);
   for (const LightCompiler& kind : kLightCompilers) {
     CHECK(!std::string(kind.label).empty());
-    CHECK(kind.power != nullptr);
+    CHECK((kind.power != nullptr));
     CHECK((kind.bounds != nullptr) == (kind.domain == LightDomain::kBounded));
     CHECK((kind.integral != nullptr) == (kind.integral_key != nullptr));
   }
