@@ -8,11 +8,11 @@
 #include "kernels/passes/passes.h"
 #include "kernels/passes/photon_mapping.h"
 #include "kernels/passes/render_memory.h"
-#include "kernels/passes/render_report.h"
 #include "kernels/passes/sample_plan.h"
 #include "kernels/passes/tiles.h"
 #include "kernels/passes/train_guiding.h"
 #include "kernels/passes/worker.h"
+#include "kernels/passes/worker_report.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>

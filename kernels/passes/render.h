@@ -1,9 +1,9 @@
 // The renderer: divides camera samples into tasks, runs them on workers, and adds the samples to the film in order.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/film/aovs.h"
 #include "kernels/film/sample_range.h"
+#include "kernels/passes/render_report.h"
 #include "kernels/passes/render_state.h"
 #include "scene/tables/scene.h"
 
