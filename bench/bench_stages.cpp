@@ -48,8 +48,8 @@ class WarmWave {
         samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, {film.width}, 0, kSpp);
     task_.begin(pixels_, {film.width}, kBeautyChannels);
     rewind_photons();
-    for (int step = 0; step < kSteps; ++step) advance(Stage::kCount);
-    while (!refilling()) advance(Stage::kCount);
+    for (int step = 0; step < kSteps; ++step) advance(static_cast<Stage>(kStages<Wide>.size()));
+    while (!refilling()) advance(static_cast<Stage>(kStages<Wide>.size()));
   }
 
   /// Runs a step of the pass up to, but not including, a stage.

@@ -2,7 +2,7 @@
 // filter as radiance is. Mirrors and glass count as surfaces; null interfaces, masks that the ray passes and hidden
 // lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
 #include "kernels/film/camera_task.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/surface_albedo.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -141,7 +141,7 @@ template <class L>
 }  // namespace
 
 template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kAovs);
+  StageTimer timer(wave.stats, stage_named<L>("aovs"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];

@@ -8,7 +8,7 @@
 #include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/roulette.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -241,7 +241,7 @@ void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) 
 }  // namespace
 
 template <class L> void scatter(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kScatter);
+  StageTimer timer(wave.stats, stage_named<L>("scatter"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);

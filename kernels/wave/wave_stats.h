@@ -10,8 +10,8 @@
 
 namespace sheaf {
 
-/// Index of a stage of a pass, defined by kernels/stages/stage_list.h.
-enum class Stage : std::uint32_t;
+/// Position of a stage in the list of kernels/stages/stage_list.h.
+enum class Stage : std::uint32_t {};
 /// Upper bound on the number of stages.
 inline constexpr std::size_t kMaxStages = 32;
 

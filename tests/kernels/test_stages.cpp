@@ -144,7 +144,7 @@ TEST_CASE_TEMPLATE("intersect: paths go where their rays lead", L, SHEAF_STAGE_L
       CHECK(hit.light == (i % 3 == 1 ? 0u : kNone));
     }
     CHECK(wave.stats.dropped.rays == 0);
-    CHECK(wave.stats[Stage::kIntersect].items == static_cast<std::uint64_t>(paths));
+    CHECK(wave.stats[stage_named("intersect")].items == static_cast<std::uint64_t>(paths));
   }
 }
 
