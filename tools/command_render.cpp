@@ -161,9 +161,9 @@ int choose_replicates(const RenderArguments& arguments, const SamplerSettings& s
 AovSet wanted_aovs(const RenderArguments& arguments) {
   AovSet aovs = aovs_from_names(arguments.aovs);
   if (arguments.denoiser.empty()) return aovs;
-  for (const Aov aov : {Aov::kAlbedo, Aov::kNormal, Aov::kDepth}) aovs.insert(aov);
+  for (const Aov aov : {aov_named("albedo"), aov_named("normal"), aov_named("depth")}) aovs.insert(aov);
   if (arguments.denoiser == "nlm")
-    for (const Aov aov : {Aov::kVariance, Aov::kHalf}) aovs.insert(aov);
+    for (const Aov aov : {aov_named("variance"), aov_named("half")}) aovs.insert(aov);
   return aovs;
 }
 
@@ -462,7 +462,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   plan.sets_given = arguments.replicates > 0;
   plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
                               : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
-  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
+  if (aovs.contains(aov_named("variance")) || aovs.contains(aov_named("half"))) plan.sets = std::max(plan.sets, 2u);
   return plan;
 }
 

@@ -226,7 +226,7 @@ class Renderer {
     const std::uint32_t first = state_.first_sample;
     std::uint32_t count =
         std::min({kPassSamples, plan_.range.end() - first, plan_.replicate_samples - first % plan_.replicate_samples});
-    if (options_.aovs.contains(Aov::kHalf) && first < plan_.half_samples)
+    if (options_.aovs.contains(aov_named("half")) && first < plan_.half_samples)
       count = std::min(count, plan_.half_samples - first);
     if (photon_mapping_) {
       count = photon_mapping_->samples_alike(count);

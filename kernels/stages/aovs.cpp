@@ -113,15 +113,15 @@ template <class L>
   if (out.lanes == 0) return out;
   const VertexItem<L> item = wave.vertices.load<L>(column);
   const Vec3<L> ng = select<L>(dot(item.ng, ray.direction) > F(0.0f), -item.ng, item.ng);
-  out.put(channels.normal, select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
-  out.put(channels.geometric_normal, ng);
-  out.put(channels.position, item.p);
-  if (channels.depth >= 0) {
+  out.put(channels[aov_named("normal")], select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
+  out.put(channels[aov_named("geometric_normal")], ng);
+  out.put(channels[aov_named("position")], item.p);
+  if (const int depth = channels[aov_named("depth")]; depth >= 0) {
     const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
-    out.put_words(channels.depth, {depth_of<L>(scene, task, pixel, item.p)});
+    out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p)});
   }
-  if (channels.uv >= 0) put_uv<L>(scene, wave, slots, ray, channels.uv, out);
-  if (channels.surfaces)
+  if (const int uv = channels[aov_named("uv")]; uv >= 0) put_uv<L>(scene, wave, slots, ray, uv, out);
+  if (channels.has_surfaces())
     put_surfaces<L>(task.samples, out.lanes, radiance.task_sample, wave.hits.gather<L>(slots).shape);
   return out;
 }
@@ -135,7 +135,7 @@ template <class L>
     rgb = reflectance_to_rgb<L>(context.scene.spectral,
                                 sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots))), albedo);
   const auto unit = [](F value) SHEAF_LAMBDA_INLINE { return clamp(value, F(0.0f), F(1.0f)); };
-  out.put(context.camera->aovs().albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
+  out.put(context.camera->aovs()[aov_named("albedo")], Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
         const Slot* slots = wave.sorted.data() + run.slot_begin + i;
         const int column = run.column_begin + i;
         const SampleLanes<L> out = aov_tile<L>(context, wave, slots, column, count);
-        if (out.lanes == 0 || context.camera->aovs().albedo < 0) return;
+        if (out.lanes == 0 || context.camera->aovs()[aov_named("albedo")] < 0) return;
         const Vec3<L> wo = wave.vertices.load<L>(column).wo;
         put_albedo<L>(context, wave, slots, out,
                       directional_albedo<L>(load_bsdf<L, Bsdf>(context.scene, wave, column), wo));

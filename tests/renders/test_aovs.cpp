@@ -10,7 +10,8 @@ namespace sheaf::test_aovs {
 
 namespace {
 
-const AovSet kSurfaces{Aov::kAlbedo, Aov::kNormal, Aov::kGeometricNormal, Aov::kPosition, Aov::kDepth, Aov::kUv};
+const AovSet kSurfaces{aov_named("albedo"),   aov_named("normal"), aov_named("geometric_normal"),
+                       aov_named("position"), aov_named("depth"),  aov_named("uv")};
 
 Image picture(const Description& d, const RenderOptions& options, ColorMode color = ColorMode::kRgb) {
   CompileOptions compile;
@@ -86,6 +87,18 @@ TEST_CASE("layers: a wall at a known place, in both colour modes and both ways o
         }
         check_vector(vector(image, 4, 4, "albedo", "RGB"), {0.2f, 0.4f, 0.6f}, color == ColorMode::kRgb ? 1e-5 : 0.02);
       }
+}
+
+TEST_CASE("layers: every layer of the first surface gets values") {
+  const Image image = picture(wall(coloured), with(aovs_from_names("all"), 16));
+  for (const AovEntry& entry : kAovList) {
+    if (entry.source != AovSource::kVertex) continue;
+    CAPTURE(std::string(entry.name));
+    float largest = 0;
+    for (const std::string_view channel : entry.channels)
+      if (!channel.empty()) largest = std::max(largest, std::abs(value(image, 1, 2, std::string(channel).c_str())));
+    CHECK(largest > 0);
+  }
 }
 
 TEST_CASE("layers: depth runs along the camera's axis, wherever that is and however it is scaled") {
@@ -167,7 +180,7 @@ TEST_CASE("layers: the albedo is what an even surrounding makes surfaces send ba
     d.integrator.rr_depth = 3;
     d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise where the BSDF is sampled exactly
     d.sampler.kind = SamplerKind::kIndependent;
-    const Image image = picture(d, with({Aov::kAlbedo}, 1024));
+    const Image image = picture(d, with({aov_named("albedo")}, 1024));
     Vec3f light{}, albedo{};
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) {
@@ -189,7 +202,8 @@ TEST_CASE("layers: the first half is the picture of half the samples, and featur
   Description d = wall(coloured);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
   add_point_light(d, {1, 2, 0}, 10);
-  const Image image = picture(d, with({Aov::kHalf, Aov::kVariance, Aov::kNormal, Aov::kDepth}, 32));
+  const Image image =
+      picture(d, with({aov_named("half"), aov_named("variance"), aov_named("normal"), aov_named("depth")}, 32));
   RenderOptions half_options;
   half_options.samples_per_pixel = 16;
   const Image half = picture(d, half_options);
@@ -210,7 +224,7 @@ TEST_CASE("layers: the first half is the picture of half the samples, and featur
   for (const char* name : {"variance.N.Y", "variance.R", "variance.B"}) CHECK(image.find_channel(name) >= 0);
   // Where samples are independent, halves are cut from one set.
   d.sampler.kind = SamplerKind::kIndependent;
-  const Image independent = picture(d, with({Aov::kHalf}, 32));
+  const Image independent = picture(d, with({aov_named("half")}, 32));
   half_options.seed = 0;
   const Image first = picture(d, half_options);
   CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
@@ -226,7 +240,7 @@ TEST_CASE("layers: of a batch of cameras each has the depth along its own axis")
   CameraDescription second = d.camera;
   second.to_world = Transform::look_at({2, 0, -6}, {-1, 0, -6}, {0, 1, 0});
   d.more_cameras.push_back(second);
-  const Image image = picture(d, with({Aov::kDepth, Aov::kPosition}, 16));
+  const Image image = picture(d, with({aov_named("depth"), aov_named("position")}, 16));
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == doctest::Approx(5).epsilon(1e-5));
     for (const int x : {5, 6}) {
@@ -242,7 +256,7 @@ TEST_CASE("layers: of an odd number of sets the first half is the smaller one") 
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_two_sided(d, add_diffuse(d, 0.7f)));
   for (const int sets : {3, 5}) {
     CAPTURE(sets);
-    RenderOptions options = with({Aov::kHalf}, static_cast<std::uint32_t>(8 * sets));
+    RenderOptions options = with({aov_named("half")}, static_cast<std::uint32_t>(8 * sets));
     options.replicates = sets;
     const Image image = picture(d, options);
     // The samples of the sets alone that make the half.
@@ -282,18 +296,18 @@ TEST_CASE("layers: errors for what there are no layers of") {
     } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
     return false;
   };
-  CHECK(fails(with({Aov::kHalf}, 1)));
+  CHECK(fails(with({aov_named("half")}, 1)));
   d.integrator.kind = IntegratorKind::kNormals;
-  CHECK(fails(with({Aov::kNormal})));
+  CHECK(fails(with({aov_named("normal")})));
   d.integrator.kind = IntegratorKind::kPath;
   d.integrator.max_depth = 1;
-  CHECK(fails(with({Aov::kNormal})));
-  CHECK_FALSE(fails(with({Aov::kVariance})));
+  CHECK(fails(with({aov_named("normal")})));
+  CHECK_FALSE(fails(with({aov_named("variance")})));
   d.integrator.kind = IntegratorKind::kLightTracer;
-  CHECK(fails(with({Aov::kHalf})));
+  CHECK(fails(with({aov_named("half")})));
   CHECK_THROWS_WITH(aovs_from_names("albedo,normals"), doctest::Contains("did you mean 'normal'? (known: albedo"));
-  CHECK(aovs_from_names("depth,uv,depth") == AovSet{Aov::kUv, Aov::kDepth});
-  CHECK(aovs_from_names("all").contains(Aov::kHalf));
+  CHECK(aovs_from_names("depth,uv,depth") == AovSet{aov_named("uv"), aov_named("depth")});
+  CHECK(aovs_from_names("all").contains(aov_named("half")));
   CHECK(aovs_from_names("") == AovSet());
 }
 
