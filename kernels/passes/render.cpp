@@ -2,6 +2,7 @@
 #include "kernels/passes/render.h"
 
 #include "core/error.h"
+#include "core/flush_denormals.h"
 #include "core/saturate.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/film/noise.h"
