@@ -1,5 +1,6 @@
 // The cost of each BSDF at a vertex: one evaluation, as for light sampling, and one sample. Parameters differ between
 // lanes. "per_item" is in seconds.
+#include "kernels/wave/path_state.h"
 #include "tests/support/any_bsdf.h"
 
 #include <benchmark/benchmark.h>

@@ -1,6 +1,7 @@
 // The cost of photon maps: gathering at surface vertices and along rays in fog, and building. "per_item" is in seconds
 // per query, or per photon for building. "per_photon" is per photon found, "photons" their number.
 #include "core/error.h"
+#include "core/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/passes/trace_photons.h"
@@ -95,13 +96,13 @@ void gather_around(benchmark::State& state, float radius, int lookup_size) {
   const auto scene = load_scene("scenes/cornell/cornell.xml");
   const PhotonMap map = traced(*scene, PhotonKind::kAll, radius, lookup_size, trace_photons);
   const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
-  GatheringWave gathering(*scene, maps, Stage::kGather);
+  GatheringWave gathering(*scene, maps, stage_named("gather"));
   Wave& wave = gathering.wave();
   double found = 0;
   for (const VertexRun& run : wave.runs)
     for (int i = 0; i < run.count; ++i)
       found += photons_around(maps.global, wave.vertices.load<Scalar>(run.column_begin + i).p);
-  gathering.run(state, Stage::kGather, found);
+  gathering.run(state, stage_named("gather"), found);
 }
 
 void gather_along(benchmark::State& state, float radius) {
@@ -110,14 +111,14 @@ void gather_along(benchmark::State& state, float radius) {
   const VolumePhotonMaps volume = traced(*scene, PhotonKind::kVolume, radius, 0, trace_volume_photons);
   const VolumePhotonMap& map = volume.points;
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
-  GatheringWave gathering(*scene, maps, Stage::kGatherVolume);
+  GatheringWave gathering(*scene, maps, stage_named("gather_volume"));
   Wave& wave = gathering.wave();
   std::vector<NearPoint> found;
   for (const Slot slot : wave.medium.span()) {
     const RayState<Scalar> ray = wave.rays.get(slot);
     map.points().near_ray(ray.origin, ray.direction, wave.hits.get(slot).t, found);
   }
-  gathering.run(state, Stage::kGatherVolume, static_cast<double>(found.size()));
+  gathering.run(state, stage_named("gather_volume"), static_cast<double>(found.size()));
 }
 
 /// Photons all over a square, as on a floor.

@@ -1,6 +1,7 @@
 // The cost per item of each stage of the path and light passes, on waves in the middle of a render. Every benchmark
 // reports "per_item" in seconds, "best_per_item" for the shortest call, and the number of items per call.
 #include "core/error.h"
+#include "core/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/photons/light_task.h"
@@ -46,8 +47,8 @@ class WarmWave {
         samples_of({x, y, std::min(film.width, x + kSide), std::min(film.height, y + kSide)}, {film.width}, 0, kSpp);
     task_.begin(pixels_, {film.width}, kBeautyChannels);
     rewind_photons();
-    for (int step = 0; step < kSteps; ++step) advance(Stage::kCount);
-    while (!refilling()) advance(Stage::kCount);
+    for (int step = 0; step < kSteps; ++step) advance(static_cast<Stage>(kStages<Wide>.size()));
+    while (!refilling()) advance(static_cast<Stage>(kStages<Wide>.size()));
   }
 
   /// Runs a step of the pass up to, but not including, a stage.

@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/large_pages.h"
 #include "kernels/passes/render.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
@@ -71,8 +71,8 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
 std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, RenderOptions options) {
   options.samples_per_pixel = 1;
   const Stats stats = render(scene, options).report.stats;
-  const std::uint64_t packets =
-      stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches + stats[Stage::kTransmittance].batches;
+  const std::uint64_t packets = stats[stage_named("intersect")].batches + stats[stage_named("shadow")].batches +
+                                stats[stage_named("transmittance")].batches;
   const std::uint64_t budget = static_cast<std::uint64_t>(arguments.megabytes) * 1'000'000 / sizeof(PacketRecord);
   // The number of rays differs between samples, so a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);

@@ -1,10 +1,11 @@
 // The null hypothesis: neither waves nor wide registers pay. Compares the renderer's own kernels, run path by path and
 // one lane at a time, with their normal execution.
 #include "bench/trace_limit.h"
+#include "core/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/passes/passes.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 
 #include <algorithm>
 #include <limits>
@@ -44,8 +45,8 @@ double timestamp_cost() {
 }
 
 double stamps(const Stats& stats) {
-  std::uint64_t pairs =
-      stats[Stage::kIntersect].batches + stats[Stage::kShadow].batches + stats[Stage::kTransmittance].batches;
+  std::uint64_t pairs = stats[stage_named("intersect")].batches + stats[stage_named("shadow")].batches +
+                        stats[stage_named("transmittance")].batches;
   for (const StageStats& stage : stats.stages) pairs += stage.calls;
   return 2.0 * static_cast<double>(pairs);
 }

@@ -1,4 +1,5 @@
-// Memory limits of the system, of control groups and of the process (Linux), and the text of out-of-memory errors.
+// Memory limits of the system, of control groups and of the process (Linux), its peak use of memory, and the text of
+// out-of-memory errors.
 #include "core/memory.h"
 
 #include <sys/resource.h>
@@ -6,9 +7,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string_view>
 
 namespace sheaf {
 
@@ -88,6 +91,15 @@ double pages_in_statm(int index) {
   return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+/// The value of `key`, such as "VmHWM", in /proc/self/status, in bytes; 0 if missing.
+std::uint64_t process_status_bytes(std::string_view key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.size() > key.size() && line.starts_with(key) && line[key.size()] == ':')
+      return 1024 * std::strtoull(line.c_str() + key.size() + 1, nullptr, 10);
+  return 0;
+}
+
 }  // namespace
 
 double available_addresses() {
@@ -101,6 +113,27 @@ double available_memory() {
 }
 
 double resident_memory() { return pages_in_statm(1); }
+
+std::uint64_t peak_rss_bytes() {
+  // getrusage() also counts the program that this process ran before.
+  if (const std::uint64_t bytes = process_status_bytes("VmHWM"); bytes != 0) return bytes;
+#if defined(__APPLE__)
+  constexpr std::uint64_t kUnit = 1;
+#else
+  constexpr std::uint64_t kUnit = 1024;
+#endif
+#if defined(__unix__) || defined(__APPLE__)
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) return static_cast<std::uint64_t>(usage.ru_maxrss) * kUnit;
+#endif
+  return 0;
+}
+
+std::uint64_t peak_private_bytes() {
+  const std::uint64_t peak = process_status_bytes("VmHWM");
+  const std::uint64_t files = process_status_bytes("RssFile") + process_status_bytes("RssShmem");
+  return peak > files ? peak - files : 0;
+}
 
 std::string format_bytes(double bytes) {
   char text[64];

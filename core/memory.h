@@ -1,9 +1,10 @@
-// Available memory, and out-of-memory errors. Systems overcommit memory and kill the processes that use it, so large
-// allocations are checked in advance.
+// Available and used memory, and out-of-memory errors. Systems overcommit memory and kill the processes that use it, so
+// large allocations are checked in advance.
 #pragma once
 
 #include "core/error.h"
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -25,6 +26,13 @@ double available_addresses();
 
 /// Resident bytes of the process; 0 if unknown.
 double resident_memory();
+
+/// The peak resident set size of this process in bytes; 0 if unknown.
+std::uint64_t peak_rss_bytes();
+
+/// The peak resident set size minus the file pages that are resident now, mostly code of libraries. Heap, stacks, and
+/// data that libraries have written to remain. In bytes; 0 if unknown.
+std::uint64_t peak_private_bytes();
 
 /// Formats bytes as "12.3 GB", or as "45 MB" below 0.1 GB.
 std::string format_bytes(double bytes);

@@ -5,8 +5,8 @@
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
-#include "scene/dialects/native_color.h"
 #include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/native_color.h"
 #include "tools/parts.h"
 
 #include <fmt/format.h>
@@ -123,9 +123,9 @@ int choose_replicates(const RenderArguments& arguments, const SamplerSettings& s
 AovSet wanted_aovs(const RenderArguments& arguments) {
   AovSet aovs = aovs_from_names(arguments.aovs);
   if (arguments.denoiser.empty()) return aovs;
-  for (const Aov aov : {Aov::kAlbedo, Aov::kNormal, Aov::kDepth}) aovs.insert(aov);
+  for (const Aov aov : {aov_named("albedo"), aov_named("normal"), aov_named("depth")}) aovs.insert(aov);
   if (arguments.denoiser == "nlm")
-    for (const Aov aov : {Aov::kVariance, Aov::kHalf}) aovs.insert(aov);
+    for (const Aov aov : {aov_named("variance"), aov_named("half")}) aovs.insert(aov);
   return aovs;
 }
 

@@ -2,7 +2,6 @@
 // OpenEXR file.
 #include "core/exr.h"
 #include "core/memory.h"
-#include "core/stats.h"
 #include "kernels/passes/render_memory.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/sampler_name.h"

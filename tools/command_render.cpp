@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/large_pages.h"
+#include "core/memory.h"
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/saturate.h"

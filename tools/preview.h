@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/image.h"
-#include "core/stats.h"
+#include "kernels/passes/render_report.h"
 #include "tools/options.h"
 
 #include <atomic>

@@ -39,7 +39,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   plan.sets_given = arguments.replicates > 0;
   plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
                               : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
-  if (aovs.contains(Aov::kVariance) || aovs.contains(Aov::kHalf)) plan.sets = std::max(plan.sets, 2u);
+  if (aovs.contains(aov_named("variance")) || aovs.contains(aov_named("half"))) plan.sets = std::max(plan.sets, 2u);
   return plan;
 }
 

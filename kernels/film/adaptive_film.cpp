@@ -261,8 +261,8 @@ void AdaptiveFilm::add_variances(const Tile& tile, Film& film) const {
   });
 }
 
-RenderReport::Adaptive AdaptiveFilm::summary() const {
-  RenderReport::Adaptive summary;
+AdaptiveSummary AdaptiveFilm::summary() const {
+  AdaptiveSummary summary;
   summary.noise_target = goal_.noise;
   double pixels = 0, samples = 0;
   for (const Tile& tile : tiles_) {

@@ -9,8 +9,9 @@
 // samples that the image does not need are discarded.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/film/film.h"
+
+#include <optional>
 
 namespace sheaf {
 
@@ -28,6 +29,14 @@ struct AdaptiveUnit {
   std::uint32_t first_sample = 0, samples = 0;  ///< of each pixel; index within the set
   std::uint8_t set = 0;                         ///< 0 and 1 belong to half A, 2 and 3 to half B
   std::uint8_t done = 0;
+};
+
+/// The number of samples that adaptive sampling has taken.
+struct AdaptiveSummary {
+  double noise_target = 0;  ///< target noise of each tile; 0: none
+  double mean_samples = 0;  ///< per pixel, of the samples that are used
+  std::uint32_t least_samples = 0, most_samples = 0;
+  std::uint64_t tiles = 0, reached = 0;  ///< tiles of the image, and tiles that reached the target
 };
 
 /// Sample sums of all tiles and sets.
@@ -54,7 +63,7 @@ class AdaptiveFilm {
 
   /// Writes the image of the samples so far into `film`.
   void assemble(Film& film) const;
-  RenderReport::Adaptive summary() const;
+  AdaptiveSummary summary() const;
 
  private:
   friend void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film);

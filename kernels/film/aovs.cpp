@@ -78,11 +78,11 @@ AovSet aovs_from_names(std::string_view names) {
 
 FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups) {
   std::vector<FilmChannel> channels = FilmLayout::beauty(with_variances).channels();
-  if (aovs.contains(Aov::kHalf))
+  if (aovs.contains(aov_named("half")))
     for (const int channel : {kRed, kGreen, kBlue}) channels[static_cast<std::size_t>(channel)].has_half = true;
   for (const AovEntry& entry : kAovList) {
     if (entry.source != AovSource::kVertex || !aovs.contains(entry.aov)) continue;
-    const bool has_variance = with_variances && entry.has_variance && aovs.contains(Aov::kVariance);
+    const bool has_variance = with_variances && entry.has_variance && aovs.contains(aov_named("variance"));
     for (const std::string_view channel : entry.channels)
       if (!channel.empty()) channels.push_back({std::string(channel), has_variance});
   }
@@ -91,14 +91,15 @@ FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::
   return FilmLayout(std::move(channels));
 }
 
-AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : surfaces(aovs.contains(AovSource::kSurfaceId)) {
-  const auto first = [&](Aov aov) { return layout.find(kAovList[static_cast<std::size_t>(aov)].channels[0]); };
-  albedo = first(Aov::kAlbedo);
-  normal = first(Aov::kNormal);
-  geometric_normal = first(Aov::kGeometricNormal);
-  position = first(Aov::kPosition);
-  depth = first(Aov::kDepth);
-  uv = first(Aov::kUv);
+AovChannels::AovChannels(const FilmLayout& layout, AovSet aovs) : has_surfaces_(aovs.contains(AovSource::kSurfaceId)) {
+  first_.fill(-1);
+  for (const AovEntry& entry : kAovList)
+    if (entry.source == AovSource::kVertex)
+      first_[static_cast<std::size_t>(entry.aov)] = layout.find(entry.channels[0]);
+}
+
+bool AovChannels::any() const {
+  return has_surfaces_ || std::any_of(first_.begin(), first_.end(), [](int channel) { return channel >= 0; });
 }
 
 std::vector<std::string> half_channels(const std::vector<std::string>& channels) {

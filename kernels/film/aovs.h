@@ -1,5 +1,5 @@
-// AOVs (arbitrary output variables) and their only list. The command-line option, the film layout, the files and the
-// table in docs/layers.md derive from it.
+// AOVs (arbitrary output variables) and their only list. The command-line option, the film layout, the channels of
+// samples and the types in files derive from it; a test compares it with the table in docs/layers.md.
 #pragma once
 
 #include "kernels/film/film_layout.h"
@@ -9,24 +9,8 @@
 
 namespace sheaf {
 
-/// All AOVs that a user can request.
-enum class Aov : std::uint32_t {
-  kAlbedo,
-  kNormal,
-  kGeometricNormal,
-  kPosition,
-  kDepth,
-  kUv,
-  kMaterialId,
-  kObjectId,
-  kCryptomatteMaterial,
-  kCryptomatteObject,
-  kSampleCount,
-  kVariance,
-  kHalf,
-  kCount
-};
-inline constexpr std::size_t kAovCount = static_cast<std::size_t>(Aov::kCount);
+/// Position of an AOV in kAovList; see aov_named().
+enum class Aov : std::uint32_t {};
 
 /// Origin of a layer.
 enum class AovSource : std::uint8_t {
@@ -40,54 +24,52 @@ enum class PixelType : std::uint8_t { kHalf, kFloat };
 
 /// Properties of one AOV.
 struct AovEntry {
-  Aov aov;
   std::string_view name;  ///< on the command line
   /// Channel names in the image; unused ones are empty. For Cryptomatte, the first of several channels.
   std::array<std::string_view, 3> channels;
   AovSource source;
   PixelType type;
-  bool has_variance;  ///< with Aov::kVariance, its channels have variances too
+  std::string_view description;  ///< contents, a phrase
+  bool has_variance = false;     ///< with the AOV "variance", its channels have variances too
+  Aov aov{};                     ///< position in the list, which sets it
 };
 
-/// The list, in the order of Aov. Values in [-1, 1] are stored as 16-bit floats. Values that may be large, or small
-/// like variances, are stored as 32-bit floats.
-inline constexpr std::array<AovEntry, kAovCount> kAovList = {{
-    {Aov::kAlbedo, "albedo", {"albedo.R", "albedo.G", "albedo.B"}, AovSource::kVertex, PixelType::kHalf, true},
-    {Aov::kNormal, "normal", {"N.X", "N.Y", "N.Z"}, AovSource::kVertex, PixelType::kHalf, true},
-    {Aov::kGeometricNormal, "geometric_normal", {"Ng.X", "Ng.Y", "Ng.Z"}, AovSource::kVertex, PixelType::kHalf, false},
-    {Aov::kPosition, "position", {"P.X", "P.Y", "P.Z"}, AovSource::kVertex, PixelType::kFloat, false},
-    {Aov::kDepth, "depth", {"Z"}, AovSource::kVertex, PixelType::kFloat, true},
-    {Aov::kUv, "uv", {"uv.U", "uv.V"}, AovSource::kVertex, PixelType::kFloat, false},
-    {Aov::kMaterialId, "material_id", {"materialId"}, AovSource::kSurfaceId, PixelType::kFloat, false},
-    {Aov::kObjectId, "object_id", {"objectId"}, AovSource::kSurfaceId, PixelType::kFloat, false},
-    {Aov::kCryptomatteMaterial,
-     "cryptomatte_material",
-     {"CryptoMaterial00.r"},
-     AovSource::kSurfaceId,
-     PixelType::kFloat,
-     false},
-    {Aov::kCryptomatteObject,
-     "cryptomatte_object",
-     {"CryptoObject00.r"},
-     AovSource::kSurfaceId,
-     PixelType::kFloat,
-     false},
-    {Aov::kSampleCount, "sample_count", {"sampleCount"}, AovSource::kFilm, PixelType::kFloat, false},
-    {Aov::kVariance,
-     "variance",
-     {"variance.R", "variance.G", "variance.B"},
-     AovSource::kFilm,
-     PixelType::kFloat,
-     false},
-    {Aov::kHalf, "half", {"half.R", "half.G", "half.B"}, AovSource::kFilm, PixelType::kFloat, false},
-}};
-static_assert(
-    [] {
-      for (std::size_t i = 0; i < kAovCount; ++i)
-        if (static_cast<std::size_t>(kAovList[i].aov) != i || kAovList[i].name.empty()) return false;
-      return true;
-    }(),
-    "the list follows the enumeration");
+/// The list. Values in [-1, 1] are stored as 16-bit floats. Values that may be large, or small like variances, are
+/// stored as 32-bit floats.
+inline constexpr auto kAovList = [] {
+  using S = AovSource;
+  using P = PixelType;
+  auto list = std::to_array<AovEntry>({
+      {"albedo", {"albedo.R", "albedo.G", "albedo.B"}, S::kVertex, P::kHalf, "directional albedo in [0, 1]", true},
+      {"normal", {"N.X", "N.Y", "N.Z"}, S::kVertex, P::kHalf, "shading normal in world space, facing the camera", true},
+      {"geometric_normal",
+       {"Ng.X", "Ng.Y", "Ng.Z"},
+       S::kVertex,
+       P::kHalf,
+       "geometric normal in world space, facing the camera"},
+      {"position", {"P.X", "P.Y", "P.Z"}, S::kVertex, P::kFloat, "position in world space"},
+      {"depth", {"Z"}, S::kVertex, P::kFloat, "depth along the optical axis; distance for cameras without one", true},
+      {"uv", {"uv.U", "uv.V"}, S::kVertex, P::kFloat, "texture coordinates before the texture's transform"},
+      {"material_id", {"materialId"}, S::kSurfaceId, P::kFloat, "number of the dominant material, 0 for none"},
+      {"object_id", {"objectId"}, S::kSurfaceId, P::kFloat, "number of the dominant object, 0 for none"},
+      {"cryptomatte_material", {"CryptoMaterial00.r"}, S::kSurfaceId, P::kFloat, "materials with their coverage"},
+      {"cryptomatte_object", {"CryptoObject00.r"}, S::kSurfaceId, P::kFloat, "objects with their coverage"},
+      {"sample_count", {"sampleCount"}, S::kFilm, P::kFloat, "samples taken in the pixel; always present"},
+      {"variance", {"variance.R", "variance.G", "variance.B"}, S::kFilm, P::kFloat, "variance of the pixel's mean"},
+      {"half", {"half.R", "half.G", "half.B"}, S::kFilm, P::kFloat, "image of one half of the samples"},
+  });
+  for (std::size_t i = 0; i < list.size(); ++i) list[i].aov = static_cast<Aov>(i);
+  return list;
+}();
+
+/// The AOV of that name. A name that is not in the list does not compile.
+consteval Aov aov_named(std::string_view name) {
+  for (const AovEntry& entry : kAovList)
+    if (entry.name == name) return entry.aov;
+  throw "no AOV has this name";
+}
+
+constexpr const AovEntry& entry_of(Aov aov) { return kAovList[static_cast<std::size_t>(aov)]; }
 
 /// A set of requested AOVs.
 class AovSet {
@@ -107,6 +89,7 @@ class AovSet {
   }
 
  private:
+  static_assert(kAovList.size() <= 32);
   std::uint32_t bits_ = 0;
 };
 
@@ -118,20 +101,25 @@ AovSet aovs_from_names(std::string_view names);
 std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups);
 
 /// The channels R, G, B and A, then the AOVs, then R, G and B of each light group's layer. `with_variances`: R, G and B
-/// get variances, and with Aov::kVariance also the AOVs that support them.
+/// get variances, and with the AOV "variance" also the AOVs that support them.
 FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups = {});
 
-/// Index of the first channel of each AOV of AovSource::kVertex in a sample; -1 if the AOV is absent.
-struct AovChannels {
-  int albedo = -1, normal = -1, geometric_normal = -1, position = -1, depth = -1, uv = -1;
-  bool surfaces = false;  ///< samples have a SurfaceSample
-
-  AovChannels() = default;
+/// Where a sample holds each AOV of AovSource::kVertex.
+class AovChannels {
+ public:
+  AovChannels() { first_.fill(-1); }
   AovChannels(const FilmLayout& layout, AovSet aovs);
+
+  /// Index of the AOV's first channel; -1 if the AOV is absent.
+  int operator[](Aov aov) const { return first_[static_cast<std::size_t>(aov)]; }
+  /// Whether samples have a SurfaceSample.
+  bool has_surfaces() const { return has_surfaces_; }
   /// Whether samples carry any AOV.
-  bool any() const {
-    return surfaces || albedo >= 0 || normal >= 0 || geometric_normal >= 0 || position >= 0 || depth >= 0 || uv >= 0;
-  }
+  bool any() const;
+
+ private:
+  std::array<int, kAovList.size()> first_;
+  bool has_surfaces_ = false;
 };
 
 /// The subset of an image's channels that files store as 16-bit floats.

@@ -64,7 +64,7 @@ class CameraTask {
     for (const PixelSamples& p : pixels) total_ += static_cast<int>(p.sample_count);
     cursor = {};
     enter();
-    samples.resize(total_, channels, spectral_bins > 0, aovs.surfaces);
+    samples.resize(total_, channels, spectral_bins > 0, aovs.has_surfaces());
     // Paths that hit no surface, or no light of a group, do not write these layers.
     if (channels > kBeautyChannels) samples.clear();
   }

@@ -22,10 +22,10 @@ struct NameLayers {
   const std::vector<std::string> SceneNames::*names;
   const std::vector<std::uint32_t> SceneNames::*of_shape;
 };
-constexpr NameLayers kNameLayers[] = {{Aov::kObjectId, Aov::kCryptomatteObject, "CryptoObject", "part.object.",
-                                       &SceneNames::objects, &SceneNames::object_of_shape},
-                                      {Aov::kMaterialId, Aov::kCryptomatteMaterial, "CryptoMaterial", "part.material.",
-                                       &SceneNames::materials, &SceneNames::material_of_shape}};
+constexpr NameLayers kNameLayers[] = {{aov_named("object_id"), aov_named("cryptomatte_object"), "CryptoObject",
+                                       "part.object.", &SceneNames::objects, &SceneNames::object_of_shape},
+                                      {aov_named("material_id"), aov_named("cryptomatte_material"), "CryptoMaterial",
+                                       "part.material.", &SceneNames::materials, &SceneNames::material_of_shape}};
 static_assert(std::size(kNameLayers) == kNameKinds);
 
 /// The highest `digits` hexadecimal digits of a 32-bit value.
@@ -191,7 +191,7 @@ void add_id_layers(AovSet aovs, const SceneNames& names, const Film& film, Image
   if (!aovs.contains(AovSource::kSurfaceId)) return;
   std::vector<std::string> more;
   for (const NameLayers& kind : kNameLayers) {
-    if (aovs.contains(kind.number)) more.emplace_back(kAovList[static_cast<std::size_t>(kind.number)].channels[0]);
+    if (aovs.contains(kind.number)) more.emplace_back(entry_of(kind.number).channels[0]);
     for (int i = 0; i < 2 * kCryptomatteRanks && aovs.contains(kind.cryptomatte); ++i)
       more.push_back(rank_channel(kind, i));
   }
@@ -202,7 +202,7 @@ void add_id_layers(AovSet aovs, const SceneNames& names, const Film& film, Image
 
 IdChannels::IdChannels(const Image& image, std::size_t kind) {
   const NameLayers& layers = kNameLayers[kind];
-  number = image.find_channel(kAovList[static_cast<std::size_t>(layers.number)].channels[0]);
+  number = image.find_channel(entry_of(layers.number).channels[0]);
   for (int i = 0; i < 2 * kCryptomatteRanks; ++i)
     ranks[static_cast<std::size_t>(i)] = image.find_channel(rank_channel(layers, i));
   // An incomplete set of ranks counts as absent.

@@ -8,8 +8,8 @@
 // and have exact transmittance: light sampling passes through them with probability 1.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/media/density_tracking.h"
+#include "kernels/media/tracking_counts.h"
 #include "scene/tables/medium_lookup.h"
 
 namespace sheaf {
@@ -57,8 +57,6 @@ struct MediumRay {
   /// Factor on the pdfs of the lanes, given the factor `ratio` relative to the hero's pdf.
   Float4 odds(Float4 ratio) const { return weighted ? ratio : Float4(ratio[hero]); }
 };
-
-using TrackingCounts = Stats::Collisions;
 
 /// Transmittance over a distance in metres.
 SHEAF_INLINE Float4 transmittance(Float4 sigma_t, float distance) { return exp(sigma_t * -distance); }

@@ -37,7 +37,8 @@ bool has_phase_functions(const SceneView& scene) {
   bool any = false;
   for_each_closure([&]<class Closure>(ClosureKind closure, Closure) {
     const int kind = static_cast<int>(closure);
-    any = any || (Closure::kInfo.is_phase && scene.materials.buckets.begin[kind + 1] > scene.materials.buckets.begin[kind]);
+    any = any ||
+          (Closure::kInfo.is_phase && scene.materials.buckets.begin[kind + 1] > scene.materials.buckets.begin[kind]);
   });
   return any;
 }

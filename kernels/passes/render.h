@@ -1,9 +1,9 @@
 // The renderer: divides camera samples into tasks, runs them on workers, and adds the samples to the film in order.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/film/aovs.h"
 #include "kernels/film/sample_range.h"
+#include "kernels/passes/render_report.h"
 #include "kernels/passes/render_state.h"
 #include "scene/tables/scene.h"
 
@@ -37,7 +37,7 @@ struct RenderOptions {
   /// The samples of each pixel to be taken. They are the same as in a full render: merging the images of all parts
   /// gives the image of all samples. Default: all.
   std::optional<SampleRange> samples;
-  AovSet aovs;                    ///< further layers; Aov::kVariance and kHalf need two replicates or more
+  AovSet aovs;                    ///< further layers; "variance" and "half" need two replicates or more
   bool light_groups = false;      ///< layers with the contribution of each of SceneNames::lights
   bool guiding = false;           ///< path guiding, with training passes before the image is rendered
   std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame

@@ -62,8 +62,8 @@ double image_bytes(const FilmSize& film, const RenderOptions& options) {
   const double channels =
       film.channels.size() + static_cast<double>(film.row.variances + film.row.bins) + film.channels.half_count() + 1;
   double ids = 0;
-  for (const Aov aov : {Aov::kObjectId, Aov::kMaterialId}) ids += options.aovs.contains(aov) ? 1 : 0;
-  for (const Aov aov : {Aov::kCryptomatteObject, Aov::kCryptomatteMaterial})
+  for (const Aov aov : {aov_named("object_id"), aov_named("material_id")}) ids += options.aovs.contains(aov) ? 1 : 0;
+  for (const Aov aov : {aov_named("cryptomatte_object"), aov_named("cryptomatte_material")})
     ids += options.aovs.contains(aov) ? 2 * kCryptomatteRanks : 0;
   return 4 * (ids > 0 ? 2 * channels + ids : channels);
 }

@@ -1,21 +1,18 @@
-// Collects the statistics of workers and words the warnings.
 #include "kernels/passes/render_report.h"
 
-#include "kernels/media/medium_tracking.h"
-#include "kernels/stages/stage_list.h"
+#include "scene/tables/scene.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <iterator>
 
 namespace sheaf {
 
 namespace {
 
-std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first, const SampledFrame& frame) {
-  const std::string what = "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
-                           std::to_string(dropped.samples) + " samples that were not finite or negative; one of them ";
-  if (first.pixel >= kPhotonPixel)
-    return what + "of photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
-  return what + "at pixel (" + std::to_string(frame.x(first.pixel)) + ", " + std::to_string(frame.y(first.pixel)) +
-         "), sample " + std::to_string(first.sample);
-}
+double ratio(double a, double b) { return b > 0 ? a / b : 0.0; }
 
 }  // namespace
 
@@ -31,22 +28,205 @@ std::string integrator_name(const IntegratorSettings& integrator) {
   return integrator.max_depth == 2 ? "direct" : "path";
 }
 
-void add_workers(const Workers& workers, const SampledFrame& frame, const Stats::Dropped& dropped, RenderReport& report,
-                 std::vector<std::string>& warnings) {
-  for (const StageEntry& stage : kStages<Wide>) report.stage_names.push_back(stage.name);
-  const Wave::Dropped* first = nullptr;
-  for (const Worker& worker : workers) {
-    report.stats += worker.wave.stats;
-    const Wave::Dropped& each = worker.wave.first_dropped;
-    if (each.any && (!first || each.pixel < first->pixel)) first = &each;
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < stats.lights.size(); ++i)
+    if (stats.lights[i].rays > 0) order.push_back(i);
+  const auto more = [&](std::size_t a, std::size_t b) {
+    return std::pair(stats.lights[b].rays, a) < std::pair(stats.lights[a].rays, b);
+  };
+  std::sort(order.begin(), order.end(), more);
+  order.resize(std::min(order.size(), most));
+  return order;
+}
+
+double RenderReport::rays_per_second() const { return ratio(static_cast<double>(stats.rays.total()), render_seconds); }
+
+double RenderReport::trace_share() const {
+  return ratio(static_cast<double>(stats.trace_ticks) * seconds_per_tick(), render_seconds * threads);
+}
+
+double RenderReport::samples_factor(double target) const { return noise ? (*noise / target) * (*noise / target) : 0.0; }
+
+namespace {
+
+/// The name of a light in the report: its location in the scene file, or else its row.
+std::string light_name(const RenderReport& report, std::size_t light) {
+  const bool known = light < report.light_source_locations.size() && !report.light_source_locations[light].empty();
+  return known ? report.light_source_locations[light] : "light " + std::to_string(light);
+}
+
+double total_light_radiance(const Stats& stats) {
+  double total = 0;
+  for (const LightStats& light : stats.lights) total += light.radiance;
+  return total;
+}
+
+nlohmann::ordered_json lights_json(const RenderReport& report) {
+  nlohmann::ordered_json lights = nlohmann::ordered_json::array();
+  const double total = total_light_radiance(report.stats);
+  for (const std::size_t i : costliest_lights(report.stats)) {
+    const LightStats& light = report.stats.lights[i];
+    lights.push_back(
+        {{"light", i},
+         {"where", i < report.light_source_locations.size() ? report.light_source_locations[i] : std::string()},
+         {"shadow_rays", light.rays},
+         {"arrived", light.arrived},
+         {"radiance_share", ratio(light.radiance, total)}});
   }
-  report.peak_rss_bytes = peak_rss_bytes();
-  report.peak_private_bytes = peak_private_bytes();
-  report.stats.dropped = dropped;
-  if (first) warnings.push_back(dropped_message(dropped, *first, frame));
-  if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
-    warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
-                       std::to_string(kMaxCollisions) + " collisions each: its voxels differ too much");
+  return lights;
+}
+
+/// The lights with the most shadow rays.
+std::string lights_table(const RenderReport& report) {
+  constexpr std::size_t kLines = 5;
+  std::string text;
+  const auto rays = static_cast<double>(report.stats.rays.shadow);
+  for (const std::size_t i : costliest_lights(report.stats, kLines)) {
+    const LightStats& light = report.stats.lights[i];
+    fmt::format_to(std::back_inserter(text), "{:<28}{:>10.1f}%{:>10.1f}%{:>12.1f}%\n", light_name(report, i),
+                   100 * ratio(static_cast<double>(light.rays), rays),
+                   100 * ratio(static_cast<double>(light.arrived), static_cast<double>(light.rays)),
+                   100 * ratio(light.radiance, total_light_radiance(report.stats)));
+  }
+  if (text.empty() || report.stats.lights.size() < 2) return {};
+  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
+}
+
+/// The result of adaptive sampling.
+std::string adaptive_line(const RenderReport& report) {
+  if (!report.adaptive) return {};
+  const AdaptiveSummary& a = *report.adaptive;
+  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.least_samples, a.most_samples);
+  if (a.noise_target > 0)
+    text += fmt::format("; {} of {} tiles are down to a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
+  return text + "\n";
+}
+
+nlohmann::ordered_json adaptive_json(const RenderReport& report) {
+  if (!report.adaptive) return {};
+  const AdaptiveSummary& a = *report.adaptive;
+  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"least_spp", a.least_samples},
+          {"most_spp", a.most_samples},     {"tiles", a.tiles},           {"tiles_reached", a.reached}};
+}
+
+/// The noise of the image, and the samples and time to halve it and to reduce it to 1 %.
+std::string noise_line(const RenderReport& report) {
+  if (!report.noise || !(*report.noise > 0)) return {};
+  std::string text = fmt::format("noise {:.2f} % of a pixel's value (rms)", *report.noise * 100);
+  if (report.adaptive) return text + "\n";
+  for (const double target : {*report.noise / 2, 0.01}) {
+    const double factor = report.samples_factor(target);
+    if (factor < 1.5) continue;
+    text += fmt::format(
+        "; {:.2g} % would take about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
+        report.render_seconds * factor > 180 ? report.render_seconds * factor / 60 : report.render_seconds * factor,
+        report.render_seconds * factor > 180 ? "min" : "s");
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::string to_json(const RenderReport& report) {
+  using Json = nlohmann::ordered_json;
+  Json stages = Json::array();
+  for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
+    const StageStats& stage = report.stats.stages[i];
+    stages.push_back({{"name", report.stage_names[i]},
+                      {"items", stage.items},
+                      {"calls", stage.calls},
+                      {"seconds", stage.seconds()},
+                      {"ns_per_item", stage.ns_per_item()},
+                      {"lane_fill", stage.lane_fill()}});
+  }
+  const Stats::Rays& rays = report.stats.rays;
+  const Json json{
+      {"scene", report.scene},
+      {"integrator", report.integrator},
+      {"color", report.color},
+      {"width", report.width},
+      {"height", report.height},
+      {"spp", report.spp},
+      {"interrupted", report.interrupted},
+      {"mean_samples", report.mean_samples},
+      {"threads", report.threads},
+      {"isa", report.isa},
+      {"wave_size", report.wave_size},
+      {"seed", report.seed},
+      {"load_seconds", report.load_seconds},
+      {"build_seconds", report.build_seconds},
+      {"render_seconds", report.render_seconds},
+      {"photons",
+       {{"emitted", report.photons.emitted},
+        {"stored", report.photons.stored},
+        {"trace_seconds", report.photons.trace_seconds},
+        {"index_seconds", report.photons.index_seconds}}},
+      {"guiding",
+       {{"passes", report.guiding.passes},
+        {"samples", report.guiding.samples},
+        {"records", report.guiding.records},
+        {"places", report.guiding.places},
+        {"trace_seconds", report.guiding.trace_seconds},
+        {"fit_seconds", report.guiding.fit_seconds}}},
+      {"peak_rss_bytes", report.peak_rss_bytes},
+      {"peak_private_bytes", report.peak_private_bytes},
+      {"samples", report.stats.samples},
+      {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
+      {"rays_per_second", report.rays_per_second()},
+      {"trace_share", report.trace_share()},
+      {"noise", report.noise ? Json(*report.noise) : Json()},
+      {"seconds_to_one_percent", report.noise ? Json(report.render_seconds * report.samples_factor(0.01)) : Json()},
+      {"adaptive", adaptive_json(report)},
+      {"stages", stages},
+      {"lights", lights_json(report)},
+      {"collisions",
+       {{"real", report.stats.collisions.real},
+        {"null", report.stats.collisions.null},
+        {"shadow", report.stats.collisions.shadow},
+        {"abandoned", report.stats.collisions.abandoned}}},
+      {"dropped", {{"rays", report.stats.dropped.rays}, {"samples", report.stats.dropped.samples}}}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_table(const RenderReport& report) {
+  const Stats& stats = report.stats;
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
+                 report.height, report.spp, report.threads, report.isa, report.wave_size);
+  if (report.interrupted)
+    fmt::format_to(out, "interrupted: {:.4g} samples per pixel were taken\n", report.mean_samples);
+  fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
+                 report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
+  if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
+    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} put into maps in {:.3f} s\n", photons.emitted,
+                   photons.trace_seconds, photons.stored, photons.index_seconds);
+  if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
+    fmt::format_to(
+        out, "guide: {} samples in {} passes in {:.3f} s, {} places learned from {} directions in {:.3f} s\n",
+        guiding.samples, guiding.passes, guiding.trace_seconds, guiding.places, guiding.records, guiding.fit_seconds);
+  fmt::format_to(
+      out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
+      stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
+      report.rays_per_second() * 1e-6, report.trace_share() * 100);
+  fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
+                 "lane fill");
+  for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
+    const StageStats& stage = stats.stages[i];
+    if (stage.items == 0) continue;
+    fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i], stage.items,
+                   stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
+  }
+  text += lights_table(report);
+  text += adaptive_line(report) + noise_line(report);
+  if (const TrackingCounts& c = stats.collisions; c.real + c.null + c.shadow > 0)
+    fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
+                   c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);
+  if (stats.dropped.rays + stats.dropped.samples > 0) {
+    fmt::format_to(out, "dropped: {} rays, {} samples\n", stats.dropped.rays, stats.dropped.samples);
+  }
+  return text;
 }
 
 }  // namespace sheaf

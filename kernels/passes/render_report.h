@@ -1,10 +1,12 @@
-// Report of a finished render: statistics of its workers, and warnings.
+// The report of a render: settings, times and statistics, as a table and as JSON.
 #pragma once
 
-#include "core/stats.h"
-#include "kernels/passes/worker.h"
+#include "kernels/film/adaptive_film.h"
+#include "kernels/wave/wave_stats.h"
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sheaf {
@@ -14,9 +16,63 @@ struct IntegratorSettings;
 /// Name of the integrator in scene files, e.g. "path_mats".
 std::string integrator_name(const IntegratorSettings& integrator);
 
-/// Adds the statistics of the workers to the report, and warnings about dropped samples and abandoned rays. `dropped`:
-/// by all workers, and by the renders that this one resumes. `frame`: of the samples.
-void add_workers(const Workers& workers, const SampledFrame& frame, const Stats::Dropped& dropped, RenderReport& report,
-                 std::vector<std::string>& warnings);
+/// The content of `--stats`: settings, times, and the counters of all workers together.
+struct RenderReport {
+  std::string scene;          ///< the scene file, as given
+  std::string integrator;     ///< "path", "normals" ...
+  std::string color = "rgb";  ///< colour mode
+  std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
+  int width = 0, height = 0;  ///< of the frame, pixels
+  std::uint32_t spp = 0;      ///< samples per pixel
+  /// Stopped before all samples were taken. `mean_samples` is the mean number of samples per pixel, or for light
+  /// tracing the number of photons per pixel of the frame.
+  bool interrupted = false;
+  double mean_samples = 0;
+  std::uint32_t seed = 0;
+  int threads = 0;
+  int wave_size = 0;          ///< paths per wave
+  double load_seconds = 0;    ///< reading files
+  double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
+  double render_seconds = 0;  ///< wall clock of the render alone
+  /// Number of photons in photon maps, and the time to make the maps.
+  struct Photons {
+    std::uint64_t emitted = 0, stored = 0;
+    double trace_seconds = 0;  ///< tracing photons from the lights
+    double index_seconds = 0;  ///< building the maps
+  } photons;
+  /// Training of the guide, and its time. The times of the stages include its passes.
+  struct Guiding {
+    std::uint64_t passes = 0, samples = 0;  ///< training passes, and their camera samples
+    std::uint64_t records = 0, places = 0;  ///< training samples with light, and guide cells that learned from them
+    double trace_seconds = 0;               ///< tracing paths
+    double fit_seconds = 0;                 ///< fitting the guide to the training samples
+  } guiding;
+  std::optional<AdaptiveSummary> adaptive;  ///< with adaptive sampling
+  std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
+  std::vector<std::string_view> stage_names;        ///< of all stages, in the order of Stats::stages
+  std::vector<std::string> light_source_locations;  ///< "file:line" of each light in Stats::lights, or empty
+  /// Relative standard error of a pixel: root mean square over the image without the worst 0.1 %. Absent if variances
+  /// are unknown.
+  std::optional<double> noise;
+  Stats stats;
+
+  /// Rays of all kinds per second of rendering; 0 if no time passed.
+  double rays_per_second() const;
+  /// Share of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
+  double trace_share() const;
+  /// Factor on the number of samples that reduces the noise to `target`; 0 if the noise is unknown.
+  double samples_factor(double target) const;
+};
+
+/// Maximum number of lights in a report.
+inline constexpr std::size_t kReportedLights = 10;
+/// Indices of the lights with the most shadow rays, in descending order. Omits lights without shadow rays.
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most = kReportedLights);
+
+/// The report as JSON text, one object with the keys that the command line's help lists.
+std::string to_json(const RenderReport& report);
+
+/// The report as a human-readable table; lines end in '\n'. Omits stages without items.
+std::string to_table(const RenderReport& report);
 
 }  // namespace sheaf

@@ -1,9 +1,9 @@
 // The state of a render between two tasks, and checkpoint files that store it.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/film/adaptive_film.h"
 #include "kernels/film/splat.h"
+#include "kernels/wave/wave_stats.h"
 
 #include <filesystem>
 #include <optional>

@@ -58,7 +58,7 @@ std::uint32_t default_samples(const Scene& scene) {
 
 /// Whether layers that come from replicates are requested.
 bool wants_halves(const RenderOptions& options) {
-  return options.aovs.contains(Aov::kVariance) || options.aovs.contains(Aov::kHalf);
+  return options.aovs.contains(aov_named("variance")) || options.aovs.contains(aov_named("half"));
 }
 
 void check_layers(const RenderOptions& options, const IntegratorSettings& transport, std::uint32_t spp) {
@@ -69,7 +69,7 @@ void check_layers(const RenderOptions& options, const IntegratorSettings& transp
            integrator_name(transport) + " is none");
   if (of_surfaces && transport.max_depth == 1)
     refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
-  if (options.aovs.contains(Aov::kHalf) && transport.kind == IntegratorKind::kLightTracer)
+  if (options.aovs.contains(aov_named("half")) && transport.kind == IntegratorKind::kLightTracer)
     refuse("the layer half is of samples from the camera, and ptracer follows light the other way");
   if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
 }

@@ -3,6 +3,7 @@
 // biased by about 1 / n.
 #pragma once
 
+#include "kernels/passes/render_report.h"
 #include "kernels/passes/worker.h"
 #include "kernels/photons/photon_maps.h"
 

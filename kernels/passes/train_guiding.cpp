@@ -1,6 +1,7 @@
 // Plans and runs the training passes of path guiding.
 #include "kernels/passes/train_guiding.h"
 
+#include "core/flush_denormals.h"
 #include "core/rng.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/passes/passes.h"

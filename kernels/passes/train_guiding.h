@@ -4,6 +4,7 @@
 #pragma once
 
 #include "kernels/guiding/guide_field.h"
+#include "kernels/passes/render_report.h"
 #include "kernels/passes/worker.h"
 
 #include <functional>

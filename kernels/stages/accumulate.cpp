@@ -9,7 +9,7 @@
 #include "core/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -67,7 +67,7 @@ bool is_good(ColorMode color, const RadianceState<Scalar>& r) {
 template <class L> void accumulate(const StageContext& context, Wave& wave) noexcept {
   const int paths = wave.finished.size();
   if (paths == 0) return;
-  StageTimer timer(wave.stats, Stage::kAccumulate);
+  StageTimer timer(wave.stats, stage_named<L>("accumulate"));
   timer.count(paths, 1);
   if (context.scene.color == ColorMode::kSpectral && context.transports_light()) {
     wave.finished.pad();

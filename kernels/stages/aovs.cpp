@@ -3,7 +3,7 @@
 // lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
 #include "core/lane_array.h"
 #include "kernels/film/camera_task.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/surface_albedo.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -68,7 +68,8 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
   const LaneArray<Uint<L>> pixels(pixel);
   const F x = make_lanes<F>([&](int lane) { return static_cast<float>(task.frame().x(pixels[lane])) + 0.5f; });
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]), depth);
+    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]),
+                   depth);
   return depth;
 }
 
@@ -96,15 +97,15 @@ template <class L>
   if (out.lanes == 0) return out;
   const VertexItem<L> item = wave.vertices.load<L>(column);
   const Vec3<L> ng = select<L>(dot(item.ng, ray.direction) > F(0.0f), -item.ng, item.ng);
-  out.put(channels.normal, select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
-  out.put(channels.geometric_normal, ng);
-  out.put(channels.position, item.p);
-  if (channels.depth >= 0) {
+  out.put(channels[aov_named("normal")], select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
+  out.put(channels[aov_named("geometric_normal")], ng);
+  out.put(channels[aov_named("position")], item.p);
+  if (const int depth = channels[aov_named("depth")]; depth >= 0) {
     const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
-    out.put_words(channels.depth, {depth_of<L>(scene, task, pixel, item.p)});
+    out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p)});
   }
-  if (channels.uv >= 0) put_uv<L>(scene, wave, slots, ray, channels.uv, out);
-  if (channels.surfaces)
+  if (const int uv = channels[aov_named("uv")]; uv >= 0) put_uv<L>(scene, wave, slots, ray, uv, out);
+  if (channels.has_surfaces())
     put_surfaces<L>(task.samples, out.lanes, radiance.task_sample, wave.hits.gather<L>(slots).shape);
   return out;
 }
@@ -118,13 +119,13 @@ template <class L>
     rgb = reflectance_to_rgb<L>(context.scene.spectral,
                                 sample_wavelengths<L>(abs(gather_wavelength_samples<L>(wave, slots))), albedo);
   const auto unit = [](F value) SHEAF_LAMBDA_INLINE { return clamp(value, F(0.0f), F(1.0f)); };
-  out.put(context.camera_task().aovs().albedo, Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
+  out.put(context.camera_task().aovs()[aov_named("albedo")], Vec3<L>{unit(rgb.x), unit(rgb.y), unit(rgb.z)});
 }
 
 }  // namespace
 
 template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kAovs);
+  StageTimer timer(wave.stats, stage_named<L>("aovs"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];
@@ -133,7 +134,7 @@ template <class L> void aovs(const StageContext& context, Wave& wave) noexcept {
         const Slot* slots = wave.sorted.data() + run.slot_begin + i;
         const int column = run.column_begin + i;
         const SampleLanes<L> out = aov_tile<L>(context, wave, slots, column, count);
-        if (out.lanes == 0 || context.camera_task().aovs().albedo < 0) return;
+        if (out.lanes == 0 || context.camera_task().aovs()[aov_named("albedo")] < 0) return;
         const Vec3<L> wo = wave.vertices.load<L>(column).wo;
         put_albedo<L>(context, wave, slots, out,
                       directional_albedo<L>(load_bsdf<L, Bsdf>(context.scene, wave, column), wo));

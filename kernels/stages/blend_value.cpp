@@ -5,7 +5,7 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_texture.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "scene/tables/shape.h"
 

@@ -10,7 +10,7 @@
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -82,7 +82,7 @@ void connect_run(const StageContext& context, Wave& wave, const VertexRun& run) 
 }  // namespace
 
 template <class L> void camera_connections(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kCameraConnections);
+  StageTimer timer(wave.stats, stage_named<L>("camera_connections"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];

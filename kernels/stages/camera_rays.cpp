@@ -4,7 +4,7 @@
 #include "core/sampler.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -141,7 +141,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
 template <class L> void camera_rays(const StageContext& context, Wave& wave) noexcept {
   const int starting = std::min(wave.free.size(), context.camera_task().left());
   if (starting <= 0) return;
-  StageTimer timer(wave.stats, Stage::kCameraRays);
+  StageTimer timer(wave.stats, stage_named<L>("camera_rays"));
   timer.count(starting, L::width);
   const std::uint32_t flags = kRayFromCamera | (context.max_depth == 1 ? kRayLast : 0u);
   for_tiles<L>(starting, [&](int, int count) {

@@ -4,7 +4,7 @@
 #include "core/warp.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
@@ -69,7 +69,7 @@ SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slo
 template <class L> void debug_view(const StageContext& context, Wave& wave) noexcept {
   const int hits = wave.surface.size();
   if (hits + wave.miss.size() + wave.emitter.size() == 0) return;
-  StageTimer timer(wave.stats, Stage::kDebugView);
+  StageTimer timer(wave.stats, stage_named<L>("debug_view"));
   timer.count(hits, L::width);
   wave.surface.pad();
   const bool looks_around = context.integrator.kind == IntegratorKind::kVisibility;

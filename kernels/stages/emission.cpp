@@ -6,7 +6,7 @@
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -135,7 +135,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
 template <class L> void emission(const StageContext& context, Wave& wave) noexcept {
   const int misses = wave.miss.size(), lights = wave.emitter.size();
   if (misses + lights == 0) return;
-  StageTimer timer(wave.stats, Stage::kEmission);
+  StageTimer timer(wave.stats, stage_named<L>("emission"));
   timer.count(misses, L::width);
   timer.count(lights, L::width);
   wave.miss.pad();

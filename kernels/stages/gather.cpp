@@ -15,7 +15,7 @@
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
@@ -199,7 +199,7 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
 }  // namespace
 
 template <class L> void gather(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kGather);
+  StageTimer timer(wave.stats, stage_named<L>("gather"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];

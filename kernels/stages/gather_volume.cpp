@@ -14,7 +14,7 @@
 #include "kernels/stages/gather_beams.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/route_hits.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -176,7 +176,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
 template <class L> void gather_volume(const StageContext& context, Wave& wave) noexcept {
   const int paths = wave.medium.size();
   if (paths == 0) return;
-  StageTimer timer(wave.stats, Stage::kGatherVolume);
+  StageTimer timer(wave.stats, stage_named<L>("gather_volume"));
   timer.count(paths, 1);
   TrackingCounts counts;
   for (const Slot slot : wave.medium.span()) gather_path<L>(context, wave, slot, counts);

@@ -1,7 +1,7 @@
 // Stage: guide. Looks up the guide cell of every vertex. The side of a surface is given by the geometric normal, which
 // all parts of a blend share.
 #include "kernels/stages/guided.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -27,7 +27,7 @@ template <class L> void guide_run(const StageContext& context, Wave& wave, const
 }  // namespace
 
 template <class L> void guide(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kGuide);
+  StageTimer timer(wave.stats, stage_named<L>("guide"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (!kIsGuided<Bsdf<L>> && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];

@@ -1,6 +1,6 @@
 // Stage: intersect. Traces active rays with Embree, sixteen at a time, and pushes the paths to queues by what they hit.
 #include "kernels/stages/route_hits.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
@@ -106,7 +106,7 @@ void report_dropped(Wave& wave, const Slot* slots, int count, std::uint32_t good
 template <class L> void intersect(const StageContext& context, Wave& wave) noexcept {
   const int rays = wave.active.size();
   if (rays == 0) return;
-  StageTimer timer(wave.stats, Stage::kIntersect);
+  StageTimer timer(wave.stats, stage_named<L>("intersect"));
   timer.count(rays, kPacketWidth);
   wave.active.pad();
   std::uint32_t good[kPacketWidth] = {};

@@ -5,7 +5,7 @@
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/blend_value.h"
 #include "kernels/stages/light_sample_context.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -137,7 +137,7 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
 
 template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept {
   if (!samples_lights(context)) return;
-  StageTimer timer(wave.stats, Stage::kLightCandidates);
+  StageTimer timer(wave.stats, stage_named<L>("light_candidates"));
   const SampleSet set{static_cast<std::uint32_t>(candidate), static_cast<std::uint32_t>(context.integrator.candidates)};
   const bool draws_map = context.scene.lights.envmap.columns != nullptr && context.scene.lights.bounded_count == 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {

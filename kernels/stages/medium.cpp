@@ -14,7 +14,7 @@
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/route_hits.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -280,7 +280,7 @@ class DensityPaths {
 template <class L> void medium(const StageContext& context, Wave& wave) noexcept {
   const int paths = wave.medium.size();
   if (paths == 0) return;
-  StageTimer timer(wave.stats, Stage::kMedium);
+  StageTimer timer(wave.stats, stage_named<L>("medium"));
   timer.count(paths, 1);
   wave.medium.pad();
   TrackingCounts counts;

@@ -8,7 +8,7 @@
 #include "kernels/lights/light_emit.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/continue_ray.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/start_medium.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -111,7 +111,7 @@ template <class L> void photon_rays(const StageContext& context, Wave& wave) noe
   if (context.scene.lights.count == 0) return;
   const int starting = std::min(wave.free.size(), context.light_task().left());
   if (starting <= 0) return;
-  StageTimer timer(wave.stats, Stage::kPhotonRays);
+  StageTimer timer(wave.stats, stage_named<L>("photon_rays"));
   timer.count(starting, L::width);
   with_color_mode(context.scene, [&]<ColorMode Mode>() {
     for_tiles<L>(starting, [&](int, int count) {

@@ -20,7 +20,7 @@
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -179,7 +179,7 @@ void resample_run(const StageContext& context, Wave& wave, const VertexRun& run,
 
 template <class L> void resample(const StageContext& context, Wave& wave, int candidate) noexcept {
   if (!samples_lights(context)) return;
-  StageTimer timer(wave.stats, Stage::kResample);
+  StageTimer timer(wave.stats, stage_named<L>("resample"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];

@@ -9,7 +9,7 @@
 #include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/roulette.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -250,7 +250,8 @@ SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave
     // Light sampling passes such thin dielectrics, so they do not count as specular here.
     const auto specular = is_delta & (null_transmittance == F(0.0f));
     ray.flags |= select(passed, before & U(kRayHistory), history_behind<L, InMedium>(context, before, specular));
-    if (context.gathers_photons()) continues = continues & (is_delta | !context.photon_maps().ends_at<L>(before, InMedium));
+    if (context.gathers_photons())
+      continues = continues & (is_delta | !context.photon_maps().ends_at<L>(before, InMedium));
     if (context.starts_at_lights() && context.light_task().ends_at_scattering()) continues = continues & is_delta;
   }
   if (context.integrator.ends_at_diffuse) continues = continues & (is_delta | passed);
@@ -338,7 +339,7 @@ void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) 
 }  // namespace
 
 template <class L> void scatter(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kScatter);
+  StageTimer timer(wave.stats, stage_named<L>("scatter"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);

@@ -6,7 +6,7 @@
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/route_hits.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/texture_lookup.h"
 
@@ -144,7 +144,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
 template <class L> void select_materials(const StageContext& context, Wave& wave) noexcept {
   const int hits = wave.composite.size();
   if (hits == 0) return;
-  StageTimer timer(wave.stats, Stage::kSelectMaterials);
+  StageTimer timer(wave.stats, stage_named<L>("select_materials"));
   timer.count(hits, L::width);
   wave.composite.pad();
   for_tiles<L>(hits, [&](int i, int count) { select_tile<L>(context, wave, wave.composite.data() + i, count); });

@@ -2,7 +2,7 @@
 // unoccluded contributions.
 #include "core/lane_array.h"
 #include "kernels/stages/shadow_packet.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
@@ -24,7 +24,7 @@ SHEAF_INLINE void add_unoccluded(Wave& wave, int i, LightTally& tally) {
 template <class L> void shadow(const StageContext& context, Wave& wave) noexcept {
   const int rays = wave.shadow_count;
   if (rays == 0) return;
-  StageTimer timer(wave.stats, Stage::kShadow);
+  StageTimer timer(wave.stats, stage_named<L>("shadow"));
   timer.count(rays, kPacketWidth);
   count_shadow_rays(wave);
   LightTally tally(wave.stats);

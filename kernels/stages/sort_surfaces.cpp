@@ -1,7 +1,7 @@
 // Stage: sort surfaces. Sorts surface hits by closure kind, then by material, so that the following stages process one
 // closure at a time.
 #include "core/bucket_sort.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -10,7 +10,7 @@ template <class L> void sort_surfaces(const StageContext& context, Wave& wave) n
   const int hits = wave.surface.size();
   for (VertexRun& run : wave.runs) run = {};
   if (hits == 0) return;
-  StageTimer timer(wave.stats, Stage::kSortSurfaces);
+  StageTimer timer(wave.stats, stage_named<L>("sort_surfaces"));
   timer.count(hits, 1);
   // Local pointers: the compiler must assume that storing a byte may modify the pointers of the wave.
   const Slot* slots = wave.surface.data();

@@ -2,7 +2,7 @@
 #include "core/color.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -43,7 +43,7 @@ void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) 
 }  // namespace
 
 template <class L> void splat(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kSplat);
+  StageTimer timer(wave.stats, stage_named<L>("splat"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];

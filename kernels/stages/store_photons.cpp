@@ -5,7 +5,7 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/photons/light_task.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
@@ -73,7 +73,7 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
 }  // namespace
 
 template <class L> void store_photons(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kStorePhotons);
+  StageTimer timer(wave.stats, stage_named<L>("store_photons"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular) {
       constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;

@@ -3,7 +3,7 @@
 #include "core/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/shading_frame.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/medium_lookup.h"
@@ -149,7 +149,7 @@ void surface_run(const SceneView& scene, Wave& wave, const VertexRun& run, const
 }  // namespace
 
 template <class L> void surface_inputs(const StageContext& context, Wave& wave) noexcept {
-  StageTimer timer(wave.stats, Stage::kSurfaceInputs);
+  StageTimer timer(wave.stats, stage_named<L>("surface_inputs"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     if (run.count == 0) return;

@@ -5,7 +5,7 @@
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/shading_texture.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -190,7 +190,7 @@ template <class L> void textures(const StageContext& context, Wave& wave) noexce
     any_textured = any_textured ||
                    (wave.runs[kind].count > 0 && (context.scene.materials.buckets.kind_flags[kind] & kNeedsUv) != 0);
   if (!any_textured) return;
-  StageTimer timer(wave.stats, Stage::kTextures);
+  StageTimer timer(wave.stats, stage_named<L>("textures"));
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const auto k = static_cast<int>(kind);
     if ((context.scene.materials.buckets.kind_flags[k] & kNeedsUv) == 0) return;

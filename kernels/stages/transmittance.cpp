@@ -13,7 +13,7 @@
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shadow_packet.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/stage_timer.h"
@@ -253,7 +253,7 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
 
 template <class L> void transmittance(const StageContext& context, Wave& wave) noexcept {
   if (wave.shadow_count == 0) return;
-  StageTimer timer(wave.stats, Stage::kTransmittance);
+  StageTimer timer(wave.stats, stage_named<L>("transmittance"));
   timer.count(wave.shadow_count, kPacketWidth);
   count_shadow_rays(wave);
   int rays = wave.shadow_count;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/simd.h"
-#include "core/stats.h"
+#include "kernels/wave/wave_stats.h"
 
 namespace sheaf {
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "core/float4.h"
-#include "core/stats.h"
 #include "kernels/wave/beam_scratch.h"
 #include "kernels/wave/light_groups.h"
 #include "kernels/wave/path_pool.h"
 #include "kernels/wave/shading_columns.h"
+#include "kernels/wave/wave_stats.h"
 
 #include <optional>
 

@@ -125,7 +125,8 @@ void SceneCompiler::add_materials() {
   };
   out_->needs_transmittance_ =
       !in_.media.empty() || std::any_of(out_->materials_.rows.begin(), out_->materials_.rows.end(), lets_pass);
-  out_->shadow_rays_pass_thin_dielectrics_ = in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
+  out_->shadow_rays_pass_thin_dielectrics_ =
+      in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
   // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
   const bool passes_lights = in_.integrator.kind == IntegratorKind::kLightTracer && in_.integrator.hide_emitters;
   out_->needs_transmittance_ = out_->needs_transmittance_ || out_->shadow_rays_pass_thin_dielectrics_ || passes_lights;

@@ -1,8 +1,8 @@
 #include "scene/lights/light_context.h"
 
+#include "scene/description/description.h"
 #include "scene/spectra/spectrum_rgb.h"
 #include "scene/spectra/spectrum_set.h"
-#include "scene/description/description.h"
 
 namespace sheaf {
 

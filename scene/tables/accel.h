@@ -1,4 +1,4 @@
-// Embree's acceleration structures for the scene, and for points and lines near rays. Only accel.cpp includes Embree.
+// Embree's acceleration structures for the scene, and for points and lines near rays. embree.h wraps Embree.
 #pragma once
 
 #include "scene/tables/shape_rows.h"

@@ -28,6 +28,19 @@ TEST_CASE("memory: sizes are printed in readable units") {
   CHECK(format_bytes(12.34e9) == "12.3 GB");
 }
 
+TEST_CASE("memory that is no file's is told apart") {
+  constexpr std::size_t kBytes = std::size_t{200} << 20;
+  const std::uint64_t before = peak_private_bytes();
+  if (before == 0) return;
+  CHECK(before <= peak_rss_bytes());
+  {
+    const std::vector<char> block(kBytes, 1);
+    CHECK(block[kBytes / 2] == 1);
+  }
+  CHECK(peak_private_bytes() >= kBytes);
+  CHECK(peak_private_bytes() <= peak_rss_bytes());
+}
+
 // Address sanitizers reserve address space of their own.
 #ifndef __SANITIZE_ADDRESS__
 TEST_CASE("memory: an address space limit reduces the available memory") {

@@ -1,4 +1,5 @@
 // The SIMD layer: every function in wide registers against its scalar version, lane by lane.
+#include "core/flush_denormals.h"
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>

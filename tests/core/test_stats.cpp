@@ -1,60 +1,20 @@
-// Counters: sums, ratios, and the report as text and as JSON.
+// Ratios of the counters of a stage, and time stamps.
 #include "core/stats.h"
 
 #include "core/simd.h"
-#include "tests/support/contains.h"
 
 #include <doctest/doctest.h>
 
 #include <thread>
-#include <vector>
 
 namespace sheaf::test_stats {
 
-using test::contains;
-
-namespace {
-
-Stats make_stats(std::uint64_t factor) {
-  Stats stats;
-  for (std::size_t i = 0; i < kMaxStages; ++i) {
-    stats.stages[i] = {factor, 100 * factor, 10 * factor, 5 * factor * kWidth, 1000 * factor};
-  }
-  stats.rays = {factor, 2 * factor, 3 * factor};
-  stats.trace_ticks = 4 * factor;
-  stats.samples = 5 * factor;
-  stats.dropped = {6 * factor, 7 * factor};
-  return stats;
-}
-
-}  // namespace
-
-TEST_CASE("statistics of workers add up in every field") {
-  Stats sum = make_stats(1);
-  sum += make_stats(10);
-  const Stats expected = make_stats(11);
-  for (std::size_t i = 0; i < kMaxStages; ++i) {
-    CHECK(sum.stages[i].calls == expected.stages[i].calls);
-    CHECK(sum.stages[i].items == expected.stages[i].items);
-    CHECK(sum.stages[i].batches == expected.stages[i].batches);
-    CHECK(sum.stages[i].active_lanes == expected.stages[i].active_lanes);
-    CHECK(sum.stages[i].ticks == expected.stages[i].ticks);
-  }
-  CHECK(sum.rays.total() == 66);
-  CHECK(sum.trace_ticks == 44);
-  CHECK(sum.samples == 55);
-  CHECK(sum.dropped.rays == 66);
-  CHECK(sum.dropped.samples == 77);
-}
-
 TEST_CASE("ratios are defined for empty statistics") {
-  const Stats stats = make_stats(1);
-  CHECK(stats[Stage{1}].lane_fill() == doctest::Approx(0.5));
-  CHECK(stats[Stage{1}].ns_per_item() == doctest::Approx(10 * seconds_per_tick() * 1e9));
+  const StageStats stage{1, 100, 10, 5 * kWidth, 1000};
+  CHECK(stage.lane_fill() == doctest::Approx(0.5));
+  CHECK(stage.ns_per_item() == doctest::Approx(10 * seconds_per_tick() * 1e9));
   CHECK(StageStats().lane_fill() == 0);
   CHECK(StageStats().ns_per_item() == 0);
-  CHECK(RenderReport().rays_per_second() == 0);
-  CHECK(RenderReport().trace_share() == 0);
 }
 
 TEST_CASE("ticks measure time") {
@@ -68,85 +28,6 @@ TEST_CASE("ticks measure time") {
   const double seconds = static_cast<double>(ticks) * seconds_per_tick();
   CHECK(seconds > 0.05 * 0.99);
   CHECK(seconds < limit * 1.01);
-}
-
-TEST_CASE("anonymous memory is reported apart from mapped files") {
-  constexpr std::size_t kBytes = std::size_t{200} << 20;
-  const std::uint64_t before = peak_private_bytes();
-  if (before == 0) return;
-  CHECK(before <= peak_rss_bytes());
-  {
-    const std::vector<char> block(kBytes, 1);
-    CHECK(block[kBytes / 2] == 1);
-  }
-  CHECK(peak_private_bytes() >= kBytes);
-  CHECK(peak_private_bytes() <= peak_rss_bytes());
-}
-
-TEST_CASE("a report is written as JSON and as a table") {
-  RenderReport report;
-  report.scene = "folder/\"quoted\"\xff.xml";  // not valid UTF-8
-  report.integrator = "path";
-  report.threads = 2;
-  report.render_seconds = 2;
-  report.stats = make_stats(1);
-  report.stats.trace_ticks = static_cast<std::uint64_t>(3 / seconds_per_tick());
-  report.stage_names = {"light_candidates", "unused", "sort"};
-  report.stats[Stage{1}].items = 0;
-  CHECK(report.trace_share() == doctest::Approx(0.75).epsilon(1e-3));
-  CHECK(report.rays_per_second() == doctest::Approx(3));
-  report.photons = {700, 600, 0.25, 0.5};
-  const std::string json = to_json(report);
-  CHECK(contains(json, "\"stored\": 600"));
-  CHECK(contains(to_table(report), "700 photons emitted in 0.250 s, 600 put into maps in 0.500 s"));
-  CHECK(contains(json, "\\\"quoted\\\""));
-  CHECK(contains(json, "\"name\": \"light_candidates\""));
-  CHECK(contains(json, "\"rays_per_second\": 3.0"));
-  CHECK(contains(json, "\"abandoned\": "));
-  const std::string table = to_table(report);
-  CHECK(contains(table, "light_candidates"));
-  CHECK(contains(table, "sort"));
-  CHECK(contains(json, "unused"));
-  CHECK_FALSE(contains(table, "unused"));
-  CHECK(contains(table, "dropped: 6 rays, 7 samples"));
-}
-
-TEST_CASE("a report lists the most expensive lights and their contributions") {
-  RenderReport report;
-  report.render_seconds = 10;
-  report.spp = 64;
-  Stats one, other;
-  one.rays.shadow = 600;
-  one.lights = {{500, 100, 30.0}, {0, 0, 0.0}};
-  other.rays.shadow = 400;
-  other.lights = {{100, 20, 10.0}, {0, 0, 0.0}, {300, 300, 60.0}};
-  report.stats = one;
-  report.stats += other;
-  report.light_source_locations = {"room.xml:12"};
-  CHECK(report.stats.lights[0].rays == 600);
-  CHECK(costliest_lights(report.stats) == std::vector<std::size_t>{0, 2});
-  CHECK(costliest_lights(report.stats, 1) == std::vector<std::size_t>{0});
-  const std::string json = to_json(report), table = to_table(report);
-  CHECK(contains(json, "\"where\": \"room.xml:12\""));
-  CHECK(contains(json, "\"radiance_share\": 0.4"));
-  CHECK(contains(json, "\"noise\": null"));
-  CHECK(contains(table, "room.xml:12"));
-  CHECK(contains(table, "light 2"));
-  CHECK(contains(table, "60.0%"));
-  CHECK_FALSE(contains(table, "noise"));
-}
-
-TEST_CASE("a report estimates the render time for less noise") {
-  RenderReport report;
-  report.render_seconds = 10;
-  report.spp = 64;
-  report.noise = 0.04;
-  CHECK(report.samples_factor(0.02) == doctest::Approx(4));
-  const std::string table = to_table(report);
-  CHECK(contains(table, "noise 4.00 % of a pixel's value"));
-  CHECK(contains(table, "2 % would take about 256 spp, 40 s"));
-  CHECK(contains(table, "1 % would take about 1024 spp, 160 s"));
-  CHECK(contains(to_json(report), "\"seconds_to_one_percent\": 160.0"));
 }
 
 }  // namespace sheaf::test_stats

@@ -172,7 +172,7 @@ TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip
   PixelFilter gaussian;
   gaussian.kind = PixelFilter::Kind::kGaussian;
   const FilterWeights weights(gaussian);
-  const AovSet aovs{Aov::kHalf, Aov::kObjectId, Aov::kCryptomatteObject};
+  const AovSet aovs{aov_named("half"), aov_named("object_id"), aov_named("cryptomatte_object")};
   Film film(16, 8, {0, 0, 16, 8}, film_layout(aovs, false), 0, VarianceUnit::kReplicate, true);
   SampleBuffer samples;
   samples.resize(1, film.layout().size(), false, true);

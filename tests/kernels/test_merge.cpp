@@ -20,7 +20,7 @@ constexpr std::uint32_t kSets = 6, kPerSet = 2, kSamples = kSets * kPerSet;
 constexpr int kShapes = 5;
 
 const FilmLayout kLayout({{"R", true, true}, {"G", true}, {"B", true}, {"N.X", false}});
-const AovSet kAovs{Aov::kObjectId, Aov::kCryptomatteObject, Aov::kMaterialId};
+const AovSet kAovs{aov_named("object_id"), aov_named("cryptomatte_object"), aov_named("material_id")};
 
 /// Five shapes with four object names and three material names.
 SceneNames some_names() {

@@ -152,7 +152,8 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
     wide.begin({2, 7, 14, 15}, 0, 2, 16);
     StageContext context = wide.context(*scene);
     context.gather_from(maps);
-    for (const Stage stage : {Stage::kCameraRays, Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs})
+    for (const Stage stage : {stage_named("camera_rays"), stage_named("intersect"), stage_named("sort_surfaces"),
+                              stage_named("surface_inputs")})
       kStages<Wide>[static_cast<std::size_t>(stage)].run(context, wide.wave);
     WaveSnapshot(wide.wave).restore(scalar.wave);
     gather<Wide>(context, wide.wave);

@@ -145,7 +145,7 @@ TEST_CASE_TEMPLATE("intersect: paths are pushed to the queue that matches their 
       CHECK(hit.light == (i % 3 == 1 ? 0u : kNone));
     }
     CHECK(wave.stats.dropped.rays == 0);
-    CHECK(wave.stats[Stage::kIntersect].items == static_cast<std::uint64_t>(paths));
+    CHECK(wave.stats[stage_named("intersect")].items == static_cast<std::uint64_t>(paths));
   }
 }
 

@@ -1,7 +1,7 @@
 // Runs every stage of the light transport passes in SIMD lanes and one path at a time, from the same wave, and compares
 // the results.
 #include "kernels/guiding/fit_mixture.h"
-#include "kernels/stages/stages.h"
+#include "kernels/stages/stage_list.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
@@ -77,7 +77,7 @@ TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
         for (StageContext* context : {&wide_context, &scalar_context})
           context->sample_from({.mixtures = &mixture, .means = &unknown});
       for (int bounce = 0; bounce < 12; ++bounce)
-        for (std::size_t i = 0; i < kStageCount; ++i) {
+        for (std::size_t i = 0; i < kStages<Wide>.size(); ++i) {
           if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);
@@ -122,7 +122,7 @@ TEST_CASE("stages: SIMD photon stages equal scalar ones in both colour modes") {
       const StageContext wide_context = wide.photon_context(*scene, 700);
       const StageContext scalar_context = scalar.photon_context(*scene, 700);
       for (int bounce = 0; bounce < 12; ++bounce)
-        for (std::size_t i = 0; i < kStageCount; ++i) {
+        for (std::size_t i = 0; i < kStages<Wide>.size(); ++i) {
           if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);

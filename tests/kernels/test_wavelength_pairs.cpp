@@ -72,14 +72,14 @@ std::vector<Gathered> gather_at_sheet(const Scene& scene, const PhotonMap& map, 
   StageContext context = test.context(scene);
   context.gather_from(maps);
   const auto run = [&](Stage stage) { kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave); };
-  run(Stage::kCameraRays);
-  run(Stage::kIntersect);
+  run(stage_named("camera_rays"));
+  run(stage_named("intersect"));
   for (const Slot slot : test.wave.surface.span()) {
     if (single_path) keep_one_wavelength(test.wave, slot);
     test.wave.rescaled_pdfs.row(slot).r_u = r_u;
   }
-  run(Stage::kSortSurfaces);
-  run(Stage::kSurfaceInputs);
+  run(stage_named("sort_surfaces"));
+  run(stage_named("surface_inputs"));
   gather<L>(context, test.wave);
   std::vector<Gathered> found;
   for (const ClosureKind kind : {kClosureKind<DispersiveRoughDielectricGgxClosure>, kClosureKind<DiffuseClosure>}) {
@@ -239,7 +239,8 @@ TEST_CASE_TEMPLATE("photons in media record whether one wavelength is left as po
       is_single[i] = i % 3 == 0;
       if (is_single[i]) keep_one_wavelength(test.wave, slot);
     }
-    for (const Stage stage : {Stage::kMedium, Stage::kSortSurfaces, Stage::kSurfaceInputs, Stage::kStorePhotons})
+    for (const Stage stage : {stage_named("medium"), stage_named("sort_surfaces"), stage_named("surface_inputs"),
+                              stage_named("store_photons")})
       kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave);
     int seen[2] = {0, 0};
     const auto check = [&](std::uint32_t place, std::uint32_t order) {
@@ -269,7 +270,8 @@ TEST_CASE_TEMPLATE("photons on surfaces record whether one wavelength is left", 
     test.wave.wavelength_samples[slot] = 0.3f;
     if (i % 3 == 0) keep_one_wavelength(test.wave, slot);
   }
-  for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs, Stage::kStorePhotons})
+  for (const Stage stage : {stage_named("intersect"), stage_named("sort_surfaces"), stage_named("surface_inputs"),
+                            stage_named("store_photons")})
     kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave);
   REQUIRE(test.photons.stored.size() > 50);
   for (const Photon& photon : test.photons.stored)
@@ -300,12 +302,13 @@ TEST_CASE_TEMPLATE("shadow rays through dispersive surfaces keep the pdf of the 
         if (single_path) keep_one_wavelength(wave, slot);
       }
       const auto run = [&](Stage stage) { kStages<L>[static_cast<std::size_t>(stage)].run(context, wave); };
-      for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs}) run(stage);
+      for (const Stage stage : {stage_named("intersect"), stage_named("sort_surfaces"), stage_named("surface_inputs")})
+        run(stage);
       if (photons) {
-        run(Stage::kCameraConnections);
+        run(stage_named("camera_connections"));
       } else {
-        run(Stage::kLightCandidates);
-        run(Stage::kResample);
+        run(stage_named("light_candidates"));
+        run(stage_named("resample"));
       }
       int count[2] = {0, 0};
       for (int i = 0; i < wave.shadow_count; ++i) {
@@ -345,7 +348,8 @@ TEST_CASE_TEMPLATE("scatter: dispersed paths keep the pdf of their wavelength an
       wave.distance_since_vertex[slots.back()] = 0;
       wave.wavelength_samples[slots.back()] = 0.3f;
     }
-    for (const Stage stage : {Stage::kIntersect, Stage::kSortSurfaces, Stage::kSurfaceInputs, Stage::kScatter})
+    for (const Stage stage : {stage_named("intersect"), stage_named("sort_surfaces"), stage_named("surface_inputs"),
+                              stage_named("scatter")})
       kStages<L>[static_cast<std::size_t>(stage)].run(context, wave);
     int count[2] = {0, 0};
     for (const Slot slot : slots) {

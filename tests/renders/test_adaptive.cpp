@@ -96,7 +96,8 @@ TEST_CASE("adaptive sampling: the image equals that of four replicates if no til
     CAPTURE(static_cast<int>(color));
     const auto scene = compile_scene(d, {false, color});
     RenderOptions options = adaptive_options(1e-9, 64);
-    options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kVariance, Aov::kHalf, Aov::kObjectId, Aov::kCryptomatteObject};
+    options.aovs = {aov_named("albedo"), aov_named("depth"),     aov_named("variance"),
+                    aov_named("half"),   aov_named("object_id"), aov_named("cryptomatte_object")};
     options.light_groups = true;
     options.spectral_bins = color == ColorMode::kSpectral ? 3 : 0;
     const Image found = render(*scene, options).to_image();
@@ -200,7 +201,7 @@ TEST_CASE("adaptive sampling: the bits do not depend on threads or wave size or 
   d.film.filter.kind = PixelFilter::Kind::kGaussian;
   const auto scene = compile_scene(d);
   RenderOptions options = adaptive_options(0.015, 256);
-  options.aovs = {Aov::kNormal, Aov::kHalf, Aov::kObjectId};
+  options.aovs = {aov_named("normal"), aov_named("half"), aov_named("object_id")};
   options.threads = 1;
   const RenderResult whole = render(*scene, options);
   CHECK(whole.report.adaptive->least_samples < whole.report.adaptive->most_samples);

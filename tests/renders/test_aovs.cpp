@@ -9,7 +9,8 @@ namespace sheaf::test_aovs {
 
 namespace {
 
-const AovSet kSurfaces{Aov::kAlbedo, Aov::kNormal, Aov::kGeometricNormal, Aov::kPosition, Aov::kDepth, Aov::kUv};
+const AovSet kSurfaces{aov_named("albedo"),   aov_named("normal"), aov_named("geometric_normal"),
+                       aov_named("position"), aov_named("depth"),  aov_named("uv")};
 
 Image picture(const Description& d, const RenderOptions& options, ColorMode color = ColorMode::kRgb) {
   CompileOptions compile;
@@ -85,6 +86,18 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
         }
         check_vector(vector(image, 4, 4, "albedo", "RGB"), {0.2f, 0.4f, 0.6f}, color == ColorMode::kRgb ? 1e-5 : 0.02);
       }
+}
+
+TEST_CASE("layers: every layer of the first surface gets values") {
+  const Image image = picture(wall(coloured), with(aovs_from_names("all"), 16));
+  for (const AovEntry& entry : kAovList) {
+    if (entry.source != AovSource::kVertex) continue;
+    CAPTURE(std::string(entry.name));
+    float largest = 0;
+    for (const std::string_view channel : entry.channels)
+      if (!channel.empty()) largest = std::max(largest, std::abs(value(image, 1, 2, std::string(channel).c_str())));
+    CHECK(largest > 0);
+  }
 }
 
 TEST_CASE("layers: depth is measured along the camera axis for every camera transform") {
@@ -166,7 +179,7 @@ TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
     d.integrator.rr_depth = 3;
     d.integrator.strategy = LightStrategy::kBsdfOnly;  // noise-free where the BSDF is sampled exactly
     d.sampler.kind = SamplerKind::kIndependent;
-    const Image image = picture(d, with({Aov::kAlbedo}, 1024));
+    const Image image = picture(d, with({aov_named("albedo")}, 1024));
     Vec3f light{}, albedo{};
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) {
@@ -188,7 +201,8 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
   Description d = wall(coloured);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
   add_point_light(d, {1, 2, 0}, 10);
-  const Image image = picture(d, with({Aov::kHalf, Aov::kVariance, Aov::kNormal, Aov::kDepth}, 32));
+  const Image image =
+      picture(d, with({aov_named("half"), aov_named("variance"), aov_named("normal"), aov_named("depth")}, 32));
   RenderOptions half_options;
   half_options.samples_per_pixel = 16;
   const Image half = picture(d, half_options);
@@ -209,7 +223,7 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
   for (const char* name : {"variance.N.Y", "variance.R", "variance.B"}) CHECK(image.find_channel(name) >= 0);
   // Independent samples form one replicate, which is split into halves.
   d.sampler.kind = SamplerKind::kIndependent;
-  const Image independent = picture(d, with({Aov::kHalf}, 32));
+  const Image independent = picture(d, with({aov_named("half")}, 32));
   half_options.seed = 0;
   const Image first = picture(d, half_options);
   CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
@@ -225,7 +239,7 @@ TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   CameraDescription second = d.camera;
   second.to_world = Transform::look_at({2, 0, -6}, {-1, 0, -6}, {0, 1, 0});
   d.more_cameras.push_back(second);
-  const Image image = picture(d, with({Aov::kDepth, Aov::kPosition}, 16));
+  const Image image = picture(d, with({aov_named("depth"), aov_named("position")}, 16));
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == doctest::Approx(5).epsilon(1e-5));
     for (const int x : {5, 6}) {
@@ -241,7 +255,7 @@ TEST_CASE("layers: the first half is the smaller one for an odd number of replic
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_two_sided(d, add_diffuse(d, 0.7f)));
   for (const int sets : {3, 5}) {
     CAPTURE(sets);
-    RenderOptions options = with({Aov::kHalf}, static_cast<std::uint32_t>(8 * sets));
+    RenderOptions options = with({aov_named("half")}, static_cast<std::uint32_t>(8 * sets));
     options.replicates = sets;
     const Image image = picture(d, options);
     // Renders only the samples of the replicates that make up the half.
@@ -281,18 +295,18 @@ TEST_CASE("layers: layers without data are errors") {
     } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
     return false;
   };
-  CHECK(fails(with({Aov::kHalf}, 1)));
+  CHECK(fails(with({aov_named("half")}, 1)));
   d.integrator.kind = IntegratorKind::kNormals;
-  CHECK(fails(with({Aov::kNormal})));
+  CHECK(fails(with({aov_named("normal")})));
   d.integrator.kind = IntegratorKind::kPath;
   d.integrator.max_depth = 1;
-  CHECK(fails(with({Aov::kNormal})));
-  CHECK_FALSE(fails(with({Aov::kVariance})));
+  CHECK(fails(with({aov_named("normal")})));
+  CHECK_FALSE(fails(with({aov_named("variance")})));
   d.integrator.kind = IntegratorKind::kLightTracer;
-  CHECK(fails(with({Aov::kHalf})));
+  CHECK(fails(with({aov_named("half")})));
   CHECK_THROWS_WITH(aovs_from_names("albedo,normals"), doctest::Contains("did you mean 'normal'? (known: albedo"));
-  CHECK(aovs_from_names("depth,uv,depth") == AovSet{Aov::kUv, Aov::kDepth});
-  CHECK(aovs_from_names("all").contains(Aov::kHalf));
+  CHECK(aovs_from_names("depth,uv,depth") == AovSet{aov_named("uv"), aov_named("depth")});
+  CHECK(aovs_from_names("all").contains(aov_named("half")));
   CHECK(aovs_from_names("") == AovSet());
 }
 

@@ -11,7 +11,8 @@ namespace sheaf::test_cryptomatte {
 
 namespace {
 
-const AovSet kIds{Aov::kObjectId, Aov::kMaterialId, Aov::kCryptomatteObject, Aov::kCryptomatteMaterial};
+const AovSet kIds{aov_named("object_id"), aov_named("material_id"), aov_named("cryptomatte_object"),
+                  aov_named("cryptomatte_material")};
 
 /// A disk in front of part of a wall.
 Description scene_of_two() {
@@ -145,7 +146,7 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
 
 TEST_CASE("cryptomatte: the header lists the layers and all names") {
   const auto scene = compile_scene(scene_of_two());
-  const auto attributes = cryptomatte_attributes({Aov::kCryptomatteObject}, scene->names());
+  const auto attributes = cryptomatte_attributes({aov_named("cryptomatte_object")}, scene->names());
   REQUIRE(attributes.size() == 4);
   const std::string key = "cryptomatte/3ae39a5/";
   CHECK(attributes[0] == std::pair{key + "name", std::string("CryptoObject")});
@@ -154,10 +155,11 @@ TEST_CASE("cryptomatte: the header lists the layers and all names") {
   CHECK(attributes[3].first == key + "manifest");
   CHECK(attributes[3].second.starts_with("{\"sphere_2\":\""));
   CHECK(attributes[3].second.find(",\"wall\":\"") != std::string::npos);
-  CHECK(cryptomatte_attributes({Aov::kObjectId}, scene->names()).empty());
+  CHECK(cryptomatte_attributes({aov_named("object_id")}, scene->names()).empty());
   SceneNames odd;
   odd.objects = {"a \"b\"\\\n"};
-  CHECK(cryptomatte_attributes({Aov::kCryptomatteObject}, odd)[3].second.starts_with("{\"a \\\"b\\\"\\\\\\u000a\":"));
+  CHECK(cryptomatte_attributes({aov_named("cryptomatte_object")}, odd)[3].second.starts_with(
+      "{\"a \\\"b\\\"\\\\\\u000a\":"));
 }
 
 TEST_CASE("layers of all kinds: the bits do not depend on threads or wave size or crop") {

@@ -45,7 +45,8 @@ std::vector<Case> all_cases() {
   };
   Case& layers = add("replicates and layers");
   layers.options.replicates = 2;
-  layers.options.aovs = {Aov::kAlbedo, Aov::kDepth, Aov::kCryptomatteObject, Aov::kVariance, Aov::kHalf};
+  layers.options.aovs = {aov_named("albedo"), aov_named("depth"), aov_named("cryptomatte_object"),
+                         aov_named("variance"), aov_named("half")};
   add("more than one pass", 300);
   add("independent").scene.sampler.kind = SamplerKind::kIndependent;
   Case& importance = add("importance");
@@ -56,7 +57,7 @@ std::vector<Case> all_cases() {
   add("guiding", 32).options.guiding = true;
   Case& light = add("light tracing");
   light.scene.integrator.kind = IntegratorKind::kLightTracer;
-  light.options.aovs = {Aov::kVariance};
+  light.options.aovs = {aov_named("variance")};
   for (const bool progressive : {false, true}) {
     Case& photons = add(progressive ? "progressive photon mapping" : "photon mapping");
     photons.scene.integrator.kind = IntegratorKind::kPhotonMapper;

@@ -85,7 +85,7 @@ TEST_CASE("sample plan: passes hand out all samples of all pixels in order") {
   const auto scene = lit_scene(300);
   RenderOptions options;
   options.replicates = 3;
-  options.aovs = {Aov::kHalf};
+  options.aovs = {aov_named("half")};
   SamplePlan plan = plan_of(*scene, options);
   CHECK(plan.samples_before() == 0);
   Asked asked;

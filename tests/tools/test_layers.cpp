@@ -72,7 +72,7 @@ struct Wrapped {
 
 const std::vector<Wrapped> kWrapped = {
     {"xsimd", {"xsimd/"}, "core/simd"},
-    {"Embree", {"embree3/", "embree4/"}, "scene/tables/accel"},
+    {"Embree", {"embree3/", "embree4/"}, "scene/tables/embree"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
     {"OpenImageIO", {"OpenImageIO/"}, "core/image_io/openimageio"},
     {"tinyobjloader", {"tiny_obj_loader.h"}, ""},
@@ -328,7 +328,7 @@ TEST_CASE("breaches of the folders of scene/dialects/ are found") {
 }
 
 TEST_CASE("includes of a library beside its wrapper are found") {
-  CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/accel.cpp", "embree3/rtcore.h"}}).empty());
+  CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/embree.h", "embree3/rtcore.h"}}).empty());
   CHECK(find_breaches({{"core/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/intersect.cpp", "embree4/rtcore.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/xml/xml.h", "pugixml.hpp"}, {"scene/xml/xml.cpp", "pugixml.hpp"}}).empty());

@@ -24,7 +24,6 @@ TextureId add_texture(Properties& p, TextureDescription texture);
 /// exchange the two values of a checkerboard in scalar lookups.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
 
-
 /// Reads file, filter and wrap mode of a bitmap.
 BitmapDescription read_bitmap(Properties& p);
 /// Converts a uv transform to one for an image whose v axis points down.

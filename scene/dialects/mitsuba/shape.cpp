@@ -1,5 +1,4 @@
 // The Mitsuba dialect: shapes.
-#include "scene/materials/reading.h"
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_instances.h"

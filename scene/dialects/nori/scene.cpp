@@ -1,9 +1,9 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
 // references.
-#include "scene/materials/reading.h"
 #include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/materials/reading.h"
 
 #include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/integrator_name.h"

@@ -1,0 +1,58 @@
+// Statistics: the counters of a worker, and their sum over all workers.
+#pragma once
+
+#include "core/stats.h"
+#include "kernels/media/tracking_counts.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace sheaf {
+
+/// Position of a stage in the list of kernels/stages/stage_list.h.
+enum class Stage : std::uint32_t {};
+/// Upper bound on the number of stages.
+inline constexpr std::size_t kMaxStages = 32;
+
+/// Shadow rays of light sampling to one light, and the radiance that they contributed.
+struct LightStats {
+  std::uint64_t rays = 0;     ///< shadow rays towards it
+  std::uint64_t arrived = 0;  ///< shadow rays that were not occluded
+  double radiance = 0;        ///< contributed to the image, sum over samples and components
+
+  LightStats& operator+=(const LightStats& other) {
+    rays += other.rays;
+    arrived += other.arrived;
+    radiance += other.radiance;
+    return *this;
+  }
+};
+
+/// All counters of one worker; the sum over all workers describes a render. Aligned to cache lines, so that the
+/// workers' elements of an array share no line.
+struct alignas(64) Stats {
+  std::array<StageStats, kMaxStages> stages;
+  struct Rays {
+    std::uint64_t camera = 0;   ///< from the camera
+    std::uint64_t light = 0;    ///< photons from the lights
+    std::uint64_t scatter = 0;  ///< continued after a surface or a medium
+    std::uint64_t shadow = 0;   ///< visibility towards a light
+    std::uint64_t total() const { return camera + light + scatter + shadow; }
+  } rays;
+  TrackingCounts collisions;      ///< of paths and shadow rays with media
+  std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
+  std::uint64_t samples = 0;      ///< camera samples that reached the film
+  struct Dropped {
+    std::uint64_t rays = 0;     ///< not finite, not traced
+    std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance
+  } dropped;
+
+  std::vector<LightStats> lights;  ///< by row; lights beyond its end are not counted separately
+
+  StageStats& operator[](Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const StageStats& operator[](Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+  Stats& operator+=(const Stats& other);
+};
+
+}  // namespace sheaf

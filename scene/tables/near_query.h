@@ -1,0 +1,26 @@
+// Queries for everything near a ray: a ray through Embree whose filter records what it meets and rejects it, so that
+// the ray goes on.
+#pragma once
+
+#include "core/vec.h"
+#include "scene/tables/embree.h"
+
+namespace sheaf {
+
+#if SHEAF_EMBREE_MAJOR >= 4
+using QueryContext = RTCRayQueryContext;
+#else
+using QueryContext = RTCIntersectContext;
+#endif
+
+/// A query along one ray. Embree passes the context to the filter.
+struct NearQuery {
+  QueryContext context;
+  Vec3f origin, direction;
+  float length;
+};
+
+/// Runs the filter of the scene's geometry for everything closer to the ray than `radius`.
+void look_along(RTCScene scene, NearQuery& query, float radius);
+
+}  // namespace sheaf
