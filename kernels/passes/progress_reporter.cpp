@@ -2,6 +2,7 @@
 #include "kernels/passes/progress_reporter.h"
 
 #include "core/saturate.h"
+#include "kernels/passes/worker_report.h"
 
 #include <cmath>
 

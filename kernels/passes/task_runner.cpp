@@ -1,6 +1,7 @@
 // Runs rounds of tasks in parallel, with pauses between tasks.
 #include "kernels/passes/task_runner.h"
 
+#include "core/flush_denormals.h"
 #include "kernels/passes/passes.h"
 #include "kernels/passes/render_memory.h"
 
