@@ -22,7 +22,7 @@ struct NoisePicture {
   TextureRow rows[2];
   TextureView view;
 
-  NoisePicture(TexelFormat format, BitmapDescription::Filter filter, std::uint32_t size) {
+  NoisePicture(TexelFormat format, TextureFilter filter, std::uint32_t size) {
     const std::uint32_t per_row = size >> tile_shift(format);
     tiles.resize(std::size_t{per_row} * per_row + 1);
     for (std::size_t i = 0; i < tiles.size(); ++i)
@@ -32,7 +32,7 @@ struct NoisePicture {
         const std::uint32_t bits = holds_bytes(format) ? float_bits(value) * 2654435761u & mask : float_bits(value);
         std::memcpy(tiles[i].bytes + 4 * word, &bits, sizeof(bits));
       }
-    constexpr auto kRepeat = BitmapDescription::Wrap::kRepeat;
+    constexpr auto kRepeat = TextureWrap::kRepeat;
     rows[0].kind = TextureKind::kBitmap;
     rows[0].bitmap = {0, per_row, size, size, kRepeat, kRepeat, filter, format};
     rows[1].kind = TextureKind::kCheckerboard;
@@ -76,19 +76,19 @@ template <class L, class F> void run(benchmark::State& state, float extent, F&& 
 struct Case {
   const char* name;
   TexelFormat format;
-  BitmapDescription::Filter filter;
+  TextureFilter filter;
 };
 constexpr Case kCases[] = {
-    {"bytes:4/srgb/bilinear", TexelFormat::kSrgbByte4, BitmapDescription::Filter::kBilinear},
-    {"bytes:4/raw/bilinear", TexelFormat::kByte4, BitmapDescription::Filter::kBilinear},
-    {"bytes:4/srgb/nearest", TexelFormat::kSrgbByte4, BitmapDescription::Filter::kNearest},
-    {"bytes:1/srgb/bilinear", TexelFormat::kSrgbByte1, BitmapDescription::Filter::kBilinear},
-    {"bytes:1/raw/bilinear", TexelFormat::kByte1, BitmapDescription::Filter::kBilinear},
-    {"bytes:1/raw/nearest", TexelFormat::kByte1, BitmapDescription::Filter::kNearest},
-    {"floats:4/bilinear", TexelFormat::kFloat4, BitmapDescription::Filter::kBilinear},
-    {"floats:4/nearest", TexelFormat::kFloat4, BitmapDescription::Filter::kNearest},
-    {"floats:1/bilinear", TexelFormat::kFloat1, BitmapDescription::Filter::kBilinear},
-    {"floats:1/nearest", TexelFormat::kFloat1, BitmapDescription::Filter::kNearest},
+    {"bytes:4/srgb/bilinear", TexelFormat::kSrgbByte4, TextureFilter::kBilinear},
+    {"bytes:4/raw/bilinear", TexelFormat::kByte4, TextureFilter::kBilinear},
+    {"bytes:4/srgb/nearest", TexelFormat::kSrgbByte4, TextureFilter::kNearest},
+    {"bytes:1/srgb/bilinear", TexelFormat::kSrgbByte1, TextureFilter::kBilinear},
+    {"bytes:1/raw/bilinear", TexelFormat::kByte1, TextureFilter::kBilinear},
+    {"bytes:1/raw/nearest", TexelFormat::kByte1, TextureFilter::kNearest},
+    {"floats:4/bilinear", TexelFormat::kFloat4, TextureFilter::kBilinear},
+    {"floats:4/nearest", TexelFormat::kFloat4, TextureFilter::kNearest},
+    {"floats:1/bilinear", TexelFormat::kFloat1, TextureFilter::kBilinear},
+    {"floats:1/nearest", TexelFormat::kFloat1, TextureFilter::kNearest},
 };
 
 template <class L>

@@ -2,6 +2,7 @@
 // of majorants. In chains each lookup position depends on the previous value, as in tracking. "per_item" is in seconds.
 #include "core/rng.h"
 #include "kernels/media/density_tracking.h"
+#include "scene/compile/build_brick_grid.h"
 #include "scene/tables/make_majorants.h"
 
 #include <benchmark/benchmark.h>
@@ -13,8 +14,6 @@
 namespace sheaf {
 
 namespace {
-
-using Filter = GridVolumeDescription::Filter;
 
 constexpr int kItems = 4096;
 
@@ -47,15 +46,15 @@ struct Case {
   const char* name;
   int channels;
   GridBorder border;
-  Filter filter;
+  GridFilter filter;
 };
 constexpr Case kCases[] = {
-    {"density/trilinear", 1, GridBorder::kBackground, Filter::kTrilinear},
-    {"density/nearest", 1, GridBorder::kBackground, Filter::kNearest},
-    {"density/trilinear/clamp", 1, GridBorder::kClamp, Filter::kTrilinear},
-    {"density/trilinear/repeat", 1, GridBorder::kRepeat, Filter::kTrilinear},
-    {"color/trilinear", 3, GridBorder::kBackground, Filter::kTrilinear},
-    {"color/trilinear/clamp", 3, GridBorder::kClamp, Filter::kTrilinear},
+    {"density/trilinear", 1, GridBorder::kBackground, GridFilter::kTrilinear},
+    {"density/nearest", 1, GridBorder::kBackground, GridFilter::kNearest},
+    {"density/trilinear/clamp", 1, GridBorder::kClamp, GridFilter::kTrilinear},
+    {"density/trilinear/repeat", 1, GridBorder::kRepeat, GridFilter::kTrilinear},
+    {"color/trilinear", 3, GridBorder::kBackground, GridFilter::kTrilinear},
+    {"color/trilinear/clamp", 3, GridBorder::kClamp, GridFilter::kTrilinear},
 };
 
 /// Lookups anywhere in a cube. `is_chain`: the next position depends on the previous value.
@@ -129,9 +128,9 @@ void walk(benchmark::State& state, int cells, bool per_ray) {
 template <class L, DensityTracking kWhat> void tracking(benchmark::State& state, int side) {
   const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
   const float extinction = 4.0f / static_cast<float>(side);
-  const MajorantGrid majorants = make_majorant_grid(grid, Filter::kTrilinear, {extinction});
-  const BrickGridRow density = make_brick_grid_row(grid, Transform(), Filter::kTrilinear);
-  const MajorantGridRow bounds = make_majorant_grid_row(majorants, grid, Transform(), Filter::kTrilinear);
+  const MajorantGrid majorants = make_majorant_grid(grid, GridFilter::kTrilinear, {extinction});
+  const BrickGridRow density = make_brick_grid_row(grid, Transform(), GridFilter::kTrilinear);
+  const MajorantGridRow bounds = make_majorant_grid_row(majorants, grid, Transform(), GridFilter::kTrilinear);
   const Rays rays(static_cast<float>(side - 1));
   const auto rows = std::make_unique<DensityRays>();
   const auto ends = std::make_unique<TrackResults>();
@@ -164,7 +163,7 @@ template <class L, DensityTracking kWhat> auto tracking_of(int side) {
 void make_majorants(benchmark::State& state, int side, float thickness) {
   const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
   std::size_t bytes = 0;
-  for (auto _ : state) bytes = make_majorant_grid(grid, Filter::kTrilinear, {thickness}).bytes();
+  for (auto _ : state) bytes = make_majorant_grid(grid, GridFilter::kTrilinear, {thickness}).bytes();
   count_items(state, static_cast<std::size_t>(side * side * side));
   state.counters["share"] = static_cast<double>(bytes) / static_cast<double>(grid.bytes());
 }

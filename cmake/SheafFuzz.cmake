@@ -2,7 +2,7 @@
 
 # The sources of each layer that read files; fuzz builds contain nothing else.
 set(SHEAF_FUZZ_SCENE scene/data/*.cpp scene/description/*.cpp scene/dialects/*.cpp scene/dialects/*/*.cpp scene/formats/*.cpp scene/xml/*.cpp
-  scene/tables/filter.cpp)
+  scene/tables/filter.cpp scene/tables/instance_transform.cpp)
 set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
 
 # sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER. Without libFuzzer, adds a ctest entry that reports it.

@@ -2,6 +2,7 @@
 #include "scene/compile/compile.h"
 
 #include "core/memory.h"
+#include "scene/compile/compile_camera.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/load_volume.h"
 #include "scene/compile/scene_compiler.h"

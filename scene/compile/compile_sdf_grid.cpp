@@ -1,5 +1,6 @@
 // Compiles grids of signed distances.
 #include "scene/compile/scene_compiler.h"
+#include "scene/description/voxels.h"
 #include "scene/tables/sdf_grid.h"
 
 #include <cmath>

@@ -1,6 +1,7 @@
 // Compiles the textures of a description.
 #pragma once
 
+#include "scene/description/description.h"
 #include "scene/tables/texture.h"
 
 #include <map>

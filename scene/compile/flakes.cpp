@@ -1,5 +1,6 @@
 #include "scene/compile/flakes.h"
 
+#include "scene/compile/build_brick_grid.h"
 #include "scene/compile/load_volume.h"
 #include "scene/formats/vol_file.h"
 

@@ -1,5 +1,6 @@
 #include "scene/compile/load_volume.h"
 
+#include "scene/compile/build_brick_grid.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/vol_file.h"
 

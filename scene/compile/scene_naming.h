@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description/description.h"
+#include "scene/tables/light_kind.h"
 #include "scene/tables/scene_names.h"
 
 #include <unordered_map>

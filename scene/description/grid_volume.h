@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/transform.h"
+#include "scene/tables/interpolation.h"
 
 #include <filesystem>
 #include <memory>
@@ -19,7 +20,6 @@ struct GridVolumeDescription {
     kNanoVdb,   ///< sparse; placed by the map in the file; zero outside
     kInMemory,  ///< `made`; placed by DenseVolume::grid_to_local
   };
-  enum class Filter { kTrilinear, kNearest };
   /// kVol: values outside the grid.
   enum class Wrap { kClamp, kRepeat, kMirror };
   std::filesystem::path file;  ///< resolved path
@@ -29,7 +29,7 @@ struct GridVolumeDescription {
   bool use_grid_bbox = false;
   /// Stretch the grid over the bounding box of the shapes that contain the medium; ignores to_world.
   bool fit_to_shape = false;
-  Filter filter = Filter::kTrilinear;
+  GridFilter filter = GridFilter::kTrilinear;
   Wrap wrap = Wrap::kClamp;
   bool raw = false;                              ///< three channels are data, not colours
   std::shared_ptr<const DenseVolume> made = {};  ///< kInMemory

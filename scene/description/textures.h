@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "scene/description/grid_volume.h"
 #include "scene/description/inputs.h"
+#include "scene/tables/interpolation.h"
 
 #include <array>
 #include <filesystem>
@@ -17,11 +18,9 @@ struct Image;
 
 /// An image from a file or from memory, repeated over the uv plane.
 struct BitmapDescription {
-  enum class Filter { kBilinear, kNearest };
-  enum class Wrap { kRepeat, kMirror, kClamp };
   std::filesystem::path file;  ///< resolved path
-  Filter filter = Filter::kBilinear;
-  Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+  TextureFilter filter = TextureFilter::kBilinear;
+  TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
   bool raw = false;  ///< values are data, not colours: integers are not decoded by the sRGB curve
   /// Transform of each value of the image after decoding.
   struct ColorTransform {

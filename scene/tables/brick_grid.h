@@ -6,13 +6,11 @@
 #pragma once
 
 #include "core/transform.h"
-#include "scene/description/description.h"
-#include "scene/description/voxels.h"
+#include "scene/tables/interpolation.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace sheaf {
@@ -26,7 +24,7 @@ enum class GridBorder : std::uint32_t {
 };
 
 /// Edge of a brick in cells.
-inline constexpr int kBrickSide = VoxelBlocks::kSide;
+inline constexpr int kBrickSide = 8;
 /// Edge of a brick in voxels.
 inline constexpr int kBrickStride = kBrickSide + 1;
 /// Voxels per brick, x fastest.
@@ -93,27 +91,13 @@ struct BrickGrid {
   GridBox voxel_box() const;
   /// Bounding box in local space of all points whose value differs from the background; without background,
   /// voxel_box().
-  GridBox local_box(GridVolumeDescription::Filter filter = GridVolumeDescription::Filter::kTrilinear) const;
+  GridBox local_box(GridFilter filter = GridFilter::kTrilinear) const;
 };
 
-/// Maximum number of entries of the brick table.
-inline constexpr std::size_t kMaxBricks = std::size_t{1} << 27;
-
-/// Builds a grid from the voxels (0, 0, 0) to size - (1, 1, 1). `values` are x fastest, with interleaved channels (1 or
-/// 3). Throws SceneError for a size outside [1, kMaxGridSide], for too many bricks, or for a wrong number of values.
-/// `border` must not be kBackground.
-BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const float> values, GridBorder border);
-
-/// Builds a grid with kBackground outside. Throws SceneError if the extent exceeds kMaxGridSide or kMaxBricks, for
-/// duplicate blocks, for voxel coordinates beyond 2^30, or if the grid would take more than `most_bytes` of memory. The
-/// last check matters because a few constant blocks can span a volume with a huge brick table.
-BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes = static_cast<std::size_t>(-1));
-
 /// Makes the kernels' row of a grid, which must outlive it. Throws SceneError if the transform is singular.
-BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_to_world,
-                                 GridVolumeDescription::Filter filter);
+BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_to_world, GridFilter filter);
 
 /// local_box() in the target space of BrickGridRow::world_to_grid.
-GridBox row_box(const BrickGrid& grid, GridVolumeDescription::Filter filter);
+GridBox row_box(const BrickGrid& grid, GridFilter filter);
 
 }  // namespace sheaf

@@ -4,7 +4,6 @@
 #include "core/octahedral.h"
 #include "core/vec.h"
 #include "core/warp.h"
-#include "scene/description/description.h"
 
 namespace sheaf {
 
@@ -51,7 +50,9 @@ struct Camera {
   /// lens_x is the unit direction a quarter turn from it, lens_y points up. kEqualArea: forward, lens_x and lens_y are
   /// the map's +z, +x and +y.
   Vec3f forward{};
-  float distortion[2] = {};  ///< see CameraDescription
+  /// kDistorted: a point at tangent r of the angle to the axis appears at r (1 + distortion[0] r^2 + distortion[1]
+  /// r^4).
+  float distortion[2] = {};
   /// kDistorted: x and y at z = 1 of the film's corner, and their change per pixel. kSpherical: full turns and half
   /// turns per pixel. kEqualArea: fractions of the square per pixel.
   Vec2f film_corner{}, film_step{};
@@ -109,8 +110,7 @@ struct Camera {
   }
 
  private:
-  /// Ratio of the undistorted to the distorted tangent at a film position: inverts CameraDescription::distortion by
-  /// Newton's method.
+  /// Ratio of the undistorted to the distorted tangent at a film position: inverts `distortion` by Newton's method.
   template <class L> SHEAF_INLINE Float<L> undistorted(Float<L> x, Float<L> y) const {
     using F = Float<L>;
     const F px = fma(F(film_step.x), x, F(film_corner.x)), py = fma(F(film_step.y), y, F(film_corner.y));
@@ -189,19 +189,5 @@ struct Camera {
     return out;
   }
 };
-
-/// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
-/// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not
-/// monotonic on the film, and a panorama whose transform is not a rotation.
-Camera make_camera(const CameraDescription& description, int width, int height);
-
-/// Places a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
-void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
-
-/// Tangent of half the horizontal field of view, for `fov` degrees along `axis`. Throws SceneError at `where` outside
-/// (0, 180).
-/// (0, 180).
-double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
-                     const SourceLocation& where);
 
 }  // namespace sheaf

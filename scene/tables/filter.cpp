@@ -1,8 +1,7 @@
 #include "scene/tables/filter.h"
 
-#include "scene/description/filter_check.h"
-
 #include <cmath>
+#include <cstdio>
 #include <vector>
 
 namespace sheaf {
@@ -28,6 +27,15 @@ double checked_radius(const PixelFilter& filter) {
 double sinc(double x) { return x < 1e-5 ? 1.0 : std::sin(kPiD * x) / (kPiD * x); }
 
 }  // namespace
+
+void check_filter_radius(double radius, const SourceLocation& where) {
+  if (radius > 0 && radius <= kMaxFilterRadius) return;
+  char message[160];
+  std::snprintf(message, sizeof(message),
+                "the reconstruction filter has a radius of %g pixels, expected one above 0 and at most %g", radius,
+                kMaxFilterRadius);
+  throw SceneError(where, message);
+}
 
 double filter_radius(const PixelFilter& f) {
   using Kind = PixelFilter::Kind;

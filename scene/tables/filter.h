@@ -4,8 +4,8 @@
 // placed with density |f|, and is weighted by the sign of f.
 #pragma once
 
+#include "core/error.h"
 #include "core/vec.h"
-#include "scene/description/description.h"
 
 #include <algorithm>
 #include <array>
@@ -14,6 +14,27 @@
 #include <vector>
 
 namespace sheaf {
+
+/// A pixel reconstruction filter; sizes in pixels.
+struct PixelFilter {
+  enum class Kind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos } kind = Kind::kBox;
+  float radius = 0.5f;               ///< box, tent; other filters derive it from the parameters below
+  float stddev = 0.5f;               ///< Gaussian; truncated at 4 standard deviations
+  float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell; radius 2
+  float lobes = 3;                   ///< lanczos; equals the radius
+};
+
+/// How the pixel filter is applied.
+enum class FilterMode {
+  kWeighted,    ///< each sample counts in every pixel whose filter covers it
+  kImportance,  ///< filter importance sampling: each sample counts in one pixel
+};
+
+/// Maximum radius, in pixels. Every sample is added to all pixels within its filter's radius.
+inline constexpr double kMaxFilterRadius = 64;
+
+/// Throws SceneError at `where` unless the radius, in pixels, is positive and at most kMaxFilterRadius.
+void check_filter_radius(double radius, const SourceLocation& where);
 
 /// The filter's value at distance `x` from the pixel's centre along one axis; zero beyond its radius. Not normalised.
 double evaluate_filter(const PixelFilter& filter, double x);
@@ -51,7 +72,7 @@ FilterTable make_placement_table(const PixelFilter& filter);
 /// A filter's values along one axis, for FilterMode::kWeighted.
 class FilterWeights {
  public:
-  /// Maximum length of the output of across(), for the maximum radius 64 of make_filter_table().
+  /// Maximum length of the output of across(), for the radius kMaxFilterRadius.
   static constexpr int kMaxPixels = 136;
 
   FilterWeights() = default;

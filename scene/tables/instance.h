@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/vec.h"
-#include "scene/description/instance_transform.h"
+#include "scene/tables/instance_transform.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {

@@ -1,12 +1,12 @@
 #include "scene/tables/make_majorants.h"
 
+#include "core/error.h"
+
 #include <algorithm>
 
 namespace sheaf {
 
 namespace {
-
-using Filter = GridVolumeDescription::Filter;
 
 /// Widening for the rounding of lookups, which sum up to eight products with rounded weights.
 constexpr float kRounding = 1.0f + 4e-6f;
@@ -67,10 +67,10 @@ std::vector<Range> brick_ranges(const MajorantSource& source) {
 /// Ranges of the grids' values in the cubes of a base cell, from the finest cubes to the base cell itself.
 class BaseCellRanges {
  public:
-  BaseCellRanges(std::span<const MajorantSource> sources, Filter filter, int base_log2, int most_cut)
+  BaseCellRanges(std::span<const MajorantSource> sources, GridFilter filter, int base_log2, int most_cut)
       : sources_(sources),
         layout_(*sources.front().grid),
-        voxels_beyond_(filter == Filter::kNearest ? 0 : 1),
+        voxels_beyond_(filter == GridFilter::kNearest ? 0 : 1),
         base_log2_(base_log2) {
     for (const MajorantSource& source : sources) brick_ranges_.push_back(brick_ranges(source));
     for (int cut = most_cut; cut >= 0; --cut) {
@@ -198,7 +198,8 @@ class BaseCellRanges {
 /// Chooses leaves by cost.
 class Builder {
  public:
-  Builder(std::span<const MajorantSource> sources, Filter filter, MajorantNeeds needs, int most_cut, MajorantGrid& out)
+  Builder(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs, int most_cut,
+          MajorantGrid& out)
       : needs_(needs), ranges_(sources, filter, out.base_log2, is_uniform() || !needs.cuts ? 0 : most_cut), out_(out) {
     out.entries.assign(at(out.cells, 0, 0, out.cells[2]), 0);
     out.bounds.assign(1, {});  // bounds of empty leaves
@@ -318,7 +319,7 @@ float MajorantGrid::max_value() const {
   return most;
 }
 
-MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, Filter filter, MajorantNeeds needs) {
+MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs) {
   MajorantGrid result;
   Range outside;
   for (const MajorantSource& source : sources) {
@@ -344,13 +345,13 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, Filter 
   return result;
 }
 
-MajorantGrid make_majorant_grid(const BrickGrid& grid, Filter filter, MajorantNeeds needs) {
+MajorantGrid make_majorant_grid(const BrickGrid& grid, GridFilter filter, MajorantNeeds needs) {
   const MajorantSource source{&grid, 1.0f};
   return make_majorant_grid({&source, 1}, filter, needs);
 }
 
 MajorantGridRow make_majorant_grid_row(const MajorantGrid& majorant, const BrickGrid& grid,
-                                       const Transform& local_to_world, Filter filter) {
+                                       const Transform& local_to_world, GridFilter filter) {
   MajorantGridRow row;
   const BrickGridRow lookup = make_brick_grid_row(grid, local_to_world, filter);
   std::copy(std::begin(lookup.world_to_grid), std::end(lookup.world_to_grid), row.world_to_grid);

@@ -40,13 +40,12 @@ struct MajorantNeeds {
 ///
 /// The box encloses the values that differ from the background, which is 0 outside. For clamped, repeated or mirrored
 /// grids it encloses the voxels, and `outside` bounds the values around it.
-MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridVolumeDescription::Filter filter,
-                                MajorantNeeds needs = {});
-MajorantGrid make_majorant_grid(const BrickGrid& grid, GridVolumeDescription::Filter filter, MajorantNeeds needs = {});
+MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs = {});
+MajorantGrid make_majorant_grid(const BrickGrid& grid, GridFilter filter, MajorantNeeds needs = {});
 
 /// Makes the kernels' row; both grids as given to make_majorant_grid(). The result must not outlive `majorant`. Throws
 /// SceneError if the transform is singular.
 MajorantGridRow make_majorant_grid_row(const MajorantGrid& majorant, const BrickGrid& grid,
-                                       const Transform& local_to_world, GridVolumeDescription::Filter filter);
+                                       const Transform& local_to_world, GridFilter filter);
 
 }  // namespace sheaf

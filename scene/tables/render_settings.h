@@ -4,27 +4,13 @@
 #include "core/pixel_rect.h"
 #include "core/sampler.h"
 #include "core/transform.h"
+#include "scene/tables/filter.h"
 #include "scene/tables/photon_settings.h"
 
 #include <cstdint>
 #include <optional>
 
 namespace sheaf {
-
-/// A pixel reconstruction filter; sizes in pixels.
-struct PixelFilter {
-  enum class Kind { kBox, kTent, kGaussian, kMitchell, kCatmullRom, kLanczos } kind = Kind::kBox;
-  float radius = 0.5f;               ///< box, tent; other filters derive it from the parameters below
-  float stddev = 0.5f;               ///< Gaussian; truncated at 4 standard deviations
-  float b = 1.0f / 3, c = 1.0f / 3;  ///< mitchell; radius 2
-  float lobes = 3;                   ///< lanczos; equals the radius
-};
-
-/// How the pixel filter is applied; see scene/tables/filter.h.
-enum class FilterMode {
-  kWeighted,    ///< each sample counts in every pixel whose filter covers it
-  kImportance,  ///< filter importance sampling: each sample counts in one pixel
-};
 
 struct FilmSettings {
   int width = 768, height = 576;

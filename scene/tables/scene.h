@@ -2,10 +2,10 @@
 #pragma once
 
 #include "core/distribution.h"
+#include "core/error.h"
 #include "core/spectral_sensor.h"
 #include "core/spectrum_row.h"
 #include "core/uplift.h"
-#include "scene/description/description.h"
 #include "scene/tables/accel.h"
 #include "scene/tables/camera.h"
 #include "scene/tables/envmap.h"
@@ -15,6 +15,7 @@
 #include "scene/tables/majorant_grid.h"
 #include "scene/tables/material.h"
 #include "scene/tables/medium.h"
+#include "scene/tables/render_settings.h"
 #include "scene/tables/scene_names.h"
 #include "scene/tables/shape_rows.h"
 #include "scene/tables/texture.h"

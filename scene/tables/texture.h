@@ -3,8 +3,11 @@
 
 #include "core/record_table.h"
 #include "scene/tables/brick_grid.h"
+#include "scene/tables/interpolation.h"
 
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace sheaf {
 
@@ -54,8 +57,8 @@ struct BitmapRow {
   std::uint32_t first_tile;  ///< into TextureView::tiles
   std::uint32_t tiles_per_row;
   std::uint32_t width, height;  ///< in texels, without padding; from 1 to kMaxImageSide
-  BitmapDescription::Wrap wrap_u, wrap_v;
-  BitmapDescription::Filter filter;
+  TextureWrap wrap_u, wrap_v;
+  TextureFilter filter;
   TexelFormat format;
 };
 /// Two textures that alternate, or the second as lines on the first.

@@ -21,9 +21,9 @@ template <class L> struct TexelPair {
 };
 
 /// Maps a coordinate to [0, 1) if repeated or to [0, 2) if mirrored; otherwise clamps it to [0, 1].
-template <class F> SHEAF_INLINE F wrap_coordinate(BitmapDescription::Wrap wrap, F u) {
-  if (wrap == BitmapDescription::Wrap::kClamp) return select(u > F(0.0f), min(u, F(1.0f)), F(0.0f));
-  const bool mirror = wrap == BitmapDescription::Wrap::kMirror;
+template <class F> SHEAF_INLINE F wrap_coordinate(TextureWrap wrap, F u) {
+  if (wrap == TextureWrap::kClamp) return select(u > F(0.0f), min(u, F(1.0f)), F(0.0f));
+  const bool mirror = wrap == TextureWrap::kMirror;
   const F s = mirror ? u * F(0.5f) : u;
   const F fraction = s - floor(s);
   const F inside = select(fraction < F(1.0f), fraction, F(0.0f));
@@ -31,34 +31,33 @@ template <class F> SHEAF_INLINE F wrap_coordinate(BitmapDescription::Wrap wrap, 
 }
 
 /// The texel in [0, size) for an integer coordinate i >= 0, below 2 size if mirrored and up to size otherwise.
-template <class U> SHEAF_INLINE U wrap_texel(BitmapDescription::Wrap wrap, U i, U size) {
+template <class U> SHEAF_INLINE U wrap_texel(TextureWrap wrap, U i, U size) {
   const U last = size - U(1u);
-  if (wrap == BitmapDescription::Wrap::kMirror) i = select(i < size, i, size + last - i);
+  if (wrap == TextureWrap::kMirror) i = select(i < size, i, size + last - i);
   return min(i, last);
 }
 
 /// The texel that contains `u`.
 template <class L>
-SHEAF_INLINE typename L::Uint nearest_texel(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
+SHEAF_INLINE typename L::Uint nearest_texel(TextureWrap wrap, typename L::Float u, std::uint32_t size) {
   const auto x = wrap_coordinate(wrap, u) * typename L::Float(static_cast<float>(size));
   return wrap_texel(wrap, to_uint(x), typename L::Uint(size));
 }
 
 /// The texels with the nearest centres on both sides of `u`.
-template <class L>
-SHEAF_INLINE TexelPair<L> texel_pair(BitmapDescription::Wrap wrap, typename L::Float u, std::uint32_t size) {
+template <class L> SHEAF_INLINE TexelPair<L> texel_pair(TextureWrap wrap, typename L::Float u, std::uint32_t size) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const F x = fma(wrap_coordinate(wrap, u), F(static_cast<float>(size)), F(0.5f));
   const F above = floor(x);
   const U second = to_uint(above), one(1u), n(size);  // from 0 to size, or to 2 size if mirrored
   const F t = x - above;
-  if (wrap == BitmapDescription::Wrap::kRepeat) {
+  if (wrap == TextureWrap::kRepeat) {
     const U first = min(second - one, n - one);
     return {first, select(first + one == n, U(0u), first + one), t};
   }
   const U zero(0u), first = select(second == zero, zero, second - one);
-  if (wrap == BitmapDescription::Wrap::kClamp) return {first, min(second, n - one), t};
+  if (wrap == TextureWrap::kClamp) return {first, min(second, n - one), t};
   return {wrap_texel(wrap, first, n), wrap_texel(wrap, select(second == n + n, zero, second), n), t};
 }
 
@@ -149,7 +148,7 @@ SHEAF_INLINE Patch<L, Format> load_patch(const TextureView& view, const BitmapRo
 /// Value of an image, in one or three channels.
 template <class L, TexelFormat Format>
 SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv, typename L::Float* out) {
-  if (bitmap.filter == BitmapDescription::Filter::kNearest) {
+  if (bitmap.filter == TextureFilter::kNearest) {
     const auto x = nearest_texel<L>(bitmap.wrap_u, uv.x, bitmap.width);
     const auto y = nearest_texel<L>(bitmap.wrap_v, uv.y, bitmap.height);
     const auto index = row_index<Format>(y, bitmap.tiles_per_row) + column_index<Format>(x);
@@ -428,8 +427,7 @@ Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, c
     const F step = lookup_scalar<L>(view, row.mix.child[1], query) - lookup_scalar<L>(view, row.mix.child[0], query);
     return {fma(step, t.x, lerp(amount, a.x, b.x)), fma(step, t.y, lerp(amount, a.y, b.y))};
   }
-  if (row.kind != TextureKind::kBitmap || bitmap.filter != BitmapDescription::Filter::kBilinear)
-    return {F(0.0f), F(0.0f)};
+  if (row.kind != TextureKind::kBitmap || bitmap.filter != TextureFilter::kBilinear) return {F(0.0f), F(0.0f)};
   return detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Vec2<L> {
     const Vec2<L> slopes = detail::bitmap_slopes<L, Format>(view, bitmap, detail::texture_uv<L>(row, query.uv));
     const F du = slopes.x * F(static_cast<float>(bitmap.width)), dv = slopes.y * F(static_cast<float>(bitmap.height));

@@ -197,7 +197,7 @@ inline Case goniometric_case() {
   for (std::size_t i = 0; i < 16; ++i) picture->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
   BitmapDescription bitmap;
   bitmap.made = picture;
-  bitmap.filter = BitmapDescription::Filter::kNearest;
+  bitmap.filter = TextureFilter::kNearest;
   c.scene.textures.push_back({bitmap, {1, 0, 0, 0, 1, 0}, {}, {}});
   return c;
 }

@@ -43,7 +43,7 @@ TextureId add_bitmap(Description& d, const TemporaryFolder& folder, const char* 
   write_exr(folder.path() / name, image, {});
   BitmapDescription bitmap;
   bitmap.file = folder.path() / name;
-  bitmap.filter = BitmapDescription::Filter::kNearest;
+  bitmap.filter = TextureFilter::kNearest;
   d.textures.push_back({bitmap, {1, 0, 0, 0, 1, 0}, {}, {}});
   return static_cast<TextureId>(d.textures.size() - 1);
 }
@@ -251,7 +251,7 @@ TEST_CASE("bump maps: the normal is that of the displaced surface") {
   Description d = picture();
   // Heights 0 and 0.5 at u = 1/4 and 3/4: between them a slope of 1 per unit of u, or 0.5 per unit of length.
   const TextureId map = add_bitmap(d, folder, "slope.exr", 2, 1, {0, 0, 0, 0.5f, 0.5f, 0.5f});
-  std::get<BitmapDescription>(d.textures.back().model).filter = BitmapDescription::Filter::kBilinear;
+  std::get<BitmapDescription>(d.textures.back().model).filter = TextureFilter::kBilinear;
   const MaterialId m = add_material(d, BumpMapDescription{map, 1, add_diffuse(d, 0.5f)});
   d.materials.back().soften_terminator = false;
   add_rectangle(d, Transform(), m);

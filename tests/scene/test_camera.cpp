@@ -1,5 +1,5 @@
 // Cameras: what fields of view mean, where up and left are, lenses, parallel rays, clip planes.
-#include "scene/tables/camera.h"
+#include "scene/compile/compile_camera.h"
 
 #include "tests/support/records_testing.h"
 

@@ -123,13 +123,13 @@ TEST_CASE("media: heterogeneous ones have grids, placed and filtered as told") {
   CHECK(sigma_t.file.filename() == "a.vol");
   CHECK(sigma_t.to_world.matrix().m[0][3] == 2);
   CHECK((sigma_t.raw && sigma_t.use_grid_bbox && !sigma_t.fit_to_shape));
-  CHECK(sigma_t.filter == Grid::Filter::kNearest);
+  CHECK(sigma_t.filter == GridFilter::kNearest);
   CHECK(sigma_t.wrap == Grid::Wrap::kMirror);
   const auto& emission = std::get<Grid>(*only_medium(d).emission);
   CHECK(emission.format == Grid::Format::kNanoVdb);
   CHECK(emission.grid == "flame");
   CHECK((!emission.raw && !emission.use_grid_bbox));
-  CHECK(emission.filter == Grid::Filter::kTrilinear);
+  CHECK(emission.filter == GridFilter::kTrilinear);
   CHECK(emission.wrap == Grid::Wrap::kClamp);
 }
 

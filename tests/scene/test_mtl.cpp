@@ -208,7 +208,7 @@ TEST_CASE("mtl: diffuse materials") {
   const BitmapDescription& bitmap = mapped.bitmap(mapped.base<DiffuseDescription>().reflectance);
   CHECK(bitmap.file.filename() == "a.png");
   CHECK_FALSE(bitmap.raw);
-  CHECK(bitmap.wrap_v == BitmapDescription::Wrap::kClamp);
+  CHECK(bitmap.wrap_v == TextureWrap::kClamp);
   CHECK(mapped.description.textures[0].where.line == 3);
 }
 

@@ -198,9 +198,9 @@ TEST_CASE("texture: rows say what their descriptions say") {
   write_pnm(folder / "a.ppm", 9, 5, 3, 255, ramp(135));
   TextureDescription texture = bitmap(folder / "a.ppm");
   auto& model = std::get<BitmapDescription>(texture.model);
-  model.filter = BitmapDescription::Filter::kNearest;
-  model.wrap_u = BitmapDescription::Wrap::kMirror;
-  model.wrap_v = BitmapDescription::Wrap::kClamp;
+  model.filter = TextureFilter::kNearest;
+  model.wrap_u = TextureWrap::kMirror;
+  model.wrap_v = TextureWrap::kClamp;
   texture.to_uv = {2, 0, 0.5f, 0, -1, 1};
   const CompiledTextures compiled = compile_textures(
       {texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
@@ -210,9 +210,9 @@ TEST_CASE("texture: rows say what their descriptions say") {
   CHECK(row.bitmap.width == 9);
   CHECK(row.bitmap.height == 5);
   CHECK(row.bitmap.tiles_per_row == 3);
-  CHECK(row.bitmap.filter == BitmapDescription::Filter::kNearest);
-  CHECK(row.bitmap.wrap_u == BitmapDescription::Wrap::kMirror);
-  CHECK(row.bitmap.wrap_v == BitmapDescription::Wrap::kClamp);
+  CHECK(row.bitmap.filter == TextureFilter::kNearest);
+  CHECK(row.bitmap.wrap_u == TextureWrap::kMirror);
+  CHECK(row.bitmap.wrap_v == TextureWrap::kClamp);
   CHECK(row.bitmap.format == TexelFormat::kSrgbByte4);
   CHECK(row.to_uv[0] == 2.0f);
   CHECK(row.to_uv[5] == 1.0f);

@@ -24,8 +24,8 @@ namespace sheaf::test_texture_lookup {
 
 namespace {
 
-using Wrap = BitmapDescription::Wrap;
-using Filter = BitmapDescription::Filter;
+using Wrap = TextureWrap;
+using Filter = TextureFilter;
 constexpr Wrap kWraps[] = {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp};
 
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
@@ -443,7 +443,7 @@ TEST_CASE("texture lookup: volumes are looked up where in the world the surface 
   rgb.model = VolumeTextureDescription{vol(colors, place), 0.5f};
   grey.model = VolumeTextureDescription{vol(numbers, place), 1};
   VolumeTextureDescription blocks{vol(colors, place), 1};
-  blocks.grid.filter = GridVolumeDescription::Filter::kNearest;
+  blocks.grid.filter = GridFilter::kNearest;
   blocks.grid.wrap = GridVolumeDescription::Wrap::kRepeat;
   nearest.model = blocks;
   const CompiledTextures compiled = compile_textures({rgb, grey, nearest});

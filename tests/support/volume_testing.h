@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/rng.h"
+#include "scene/compile/build_brick_grid.h"
 #include "scene/tables/brick_grid_lookup.h"
 
 #include <doctest/doctest.h>
@@ -12,8 +13,6 @@
 #include <vector>
 
 namespace sheaf::test {
-
-using GridFilter = GridVolumeDescription::Filter;
 
 /// Uniform in [0, 1).
 inline float noise(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }

@@ -3,6 +3,7 @@
 #include "scene/compile/light.h"
 #include "scene/compile/lights/light_rotation.h"
 #include "scene/compile/lights/texture_mean.h"
+#include "scene/description/field_of_view.h"
 
 #include <cmath>
 

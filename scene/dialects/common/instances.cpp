@@ -1,6 +1,6 @@
 // Shape groups and instances, shared by the Nori and Mitsuba dialects.
-#include "scene/description/instance_transform.h"
 #include "scene/dialects/dialects.h"
+#include "scene/tables/instance_transform.h"
 
 namespace sheaf {
 

@@ -66,7 +66,7 @@ class MaterialBuilder {
     bitmap.file = t.file;
     out_.files.push_back(t.file);
     bitmap.raw = raw;
-    if (t.clamp) bitmap.wrap_u = bitmap.wrap_v = BitmapDescription::Wrap::kClamp;
+    if (t.clamp) bitmap.wrap_u = bitmap.wrap_v = TextureWrap::kClamp;
     description.model = std::move(bitmap);
     description.to_uv = {t.scale.x, 0, t.offset.x, 0, t.scale.y, t.offset.y};
     if (flip_) description.to_uv = {t.scale.x, 0, t.offset.x, 0, -t.scale.y, t.scale.y + t.offset.y};

@@ -23,24 +23,23 @@ std::optional<Choice> find_choice(Properties& p, std::initializer_list<const cha
   return found;
 }
 
-BitmapDescription::Filter read_bitmap_filter(Properties& p) {
+TextureFilter read_bitmap_filter(Properties& p) {
   const std::optional<Choice> filter = find_choice(p, {"filter_type", "filter", "interpolation"});
-  if (!filter || filter->value == "bilinear") return BitmapDescription::Filter::kBilinear;
-  if (filter->value == "nearest") return BitmapDescription::Filter::kNearest;
+  if (!filter || filter->value == "bilinear") return TextureFilter::kBilinear;
+  if (filter->value == "nearest") return TextureFilter::kNearest;
   if (filter->value != "trilinear" && filter->value != "ewa")
     p.fail_at(filter->name.c_str(), "is " + in_quotes(filter->value) + ", expected nearest or bilinear");
   p.context().note(p.where(),
                    "texture '" + p.type() + "' asks for the filter '" + filter->value + "'; it is filtered bilinearly");
-  return BitmapDescription::Filter::kBilinear;
+  return TextureFilter::kBilinear;
 }
 
-BitmapDescription::Wrap read_wrap(Properties& p, std::initializer_list<const char*> names,
-                                  BitmapDescription::Wrap default_value) {
+TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, TextureWrap default_value) {
   const std::optional<Choice> wrap = find_choice(p, names);
   if (!wrap) return default_value;
-  if (wrap->value == "repeat") return BitmapDescription::Wrap::kRepeat;
-  if (wrap->value == "mirror") return BitmapDescription::Wrap::kMirror;
-  if (wrap->value == "clamp") return BitmapDescription::Wrap::kClamp;
+  if (wrap->value == "repeat") return TextureWrap::kRepeat;
+  if (wrap->value == "mirror") return TextureWrap::kMirror;
+  if (wrap->value == "clamp") return TextureWrap::kClamp;
   p.fail_at(wrap->name.c_str(), "is " + in_quotes(wrap->value) + ", expected repeat, mirror or clamp");
 }
 
@@ -108,7 +107,7 @@ BitmapDescription read_bitmap(Properties& p) {
   BitmapDescription bitmap;
   bitmap.file = p.file("filename");
   bitmap.filter = read_bitmap_filter(p);
-  const BitmapDescription::Wrap both = read_wrap(p, {"wrap_mode", "wrap"}, BitmapDescription::Wrap::kRepeat);
+  const TextureWrap both = read_wrap(p, {"wrap_mode", "wrap"}, TextureWrap::kRepeat);
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);

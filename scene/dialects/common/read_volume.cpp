@@ -45,10 +45,10 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
                             ", which is neither a .vol nor a .nvdb file by its name or its first bytes");
 }
 
-Grid::Filter read_grid_filter(Properties& p) {
+GridFilter read_grid_filter(Properties& p) {
   const std::string filter = p.find_string("filter_type").value_or("trilinear");
-  if (filter == "trilinear") return Grid::Filter::kTrilinear;
-  if (filter == "nearest") return Grid::Filter::kNearest;
+  if (filter == "trilinear") return GridFilter::kTrilinear;
+  if (filter == "nearest") return GridFilter::kNearest;
   p.fail_at("filter_type", "is " + in_quotes(filter) + ", expected trilinear or nearest" +
                                did_you_mean(filter, {"trilinear", "nearest"}));
 }

@@ -2,7 +2,6 @@
 // references.
 #include "scene/dialects/nori/reader.h"
 
-#include "scene/description/filter_check.h"
 #include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
@@ -11,6 +10,7 @@
 #include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/tables/filter.h"
 
 namespace sheaf {
 

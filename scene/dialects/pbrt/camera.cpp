@@ -1,8 +1,8 @@
 // The pbrt dialect: camera, film, pixel filter.
 #include "core/saturate.h"
-#include "scene/description/filter_check.h"
 #include "scene/dialects/dialects.h"
 #include "scene/dialects/pbrt/reader.h"
+#include "scene/tables/filter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The pbrt dialect: handlers of all directives except transforms.
-#include "scene/description/instance_transform.h"
 #include "scene/dialects/pbrt/scene.h"
+#include "scene/tables/instance_transform.h"
 
 #include <algorithm>
 

@@ -91,8 +91,8 @@ decltype(LightDescription::model) read_infinite(Parameters& p) {
 TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bool upright) {
   BitmapDescription picture;
   picture.file = file;
-  picture.filter = BitmapDescription::Filter::kNearest;
-  picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+  picture.filter = TextureFilter::kNearest;
+  picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
   TextureDescription texture;
   texture.model = std::move(picture);
   texture.where = p.where();
@@ -200,7 +200,7 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
     if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
     BitmapDescription picture;
     picture.file = p.file("filename");
-    picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+    picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
     picture.change.scale = scale;
     if (light.power) {
       const double mean = mean_luminance(read_linear_picture(picture.file, false, entity.where));

@@ -1,10 +1,10 @@
 // The pbrt dialect: files, the table of directives, and final processing.
 #include "scene/dialects/pbrt/scene.h"
 
-#include "scene/description/instance_transform.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/dialects.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/tables/instance_transform.h"
 #include "scene/xml/missing_file.h"
 
 #include <algorithm>

@@ -80,11 +80,11 @@ void read_encoding(Parameters& p, BitmapDescription& picture) {
   picture.change.scale = std::pow(picture.change.scale, 1 / gamma);
 }
 
-BitmapDescription::Wrap read_wrap(Parameters& p) {
+TextureWrap read_wrap(Parameters& p) {
   const std::string wrap = p.string("wrap", "repeat");
-  if (wrap == "repeat") return BitmapDescription::Wrap::kRepeat;
+  if (wrap == "repeat") return TextureWrap::kRepeat;
   if (wrap != "clamp") p.unsupported("wrap '" + wrap + "', expected repeat or clamp", "clamp is taken");
-  return BitmapDescription::Wrap::kClamp;
+  return TextureWrap::kClamp;
 }
 
 SpectrumInput read_image(Parameters& p, bool colours) {
@@ -94,7 +94,7 @@ SpectrumInput read_image(Parameters& p, bool colours) {
   picture.change.scale = p.number("scale", 1);
   picture.change.invert = p.boolean("invert", false);
   read_encoding(p, picture);
-  if (p.string("filter", "bilinear") == "point") picture.filter = BitmapDescription::Filter::kNearest;
+  if (p.string("filter", "bilinear") == "point") picture.filter = TextureFilter::kNearest;
   p.ignore({"maxanisotropy"});
   if (!colours) picture.made = number_picture(picture);
   TextureDescription texture;
@@ -176,7 +176,7 @@ TextureId add_ramp(Parameters& p, const std::array<float, 6>& mapping, bool upwa
   ends->data = {0, 1};
   BitmapDescription picture;
   picture.made = std::move(ends);
-  picture.wrap_u = picture.wrap_v = BitmapDescription::Wrap::kClamp;
+  picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
   TextureDescription ramp;
   ramp.model = std::move(picture);
   ramp.where = p.where();

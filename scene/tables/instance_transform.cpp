@@ -1,4 +1,4 @@
-#include "scene/description/instance_transform.h"
+#include "scene/tables/instance_transform.h"
 
 #include "core/transform.h"
 

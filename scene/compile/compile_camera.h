@@ -1,0 +1,17 @@
+// Compiles cameras.
+#pragma once
+
+#include "scene/description/camera.h"
+#include "scene/tables/camera.h"
+
+namespace sheaf {
+
+/// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
+/// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not
+/// monotonic on the film, and a panorama whose transform is not a rotation.
+Camera make_camera(const CameraDescription& description, int width, int height);
+
+/// Places a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
+void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
+
+}  // namespace sheaf

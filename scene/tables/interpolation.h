@@ -1,0 +1,15 @@
+// How textures and volume grids are interpolated between their samples, and continued beyond their borders.
+#pragma once
+
+namespace sheaf {
+
+/// Interpolation between the texels of an image.
+enum class TextureFilter { kBilinear, kNearest };
+
+/// Values of an image outside of the unit square.
+enum class TextureWrap { kRepeat, kMirror, kClamp };
+
+/// Interpolation between the voxels of a grid.
+enum class GridFilter { kTrilinear, kNearest };
+
+}  // namespace sheaf
