@@ -29,7 +29,7 @@ const Envmap& map_of(std::uint32_t width, bool sky) {
   static Envmap map;
   static bool map_is_sky = false;
   if (map.width == width && map_is_sky == sky) return map;
-  EnvmapPicture picture{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
+  EnvmapImage picture{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
   for (std::uint32_t i = 0; 3 * std::size_t{i} < picture.rgb.size(); ++i) {
     const double u = (i % width + 0.5) / width, v = (i / width + 0.5) / (width / 2);
     const float noise = 0.5f + static_cast<float>((i * 2654435761u) >> 8) * 0x1p-24f;

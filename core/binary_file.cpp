@@ -46,8 +46,8 @@ BinaryInput::BinaryInput(const std::filesystem::path& file, std::string_view fir
   if (error || !stream_) fail("cannot be read");
   std::string line(first_line.size(), '\0');
   stream_.read(line.data(), static_cast<std::streamsize>(line.size()));
-  if (!stream_ || line != first_line) fail("is none of this version of Sheaf");
-  if (size < line.size() + sizeof(std::uint32_t)) fail("ends too early: cut off");
+  if (!stream_ || line != first_line) fail("was written by another version of Sheaf");
+  if (size < line.size() + sizeof(std::uint32_t)) fail("is truncated");
   left_ = size - line.size() - sizeof(std::uint32_t);
   check(size - sizeof(std::uint32_t));
   stream_.seekg(static_cast<std::streamoff>(line.size()));
@@ -66,20 +66,20 @@ void BinaryInput::check(std::uint64_t size_of_rest) {
     rest -= size;
   }
   stream_.read(reinterpret_cast<char*>(&expected), sizeof expected);
-  if (!stream_ || sum != expected) fail("is damaged: its check sum is wrong");
+  if (!stream_ || sum != expected) fail("is damaged (wrong checksum)");
 }
 
 std::string BinaryInput::get_text() {
   const auto size = get<std::uint32_t>();
-  if (size > kMaxText) fail("has a text of " + std::to_string(size) + " letters: damaged");
+  if (size > kMaxText) fail("is damaged (a text of " + std::to_string(size) + " characters)");
   std::string text(std::min<std::uint64_t>(size, left_), '\0');
-  if (text.size() < size) fail("ends too early: cut off");
+  if (text.size() < size) fail("is truncated");
   get_bytes(text.data(), text.size());
   return text;
 }
 
 void BinaryInput::get_bytes(char* bytes, std::size_t size) {
-  if (size > left_) fail("ends too early: cut off");
+  if (size > left_) fail("is truncated");
   stream_.read(bytes, static_cast<std::streamsize>(size));
   if (!stream_) fail("cannot be read");
   left_ -= size;

@@ -58,7 +58,7 @@ class BinaryInput {
   }
   /// Reads `count` values. Throws before it allocates memory for more values than the file holds.
   template <class T> std::vector<T> get_vector(std::uint64_t count) {
-    if (count > left_ / sizeof(T)) fail("ends too early: cut off");
+    if (count > left_ / sizeof(T)) fail("is truncated");
     std::vector<T> values(static_cast<std::size_t>(count));
     get(values);
     return values;

@@ -97,7 +97,8 @@ class ExrStream : public Imf::OStream {
   void write(const char bytes[], int count) override {
     errno = 0;
     stream_.write(bytes, count);
-    if (!stream_) throw std::runtime_error(errno != 0 ? std::strerror(errno) : "not all of it could be written");
+    if (!stream_)
+      throw std::runtime_error(errno != 0 ? std::strerror(errno) : "the data could not be written completely");
   }
   std::uint64_t tellp() override { return static_cast<std::uint64_t>(stream_.tellp()); }
   void seekp(std::uint64_t position) override { stream_.seekp(static_cast<std::streamoff>(position)); }
@@ -134,7 +135,7 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
 template <class Read> void with_exr_file(const fs::path& path, Read read) {
   const SourceLocation where{path.string(), 0};
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) throw SceneError(where, "there is no such image file");
+  if (!fs::is_regular_file(path, error)) throw SceneError(where, "image file not found");
   if (!is_exr(path)) throw SceneError(where, "this is not an OpenEXR file");
   check_exr_headers(path);
   Imf::setGlobalThreadCount(0);
@@ -142,7 +143,7 @@ template <class Read> void with_exr_file(const fs::path& path, Read read) {
     Imf::MultiPartInputFile file(path.string().c_str(), 0);
     read(file);
   } catch (const Error&) { throw; } catch (const std::bad_alloc&) {
-    throw Error(ExitCode::kRuntime, where, "there is not enough memory for this image");
+    throw Error(ExitCode::kRuntime, where, "not enough memory for this image");
   } catch (const std::exception& problem) {
     throw SceneError(where, std::string("cannot read the image: ") + problem.what());
   }
@@ -174,7 +175,7 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
   const long long width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);
   check_image_size(path, width, height, names.size(), fs::file_size(path));
   for (const int corner : {window.min.x, window.min.y, frame.min.x, frame.min.y, frame.max.x, frame.max.y}) {
-    if (too_far(corner)) throw SceneError(where, "a window of the image lies too far from the origin");
+    if (too_far(corner)) throw SceneError(where, "a window of the image is too far from the origin");
   }
   check_image_memory(path, width, height, names.size(), sizeof(float));
   Image image(static_cast<int>(width), static_cast<int>(height), std::move(names));

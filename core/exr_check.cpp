@@ -98,8 +98,7 @@ class HeaderReader {
 
   [[noreturn]] void fail() const {
     std::string shown = name_.substr(0, 60);
-    throw SceneError({file_, 0},
-                     "the image's header is damaged: its attribute '" + shown + "' has a size that cannot be");
+    throw SceneError({file_, 0}, "the image's header is damaged (impossible size of the attribute '" + shown + "')");
   }
 
   std::string file_;

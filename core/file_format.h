@@ -12,7 +12,7 @@ enum class FileUse {
   kEmpty,      ///< no bytes
   kModel,      ///< model or scene of another program
   kVolume,     ///< density grid of another program
-  kPicture,    ///< image, supported or not
+  kImage,      ///< image, supported or not
   kScenePart,  ///< asset of a scene, not a scene itself
   kArchive     ///< compressed file or archive
 };

@@ -1,15 +1,15 @@
-// Reading of image files and writing of PNG, by the library behind core/picture_library.h.
+// Reading of image files and writing of PNG, by the library behind core/image_library.h.
 #include "core/image.h"
 
 #include "core/color.h"
 #include "core/color_space.h"
 #include "core/error.h"
 #include "core/exr.h"
-#include "core/exr_picture.h"
+#include "core/exr_colors.h"
+#include "core/image_corrections.h"
+#include "core/image_library.h"
 #include "core/memory.h"
 #include "core/output_file.h"
-#include "core/picture_corrections.h"
-#include "core/picture_library.h"
 #include "core/png.h"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ std::vector<std::uint8_t> encode(const Image& image, const PngChannels& chosen) 
 
 void check_file(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "there is no such image file");
+  if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "image file not found");
 }
 
 [[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
@@ -80,7 +80,7 @@ std::string first_line(const std::string& remark) { return remark.substr(0, rema
 
 /// Rejects oversized tiles. The library allocates a whole row of tiles, and a file may claim huge tiles for a small
 /// image.
-void check_tiles(const fs::path& path, const PictureHeader& header) {
+void check_tiles(const fs::path& path, const ImageHeader& header) {
   constexpr double kFewValues = 1 << 25, kMaxRatio = 4;
   if (header.tile_width == 0 && header.tile_height == 0) return;
   const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
@@ -94,22 +94,22 @@ void check_tiles(const fs::path& path, const PictureHeader& header) {
 }
 
 /// An open image file, other than OpenEXR, with a valid header.
-struct OpenPicture {
+struct OpenImage {
   std::unique_ptr<ImageReader> reader;
-  int orientation;  ///< see PictureCorrections
+  int orientation;  ///< see ImageCorrections
   bool xyz;
 };
 
 /// Opens an image file and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
-OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
+OpenImage open_image(const fs::path& path, bool keeps_bytes) {
   const SourceLocation where{path.string(), 0};
-  const std::string format = checked_picture_format(path);
-  PictureCorrections corrections = find_corrections(path, format);
+  const std::string format = checked_image_format(path);
+  ImageCorrections corrections = find_corrections(path, format);
   std::string problem;
   std::unique_ptr<ImageReader> reader =
-      picture_library().open(path.string(), format, problem, std::move(corrections.bytes));
+      image_library().open(path.string(), format, problem, std::move(corrections.bytes));
   if (!reader) refuse_image(path, first_line(problem));
-  const PictureHeader& header = reader->header();
+  const ImageHeader& header = reader->header();
   check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
                    fs::file_size(path));
   const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
@@ -125,16 +125,16 @@ OpenPicture open_picture(const fs::path& path, bool keeps_bytes) {
 
 /// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with grey and
 /// only leaves a remark.
-template <class Value> std::vector<Value> read_pixels(const OpenPicture& picture, const fs::path& path) {
-  const PictureHeader& header = picture.reader->header();
+template <class Value> std::vector<Value> read_pixels(const OpenImage& open, const fs::path& path) {
+  const ImageHeader& header = open.reader->header();
   const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);
   std::vector<Value> values(width * height * header.channels.size());
   std::string remark;
-  const bool complete = picture.reader->read(values.data(), remark);
+  const bool complete = open.reader->read(values.data(), remark);
   if (!complete || remark.find("remature end") != std::string::npos)
     refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
-  if (picture.orientation == 1) return values;
-  return oriented(values, width, height, header.channels.size(), picture.orientation);
+  if (open.orientation == 1) return values;
+  return oriented(values, width, height, header.channels.size(), open.orientation);
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ void check_image_size(const fs::path& file, long long width, long long height, s
 void check_image_memory(const fs::path& file, long long width, long long height, std::size_t channels,
                         std::size_t value_bytes) {
   const double values = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels);
-  const MemoryUse pixels{"its pixels", values * static_cast<double>(value_bytes), "A smaller picture takes less"};
+  const MemoryUse pixels{"its pixels", values * static_cast<double>(value_bytes), "use a smaller image"};
   check_memory("the image '" + file.string() + "' of " + std::to_string(width) + " x " + std::to_string(height) +
                    " pixels with " + std::to_string(channels) + " channels",
                {&pixels, 1});
@@ -190,7 +190,7 @@ std::vector<unsigned char> encode_png(const Image& image, int level, const std::
   const bool has_alpha = chosen.alpha >= 0;
   const int count = static_cast<int>(chosen.color.size()) + (has_alpha ? 1 : 0);
   std::string problem;
-  std::vector<unsigned char> png = picture_library().encode_png(
+  std::vector<unsigned char> png = image_library().encode_png(
       {image.width, image.height, count, has_alpha, bytes.data(), description}, level, problem);
   if (png.empty()) throw fail(problem);
   return png;
@@ -212,34 +212,34 @@ void write_png(const fs::path& path, const Image& image, const std::string& desc
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const OpenPicture picture = open_picture(path, false);
-  const PictureHeader& header = picture.reader->header();
+  const OpenImage open = open_image(path, false);
+  const ImageHeader& header = open.reader->header();
   Image image;
-  image.width = image.frame_width = is_transposed(picture.orientation) ? header.height : header.width;
-  image.height = image.frame_height = is_transposed(picture.orientation) ? header.width : header.height;
+  image.width = image.frame_width = is_transposed(open.orientation) ? header.height : header.width;
+  image.height = image.frame_height = is_transposed(open.orientation) ? header.width : header.height;
   image.channels = header.channels;
-  image.data = read_pixels<float>(picture, path);
+  image.data = read_pixels<float>(open, path);
   return image;
 }
 
-Picture read_picture(const fs::path& path, bool raw) {
+StoredImage read_stored_image(const fs::path& path, bool raw) {
   check_file(path);
-  if (is_exr(path)) return read_exr_picture(path, raw);
-  const OpenPicture open = open_picture(path, true);
-  const PictureHeader& header = open.reader->header();
-  Picture picture;
-  picture.width = is_transposed(open.orientation) ? header.height : header.width;
-  picture.height = is_transposed(open.orientation) ? header.width : header.height;
-  picture.channels = header.channels;
-  picture.integers = header.holds_integers;
+  if (is_exr(path)) return read_exr_colors(path, raw);
+  const OpenImage open = open_image(path, true);
+  const ImageHeader& header = open.reader->header();
+  StoredImage image;
+  image.width = is_transposed(open.orientation) ? header.height : header.width;
+  image.height = is_transposed(open.orientation) ? header.width : header.height;
+  image.channels = header.channels;
+  image.integers = header.holds_integers;
   if (header.holds_bytes) {
-    picture.bytes = read_pixels<std::uint8_t>(open, path);
+    image.bytes = read_pixels<std::uint8_t>(open, path);
   } else {
-    picture.floats = read_pixels<float>(open, path);
+    image.floats = read_pixels<float>(open, path);
   }
   if (open.xyz && !raw && header.channels.size() >= 3)
-    convert_to_rec709(picture.floats, kXyzSpace, header.channels.size());
-  return picture;
+    convert_to_rec709(image.floats, kXyzSpace, header.channels.size());
+  return image;
 }
 
 }  // namespace sheaf

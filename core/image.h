@@ -38,7 +38,7 @@ struct Image {
 };
 
 /// An image as its file stores it: 8-bit data as bytes, all other data as floats. One of the two vectors is empty.
-struct Picture {
+struct StoredImage {
   int width = 0, height = 0;          ///< pixels
   std::vector<std::string> channels;  ///< names
   std::vector<std::uint8_t> bytes;    ///< interleaved, row by row from the top
@@ -65,13 +65,13 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
 /// not its frame. `description`: text in the header of the file. Throws Error (exit code 4).
 void write_png(const std::filesystem::path& path, const Image& image, const std::string& description = {});
 
-/// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of checked_picture_format().
+/// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of checked_image_format().
 /// Integers are mapped to [0, 1] without linearisation; alpha is kept as stored. Applies the orientation of Radiance
 /// and TIFF files. Throws SceneError if the file is missing, malformed, or beyond the limits.
 Image read_image(const std::filesystem::path& path);
 
-/// Reads the colours of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_picture(). Unless
+/// Reads the colours of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_colors(). Unless
 /// `raw`, floats in other colour spaces are converted to linear Rec.709. Throws like read_image().
-Picture read_picture(const std::filesystem::path& path, bool raw = false);
+StoredImage read_stored_image(const std::filesystem::path& path, bool raw = false);
 
 }  // namespace sheaf

@@ -124,13 +124,13 @@ Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses
   std::string message = "not enough memory for " + task + ": it takes " + format_bytes(sum) +
                         (listed > 1 ? " (" + list + ")" : "") + ", and " + format_bytes(available_memory()) +
                         " are free";
-  if (largest != nullptr && !largest->advice.empty()) message += ". " + largest->advice;
+  if (largest != nullptr && !largest->advice.empty()) message += " (" + largest->advice + ")";
   return {ExitCode::kRuntime, message};
 }
 
 Error out_of_memory(const std::string& task, const std::string& advice) {
   return {ExitCode::kRuntime, "not enough memory for " + task + ": the program has " + format_bytes(resident_memory()) +
-                                  " already, and " + format_bytes(available_memory()) + " are free. " + advice};
+                                  " already, and " + format_bytes(available_memory()) + " are free (" + advice + ")"};
 }
 
 void check_memory(const std::string& task, std::span<const MemoryUse> uses) {

@@ -13,7 +13,7 @@ namespace sheaf {
 struct MemoryUse {
   std::string what;  ///< e.g. "the film"
   double bytes = 0;
-  std::string advice;  ///< how to reduce it, a sentence; may be empty
+  std::string advice;  ///< how to reduce it, in the imperative: "use a smaller image"; may be empty
 };
 
 /// Bytes that this process can still allocate: the minimum of the free memory of the system, the remainder of the

@@ -165,7 +165,7 @@ void OutputFile::commit() {
   stream_.close();  // flushes the buffer
   if (!stream_) {
     const int reason = was_good && errno != 0 ? errno : ask_for_reason(temporary_);
-    throw cannot_write(target_, reason != 0 ? std::strerror(reason) : "not all of it could be written");
+    throw cannot_write(target_, reason != 0 ? std::strerror(reason) : "the data could not be written completely");
   }
   if (const int failure = sync_file(temporary_); failure != 0) throw cannot_write(target_, std::strerror(failure));
   std::error_code error;

@@ -1,6 +1,6 @@
 #include "tools/live_page.h"
 
-#include "core/picture_library.h"
+#include "core/image_library.h"
 #include "core/png.h"
 #include "core/progress.h"
 #include "tools/preview_page.h"
@@ -34,7 +34,7 @@ LivePage::LivePage(const Endpoint& endpoint, std::string scene)
     : scene_(std::move(scene)),
       run_(std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid())),
       server_(endpoint, [this](std::string_view path) { return answer(path); }) {
-  picture_library();  // load the library now, so that encoding_seconds() of the first image excludes it
+  image_library();  // load the library now, so that encoding_seconds() of the first image excludes it
 }
 
 void LivePage::begin_render() {

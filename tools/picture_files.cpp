@@ -2,8 +2,8 @@
 
 #include "core/error.h"
 #include "core/file_format.h"
+#include "core/image_library.h"
 #include "core/output_file.h"
-#include "core/picture_library.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
 #include "tools/interrupted_image.h"
@@ -39,11 +39,11 @@ std::vector<NamedFile> named_pictures(const std::vector<std::string>& files) {
 void check_is_exr(const fs::path& file) {
   if (!fs::is_regular_file(file) || is_exr(file)) return;
   const FileFormat format = file_format(file);
-  const std::string expected = ", expected an OpenEXR picture, as 'sheaf render -o NAME.exr' writes it";
+  const std::string expected = ", expected an OpenEXR image, as 'sheaf render -o NAME.exr' writes it";
   if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "this is not an OpenEXR file" + expected);
   if (extension_of(file) == ".exr" && !format.by_content)
-    throw SceneError({file.string(), 0}, "does not begin as an OpenEXR picture does: damaged, or of another format");
-  const bool loses = format.use == FileUse::kPicture;
+    throw SceneError({file.string(), 0}, "does not begin as an OpenEXR image does: damaged, or of another format");
+  const bool loses = format.use == FileUse::kImage;
   throw SceneError({file.string(), 0},
                    "is " + format.name + expected + (loses ? "; other formats lack the layers that this needs" : ""));
 }
@@ -51,7 +51,7 @@ void check_is_exr(const fs::path& file) {
 void check_is_picture(const fs::path& file) {
   if (!fs::is_regular_file(file)) return;
   const FileFormat format = file_format(file);
-  if (format.use == FileUse::kPicture) {
+  if (format.use == FileUse::kImage) {
     if (extension_of(file) == ".exr") check_is_exr(file);
     return;
   }
@@ -78,7 +78,7 @@ void check_overwriting(std::span<const NamedFile> written, std::span<const Named
 void check_all_writable(std::span<const NamedFile> written) {
   for (const NamedFile& output : written) {
     check_writable(output.file);
-    if (extension_of(output.file) == ".png") picture_library();
+    if (extension_of(output.file) == ".png") image_library();
   }
 }
 

@@ -1,6 +1,6 @@
 // Reading of image files and encoding of PNG: the only file that includes OpenImageIO, and the source of
-// sheaf_pictures.so.
-#include "core/picture_library.h"
+// sheaf_image_io.so.
+#include "core/image_library.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -38,7 +38,7 @@ class Reader final : public ImageReader {
                spec.tile_height};
   }
 
-  const PictureHeader& header() const override { return header_; }
+  const ImageHeader& header() const override { return header_; }
   bool read(std::uint8_t* out, std::string& remark) override { return read(OIIO::TypeDesc::UINT8, out, remark); }
   bool read(float* out, std::string& remark) override { return read(OIIO::TypeDesc::FLOAT, out, remark); }
 
@@ -67,10 +67,10 @@ class Reader final : public ImageReader {
 
   std::unique_ptr<MemoryFile> file_;  ///< the file that input_ reads; null: a file on the disk
   std::unique_ptr<OIIO::ImageInput> input_;
-  PictureHeader header_;
+  ImageHeader header_;
 };
 
-class Library final : public PictureLibrary {
+class Library final : public ImageLibrary {
  public:
   Library() {
     OIIO::attribute("threads", 1);
@@ -130,7 +130,7 @@ class Library final : public PictureLibrary {
 
 }  // namespace
 
-extern "C" [[gnu::visibility("default")]] const PictureLibrary* sheaf_picture_library() {
+extern "C" [[gnu::visibility("default")]] const ImageLibrary* sheaf_image_library() {
   static const Library library;
   return &library;
 }

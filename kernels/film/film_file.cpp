@@ -96,7 +96,7 @@ Film get_film(BinaryInput& in) {
   // Each pixel has at least its count and its row. Check this before allocating memory for pixels that the file cannot
   // hold.
   const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
-  if (crop.area() > in.left() / least) in.fail("ends too early: cut off");
+  if (crop.area() > in.left() / least) in.fail("is truncated");
   Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), has_surface_ids);
   in.get(film.counts_);
   in.get(film.sums_);
@@ -122,7 +122,7 @@ void put_borders(BinaryOutput& out, const std::vector<FilmBorder>& borders) {
 
 std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
   const auto count = in.get<std::uint64_t>();
-  if (count > in.left() / sizeof(std::uint32_t)) in.fail("ends too early: cut off");
+  if (count > in.left() / sizeof(std::uint32_t)) in.fail("is truncated");
   std::vector<FilmBorder> borders(static_cast<std::size_t>(count));
   for (FilmBorder& border : borders)
     for (auto strips = in.get<std::uint32_t>(); strips > 0; --strips) {
@@ -184,7 +184,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   }
   if (pixels > in.left() / (AdaptiveFilm::kSets * sizeof(double) *
                             static_cast<std::uint64_t>(1 + of.layout().size() + of.spectral_bins())))
-    in.fail("ends too early: cut off");
+    in.fail("is truncated");
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
     for (bool& content : tile.content) content = in.get<std::uint8_t>() != 0;

@@ -119,18 +119,18 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   const WaveNeeds needs = WaveNeeds::of(context);
   const FilmSize film = film_size(plan, options);
   const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
-  const std::string parts = "Parts of it take less: --crop, and 'sheaf merge' joins them";
+  const std::string parts = "render parts of it by --crop and join them by 'sheaf merge'";
   std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
-                               parts + "; so do fewer layers"}};
+                               parts + ", or write fewer layers"}};
   // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
   const double edges = plan.adapts ? adaptive_bytes(film, plan) : border_bytes(film, plan);
   uses.push_back({plan.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
-                  parts + "; so do fewer layers"});
-  uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + "; so do fewer layers"});
+                  parts + ", or write fewer layers"});
+  uses.push_back({"the picture", film.pixels * picture_bytes(film, options), parts + ", or write fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
-    uses.push_back({"photon maps", photons, "Fewer photons take less"});
+    uses.push_back({"photon maps", photons, "use fewer photons"});
   uses.push_back({"rays", threads_of(options) * worker_bytes(film, plan, needs, wave_size_of(options, needs)),
-                  "Fewer --threads and smaller waves (--wave-size) take less"});
+                  "use fewer --threads or smaller waves (--wave-size)"});
   return uses;
 }
 

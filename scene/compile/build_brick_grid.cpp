@@ -28,8 +28,8 @@ std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'99
 
 [[noreturn]] void fail_memory(const BrickGrid& grid, std::size_t bytes, std::size_t most_bytes) {
   throw SceneError("a grid of " + text_of(grid.cells) + " voxels would take " + megabytes(bytes) +
-                   " of memory or more, expected at most " + megabytes(most_bytes) +
-                   " for a file of its size; are there stray tiles, or voxels far from the others?");
+                   " of memory or more (expected at most " + megabytes(most_bytes) +
+                   " for a file of its size; check for stray tiles, or voxels far from the others)");
 }
 
 /// Sets the size of the table of bricks for `cells`; all entries are 0.
@@ -37,8 +37,8 @@ void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t most
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (cells[axis] < 1 || cells[axis] > kMaxGridSide) {
-      throw SceneError("a grid of " + text_of(cells) + " voxels; sides from 1 to " + std::to_string(kMaxGridSide) +
-                       " are possible");
+      throw SceneError("a grid of " + text_of(cells) + " voxels (expected sides from 1 to " +
+                       std::to_string(kMaxGridSide) + ")");
     }
     grid.cells[axis] = cells[axis];
     grid.bricks[axis] = (cells[axis] + kBrickSide - 1) / kBrickSide;
@@ -142,7 +142,7 @@ class BlockTable {
         for (int y = begin[1]; y < end[1]; ++y)
           for (int x = begin[0]; x < end[0]; ++x) {
             std::uint32_t& entry = table_[offset({x, y, z})];
-            if (entry != kNoBlock) throw SceneError("a block of voxels is there twice");
+            if (entry != kNoBlock) throw SceneError("a block of voxels appears twice");
             entry = static_cast<std::uint32_t>(i);
           }
     }
@@ -206,7 +206,7 @@ class BlockTable {
     const float* const background = blocks_.background().data();
     for (const VoxelBlocks::Block& b : blocks_.blocks()) {
       for (const int p : b.position)
-        if (p < -kFarthest || p >= kFarthest) throw SceneError("a voxel lies too far from the origin");
+        if (p < -kFarthest || p >= kFarthest) throw SceneError("a voxel is too far from the origin");
       const float* const values = &blocks_.values()[b.first_value];
       if (b.is_constant && !std::equal(values, values + channels_, background)) {
         const int last = b.edge * kBrickSide - 1;

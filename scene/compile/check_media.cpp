@@ -30,9 +30,10 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
   Float4 albedo = spectra.second * largest_factor(grids, medium.second_grid);
   if (scene.color == ColorMode::kRgb) albedo = min(albedo, Float4(1.0f));
   if (!is_finite(sigma_t) || !is_finite(spectra.second) || (by_albedo && !is_finite(sigma_t * albedo)))
-    throw SceneError(where,
-                     "the medium's extinction is too large for a number of 32 bits somewhere, expected values "
-                     "whose product with 'scale' and the grids' voxels is finite");
+    throw SceneError(
+        where,
+        "the medium's extinction exceeds 32-bit floats somewhere (expected values whose product with 'scale' "
+        "and the grids' voxels is finite)");
   if ((medium.flags & kMediumEmits) == 0) return;
   Float4 emission = spectra.emission * largest_factor(grids, medium.emission_grid);
   if (medium.temperature != kNone) {
@@ -46,9 +47,10 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
   }
   emission = emission * largest_factor(grids, medium.emission_factor);
   if (!is_finite(emission))
-    throw SceneError(where,
-                     "the medium's emission is too large for a number of 32 bits somewhere, expected values "
-                     "whose product with the scale and the grids' voxels is finite");
+    throw SceneError(
+        where,
+        "the medium's emission exceeds 32-bit floats somewhere (expected values whose product with the scale "
+        "and the grids' voxels is finite)");
 }
 
 }  // namespace

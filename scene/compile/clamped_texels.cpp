@@ -48,12 +48,12 @@ template <std::size_t Values> Beyond beyond_in(std::span<const TexelTile> tiles)
   });
 }
 
-Beyond beyond_in(const BitmapRow& picture, const TexelTile* tiles) {
-  if (holds_bytes(picture.format)) return {};
-  const std::uint32_t shift = static_cast<std::uint32_t>(tile_shift(picture.format));
-  const std::size_t rows = (picture.height + (1u << shift) - 1) >> shift;
-  const std::span<const TexelTile> own(tiles + picture.first_tile, rows * picture.tiles_per_row);
-  return picture.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
+Beyond beyond_in(const BitmapRow& bitmap, const TexelTile* tiles) {
+  if (holds_bytes(bitmap.format)) return {};
+  const std::uint32_t shift = static_cast<std::uint32_t>(tile_shift(bitmap.format));
+  const std::size_t rows = (bitmap.height + (1u << shift) - 1) >> shift;
+  const std::span<const TexelTile> own(tiles + bitmap.first_tile, rows * bitmap.tiles_per_row);
+  return bitmap.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
 }
 
 /// The child textures that are used unchanged, each on a part of the surface.
@@ -83,8 +83,8 @@ std::string warning(const TextureDescription& texture, const std::string& messag
       .what();
 }
 
-std::string warning(const TextureDescription& texture, const BitmapRow& picture, const Beyond& beyond) {
-  const auto all = static_cast<double>(picture.width) * static_cast<double>(picture.height);
+std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, const Beyond& beyond) {
+  const auto all = static_cast<double>(bitmap.width) * static_cast<double>(bitmap.height);
   const double share = 100 * static_cast<double>(beyond.texels) / all;
   char text[256];
   std::snprintf(
@@ -120,10 +120,10 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
     if (const float largest = largest_color(textures, textures.rows[i]); largest > 1)
       warnings.push_back(warning(descriptions[i], clamped_reflectance(largest)));
     if (textures.rows[i].kind != TextureKind::kBitmap) continue;
-    const BitmapRow& picture = textures.rows[i].bitmap;
-    const auto [place, is_new] = known.try_emplace(picture.first_tile);
-    if (is_new) place->second = beyond_in(picture, textures.tiles.get());
-    if (place->second.texels > 0) warnings.push_back(warning(descriptions[i], picture, place->second));
+    const BitmapRow& bitmap = textures.rows[i].bitmap;
+    const auto [place, is_new] = known.try_emplace(bitmap.first_tile);
+    if (is_new) place->second = beyond_in(bitmap, textures.tiles.get());
+    if (place->second.texels > 0) warnings.push_back(warning(descriptions[i], bitmap, place->second));
   }
   return warnings;
 }

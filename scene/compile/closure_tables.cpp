@@ -26,6 +26,7 @@ std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
                               grids.values.begin() + static_cast<std::ptrdiff_t>((slice + 1) * size));
     if (std::all_of(values.begin(), values.end(), [](float v) { return v == 0.0f; }))
       std::fill(values.begin(), values.end(), 1.0f);
+    // Integrate along x, then over rows
     for (std::size_t y = 0; y < h; ++y)
       for (std::size_t x = 0; x < w; ++x) {
         const std::size_t i = y * w + x;
@@ -33,6 +34,7 @@ std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
       }
     for (std::size_t y = 0; y < h; ++y)
       sums[y] = y == 0 ? 0 : sums[y - 1] + 0.5 * (rows[y * w - 1] + rows[(y + 1) * w - 1]);
+    // Divide all by the integral
     const double scale = 1 / sums[h - 1];
     float* to = out.data() + slice * (2 * size + h);
     for (const float value : values) *to++ = static_cast<float>(double(value) * scale);
@@ -61,6 +63,7 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
   head.isotropic = brdf.isotropic() ? 1.0f : 0.0f;
   head.reduction = brdf.isotropic() ? 1.0f : std::rint(2 * kPi / (brdf.phi.back() - brdf.phi.front()));
   head.jacobian = brdf.jacobian ? 1.0f : 0.0f;
+  // Set the sizes of the grids
   const auto sides = [](const MeasuredBrdf::Grids& grids, float& width, float& height) {
     width = static_cast<float>(grids.width), height = static_cast<float>(grids.height);
   };
@@ -69,6 +72,7 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
   sides(brdf.vndf, head.vndf_width, head.vndf_height);
   sides(brdf.luminance, head.sample_width, head.sample_height);
   head.channels = static_cast<float>(brdf.channels);
+  // Append the data, with cdfs for sampling
   head.phi_block = append(brdf.phi);
   head.theta_block = append(brdf.theta);
   head.ndf_block = append(brdf.ndf.values);
@@ -76,6 +80,7 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
   head.vndf_block = append(make_warps(brdf.vndf));
   head.luminance_block = append(make_warps(brdf.luminance));
   head.value_block = append(brdf.values.values);
+  // Write the head
   table[0] = bits(TableTag::kMeasured);
   std::size_t k = 1;
   std::apply([&](const auto&... leaf) { ((table[k++] = leaf), ...); }, leaves(head));

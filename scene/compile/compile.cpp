@@ -14,7 +14,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr const char* kFewerTriangles = "Fewer triangles take less, or instances in place of copies";
+constexpr const char* kFewerTriangles = "use fewer triangles, or instances in place of copies";
 
 /// Runs a step. If memory runs out, throws an error that names the data and gives advice.
 template <class Step> void with_memory_for(const char* what, const char* advice, Step&& step) {
@@ -26,21 +26,25 @@ template <class Step> void with_memory_for(const char* what, const char* advice,
 }  // namespace
 
 std::unique_ptr<Scene> SceneCompiler::run() {
+  // Copy the settings
   out_->color_ = options_.color;
   if (options_.color == ColorMode::kSpectral) spectra_.emplace();
   out_->film_ = in_.film;
   out_->sampler_ = in_.sampler;
   out_->integrator_ = in_.integrator;
+  // Prepare cameras and pixel filter
   add_cameras();
   const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
   out_->filter_ = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
   if (weighted) out_->filter_weights_.emplace(in_.film.filter);
-  with_memory_for("textures", "Smaller pictures take less", [&] { out_->textures_ = compile_textures(in_.textures); });
+  // Compile textures and materials
+  with_memory_for("textures", "use smaller images", [&] { out_->textures_ = compile_textures(in_.textures); });
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
   for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->bindings_))
     out_->warnings_.push_back(std::move(warning));
+  // Add shapes, those of groups last, and instances
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
     for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
     ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
@@ -50,9 +54,11 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   });
   check_attributes();
   set_bounds();
-  with_memory_for("grids of media", "Coarser grids take less", [&] { add_media(); });
-  with_memory_for("lights and environment map", "A smaller environment map takes less", [&] { add_lights(); });
+  // Compile media, and lights, which depend on the bounds and on emitting media
+  with_memory_for("grids of media", "use coarser grids", [&] { add_media(); });
+  with_memory_for("lights and environment map", "use a smaller environment map", [&] { add_lights(); });
   end_media();
+  // Pad the tables and build the acceleration structure
   with_memory_for("acceleration structure", kFewerTriangles, [&] { finish_tables(); });
   if (options_.report != nullptr) *options_.report = report();
   return std::move(out_);
@@ -76,27 +82,30 @@ CompileReport SceneCompiler::report() const {
 void SceneCompiler::add_cameras() {
   const auto count = static_cast<int>(in_.more_cameras.size()) + 1;
   if (in_.film.width % count != 0)
-    throw SceneError(in_.camera.where, "the film is " + std::to_string(in_.film.width) + " pixels wide, which " +
-                                           std::to_string(count) + " cameras cannot share evenly");
+    throw SceneError(in_.camera.where, "the film's width of " + std::to_string(in_.film.width) +
+                                           " pixels is not a multiple of the number of cameras, " +
+                                           std::to_string(count));
   const auto make = [&](const CameraDescription& camera) {
     return make_camera(camera, in_.film.width / count, in_.film.height);
   };
   out_->camera_ = make(in_.camera);
   for (const CameraDescription& camera : in_.more_cameras) out_->more_cameras_.push_back(make(camera));
   if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->camera_.sees_points))
-    throw SceneError(in_.camera.where,
-                     "light tracing needs a single camera that makes a picture: photons cannot be "
-                     "connected to this sensor");
+    throw SceneError(
+        in_.camera.where,
+        "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
 }
 
 void SceneCompiler::add_materials() {
+  // Reject bump maps without slopes over uv
   for (const MaterialDescription& m : in_.materials) {
     const auto* bump = std::get_if<BumpMapDescription>(&m.model);
     if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in_.textures.size()) continue;
     if (std::holds_alternative<VolumeTextureDescription>(
             in_.textures[static_cast<std::size_t>(bump->displacement)].model))
-      throw SceneError(m.where, "a bump map is a grid in the world, expected a picture: slopes are those over uv");
+      throw SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)");
   }
+  // Flatten materials and phase functions into rows
   std::vector<PhaseDescription> phases = in_.phases;
   if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
   naming_.add_materials(in_.materials);
@@ -116,6 +125,7 @@ void SceneCompiler::add_materials() {
   std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);
   out_->has_composites_ = std::any_of(out_->materials_.begin(), out_->materials_.end(),
                                       [](const MaterialRow& row) { return (row.flags & kComposite) != 0; });
+  // Find out whether shadow rays may pass through surfaces
   const auto lets_pass = [](const MaterialRow& row) {
     return (row.flags & kComposite) != 0 &&
            (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
@@ -145,10 +155,12 @@ bool SceneCompiler::panes_can_be_open() const {
 
 void SceneCompiler::set_bounds() {
   if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
+  // Bound the shapes by a sphere
   out_->counts_.bounds_min = lower_;
   out_->counts_.bounds_max = upper_;
   out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
   out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
+  // Place distant sensors outside of the sphere
   const float sphere = std::max(out_->radius_, 1e-3f);
   place_distant(out_->camera_, in_.camera, out_->center_, sphere);
   for (std::size_t i = 0; i < out_->more_cameras_.size(); ++i)
@@ -169,9 +181,11 @@ void SceneCompiler::finish_tables() {
   out_->triangles_.shrink_to_fit();
   if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
   if (out_->shapes_.empty()) out_->shapes_.emplace_back();
+  // Lay out mesh attributes
   attributes_->finish(static_cast<std::uint32_t>(out_->shapes_.size()), out_->textures_);
   out_->attributes_ = attributes_->entries();
   out_->attribute_values_ = attributes_->values();
+  // Pad the tables of lights
   if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
   if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
   if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
@@ -179,6 +193,7 @@ void SceneCompiler::finish_tables() {
   if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
   for (const MediumRow& medium : out_->media_)
     if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) out_->names_.has_other_light = true;
+  // Build the tables for light selection and the acceleration structure
   if (spectra_) out_->spectrum_tables_ = spectra_->samples();
   select_lights();
   const AccelInput input{out_->shapes_.data(),         ungrouped_shapes_,

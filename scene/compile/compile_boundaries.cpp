@@ -48,8 +48,8 @@ void SceneCompiler::add_media() {
     if (flakes != nullptr && in_.integrator.kind == IntegratorKind::kPhotonMapper &&
         in_.integrator.photons.volume.count > 0)
       throw SceneError(m.where,
-                       "photons in a medium of microflakes cannot be gathered, expected another phase function "
-                       "than 'sggx', or no photons in media");
+                       "photons cannot be gathered in a medium of microflakes (expected a phase function other than "
+                       "'sggx', or no photons in media)");
     placed.push_back({&m, row_of_phase_.at(phase), flakes, medium_boxes_[i], {lower_, upper_}});
     if (m.temperature && !spectra_ && !out_->blackbodies_) out_->blackbodies_.emplace();
   }
@@ -90,8 +90,8 @@ void SceneCompiler::probe_media() {
   const std::uint32_t outer = out_->outer_medium_;
   if (by_photons && outer != 0 && (out_->media_[outer - 1].flags & kMediumEmits) != 0)
     out_->warnings_.push_back(SceneError(in_.media[outer - 1].where,
-                                         "the medium glows and has no end: photons don't bring its light, which is "
-                                         "missing wherever it was scattered")
+                                         "photons do not carry the emission of an unbounded medium: its scattered "
+                                         "light is missing")
                                   .what());
 }
 
@@ -119,8 +119,8 @@ void SceneCompiler::probe_camera() {
                               .origin;
       if (start == middle || medium_at(view, start, kNone, 0) == out_->camera_medium_) continue;
       out_->warnings_.push_back(SceneError(in_.camera.where,
-                                           "the camera's rays start in more than one medium; all of "
-                                           "them are taken to start in that of the middle one")
+                                           "the camera's rays start in more than one medium: all are "
+                                           "assumed to start in that of the middle one")
                                     .what());
       return;
     }

@@ -39,7 +39,7 @@ void set_axes(Camera& camera, const CameraDescription& d) {
   const float mixed =
       std::max({std::fabs(dot(camera.lens_x, camera.lens_y)), std::fabs(dot(camera.lens_y, camera.forward)),
                 std::fabs(dot(camera.forward, camera.lens_x))});
-  if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform, expected a rotation");
+  if (mixed > 1e-4f) throw SceneError(d.where, "a spherical camera is skewed by its transform (expected a rotation)");
 }
 
 /// Throws SceneError if the distortion is not monotonic on the film. `radius` is the largest tangent shown.
@@ -49,8 +49,7 @@ void check_distortion(const CameraDescription& d, double radius) {
   for (double r = 0; r * (1 + r * r * (k1 + r * r * k2)) < radius; r += radius / kSteps) {
     const double slope = 1 + r * r * (3 * k1 + r * r * 5 * k2);
     if (!(slope > 1e-3))
-      throw SceneError(d.where, "the distortion 'kc' folds the picture at the tangent " + std::to_string(r) +
-                                    ", which lies on the film");
+      throw SceneError(d.where, "the distortion 'kc' folds the image on the film, at the tangent " + std::to_string(r));
   }
 }
 

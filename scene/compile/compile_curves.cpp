@@ -34,12 +34,12 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
 
 /// Throws SceneError for properties that curves do not support.
 void check_curves(const ShapeDescription& shape, const Curves& curves) {
-  if (shape.radiance) throw SceneError("curves cannot emit light: expected no <emitter> in them");
+  if (shape.radiance) throw SceneError("curves cannot emit light (expected no <emitter>)");
   if (shape.interior || shape.exterior)
-    throw SceneError("curves are no boundaries of media: expected neither 'interior' nor 'exterior'");
-  if (shape.flip_normals) throw SceneError("the normals of curves point outwards: expected no 'flip_normals'");
+    throw SceneError("curves cannot bound media (expected neither 'interior' nor 'exterior')");
+  if (shape.flip_normals) throw SceneError("the normals of curves point outwards (expected no 'flip_normals')");
   if (curves.points.empty() || curves.starts.empty() || curves.starts.front() != 0)
-    throw SceneError("curves without points");
+    throw SceneError("the curves have no points");
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
     const std::size_t end = i + 1 < curves.starts.size() ? curves.starts[i + 1] : curves.points.size();
     if (end > curves.points.size() || end < std::size_t{curves.starts[i]} + curves.order())
@@ -97,11 +97,12 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
 
   const UsableSegments segments = usable_segments(curves, points);
   if (segments.left_out > 0)
-    warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite segments of curves left out");
+    warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
   if (segments.short_lines > 0)
-    warn(shape,
-         std::to_string(segments.short_lines) +
-             " segments of lines are shorter than 0.005 units, too short to be seen exactly: a larger scale helps");
+    warn(
+        shape,
+        std::to_string(segments.short_lines) +
+            " line segments are shorter than 0.005 units, too short for exact intersections (expected a larger scale)");
   if (segments.first.empty()) {
     warn(shape, "the curves have no surface: left out");
     return;

@@ -2,9 +2,9 @@
 
 #include "core/color.h"
 #include "core/image.h"
+#include "core/image_channels.h"
 #include "core/lanes.h"
 #include "core/large_pages.h"
-#include "core/picture_channels.h"
 #include "core/uplift.h"
 
 #include <tbb/blocked_range.h>
@@ -35,16 +35,16 @@ double mean_sine(std::uint32_t j, std::uint32_t height) {
 }
 
 /// The largest power of two not above the image's maximum.
-float unit_of(const EnvmapPicture& picture, float scale) {
+float unit_of(const EnvmapImage& image, float scale) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto most_of = [&](const Range& range, float most) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const float value = picture.rgb[i] * scale;
+      const float value = image.rgb[i] * scale;
       most = is_usable(value) ? std::max(most, value) : most;
     }
     return most;
   };
-  const float most = tbb::parallel_reduce(Range(0, picture.rgb.size(), 1 << 16), 0.0f, most_of,
+  const float most = tbb::parallel_reduce(Range(0, image.rgb.size(), 1 << 16), 0.0f, most_of,
                                           [](float a, float b) { return std::max(a, b); });
   return most > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(most), 63))) : 1.0f;
 }
@@ -58,30 +58,32 @@ float value_of(const Envmap& map, std::size_t row, std::size_t column, std::size
 
 /// Encodes radiance into nodes; an image of one row is duplicated. Works in blocks of rows, allocating the table and
 /// freeing the image as it goes.
-void fill_radiance(Envmap& map, EnvmapPicture& picture, float scale) {
+void fill_radiance(Envmap& map, EnvmapImage& image, float scale) {
   constexpr std::size_t kBlockBytes = std::size_t{32} << 20;
-  map.unit = unit_of(picture, scale);
+  // Choose the unit of radiance and the size of blocks
+  map.unit = unit_of(image, scale);
   const float factor = scale / map.unit;
   const std::size_t rows = map.height - 1, row_length = std::size_t{map.width} + 1;
   const std::size_t block = std::max<std::size_t>(kBlockBytes / (row_length * sizeof(EnvmapColumn)), 16);
   map.columns.reserve(rows * row_length);
   for (std::size_t first = 0; first < rows; first += block) {
+    // Encode the rows of a block
     const std::size_t end = std::min(first + block, rows);
     map.columns.resize(end * row_length);
     tbb::parallel_for(first, end, [&](std::size_t j) {
       for (std::size_t i = 0; i <= map.width; ++i)
         for (std::size_t k = 0; k < 6; ++k) {
-          const std::size_t row = std::min<std::size_t>(j + k / 3, picture.height - 1);
+          const std::size_t row = std::min<std::size_t>(j + k / 3, image.height - 1);
           const std::size_t column = i < map.width ? i : 0;
-          const float value = picture.rgb[3 * (row * map.width + column) + k % 3] * factor;
+          const float value = image.rgb[3 * (row * map.width + column) + k % 3] * factor;
           map.columns[j * row_length + i].radiance[k] = is_usable(value) ? envmap_code(value) : std::uint16_t{0};
         }
     });
-    // The next block starts with the last row of this one.
-    const std::size_t done = std::min<std::size_t>(end, picture.height - 1) * map.width * 3;
-    release_pages(picture.rgb.data(), done * sizeof(float));
+    // Free the rows of the image above the block's last row, with which the next block starts
+    const std::size_t done = std::min<std::size_t>(end, image.height - 1) * map.width * 3;
+    release_pages(image.rgb.data(), done * sizeof(float));
   }
-  picture.rgb = {};
+  image.rgb = {};
 }
 
 /// Mean radiance over all directions from the nodes' values, with the exact integrals of the hat functions.
@@ -169,20 +171,22 @@ double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t he
   return hat * mean_sine(row, height) * (kPiDouble / (height - 1)) * (2 * kPiDouble / width);
 }
 
-Envmap make_envmap(EnvmapPicture picture, float scale, bool mis_compensation) {
-  if (std::size_t{picture.width} * picture.height > kMaxEnvmapPixels)
-    throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                     " pixels is too large for an environment map, of 2^28 at most");
-  if (std::max(picture.width, picture.height) > kMaxQuantileEntries)
-    throw SceneError("a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                     " pixels is too long for an environment map, of " + std::to_string(kMaxQuantileEntries) +
-                     " at most to a row or a column");
+Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation) {
+  if (std::size_t{image.width} * image.height > kMaxEnvmapPixels)
+    throw SceneError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " pixels is too large for an environment map (expected at most 2^28)");
+  if (std::max(image.width, image.height) > kMaxQuantileEntries)
+    throw SceneError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                     " pixels is too long for an environment map (expected sides of at most " +
+                     std::to_string(kMaxQuantileEntries) + ")");
+  // Encode the radiance
   Envmap map;
-  map.width = picture.width;
-  map.height = std::max(picture.height, 2u);
+  map.width = image.width;
+  map.height = std::max(image.height, 2u);
   map.to_map[0] = map.to_map[4] = map.to_map[8] = 1.0f;
-  fill_radiance(map, picture, scale);
+  fill_radiance(map, image, scale);
   set_mean(map);
+  // Build the sampling density, without compensation if that leaves nothing
   map.offset = mis_compensation ? luminance(map.mean) / map.unit : 0.0f;
   if (!fill_density(map)) {
     map.offset = 0;
@@ -215,24 +219,26 @@ void uplift_nodes(Envmap& map) {
   });
 }
 
-EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw) {
+EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw) {
   const SourceLocation where{file.string(), 0};
-  Picture picture = read_picture(file);
-  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
-  const std::size_t stride = picture.channels.size();
-  const bool bytes = !picture.bytes.empty(), encoded = !raw && (bytes || picture.integers);
+  // Read the image and find its colours
+  StoredImage stored = read_stored_image(file);
+  const std::vector<std::size_t> channels = find_color_channels(stored.channels, where).channels;
+  const std::size_t stride = stored.channels.size();
+  const bool bytes = !stored.bytes.empty(), encoded = !raw && (bytes || stored.integers);
   const auto value = [&](std::size_t index) {
-    const float stored = bytes ? static_cast<float>(picture.bytes[index]) / 255.0f : picture.floats[index];
-    return encoded ? srgb_to_linear(stored) : stored;
+    const float raw_value = bytes ? static_cast<float>(stored.bytes[index]) / 255.0f : stored.floats[index];
+    return encoded ? srgb_to_linear(raw_value) : raw_value;
   };
-  EnvmapPicture out;
-  out.width = static_cast<std::uint32_t>(picture.width);
-  out.height = static_cast<std::uint32_t>(picture.height);
+  EnvmapImage out;
+  out.width = static_cast<std::uint32_t>(stored.width);
+  out.height = static_cast<std::uint32_t>(stored.height);
   const std::size_t pixels = std::size_t{out.width} * out.height;
   // If pixels do not grow, reuse the image's memory: pixels are written only after they are read.
   const bool in_place = !bytes && stride >= 3;
   if (!in_place) out.rgb.resize(3 * pixels);
-  std::vector<float>& to = in_place ? picture.floats : out.rgb;
+  std::vector<float>& to = in_place ? stored.floats : out.rgb;
+  // Decode the pixels
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
     const auto channel = [&](std::size_t c) {
       return value(pixel * stride + channels[std::min(c, channels.size() - 1)]);
@@ -240,6 +246,7 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw) {
     const float rgb[3] = {channel(0), channel(1), channel(2)};
     std::copy(std::begin(rgb), std::end(rgb), &to[3 * pixel]);
   }
+  // Free the memory behind the pixels
   if (in_place) {
     release_pages(&to[3 * pixels - 1] + 1, (to.size() - 3 * pixels) * sizeof(float));
     to.resize(3 * pixels);
@@ -248,9 +255,9 @@ EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw) {
   return out;
 }
 
-UnusableValues replace_unusable(EnvmapPicture& picture) {
+UnusableValues replace_unusable(EnvmapImage& image) {
   UnusableValues counts;
-  for (float& value : picture.rgb) {
+  for (float& value : image.rgb) {
     if (is_usable(value)) continue;
     const bool infinite = value > 0.0f;
     ++(infinite ? counts.infinite : counts.dark);

@@ -13,7 +13,7 @@
 namespace sheaf {
 
 /// An image in linear Rec.709, three floats per pixel, row by row from the top.
-struct EnvmapPicture {
+struct EnvmapImage {
   std::uint32_t width = 0, height = 0;
   std::vector<float> rgb;
 };
@@ -22,7 +22,7 @@ struct EnvmapPicture {
 /// not sampled and are left to BSDF sampling (Karlik et al., "MIS Compensation", 2019). Negative and non-finite values
 /// become 0. to_map is the identity. The image's memory is freed progressively, so peak memory is hardly more than the
 /// larger of the two. Throws SceneError for images of more than 2^28 pixels or with too long rows or columns.
-Envmap make_envmap(EnvmapPicture picture, float scale, bool mis_compensation);
+Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation);
 
 /// Solid angle of a node of row `row`, in a map of `width` by `height` nodes.
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);
@@ -32,7 +32,7 @@ void uplift_nodes(Envmap& map);
 
 /// Reads an image. Integers are decoded by the sRGB curve unless `raw`; grey is used for all channels; alpha is
 /// dropped. Throws SceneError if the image is missing, broken, too large, or has unknown channels.
-EnvmapPicture read_envmap_picture(const std::filesystem::path& file, bool raw = false);
+EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw = false);
 
 /// Sets the rotation from world space to the map's space. Throws SceneError at `where` if the transform scales.
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where);
@@ -47,6 +47,6 @@ struct UnusableValues {
 };
 
 /// Replaces invalid values, and returns their counts.
-UnusableValues replace_unusable(EnvmapPicture& picture);
+UnusableValues replace_unusable(EnvmapImage& image);
 
 }  // namespace sheaf

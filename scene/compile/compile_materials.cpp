@@ -81,8 +81,8 @@ class Flattener {
     if (std::holds_alternative<SggxDescription>(phase.model)) {
       if (depth > 0)
         throw SceneError(phase.where,
-                         "microflakes cannot be mixed with other phase functions: the extinction of their "
-                         "medium is theirs");
+                         "microflakes cannot be mixed with other phase functions: they determine the "
+                         "extinction of their medium");
       set_parameters<SggxParameters>(row, ClosureKind::kSggx, {1, 1, 1, 0, 0, 0});
     } else if (std::holds_alternative<RayleighDescription>(phase.model)) {
       set_parameters<RayleighParameters>(row, ClosureKind::kRayleigh, {});

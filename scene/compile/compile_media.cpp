@@ -133,7 +133,7 @@ class MediaCompiler {
     BrickGrid loaded = load_volume(description, where);
     if (channels != 0 && loaded.channels != channels)
       throw SceneError(where, description.file.string() + ": the grid has " + std::to_string(loaded.channels) +
-                                  " channels, expected " + std::to_string(channels));
+                                  " channels (expected " + std::to_string(channels) + ")");
     if (loaded.is_empty()) out.warnings.push_back(description.file.string() + ": the grid is empty");
     const Transform to_world =
         description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box) : description.to_world;
@@ -165,8 +165,8 @@ class MediaCompiler {
   void add_flakes(const SggxDescription& flakes, const SourceLocation& where, MediumRow& row) {
     if ((row.flags & kMediumEmits) != 0)
       throw SceneError(where,
-                       "the medium glows, which one of microflakes cannot: expected another phase function than "
-                       "'sggx', or no 'emission'");
+                       "a medium of microflakes cannot emit (expected a phase function other than 'sggx', or no "
+                       "'emission')");
     row.flags |= kMediumFlakes;
     if (const auto* matrix = std::get_if<std::array<float, 6>>(&flakes.matrix)) {
       std::copy(matrix->begin(), matrix->end(), row.flakes);
@@ -245,7 +245,7 @@ class MediaCompiler {
       // spectra.
       if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone && of != row.density) {
         if (row.first_grid == kNone || out.grids[row.first_grid].cells != out.grids[row.second_grid].cells)
-          throw SceneError(where, "absorption and scattering are not on grids of the same voxels");
+          throw SceneError(where, "the grids of absorption and scattering have different voxels");
         sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
       }
       // Emission is sampled at collisions with the majorant, so emitting media need majorants above zero.

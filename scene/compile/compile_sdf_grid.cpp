@@ -11,19 +11,19 @@ namespace {
 
 /// Throws SceneError for invalid grids and unsupported properties.
 void check_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid) {
-  if (shape.radiance) throw SceneError("a grid of distances cannot emit light: expected no <emitter> in it");
+  if (shape.radiance) throw SceneError("an SDF grid cannot emit light (expected no <emitter>)");
   std::size_t count = 1;
   for (const int side : grid.size) {
     if (side < 2 || side > kMaxGridSide)
-      throw SceneError("a grid of distances has " + std::to_string(side) + " points along an axis, expected 2 to " +
-                       std::to_string(kMaxGridSide));
+      throw SceneError("an SDF grid has " + std::to_string(side) + " points along an axis (expected 2 to " +
+                       std::to_string(kMaxGridSide) + ")");
     count *= static_cast<std::size_t>(side);
   }
   if (grid.values.size() != count)
-    throw SceneError("a grid of distances has " + std::to_string(grid.values.size()) + " values, expected " +
-                     std::to_string(count));
+    throw SceneError("an SDF grid has " + std::to_string(grid.values.size()) + " values (expected " +
+                     std::to_string(count) + ")");
   for (const float value : grid.values)
-    if (!std::isfinite(value)) throw SceneError("a grid of distances has values that are not finite");
+    if (!std::isfinite(value)) throw SceneError("an SDF grid has values that are not finite");
 }
 
 /// Transform from the space in which cells are unit cubes to world space.
@@ -39,7 +39,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
   Scene& out = *out_;
   constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
   if (out.sdf_values_.size() + grid.values.size() > kMax)
-    throw SceneError("more than " + std::to_string(kMax) + " values of grids of distances in all");
+    throw SceneError("more than " + std::to_string(kMax) + " values of SDF grids in all");
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
   const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
   SdfGridRow rows{};
@@ -61,7 +61,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
     grow_box(box.min, box.max, bounds.lower, bounds.upper);
   }
   if (cells.empty()) {
-    warn(shape, "the grid of distances has no surface: nowhere do its values change sign; left out");
+    warn(shape, "the SDF grid has no surface, because its values never change sign: left out");
     return;
   }
   if (out.sdf_cells_.size() + cells.size() > kMax)

@@ -35,7 +35,7 @@ Placement place(const DiskShape&, const Transform& t) { return {ShapeKind::kDisk
 Placement place(const CylinderShape& c, const Transform& t) {
   const Vec3f axis = c.p1 - c.p0;
   const float height = length(axis);
-  if (!(height > 0.0f)) throw SceneError("cylinder of zero length");
+  if (!(height > 0.0f)) throw SceneError("the cylinder has zero length");
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(axis / height);
   Matrix4 m;
   const Vec3f columns[4] = {frame.s * c.radius, frame.t * c.radius, axis, c.p0};
@@ -77,14 +77,16 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
 }
 
 void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split) {
+  // Transform the mesh to world space
   const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
   check_mesh(mesh, shape.where);
   if (face_normals) mesh.normals.clear();
   transform_mesh(mesh, shape.to_world);
-  // Rectangles are known to be open, so they get no warning.
+  // Count open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles
   const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
   const std::size_t open_edges = should_close ? count_open_edges(mesh) : 0;
   const std::size_t dropped = drop_degenerate_triangles(mesh);
+  // Compute missing normals, and flip all
   if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) {
     if (is_split) {
       compute_welded_normals(mesh);
@@ -93,14 +95,16 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
     }
   }
   if (shape.flip_normals) flip_mesh(mesh);
+  // Report defects
   if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
   if (open_edges > 0)
     warn(shape, "the mesh bounds a medium and has " + std::to_string(open_edges) +
-                    " open edges: where nothing else closes it, paths get into the medium and out of it unnoticed");
+                    " open edges: unless other shapes close it, paths enter and leave the medium unnoticed");
   if (mesh.triangles.empty()) {
-    warn(shape, shape.radiance ? "shape has no area: neither seen nor emitting" : "shape has no area: left out");
+    warn(shape, shape.radiance ? "shape has no area: neither visible nor emitting" : "shape has no area: left out");
     return;
   }
+  // Append vertices and triangles
   if (8 * (out_->vertices_.size() + mesh.positions.size()) > kMaxWords ||
       out_->triangles_.size() + 3 * mesh.triangles.size() > kMaxWords)
     throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
@@ -111,25 +115,30 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
   append(out_->vertices_, mesh);
   for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
+  // Bound the mesh
   GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};
   for (const auto& t : mesh.triangles)
     for (std::uint32_t vertex : t) grow_box(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
   grow(box.min, box.max);
-  for (const Mesh::Attribute& attribute : mesh.attributes) {
-    known_attributes_.insert(attribute.name);
-    if (attributes_->wants(attribute.name))
-      attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
-                       static_cast<std::uint32_t>(mesh.positions.size()), attribute, shape.where);
-  }
-  for (const char* name : {kEdgeDistances, kRelativeEdgeDistances})
-    if (attributes_->wants(name))
-      attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
-                       static_cast<std::uint32_t>(mesh.positions.size()),
-                       {name, 3, edge_distances(mesh, name == kRelativeEdgeDistances)}, shape.where);
+  add_attributes(row, mesh, shape.where);
+  // Add the shape
   vertex_counts_.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
   out_->counts_.triangles += mesh.triangles.size();
   out_->counts_.vertices += mesh.positions.size();
   push_shape(row, shape, box);
+}
+
+void SceneCompiler::add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where) {
+  const auto add = [&](const Mesh::Attribute& attribute) {
+    attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
+                     static_cast<std::uint32_t>(mesh.positions.size()), attribute, where);
+  };
+  for (const Mesh::Attribute& attribute : mesh.attributes) {
+    known_attributes_.insert(attribute.name);
+    if (attributes_->wants(attribute.name)) add(attribute);
+  }
+  for (const char* name : {kEdgeDistances, kRelativeEdgeDistances})
+    if (attributes_->wants(name)) add({name, 3, edge_distances(mesh, name == kRelativeEdgeDistances)});
 }
 
 void SceneCompiler::add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric) {
@@ -149,11 +158,13 @@ void SceneCompiler::add_quadric(ShapeRow row, const ShapeDescription& shape, con
 
 void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box) {
   const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
+  // Add the boundary between media
   if (shape.interior || shape.exterior) {
     row.boundary = static_cast<std::uint32_t>(out_->boundaries_.size());
     out_->boundaries_.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
     if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
   }
+  // Add the light
   if (shape.radiance)
     if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
       emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));

@@ -53,14 +53,14 @@ class TextureCompiler {
   void make(TextureRow& row, const BitmapDescription& bitmap, const TextureDescription& texture) {
     row.kind = TextureKind::kBitmap;
     const std::size_t index = image(bitmap, texture);
-    const TiledImage& picture = images_[index];
-    TexelFormat format = picture.format;
+    const TiledImage& tiled = images_[index];
+    TexelFormat format = tiled.format;
     if (format == TexelFormat::kByte1 && !bitmap.raw) format = TexelFormat::kSrgbByte1;
     if (format == TexelFormat::kByte4 && !bitmap.raw) format = TexelFormat::kSrgbByte4;
     row.bitmap = {static_cast<std::uint32_t>(index),
-                  picture.tiles_per_row,
-                  picture.width,
-                  picture.height,
+                  tiled.tiles_per_row,
+                  tiled.width,
+                  tiled.height,
                   bitmap.wrap_u,
                   bitmap.wrap_v,
                   bitmap.filter,
@@ -73,7 +73,7 @@ class TextureCompiler {
   }
 
   void make(TextureRow& row, const GridTextureDescription& grid, const TextureDescription& texture) {
-    if (!(grid.line_width >= 0)) throw error(texture, "'line_width' is negative or no number");
+    if (!(grid.line_width >= 0)) throw error(texture, "'line_width' is negative or not a number");
     row.kind = TextureKind::kGrid;
     row.checkerboard = {{input(grid.color0, texture), input(grid.color1, texture)}, grid.line_width};
   }
@@ -88,7 +88,8 @@ class TextureCompiler {
 
   void make(TextureRow& row, const MeshAttributeDescription& attribute, const TextureDescription& texture) {
     if (!attribute.name.starts_with("vertex_") && !attribute.name.starts_with("face_")) {
-      throw error(texture, "'" + attribute.name + "' is no mesh attribute: names begin with 'vertex_' or 'face_'");
+      throw error(texture, "'" + attribute.name +
+                               "' is not a mesh attribute (expected a name that begins with 'vertex_' or 'face_')");
     }
     if (!std::isfinite(attribute.scale)) throw error(texture, "'scale' is not finite");
     row.kind = TextureKind::kMeshAttribute;
@@ -96,7 +97,7 @@ class TextureCompiler {
   }
 
   void make(TextureRow& row, const WireframeDescription& frame, const TextureDescription& texture) {
-    if (!(frame.line_width >= 0)) throw error(texture, "'line_width' is negative or no number");
+    if (!(frame.line_width >= 0)) throw error(texture, "'line_width' is negative or not a number");
     if (!(frame.step_width >= 0 && frame.step_width <= 1)) throw error(texture, "'step_width' is not within [0, 1]");
     row.kind = TextureKind::kWireframe;
     const bool relative = frame.line_width == 0;
@@ -185,8 +186,7 @@ class TextureCompiler {
   }
 
   SceneError too_deep(std::size_t i) const {
-    return error(textures_[i],
-                 "more than " + std::to_string(kMaxTextureDepth) + " checkerboards and mixes in each other");
+    return error(textures_[i], "more than " + std::to_string(kMaxTextureDepth) + " nested checkerboards and mixes");
   }
 
   /// Copies tiles and frees their memory progressively, so that the tiles exist only once.
@@ -268,13 +268,13 @@ void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std:
   const bool per_face = attribute.name.starts_with("face_");
   if (!per_face && !attribute.name.starts_with("vertex_")) throw fail("begins neither with 'vertex_' nor with 'face_'");
   if (attribute.channels != 1 && attribute.channels != 3) {
-    throw fail("has " + std::to_string(attribute.channels) + " channels, where 1 or 3 are expected");
+    throw fail("has " + std::to_string(attribute.channels) + " channels (expected 1 or 3)");
   }
   const auto channels = static_cast<std::uint32_t>(attribute.channels);
   const std::size_t expected = std::size_t{per_face ? triangle_count : vertex_count} * channels;
   if (attribute.values.size() != expected) {
-    throw fail("has " + std::to_string(attribute.values.size()) + " values, where " + std::to_string(expected) +
-               " are expected");
+    throw fail("has " + std::to_string(attribute.values.size()) + " values (expected " + std::to_string(expected) +
+               ")");
   }
   if (!std::all_of(attribute.values.begin(), attribute.values.end(), [](float v) { return std::isfinite(v); })) {
     throw fail("has values that are not finite");
@@ -283,10 +283,10 @@ void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std:
   if (found == names_.end() || triangle_count == 0) return;
   const auto name = static_cast<std::uint32_t>(found - names_.begin());
   constexpr std::size_t kMaxValues = 0xffffffffu;
-  if (values_.size() > kMaxValues - expected) throw fail("makes too many values in all");
+  if (values_.size() > kMaxValues - expected) throw fail("has too many values for all attributes together");
   const AttributeEntry entry{static_cast<std::uint32_t>(values_.size()),
                              channels | (per_face ? AttributeEntry::kPerFace : 0u), first_triangle, triangle_count};
-  if (!added_.insert({{name, shape}, entry}).second) throw fail("is there twice");
+  if (!added_.insert({{name, shape}, entry}).second) throw fail("appears twice");
   values_.insert(values_.end(), attribute.values.begin(), attribute.values.end());
 }
 

@@ -96,26 +96,29 @@ struct Skies {
 };
 
 /// Adds each sun to the four nodes around it.
-void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapPicture& picture) {
+void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapImage& image) {
   const double half = std::sin(0.5 * double(SunDescription::kSunRadius) * (kPiD / 180));
   const double solid_angle = 4 * kPiD * half * half;
   const double share = double(sky.sun_scale) * solid_angle / static_cast<double>(sky.suns.size());
   for (const Vec3f sun : sky.suns) {
+    // Compute the colour of the sun at its elevation
     const double height = dot(sun, sky.up);
     if (!(height >= 0.0)) continue;
     const Vec3f rgb = sun_rgb(sun_spectrum(sky.turbidity, std::asin(std::min(height, 1.0))));
+    // Find its position between nodes
     const Vec3f at = frame.to_local(stretched(sun, sky.up, sky.stretch));
     const double turn = std::atan2(double(at.x), -double(at.z)) / (2 * kPiD);
-    const double across = (turn - std::floor(turn)) * picture.width - 0.5;
-    const double down = std::acos(std::clamp(double(at.y), -1.0, 1.0)) / kPiD * (picture.height - 1);
-    const double column = std::floor(across), row = std::min(std::floor(down), picture.height - 2.0);
+    const double across = (turn - std::floor(turn)) * image.width - 0.5;
+    const double down = std::acos(std::clamp(double(at.y), -1.0, 1.0)) / kPiD * (image.height - 1);
+    const double column = std::floor(across), row = std::min(std::floor(down), image.height - 2.0);
+    // Distribute its power bilinearly over the four nodes
     for (int k = 0; k < 4; ++k) {
       const double x = column + k % 2, y = row + k / 2;
       const double weight = (1 - std::fabs(across - x)) * (1 - std::fabs(down - y));
       const auto j = static_cast<std::uint32_t>(y);
-      const auto i = static_cast<std::uint32_t>(x + picture.width) % picture.width;
-      const double scale = share * weight / node_solid_angle(j, picture.width, picture.height);
-      float* node = &picture.rgb[3 * (std::size_t{j} * picture.width + i)];
+      const auto i = static_cast<std::uint32_t>(x + image.width) % image.width;
+      const double scale = share * weight / node_solid_angle(j, image.width, image.height);
+      float* node = &image.rgb[3 * (std::size_t{j} * image.width + i)];
       node[0] += static_cast<float>(scale * double(rgb.x));
       node[1] += static_cast<float>(scale * double(rgb.y));
       node[2] += static_cast<float>(scale * double(rgb.z));
@@ -193,31 +196,34 @@ Vec3f stretched(Vec3f direction, Vec3f up, float factor) {
   return up * std::cos(angle) + across * (std::sin(angle) / sine);
 }
 
-EnvmapPicture sky_picture(const SkyDescription& sky, Vec3f front) {
-  EnvmapPicture picture;
-  picture.width = static_cast<std::uint32_t>(sky.resolution);
-  picture.height = std::max(picture.width / 2, 2u);
-  picture.rgb.resize(3 * std::size_t{picture.width} * picture.height);
+EnvmapImage sky_image(const SkyDescription& sky, Vec3f front) {
+  EnvmapImage image;
+  image.width = static_cast<std::uint32_t>(sky.resolution);
+  image.height = std::max(image.width / 2, 2u);
+  image.rgb.resize(3 * std::size_t{image.width} * image.height);
+  // Average the skies of all suns, node by node
   const Frame<Scalar> frame{cross(sky.up, front), sky.up, front};
   const Skies skies(sky);
-  tbb::parallel_for(std::uint32_t{0}, picture.height, [&](std::uint32_t j) {
-    double polar = kPiD * j / (picture.height - 1) / double(sky.stretch);
+  tbb::parallel_for(std::uint32_t{0}, image.height, [&](std::uint32_t j) {
+    // Compute the polar angle of the row
+    double polar = kPiD * j / (image.height - 1) / double(sky.stretch);
     if (polar > 0.5 * kPiD && !sky.extend) return;
     polar = std::min(polar, 0.5 * kPiD);
-    for (std::uint32_t i = 0; i < picture.width; ++i) {
-      const double longitude = 2 * kPiD * (i + 0.5) / picture.width;
+    for (std::uint32_t i = 0; i < image.width; ++i) {
+      // Evaluate the sky in the direction of the node
+      const double longitude = 2 * kPiD * (i + 0.5) / image.width;
       const double local[3] = {std::sin(longitude) * std::sin(polar), std::cos(polar),
                                -std::cos(longitude) * std::sin(polar)};
       const Vec3f direction =
           frame.to_world({static_cast<float>(local[0]), static_cast<float>(local[1]), static_cast<float>(local[2])});
       const auto rgb = skies.radiance(direction, std::max(local[1], 0.0));
       for (std::size_t c = 0; c < 3; ++c)
-        picture.rgb[3 * (std::size_t{j} * picture.width + i) + c] =
+        image.rgb[3 * (std::size_t{j} * image.width + i) + c] =
             static_cast<float>(std::max(rgb[c] * double(sky.scale), 0.0));
     }
   });
-  if (sky.sun_scale > 0.0f) add_suns(sky, frame, picture);
-  return picture;
+  if (sky.sun_scale > 0.0f) add_suns(sky, frame, image);
+  return image;
 }
 
 }  // namespace sheaf

@@ -34,6 +34,6 @@ Vec3f sun_rgb(const SpectrumDescription::Table& spectrum);
 Vec3f stretched(Vec3f direction, Vec3f up, float factor);
 
 /// The sky as an environment map image with +y axis `up` and +z axis `front`, which must be perpendicular.
-EnvmapPicture sky_picture(const SkyDescription& sky, Vec3f front);
+EnvmapImage sky_image(const SkyDescription& sky, Vec3f front);
 
 }  // namespace sheaf

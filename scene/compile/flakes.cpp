@@ -47,7 +47,7 @@ float largest_flake_area(const std::array<float, 6>& matrix) {
     std::string text;
     for (const float entry : matrix) text += (text.empty() ? "" : " ") + std::to_string(entry);
     throw SceneError("the matrix of microflakes " + text + " (xx yy zz xy xz yz) has the negative eigenvalue " +
-                     std::to_string(least) + ", expected none: it describes no ellipsoid");
+                     std::to_string(least) + ", so it describes no ellipsoid (expected none)");
   }
   return static_cast<float>(std::sqrt(std::max(most, 0.0)));
 }
@@ -55,7 +55,7 @@ float largest_flake_area(const std::array<float, 6>& matrix) {
 FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLocation& where) {
   const std::string file = description.file.string();
   if (description.format != GridVolumeDescription::Format::kVol)
-    throw SceneError(where, file + ": matrices of microflakes have six channels, expected a .vol file");
+    throw SceneError(where, file + ": matrices of microflakes have six channels (expected a .vol file)");
   try {
     const DenseVolume volume = read_vol(description.file, description.use_grid_bbox, VolChannels::kMatrices);
     FlakeGrids out;

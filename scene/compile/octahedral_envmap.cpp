@@ -26,7 +26,7 @@ Vec3f direction_of(double u, double v) {
 bool counts(float value) { return value >= 0.0f && std::isfinite(value); }
 
 /// Mean of the texels around node (i, j).
-Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j, std::uint32_t width,
+Vec3f mean_around(const EnvmapImage& square, std::uint32_t i, std::uint32_t j, std::uint32_t width,
                   std::uint32_t height) {
   Vec3f sum{0, 0, 0};
   for (std::uint32_t b = 0; b < kLookups; ++b)
@@ -45,7 +45,7 @@ Vec3f mean_around(const EnvmapPicture& square, std::uint32_t i, std::uint32_t j,
 }
 
 /// Mean of a channel of the square map over all directions.
-double mean_of(const EnvmapPicture& square, std::size_t channel) {
+double mean_of(const EnvmapImage& square, std::size_t channel) {
   double sum = 0;
   for (std::size_t k = channel; k < square.rgb.size(); k += 3)
     sum += counts(square.rgb[k]) ? static_cast<double>(square.rgb[k]) : 0.0;
@@ -53,7 +53,7 @@ double mean_of(const EnvmapPicture& square, std::size_t channel) {
 }
 
 /// Scales a map so that make_envmap() computes the same means as for `square`.
-void keep_means(EnvmapPicture& map, const EnvmapPicture& square) {
+void keep_means(EnvmapImage& map, const EnvmapImage& square) {
   const Vec3f found = make_envmap(map, 1, false).mean;
   const std::array<float, 3> means{found.x, found.y, found.z};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -64,12 +64,12 @@ void keep_means(EnvmapPicture& map, const EnvmapPicture& square) {
 
 }  // namespace
 
-EnvmapPicture lat_long_of_octahedral(const EnvmapPicture& square, const std::filesystem::path& file) {
+EnvmapImage lat_long_of_octahedral(const EnvmapImage& square, const std::filesystem::path& file) {
   if (square.width != square.height)
     throw SceneError(SourceLocation{file.string(), 0}, "the environment map has " + std::to_string(square.width) +
                                                            " x " + std::to_string(square.height) +
-                                                           " pixels, expected a square one of equal areas");
-  EnvmapPicture map;
+                                                           " pixels (expected a square equal-area map)");
+  EnvmapImage map;
   map.height = std::max(square.height, 8u);
   map.width = 2 * map.height;
   map.rgb.resize(3 * std::size_t{map.width} * map.height);

@@ -25,11 +25,11 @@ bool needs_a_shape(const CompiledTextures& textures, std::uint32_t row) {
 Mesh sample_height_field(const HeightFieldShape& field, const CompiledTextures& textures) {
   if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
     throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
-                     " places, expected 2 x 2 at least and " + std::to_string(kMaxHeights) + " at most");
+                     " points (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
   Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
   const auto* texture = std::get_if<TextureId>(&field.texture);
   if (texture != nullptr && needs_a_shape(textures, static_cast<std::uint32_t>(*texture)))
-    throw SceneError("the texture of a height field is one of meshes, expected one that depends on uv alone");
+    throw SceneError("the texture of a height field depends on meshes (expected one that depends on uv alone)");
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
   const TextureView view{textures.rows.data(), textures.tiles.get()};

@@ -78,6 +78,8 @@ class SceneCompiler {
   void add_shape(const ShapeDescription& shape);
   /// The order of the steps is explained in scene/formats/mesh.h. `is_split`: see MeshFile.
   void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split = false);
+  /// Adds the attributes that textures use of a mesh that becomes the next shape.
+  void add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);
   /// Adds the row of a shape with bounding box `box`, and its light if it emits. In groups, the instances add the
   /// lights.

@@ -37,7 +37,8 @@ float limited(float value, SpectrumUse use) {
 }
 
 void check_finite(float value) {
-  if (!std::isfinite(value)) throw SceneError("a spectrum contains " + std::to_string(value) + ", expected numbers");
+  if (!std::isfinite(value))
+    throw SceneError("a spectrum contains " + std::to_string(value) + " (expected finite numbers)");
 }
 
 SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {

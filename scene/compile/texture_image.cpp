@@ -3,8 +3,8 @@
 
 #include "core/color.h"
 #include "core/image.h"
+#include "core/image_channels.h"
 #include "core/memory.h"
-#include "core/picture_channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,14 +39,14 @@ void fill_tiles(TiledImage& image, const std::vector<T>& values, std::size_t str
 }
 
 /// Checks that the selected channels are finite, and decodes them if `decode`.
-void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, bool decode,
+void prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channels, bool decode,
                     const SourceLocation& where) {
-  const std::size_t stride = picture.channels.size(), width = static_cast<std::size_t>(picture.width);
-  for (std::size_t pixel = 0; pixel * stride < picture.floats.size(); ++pixel) {
+  const std::size_t stride = stored.channels.size(), width = static_cast<std::size_t>(stored.width);
+  for (std::size_t pixel = 0; pixel * stride < stored.floats.size(); ++pixel) {
     for (const std::size_t c : channels) {
-      float& value = picture.floats[pixel * stride + c];
+      float& value = stored.floats[pixel * stride + c];
       if (!std::isfinite(value)) {
-        throw SceneError(where, "channel " + picture.channels[c] + " of the pixel in column " +
+        throw SceneError(where, "channel " + stored.channels[c] + " of the pixel in column " +
                                     std::to_string(pixel % width) + ", row " + std::to_string(pixel / width) +
                                     " (from the upper left) is not a finite number");
       }
@@ -56,13 +56,13 @@ void prepare_floats(Picture& picture, const std::vector<std::size_t>& channels, 
 }
 
 /// Converts all values to floats, decoded unless `raw`, and applies the colour transform.
-void change_values(Picture& picture, bool raw, const BitmapDescription::ColorTransform& change) {
-  const bool decode = !raw && (picture.integers || !picture.bytes.empty());
-  if (picture.floats.empty())
-    for (const std::uint8_t byte : picture.bytes) picture.floats.push_back(static_cast<float>(byte) / 255.0f);
-  picture.bytes = {};
-  picture.integers = false;
-  for (float& value : picture.floats) {
+void change_values(StoredImage& stored, bool raw, const BitmapDescription::ColorTransform& change) {
+  const bool decode = !raw && (stored.integers || !stored.bytes.empty());
+  if (stored.floats.empty())
+    for (const std::uint8_t byte : stored.bytes) stored.floats.push_back(static_cast<float>(byte) / 255.0f);
+  stored.bytes = {};
+  stored.integers = false;
+  for (float& value : stored.floats) {
     value = (decode ? srgb_to_linear(value) : value) * change.scale;
     if (change.invert) value = 1 - value;
     if (change.exponent != 1.0f)
@@ -72,15 +72,15 @@ void change_values(Picture& picture, bool raw, const BitmapDescription::ColorTra
   }
 }
 
-TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::ColorTransform& change,
-                        const SourceLocation& where) {
-  if (change != BitmapDescription::ColorTransform{}) change_values(picture, raw, change);
-  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
-  const bool bytes = !picture.bytes.empty(), grey = channels.size() == 1;
+TiledImage tile_stored_image(StoredImage stored, bool raw, const BitmapDescription::ColorTransform& change,
+                             const SourceLocation& where) {
+  if (change != BitmapDescription::ColorTransform{}) change_values(stored, raw, change);
+  const std::vector<std::size_t> channels = find_color_channels(stored.channels, where).channels;
+  const bool bytes = !stored.bytes.empty(), grey = channels.size() == 1;
 
   TiledImage image;
-  image.width = static_cast<std::uint32_t>(picture.width);
-  image.height = static_cast<std::uint32_t>(picture.height);
+  image.width = static_cast<std::uint32_t>(stored.width);
+  image.height = static_cast<std::uint32_t>(stored.height);
   image.format =
       bytes ? (grey ? TexelFormat::kByte1 : TexelFormat::kByte4) : (grey ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
   const int shift = tile_shift(image.format);
@@ -88,20 +88,20 @@ TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Colo
   image.tiles_per_row = tiles_along(image.width);
   const std::size_t tiles = std::size_t{image.tiles_per_row} * tiles_along(image.height);
   if (tiles << 2 * shift > kMaxTexels) {
-    throw SceneError(where, "a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                                " pixels is too large for a texture, of " + std::to_string(kMaxTexels) +
-                                " texels at most");
+    throw SceneError(where, "an image of " + std::to_string(stored.width) + " x " + std::to_string(stored.height) +
+                                " pixels is too large for a texture (expected at most " + std::to_string(kMaxTexels) +
+                                " texels)");
   }
-  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "A smaller picture takes less"};
+  const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
   check_memory((where.file.empty() ? "a texture" : "the texture '" + where.file + "'") + " of " +
-                   std::to_string(picture.width) + " x " + std::to_string(picture.height) + " pixels",
+                   std::to_string(stored.width) + " x " + std::to_string(stored.height) + " pixels",
                {&texels, 1});
   image.tiles.resize(tiles);
   if (bytes) {
-    fill_tiles(image, picture.bytes, picture.channels.size(), channels);
+    fill_tiles(image, stored.bytes, stored.channels.size(), channels);
   } else {
-    prepare_floats(picture, channels, picture.integers && !raw, where);
-    fill_tiles(image, picture.floats, picture.channels.size(), channels);
+    prepare_floats(stored, channels, stored.integers && !raw, where);
+    fill_tiles(image, stored.floats, stored.channels.size(), channels);
   }
   return image;
 }
@@ -110,16 +110,16 @@ TiledImage tile_picture(Picture picture, bool raw, const BitmapDescription::Colo
 
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
                             const BitmapDescription::ColorTransform& change) {
-  return tile_picture(read_picture(file, raw), raw, change, {file.string(), 0});
+  return tile_stored_image(read_stored_image(file, raw), raw, change, {file.string(), 0});
 }
 
 TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where) {
-  Picture picture;
-  picture.width = made.width;
-  picture.height = made.height;
-  picture.channels = made.channels;
-  picture.floats = made.data;
-  return tile_picture(std::move(picture), true, change, where);
+  StoredImage stored;
+  stored.width = made.width;
+  stored.height = made.height;
+  stored.channels = made.channels;
+  stored.floats = made.data;
+  return tile_stored_image(std::move(stored), true, change, where);
 }
 
 }  // namespace sheaf

@@ -84,7 +84,7 @@ std::string conversion(FileUse use) {
       return "; import it into Blender and export OBJ or PLY, or a scene with the add-on for Mitsuba";
     case FileUse::kVolume:
       return "; vdb_to_nanovdb or nanovdb_convert makes a .nvdb file of it, which a scene names as a gridvolume";
-    case FileUse::kPicture:
+    case FileUse::kImage:
       return "; scenes name pictures as textures and environment maps";
     case FileUse::kScenePart:
       return "; scenes name such files";

@@ -12,8 +12,8 @@ namespace {
 void end_curve(const Curves& curves, const NumberLines& lines) {
   const std::size_t count = curves.points.size() - curves.starts.back();
   if (count < curves.order())
-    lines.fail("the curve that ends here has " + std::to_string(count) + " points, expected " +
-               std::to_string(curves.order()) + " at least");
+    lines.fail("the curve that ends here has " + std::to_string(count) + " points (expected at least " +
+               std::to_string(curves.order()) + ")");
 }
 
 }  // namespace

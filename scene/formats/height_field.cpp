@@ -3,7 +3,7 @@
 
 #include "core/color.h"
 #include "core/image.h"
-#include "core/picture_channels.h"
+#include "core/image_channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,19 +14,19 @@ namespace {
 
 Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   const SourceLocation where{file.string(), 0};
-  const Picture picture = read_picture(file, raw);
-  Heights out{static_cast<std::size_t>(picture.width), static_cast<std::size_t>(picture.height), {}};
+  const StoredImage image = read_stored_image(file, raw);
+  Heights out{static_cast<std::size_t>(image.width), static_cast<std::size_t>(image.height), {}};
   if (out.width < 2 || out.height < 2 || out.width * out.height > kMaxHeights)
-    throw SceneError(where, "a picture of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
-                                " pixels, expected 2 x 2 at least and " + std::to_string(kMaxHeights) + " at most");
-  const std::vector<std::size_t> channels = find_color_channels(picture.channels, where).channels;
-  const bool bytes = !picture.bytes.empty(), decode = !raw && (bytes || picture.integers);
+    throw SceneError(where, "an image of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
+                                " pixels (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
+  const std::vector<std::size_t> channels = find_color_channels(image.channels, where).channels;
+  const bool bytes = !image.bytes.empty(), decode = !raw && (bytes || image.integers);
   out.z.resize(out.width * out.height);
   for (std::size_t i = 0; i < out.z.size(); ++i) {
     float value[3] = {};
     for (std::size_t k = 0; k < channels.size(); ++k) {
-      const std::size_t at = i * picture.channels.size() + channels[k];
-      value[k] = bytes ? static_cast<float>(picture.bytes[at]) / 255.0f : picture.floats[at];
+      const std::size_t at = i * image.channels.size() + channels[k];
+      value[k] = bytes ? static_cast<float>(image.bytes[at]) / 255.0f : image.floats[at];
       if (decode) value[k] = srgb_to_linear(value[k]);
     }
     out.z[i] = scale * (channels.size() == 1 ? value[0] : luminance({value[0], value[1], value[2]}));

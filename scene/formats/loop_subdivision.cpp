@@ -36,9 +36,10 @@ class Neighbours {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
         if (a == b) throw SceneError("a triangle of the control mesh has the vertex " + std::to_string(a) + " twice");
         if (!across_.emplace(directed(a, b), c).second)
-          throw SceneError("the edge from vertex " + std::to_string(a) + " to " + std::to_string(b) +
-                           " of the control mesh has several triangles on the same side, expected one or two that are "
-                           "oriented alike");
+          throw SceneError(
+              "the edge from vertex " + std::to_string(a) + " to " + std::to_string(b) +
+              " of the control mesh has several triangles on the same side (expected one or two of the same "
+              "orientation)");
         if (first_[a] == kNobody) first_[a] = b;
         ++corners_[a];
       }

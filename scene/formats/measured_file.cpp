@@ -65,7 +65,7 @@ class MeasuredReader {
     const double whole = std::rint(turns);
     if (whole != 1 && whole != 2 && whole != 4)
       file_.fail("field 'phi_i' goes from " + std::to_string(brdf.phi.front()) + " to " +
-                 std::to_string(brdf.phi.back()) + ", expected a whole turn, a half or a quarter of it, in radians");
+                 std::to_string(brdf.phi.back()) + " (expected a full, half or quarter turn, in radians)");
   }
 
   /// Reads grids in the last two dimensions; the leading dimensions must equal `outer`.

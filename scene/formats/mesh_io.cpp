@@ -15,7 +15,8 @@ namespace {
 /// Decompresses a gzip file.
 std::string inflated(std::string_view bytes, const SourceLocation& where, std::string_view what) {
   constexpr std::size_t kPiece = std::size_t{1} << 20, kMax = std::size_t{1} << 32;
-  if (!bytes.starts_with("\x1f\x8b")) throw SceneError(where, std::string(what) + " is no gzip file, as its name says");
+  if (!bytes.starts_with("\x1f\x8b"))
+    throw SceneError(where, std::string(what) + " is not a gzip file, despite its extension");
   Inflater inflater(bytes);
   std::string out;
   try {
@@ -41,7 +42,7 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   const auto status = std::filesystem::status(file, failure);
   if (!std::filesystem::exists(status)) throw SceneError(where, std::string(what) + " not found");
   if (!std::filesystem::is_regular_file(status)) {
-    throw SceneError(where, std::string(what) + " expected, found something that is not a regular file");
+    throw SceneError(where, std::string(what) + " is not a regular file");
   }
   const std::uintmax_t size = std::filesystem::file_size(file, failure);
   std::ifstream stream(file, std::ios::binary);

@@ -172,12 +172,12 @@ class MtlReader {
     MtlTexture texture;
     texture.where = where_;
     while (is_option(arguments)) read_option(keyword, arguments, texture, false);
-    const std::string_view name = take_picture_name(arguments);
-    if (name.empty()) fail("expected the name of a picture after '" + std::string(keyword) + "'");
+    const std::string_view name = take_image_name(arguments);
+    if (name.empty()) fail("expected the name of an image after '" + std::string(keyword) + "'");
     while (is_option(arguments)) read_option(keyword, arguments, texture, true);
     if (!arguments.empty() && arguments.front() != '#')
-      fail("expected nothing or an option after the name of a picture, found " + quoted(arguments));
-    texture.file = find_picture(name);
+      fail("expected nothing or an option after the name of an image, found " + quoted(arguments));
+    texture.file = find_image(name);
     slot = std::move(texture);
   }
 
@@ -187,17 +187,17 @@ class MtlReader {
            ((text[1] >= 'a' && text[1] <= 'z') || (text[1] >= 'A' && text[1] <= 'Z'));
   }
 
-  std::string_view take_picture_name(std::string_view& arguments) const {
+  std::string_view take_image_name(std::string_view& arguments) const {
     if (arguments.starts_with('"')) {
       const std::size_t end = arguments.find('"', 1);
-      if (end == arguments.npos) fail("a name in quotation marks has no closing one");
+      if (end == arguments.npos) fail("a name has no closing quotation mark");
       const std::string_view name = arguments.substr(1, end - 1);
       arguments = trimmed(arguments.substr(end + 1));
       return name;
     }
     std::size_t end = arguments.size();
     std::error_code failure;
-    if (!std::filesystem::exists(find_picture(arguments), failure))
+    if (!std::filesystem::exists(find_image(arguments), failure))
       for (std::size_t blank = arguments.find_first_of(" \t"); blank != arguments.npos;) {
         const std::size_t word = arguments.find_first_not_of(" \t", blank);  // exists, because the text is trimmed
         const std::size_t next = std::min(arguments.find_first_of(" \t", word), arguments.size());
@@ -253,7 +253,7 @@ class MtlReader {
   }
 
   /// Returns the path of an image. Also searches next to the library, because paths may come from another computer.
-  std::filesystem::path find_picture(std::string_view name) const {
+  std::filesystem::path find_image(std::string_view name) const {
     std::string portable(name);
     std::replace(portable.begin(), portable.end(), '\\', '/');
     const std::filesystem::path file = folder_ / portable;

@@ -70,7 +70,7 @@ class Directory {
       if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
     }
     if (names.size() > kMaxListed) list += " and others";
-    fail("no grid '" + name + "', the file holds " + list + did_you_mean(name, names));
+    fail("no grid '" + name + "' (the file holds " + list + ")" + did_you_mean(name, names));
   }
 
  private:
@@ -86,8 +86,8 @@ class Directory {
     constexpr std::string_view kOpenVdb("\x20\x42\x44\x56\0\0\0\0", 8);
     if (bytes_.starts_with(kOpenVdb)) {
       fail(
-          "an OpenVDB file, where NanoVDB is expected; convert it with 'nanovdb_convert FILE.vdb FILE.nvdb', which "
-          "comes with OpenVDB, or with Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb'");
+          "an OpenVDB file (expected NanoVDB; convert it with OpenVDB's 'nanovdb_convert FILE.vdb FILE.nvdb' or with "
+          "Sheaf's 'vdb_to_nanovdb FILE.vdb FILE.nvdb')");
     }
     if (bytes_.size() < 8 || !is_magic(bytes_.data())) {
       fail("expected a NanoVDB file, which begins with the letters NanoVDB0 or NanoVDB2");
@@ -145,7 +145,7 @@ class GridMemory {
         decompress_blosc();
         break;
       default:
-        fail("compressed with codec " + std::to_string(entry.codec) + ", of which nothing is known");
+        fail("compressed with the unknown codec " + std::to_string(entry.codec));
     }
   }
 
@@ -165,9 +165,9 @@ class GridMemory {
   /// produce.
   void allocate(std::uint64_t most) {
     if (entry_.size > most) {
-      fail("is said to take " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
+      fail("claims " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
     }
-    if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is too small to be one");
+    if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is smaller than its header");
     chunks_.resize((entry_.size + sizeof(Chunk) - 1) / sizeof(Chunk));
   }
   char* memory() { return chunks_.front().bytes; }
@@ -209,8 +209,8 @@ class GridMemory {
 #else
   void decompress_blosc() {
     fail(
-        "compressed with Blosc, for which Sheaf was not built; write it with 'nanovdb_convert -z', or build Sheaf "
-        "where libblosc-dev is installed");
+        "compressed with Blosc, which this build of Sheaf does not support (write it with 'nanovdb_convert -z', or "
+        "build Sheaf with libblosc-dev)");
   }
 #endif
 
@@ -368,14 +368,14 @@ SparseVolume read_volume(const GridMemory& memory) {
   if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
   switch (header->mGridClass) {
     case nanovdb::GridClass::LevelSet:
-      memory.fail("is a level set, where a fog volume is expected");
+      memory.fail("is a level set (expected a fog volume)");
     case nanovdb::GridClass::Unknown:
     case nanovdb::GridClass::FogVolume:
     case nanovdb::GridClass::Staggered:
     case nanovdb::GridClass::VoxelVolume:
       break;
     default:
-      memory.fail("is no fog volume");
+      memory.fail("is not a fog volume");
   }
   Matrix4 m;
   for (std::size_t row = 0; row < 3; ++row) {

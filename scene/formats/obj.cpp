@@ -245,7 +245,7 @@ ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex
   }
   const std::string first_bad = content.positions.first_bad;
   ObjFile obj = build_mesh(std::move(content));
-  if (obj.file.mesh.triangles.empty()) throw SceneError({name}, "no face is whole: " + first_bad);
+  if (obj.file.mesh.triangles.empty()) throw SceneError({name}, "no face is complete: " + first_bad);
   return obj;
 }
 

@@ -388,7 +388,7 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFa
   result.is_split = has_corner_uvs;
   result.texture = header.texture;
   const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
-  if (result.mesh.triangles.empty()) throw SceneError({name}, "no face is whole: " + content.polygons.first_missing);
+  if (result.mesh.triangles.empty()) throw SceneError({name}, "no face is complete: " + content.polygons.first_missing);
   for (Mesh::Attribute& attribute : content.polygon_attributes) {
     attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));
     result.mesh.attributes.push_back(spread(attribute, sources));

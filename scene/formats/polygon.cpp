@@ -168,7 +168,8 @@ std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& me
   }
   if (incomplete > 0)
     warnings.push_back("faces left out: " + std::to_string(incomplete) + " (" + polygons.first_missing + ")");
-  if (crossed > 0) warnings.push_back(std::to_string(crossed) + " polygons that cross themselves are cut roughly");
+  if (crossed > 0)
+    warnings.push_back(std::to_string(crossed) + " self-intersecting polygons are triangulated approximately");
   return sources;
 }
 

@@ -55,7 +55,7 @@ class Directory {
     const std::uint64_t offset =
         version == kVersion4 ? little_endian<std::uint64_t>(entry) : little_endian<std::uint32_t>(entry);
     if (end < kHeaderSize || offset > end - kHeaderSize)
-      fail("mesh " + std::to_string(index) + " is said to lie behind the end of the file");
+      fail("mesh " + std::to_string(index) + " begins beyond the end of the file");
     check_header(offset);
     return bytes_.substr(offset, end - offset);
   }
@@ -165,7 +165,7 @@ void read_triangles(MeshStream& stream, std::uint64_t vertices, std::uint64_t tr
   const std::size_t dropped = std::erase_if(mesh.triangles, [vertices](const std::array<std::uint32_t, 3>& t) {
     return t[0] >= vertices || t[1] >= vertices || t[2] >= vertices;
   });
-  if (mesh.triangles.empty()) stream.fail("no triangle is whole: " + first_bad);
+  if (mesh.triangles.empty()) stream.fail("no triangle is complete: " + first_bad);
   if (dropped > 0) file.warnings.push_back("faces left out: " + std::to_string(dropped) + " (" + first_bad + ")");
 }
 

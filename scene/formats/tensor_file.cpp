@@ -74,7 +74,7 @@ class TensorFile::Reader {
       file_.fail("field '" + name + "' of " + to_string(field.shape) + " numbers of " +
                  std::to_string(kTypeSizes[field.type]) + " bytes begins at byte " + std::to_string(field.offset) +
                  " and does not fit into the file's " + std::to_string(file_.content_.size()) + " bytes: truncated?");
-    if (!file_.fields_.emplace(name, std::move(field)).second) file_.fail("field '" + name + "' is there twice");
+    if (!file_.fields_.emplace(name, std::move(field)).second) file_.fail("field '" + name + "' appears twice");
   }
 
   std::string take(std::size_t size) {

@@ -112,7 +112,7 @@ class VolReader {
     std::uint64_t expected = static_cast<std::uint64_t>(h.channels) * h.value_size();
     for (const int side : h.size) {
       if (side < 1 || side > kMaxGridSide) {
-        fail("a grid of " + size + "; sides from 1 to " + std::to_string(kMaxGridSide) + " are possible");
+        fail("a grid of " + size + " (expected sides from 1 to " + std::to_string(kMaxGridSide) + ")");
       }
       expected *= static_cast<std::uint64_t>(side);
     }

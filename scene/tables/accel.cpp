@@ -246,7 +246,7 @@ RTCScene make_scene(RTCDevice device, bool watertight) {
 void check_addresses() {
   constexpr double kEmbreeAddresses = 160e6;
   if (available_addresses() >= kEmbreeAddresses) return;
-  const MemoryUse embree{"addresses of Embree and its threads", kEmbreeAddresses, "Raise the limit, see `ulimit -v`"};
+  const MemoryUse embree{"addresses of Embree and its threads", kEmbreeAddresses, "raise the limit, see `ulimit -v`"};
   throw not_enough_memory("building the acceleration structure", {&embree, 1});
 }
 

@@ -198,7 +198,7 @@ TEST_CASE("a header with an attribute of a size that cannot be is refused before
         messages += "(none)";
       } catch (const SceneError& error) { messages += error.what(); }
     }
-    const std::string expected = "has a size that cannot be";
+    const std::string expected = "impossible size of the attribute";
     std::size_t found = 0;
     for (auto at = messages.find(expected); at != std::string::npos; at = messages.find(expected, at + 1)) ++found;
     CAPTURE(messages);

@@ -41,10 +41,10 @@ TEST_CASE("file format: by the first bytes, whatever the name is") {
                         {"BLENDER-v300", FileUse::kModel, "a Blender file"},
                         {"Ogawa\xff", FileUse::kModel, "an Alembic file"},
                         {" BDV\0\0\0\0\xe0"s, FileUse::kVolume, "an OpenVDB file"},
-                        {"v/1\x01\x02\0\0\0"s, FileUse::kPicture, "an OpenEXR picture"},
-                        {"\x89PNG\r\n\x1a\n", FileUse::kPicture, "a PNG picture"},
-                        {"\xff\xd8\xff\xe0", FileUse::kPicture, "a JPEG picture"},
-                        {"#?RADIANCE\n", FileUse::kPicture, "a Radiance picture"},
+                        {"v/1\x01\x02\0\0\0"s, FileUse::kImage, "an OpenEXR image"},
+                        {"\x89PNG\r\n\x1a\n", FileUse::kImage, "a PNG image"},
+                        {"\xff\xd8\xff\xe0", FileUse::kImage, "a JPEG image"},
+                        {"#?RADIANCE\n", FileUse::kImage, "a Radiance image"},
                         {"NanoVDB2", FileUse::kScenePart, "a NanoVDB file"},
                         {"PK\x03\x04", FileUse::kArchive, "a ZIP archive"},
                         {"\x1f\x8b\x08", FileUse::kArchive, "a compressed file"},
@@ -68,8 +68,8 @@ TEST_CASE("file format: by the extension where the bytes say nothing, but not fo
                                        {"a.dae", "a COLLADA model"},
                                        {"a.vdb", "an OpenVDB file"},
                                        {"a.abc", "an Alembic file"},
-                                       {"a.exr", "an OpenEXR picture"},
-                                       {"a.png", "a PNG picture"},
+                                       {"a.exr", "an OpenEXR image"},
+                                       {"a.png", "a PNG image"},
                                        {"a.mtl", "a library of materials"}}) {
     CAPTURE_BINDING(name);
     write_bytes(folder / name, "broken");

@@ -3,8 +3,8 @@
 
 #include "core/color.h"
 #include "core/error.h"
+#include "core/image_library.h"
 #include "core/output_file.h"
-#include "core/picture_library.h"
 #include "tests/support/capture.h"
 #include "tests/support/picture_files.h"
 
@@ -126,10 +126,10 @@ TEST_CASE("a PNG whose chunks claim more than the file has is refused before the
   bytes[end] = 0x6c;
   write_bytes(folder / "much.png", bytes);
   const auto ends_early = doctest::Contains("ends too early");
-  CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "much.png"), ends_early, SceneError);
+  CHECK_THROWS_WITH_AS((void)checked_image_format(folder / "much.png"), ends_early, SceneError);
   bytes.replace(end, 4, std::string("\0\0\0\x12", 4));  // one byte more than the chunk has
   write_bytes(folder / "more.png", bytes);
-  CHECK_THROWS_WITH_AS((void)checked_picture_format(folder / "more.png"), ends_early, SceneError);
+  CHECK_THROWS_WITH_AS((void)checked_image_format(folder / "more.png"), ends_early, SceneError);
   bytes = read_bytes(folder / "whole.png") + std::string("\x7f\0\0\0tEXt", 8) + std::string(8, 'x');
   write_bytes(folder / "after.png", bytes);  // readers ignore data after the end
   CHECK(read_image(folder / "after.png").width == 256);
@@ -147,7 +147,7 @@ TEST_CASE("a BMP of a size that the file cannot hold is refused before the libra
     changed[28] = 8;  // 8 bits per pixel, run-length encoded
     changed[30] = 1;
     write_bytes(folder / "changed.bmp", changed);
-    CHECK_THROWS_AS((void)checked_picture_format(folder / "changed.bmp"), SceneError);
+    CHECK_THROWS_AS((void)checked_image_format(folder / "changed.bmp"), SceneError);
   };
   using namespace std::string_view_literals;
   refused(18, "\xff\xff\xff\x7f"sv);
@@ -206,7 +206,7 @@ TEST_CASE("a TIFF with strips far higher than the image is read without memory f
   bytes.replace(rows, 4, std::string("\xff\xff\x7f\x2d", 4));
   write_bytes(folder / "higher.tif", bytes);
   CHECK(read_image(folder / "higher.tif").data == read_image(folder / "a.tif").data);
-  CHECK(read_picture(folder / "higher.tif").floats == read_picture(folder / "a.tif").floats);
+  CHECK(read_stored_image(folder / "higher.tif").floats == read_stored_image(folder / "a.tif").floats);
   const std::size_t compression = bytes.find(std::string("\x03\x01\x03\0\x01\0\0\0", 8)) + 8;
   bytes[compression] = 8;  // declared as deflate although it is not
   write_bytes(folder / "far.tif", bytes);
@@ -228,7 +228,7 @@ TEST_CASE("a TIFF with tiles far larger than the image is refused before the lib
     CAPTURE_BINDING(height);
     write_tiled_tiff(folder / "large.tif", 3, 2, values, width, height);
     CHECK_THROWS_WITH_AS(read_image(folder / "large.tif"), doctest::Contains("the header claims tiles of"), SceneError);
-    CHECK_THROWS_AS(read_picture(folder / "large.tif"), SceneError);
+    CHECK_THROWS_AS(read_stored_image(folder / "large.tif"), SceneError);
   }
 }
 

@@ -49,13 +49,13 @@ TEST_CASE("memory: what there is, is less with a limit of addresses") {
 TEST_CASE("memory: what is more than there is, is told with what it is for and what helps") {
   CHECK(message_of("nothing", {}).empty());
   CHECK(message_of("a bit", {{"the film", 1000, "Help"}}).empty());
-  const std::string one = message_of("a map", {{"its tables", 5e15, "A smaller map takes less"}, {"dust", 0, ""}});
+  const std::string one = message_of("a map", {{"its tables", 5e15, "use a smaller map"}, {"dust", 0, ""}});
   CHECK(one.starts_with("not enough memory for a map: it takes 5000000.0 GB, and "));
-  CHECK(one.ends_with(" are free. A smaller map takes less"));
+  CHECK(one.ends_with(" are free (use a smaller map)"));
   const std::string two =
       message_of("a picture", {{"the film", 2e15, "Crop"}, {"rays", 3e15, "Threads"}, {"dust", 1000, "Sweep"}});
   CHECK(two.find("it takes 5000000.0 GB (2000000.0 GB for the film, 3000000.0 GB for rays), and ") != two.npos);
-  CHECK(two.ends_with(". Threads"));
+  CHECK(two.ends_with(" (Threads)"));
   // Each fits alone, but not both together.
   const double half = 0.7 * available_memory();
   CHECK(message_of("one", {{"film", half, ""}}).empty());

@@ -29,7 +29,7 @@ void try_input(std::string_view input) {
   reads([&] { (void)read_exr_header(file); });
   reads([&] { (void)read_exr_metadata(file); });
   reads([&] { (void)read_exr(file); });
-  for (const bool raw : {false, true}) reads([&] { (void)read_picture(file, raw); });
+  for (const bool raw : {false, true}) reads([&] { (void)read_stored_image(file, raw); });
   reads([&] { try_part(file); });
 }
 

@@ -2,8 +2,8 @@
 // right: else nearly none would be read. Files that claim many pixels take a hundred times as long as others, and are
 // mutants that mutate further: one in sixteen of them is read, and no height field made of it.
 #include "core/image.h"
+#include "core/image_library.h"
 #include "core/inflate.h"
-#include "core/picture_library.h"
 #include "scene/formats/height_field.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/image_extensions.h"
@@ -34,10 +34,10 @@ void put_check_sums(std::string& png) {
 bool claims_much(const std::filesystem::path& file) {
   constexpr double kFew = 1 << 13;
   std::string format, problem;
-  if (!reads([&] { format = checked_picture_format(file); })) return false;
-  const std::unique_ptr<ImageReader> reader = picture_library().open(file.string(), format, problem);
+  if (!reads([&] { format = checked_image_format(file); })) return false;
+  const std::unique_ptr<ImageReader> reader = image_library().open(file.string(), format, problem);
   if (!reader) return false;
-  const PictureHeader& header = reader->header();
+  const ImageHeader& header = reader->header();
   return double(header.width) * double(header.height) * double(header.channel_count) > kFew;
 }
 
@@ -51,7 +51,7 @@ void try_input(std::string_view input) {
   const auto file = make_file("picture." + extension, bytes);
   const bool is_large = claims_much(file);
   if (is_large && choice >> 4 != 15) return;
-  if (!reads([&] { (void)read_picture(file); })) return;
+  if (!reads([&] { (void)read_stored_image(file); })) return;
   reads([&] { (void)read_image(file); });
   if (!is_large) reads([&] { (void)read_height_field(file, 1, true, false); });
 }

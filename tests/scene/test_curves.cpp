@@ -81,7 +81,7 @@ TEST_CASE("curve files: what is malformed is named with its line") {
   };
   CHECK(contains(error("0 0 0 1\n0 0 1\n"), "curve.txt:2: expected 4 finite numbers (x y z radius), found '0 0 1'"));
   CHECK(contains(error("0 0 0 1\n0 0 1 1 1\n"), ":2: expected 4 finite numbers"));
-  CHECK(contains(error("0 0 0 1\n\n"), ":2: the curve that ends here has 1 points, expected 2 at least"));
+  CHECK(contains(error("0 0 0 1\n\n"), ":2: the curve that ends here has 1 points (expected at least 2)"));
   CHECK(contains(error("0 0 0 1\n0 0 1 1\n0 0 2 1", Curves::Basis::kBspline), ":3: the curve that ends here has 3"));
   CHECK(contains(error("0 0 0 -1\n"), ":1: the radius -1"));
   for (const char* bad : {"0 0 nan 1", "0 inf 0 1", "0 1e99 0 1", "0 0 x 1", "0 0 1,5 1", "0x1 0 0 1", "v 0 0 0"})
@@ -368,7 +368,7 @@ TEST_CASE("curves: what they cannot be is an error") {
   CHECK(error(good, keep).empty());
   CHECK(contains(error(good, [](ShapeDescription& s) { emit(s, 1); }), "curves cannot emit light"));
   CHECK(contains(error(good, [](ShapeDescription& s) { s.flip_normals = true; }), "flip_normals"));
-  CHECK(contains(error(good, [](ShapeDescription& s) { s.interior = MediumId{0}; }), "no boundaries of media"));
+  CHECK(contains(error(good, [](ShapeDescription& s) { s.interior = MediumId{0}; }), "cannot bound media"));
   Curves bad = good;
   bad.basis = Curves::Basis::kBspline;
   CHECK(contains(error(bad, keep), "fewer than 4 points"));

@@ -218,7 +218,7 @@ TEST_CASE("daylight: a sun between columns and rows of the map stays where it is
                                       static_cast<float>(std::sin(kElevation)),
                                       static_cast<float>(-std::cos(turn) * std::cos(kElevation))});
     sky.suns = {sun};
-    const EnvmapPicture picture = sky_picture(sky, front);
+    const EnvmapImage picture = sky_image(sky, front);
     double flux = 0, across = 0, down = 0;
     for (std::uint32_t j = 0; j < picture.height; ++j)
       for (std::uint32_t i = 0; i < picture.width; ++i) {
@@ -245,7 +245,7 @@ TEST_CASE("daylight: a stretched sky moves the sun of its map away from the zeni
   sky.stretch = 1.5f;
   constexpr double kElevation = 0.9;
   sky.suns = {{static_cast<float>(std::cos(kElevation)), static_cast<float>(std::sin(kElevation)), 0}};
-  const EnvmapPicture picture = sky_picture(sky, {0, 0, 1});
+  const EnvmapImage picture = sky_image(sky, {0, 0, 1});
   double flux = 0, down = 0;
   for (std::uint32_t j = 0; j < picture.height; ++j)
     for (std::uint32_t i = 0; i < picture.width; ++i) {

@@ -42,7 +42,7 @@ Envmap turned(Envmap map) {
 }
 
 /// More rows and columns than there are quantiles to tell them apart, with a few pixels of sun.
-EnvmapPicture large_picture() {
+EnvmapImage large_picture() {
   return picture_of(2100, 1500, [](std::uint32_t x, std::uint32_t y) {
     if (x >= 400 && x < 406 && y >= 300 && y < 304) return Vec3f{2e4f, 2e4f, 2e4f};
     const float noise = static_cast<float>((x * 2654435761u ^ y * 2246822519u) >> 20 & 0xffu) / 255;
@@ -71,7 +71,7 @@ double integral_of(const Envmap& map) {
 }  // namespace
 
 TEST_CASE("environment map: nodes lie where the definition says") {
-  const EnvmapPicture picture = uneven_picture();
+  const EnvmapImage picture = uneven_picture();
   const Envmap map = make_envmap(picture, 2, false);
   for (std::uint32_t j = 0; j < 7; ++j)
     for (std::uint32_t i = 0; i < 11; ++i) {
@@ -127,7 +127,7 @@ TEST_CASE("environment map: directions are distributed as their density says" * 
 
 TEST_CASE("environment map: the density integrates to one and is positive wherever light comes from") {
   for (const bool bright_pole : {false, true}) {
-    EnvmapPicture picture = uneven_picture();
+    EnvmapImage picture = uneven_picture();
     if (bright_pole) {
       const auto top = [](std::uint32_t, std::uint32_t y) { return y == 0 ? Vec3f{9, 9, 9} : Vec3f{0, 0, 0}; };
       picture = picture_of(6, 4, top);
@@ -385,7 +385,7 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   REQUIRE(repaired->warnings().size() == 1);
   CHECK(repaired->warnings()[0].find("3 values that are negative or not finite: 2 count as 0, 1 infinite as 65504") !=
         std::string::npos);
-  EnvmapPicture values = read_envmap_picture(folder / "bad.exr");
+  EnvmapImage values = read_envmap_image(folder / "bad.exr");
   const UnusableValues counts = replace_unusable(values);
   CHECK(counts.infinite == 1);
   CHECK(counts.dark == 2);

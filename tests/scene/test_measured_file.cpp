@@ -118,11 +118,10 @@ TEST_CASE("measured files: what is wrong gets a message") {
   for (const std::uint64_t huge : {std::uint64_t{1} << 40, std::uint64_t{1} << 63, ~std::uint64_t{0}})
     for (const std::vector<std::uint64_t>& shape : {std::vector<std::uint64_t>{huge}, {huge, huge}, {4, huge, 4}})
       CHECK(test::contains(with("ndf", [&](TensorField& f) { f.shape = shape; }), "does not fit into the file's"));
-  CHECK(error_with([](Fields& f) { f.push_back(f[0]); }) == "field 'phi_i' is there twice");
+  CHECK(error_with([](Fields& f) { f.push_back(f[0]); }) == "field 'phi_i' appears twice");
   CHECK(error_with([](Fields& f) {
           f[0] = tensor_field("phi_i", {3}, {-1.0f, 0.0f, 1.0f});
-        }) ==
-        "field 'phi_i' goes from -1.000000 to 1.000000, expected a whole turn, a half or a quarter of it, in radians");
+        }) == "field 'phi_i' goes from -1.000000 to 1.000000 (expected a full, half or quarter turn, in radians)");
 }
 
 TEST_CASE("measured files: every truncated or damaged file is an error or a material, never a crash") {

@@ -102,7 +102,7 @@ TEST_CASE("model: leniently, faces with vertices that the file lacks are left ou
   // Nothing is left.
   write_below(folder, "none.obj", "v 0 0 0\nf 1 2 3\n");
   CHECK_THROWS_WITH_AS(read_scene(folder.path() / "none.obj", leniently),
-                       doctest::Contains("no face is whole: line 2: a face refers to vertex 3, but there are 1"),
+                       doctest::Contains("no face is complete: line 2: a face refers to vertex 3, but there are 1"),
                        SceneError);
 }
 

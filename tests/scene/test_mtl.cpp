@@ -167,8 +167,8 @@ TEST_CASE("mtl: what is malformed is an error with a line") {
   CHECK(contains(error_in("Kd 1 1 1\n"), "lib.mtl:1: expected 'newmtl' in front of the first property, found 'Kd'"));
   CHECK(contains(error_in("newmtl m\nillum 11\n"), "illumination model from 0 to 10"));
   CHECK(contains(error_in("newmtl m\nillum 1.5\n"), "illumination model from 0 to 10"));
-  CHECK(contains(error_in("newmtl m\nmap_Kd\n"), "expected the name of a picture after 'map_Kd'"));
-  CHECK(contains(error_in("newmtl m\nmap_Kd -s 1\n"), "lib.mtl:2: expected the name of a picture"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd\n"), "expected the name of an image after 'map_Kd'"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd -s 1\n"), "lib.mtl:2: expected the name of an image"));
   CHECK(contains(error_in("newmtl m\nmap_Kd -clmp on x.png\n"), "unknown option '-clmp' of 'map_Kd', did you mean"));
   CHECK(contains(error_of([] { read_mtl("/nowhere/at/all.mtl"); }), "not found"));
 }
@@ -466,11 +466,11 @@ TEST_CASE("mtl: options behind the name of a picture, and names in quotation mar
   check("a.png # the wood", "a.png", {1, 1}, {0, 0}, false);
   check("a.png -clamp on # the wood", "a.png", {1, 1}, {0, 0}, true);
   CHECK(texture("a.png -bm 0.5").bump_multiplier == 0.5f);
-  CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\n"), "lib.mtl:2: a name in quotation marks has no closing one"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\n"), "lib.mtl:2: a name has no closing quotation mark"));
   CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\" b.png\n"), "expected nothing or an option after the name"));
   CHECK(contains(error_in("newmtl m\nmap_Kd \"a.png\" -clmp on\n"), "unknown option '-clmp'"));
   CHECK(contains(error_in("newmtl m\nmap_Kd a.png -s x\n"), "expected a number after 'map_Kd', found 'x'"));
-  CHECK(contains(error_in("newmtl m\nmap_Kd \"\"\n"), "expected the name of a picture after 'map_Kd'"));
+  CHECK(contains(error_in("newmtl m\nmap_Kd \"\"\n"), "expected the name of an image after 'map_Kd'"));
 }
 
 TEST_CASE("obj materials: shapes of the same file share materials") {

@@ -113,7 +113,7 @@ TEST_CASE("nanovdb: grids by name, through load_volume() and otherwise") {
   const std::string bytes = Written{}.bytes();
   CHECK(read(bytes, "heat").grid_to_local.point({1, 2, 3}) == Vec3f{1, 2, 3});
   CHECK(contains(error_in(bytes, "densty"),
-                 "no grid 'densty', the file holds 'density', 'heat', did you mean 'density'?"));
+                 "no grid 'densty' (the file holds 'density', 'heat'), did you mean 'density'?"));
   const TemporaryFile file("cloud.nvdb", bytes + bytes);  // two segments
   GridVolumeDescription description;
   description.format = GridVolumeDescription::Format::kNanoVdb;
@@ -134,7 +134,7 @@ TEST_CASE("nanovdb: empty grids") {
 TEST_CASE("nanovdb: what is no fog volume of floats") {
   Written w;
   w.is_level_set = true;
-  CHECK(contains(error_in(w.bytes()), "cloud.nvdb: grid 'density': is a level set, where a fog volume is expected"));
+  CHECK(contains(error_in(w.bytes()), "cloud.nvdb: grid 'density': is a level set (expected a fog volume)"));
   std::string bytes = Written{}.bytes();
   const std::size_t grid = bytes.find("NanoVDB0", 8);
   REQUIRE(grid != bytes.npos);
@@ -285,7 +285,7 @@ TEST_CASE("nanovdb: stray tiles in a small file don't take memory by the gigabyt
   REQUIRE(bytes.size() < 5000);
   const std::string error = error_in(bytes);
   CHECK(contains(error, "cloud.nvdb: a grid of 39"));
-  CHECK(contains(error, "MB of memory or more, expected at most"));
+  CHECK(contains(error, "MB of memory or more (expected at most"));
   CHECK(contains(error, "stray tiles"));
   // Not by their surface either: each brick at the edge of a tile is one of its own.
   std::vector<std::array<std::uint32_t, 3>> checkers;

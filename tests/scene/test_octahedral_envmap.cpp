@@ -25,8 +25,8 @@ Vec3f direction_at(float x, float y) {
 /// A radiance that tells directions apart.
 Vec3f radiance(Vec3f d) { return {1 + d.x, 1 + 0.5f * d.y + d.z * d.z, 1.5f - d.z}; }
 
-EnvmapPicture square_map(std::uint32_t size) {
-  EnvmapPicture square{size, size, {}};
+EnvmapImage square_map(std::uint32_t size) {
+  EnvmapImage square{size, size, {}};
   for (std::uint32_t j = 0; j < size; ++j)
     for (std::uint32_t i = 0; i < size; ++i) {
       const auto middle = [&](std::uint32_t k) { return (static_cast<float>(k) + 0.5f) / static_cast<float>(size); };
@@ -54,7 +54,7 @@ TEST_SUITE("square environment maps") {
   }
 
   TEST_CASE("A map by longitude and latitude has the same radiance from the same directions") {
-    const EnvmapPicture map = lat_long_of_octahedral(square_map(64), "sky.exr");
+    const EnvmapImage map = lat_long_of_octahedral(square_map(64), "sky.exr");
     REQUIRE(map.height == 64);
     REQUIRE(map.width == 128);
     double worst = 0;
@@ -72,7 +72,7 @@ TEST_SUITE("square environment maps") {
   }
 
   TEST_CASE("A single bright texel keeps its power") {
-    EnvmapPicture square{32, 32, std::vector<float>(3 * 32 * 32, 0.0f)};
+    EnvmapImage square{32, 32, std::vector<float>(3 * 32 * 32, 0.0f)};
     for (std::size_t c = 0; c < 3; ++c) square.rgb[3 * (5 * 32 + 20) + c] = 1024;
     const Vec3f mean = make_envmap(lat_long_of_octahedral(square, "sun.exr"), 1, false).mean;
     CHECK(mean.x == doctest::Approx(1).epsilon(1e-4));

@@ -389,7 +389,7 @@ TEST_CASE("sdf grid: what it cannot be is an error, and without a surface it is 
   CHECK(contains(error(bad, keep), "1 points along an axis, expected 2"));
   bad = good;
   bad.values.pop_back();
-  CHECK(contains(error(bad, keep), "26 values, expected 27"));
+  CHECK(contains(error(bad, keep), "26 values (expected 27)"));
   bad = good;
   bad.values[4] = kInfinity;
   CHECK(contains(error(bad, keep), "not finite"));

@@ -130,13 +130,13 @@ TEST_CASE("serialized: headers and dictionaries that are wrong") {
   CHECK(contains(error_in(valid.substr(0, valid.size() - 4) + raw(0xffffffffu), 1), "to hold 4294967295 meshes"));
   CHECK(contains(error_in(valid.substr(0, valid.size() - 4) + raw(0u), 1), "holds 0 meshes"));
   const std::string headless = valid.substr(0, valid.size() - 12);  // without the second offset and the count
-  CHECK(contains(error_in(headless + raw(std::uint64_t{1} << 62) + raw(2u), 1), "behind the end"));
-  CHECK(contains(error_in(headless + raw(std::uint64_t{valid.size() - 20}) + raw(2u), 1), "behind the end"));
+  CHECK(contains(error_in(headless + raw(std::uint64_t{1} << 62) + raw(2u), 1), "beyond the end"));
+  CHECK(contains(error_in(headless + raw(std::uint64_t{valid.size() - 20}) + raw(2u), 1), "beyond the end"));
   CHECK(contains(error_in(headless + raw(std::uint64_t{5}) + raw(2u), 1), "at byte 5"));
   // A mesh whose header reaches into the dictionary, the number 4 there being its version.
   const std::string first = Written{}.bytes();
   const std::string short_header = first + "\x1c\x04" + raw(std::uint64_t{4}) + raw(std::uint64_t{first.size()});
-  CHECK(contains(error_in(short_header + raw(2u), 1), "behind the end"));
+  CHECK(contains(error_in(short_header + raw(2u), 1), "beyond the end"));
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + raw(2u), 1), "truncated"));
 }
 
@@ -168,7 +168,7 @@ TEST_CASE("serialized: counts that the file cannot hold are errors, not allocati
   CHECK(contains(whole.warnings[0], "faces left out: 1 (triangle 1 refers to vertex 4"));
   few.indices = {9, 1, 2, 0, 2, 4};
   const TemporaryFile none("mesh.serialized", few.bytes());
-  CHECK(contains(error_of([&] { read_serialized(none.path(), 0, BadFaces::kDrop); }), "no triangle is whole"));
+  CHECK(contains(error_of([&] { read_serialized(none.path(), 0, BadFaces::kDrop); }), "no triangle is complete"));
   const std::string endless = raw(std::uint32_t{0}) + std::string(10'000'000, 'x');
   CHECK(contains(error_in(raw(std::uint16_t{0x041c}) + raw(std::uint16_t{4}) + deflated(endless)), "does not end"));
 }

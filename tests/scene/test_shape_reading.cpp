@@ -144,10 +144,10 @@ TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up
     } catch (const SceneError& error) { return std::string(error.what()); }
     return std::string();
   };
-  CHECK(contains(compile_error(field("<texture type='vertexcolors'/>")), "one of meshes"));
+  CHECK(contains(compile_error(field("<texture type='vertexcolors'/>")), "depends on meshes"));
   CHECK(
       contains(compile_error(field("<texture type='gridtexture'><texture name='color0' type='wireframe'/></texture>")),
-               "one of meshes"));
+               "depends on meshes"));
   CHECK(contains(files.error(field(board, "<integer name='width' value='1'/>")), "width"));
 }
 

@@ -251,8 +251,8 @@ TEST_CASE("texture: what cannot be read is an error that names the scene's line"
   const std::string missing = compile_error({bitmap(folder / "none.png")});
   CHECK(contains(missing, "scene.xml:12: "));
   CHECK(contains(missing, "texture 'wood'"));
-  CHECK(contains(missing, "none.png: there is no such image file"));
-  CHECK(contains(compile_error({bitmap(folder.path())}), "no such image file"));
+  CHECK(contains(missing, "none.png: image file not found"));
+  CHECK(contains(compile_error({bitmap(folder.path())}), "image file not found"));
   write_bytes(folder / "text.png", "not a picture");
   CHECK(contains(compile_error({bitmap(folder / "text.png")}), "scene.xml:12: "));
   write_bytes(folder / "empty.png", "");
@@ -360,8 +360,9 @@ TEST_CASE("texture: attributes that make no sense are errors at the shape's plac
   const auto error = [&](const Mesh::Attribute& attribute) {
     return message_of([&] { table.add(0, 0, 2, 4, attribute, where); });
   };
-  CHECK(contains(error({"vertex_a", 1, {1, 2, 3}}), "scene.xml:33: mesh attribute 'vertex_a' has 3 values, where 4"));
-  CHECK(contains(error({"face_a", 3, {1, 2, 3}}), "has 3 values, where 6"));
+  CHECK(
+      contains(error({"vertex_a", 1, {1, 2, 3}}), "scene.xml:33: mesh attribute 'vertex_a' has 3 values (expected 4)"));
+  CHECK(contains(error({"face_a", 3, {1, 2, 3}}), "has 3 values (expected 6)"));
   CHECK(contains(error({"vertex_a", 2, {1, 2, 3, 4, 5, 6, 7, 8}}), "2 channels"));
   CHECK(contains(error({"color", 1, {1, 2, 3, 4}}), "begins neither"));
   CHECK(contains(error({"vertex_a", 1, {1, 2, std::numeric_limits<float>::quiet_NaN(), 4}}), "not finite"));
@@ -369,7 +370,7 @@ TEST_CASE("texture: attributes that make no sense are errors at the shape's plac
   CHECK(contains(error({"vertex_a", 1, {1, 2, 3, 4}}), "twice"));
   TextureDescription texture;
   texture.model = MeshAttributeDescription{"color", 1};
-  CHECK(contains(compile_error({texture}), "'color' is no mesh attribute"));
+  CHECK(contains(compile_error({texture}), "'color' is not a mesh attribute"));
 }
 
 }  // namespace sheaf::test_texture

@@ -484,7 +484,7 @@ TEST_CASE("texture lookup: neither lights nor bumps are made of volumes") {
   d.shapes[0].radiance.reset();
   CHECK_NOTHROW(compile_scene(d));
   d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
-  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a picture"), SceneError);
+  CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a texture over uv"), SceneError);
 }
 
 TEST_CASE("texture lookup: wireframes along the edges of triangles") {

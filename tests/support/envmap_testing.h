@@ -11,9 +11,9 @@
 namespace sheaf::test {
 
 /// An image with the value f(x, y) at each pixel.
-inline EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
-                                const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
-  EnvmapPicture p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
+inline EnvmapImage picture_of(std::uint32_t width, std::uint32_t height,
+                              const std::function<Vec3f(std::uint32_t, std::uint32_t)>& f) {
+  EnvmapImage p{width, height, std::vector<float>(3 * std::size_t{width} * height)};
   for (std::uint32_t i = 0; i < width * height; ++i) {
     const Vec3f v = f(i % width, i / width);
     p.rgb[3 * i] = v.x;
@@ -24,7 +24,7 @@ inline EnvmapPicture picture_of(std::uint32_t width, std::uint32_t height,
 }
 
 /// A non-uniform image with a black region and one bright pixel.
-inline EnvmapPicture uneven_picture() {
+inline EnvmapImage uneven_picture() {
   return picture_of(11, 7, [](std::uint32_t x, std::uint32_t y) {
     if (x >= 3 && x <= 6 && y >= 2 && y <= 4) return Vec3f{0, 0, 0};
     if (x == 9 && y == 4) return Vec3f{40, 35, 20};
@@ -33,7 +33,7 @@ inline EnvmapPicture uneven_picture() {
 }
 
 /// Writes the image as an OpenEXR file.
-inline void write_map(const std::filesystem::path& file, const EnvmapPicture& picture) {
+inline void write_map(const std::filesystem::path& file, const EnvmapImage& picture) {
   Image image(static_cast<int>(picture.width), static_cast<int>(picture.height), {"R", "G", "B"});
   image.data = picture.rgb;
   write_exr(file, image, {});

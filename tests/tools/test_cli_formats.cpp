@@ -27,8 +27,8 @@ constexpr Reader kSceneReaders[] = {
     {"render FILE --lenient --quiet -o out.exr", "expected a scene of Mitsuba or Nori"},
     {"info FILE", "expected a scene of Mitsuba or Nori"},
     {"farm FILE --parts 2 --quiet", "expected a scene of Mitsuba or Nori"}};
-constexpr Reader kPictureReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR picture"},
-                                      {"merge FILE --quiet -o out.exr", "expected an OpenEXR picture"},
+constexpr Reader kPictureReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR image"},
+                                      {"merge FILE --quiet -o out.exr", "expected an OpenEXR image"},
                                       {"compare FILE FILE", "expected a picture"},
                                       {"compare picture.exr FILE", "expected a picture"},
                                       {"compare picture.exr picture.exr --variance-a FILE", "expected a picture"}};
@@ -111,15 +111,15 @@ TEST_CASE("formats: pictures are no scenes, and pictures without layers are neit
   for (const char* const file : {"picture.png", "picture.exr"})
     for (const Reader& reader : kSceneReaders)
       if (!std::string(reader.arguments).starts_with("info") || std::string(file) == "picture.png")
-        place.check_refused(with_file(reader, file), file, "picture, expected a scene of Mitsuba or Nori");
+        place.check_refused(with_file(reader, file), file, "image, expected a scene of Mitsuba or Nori");
   for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
     place.check_refused(with_file(reader, "picture.png"), "picture.png",
-                        "is a PNG picture, expected an OpenEXR picture, as 'sheaf render -o NAME.exr' writes it; other "
+                        "is a PNG image, expected an OpenEXR image, as 'sheaf render -o NAME.exr' writes it; other "
                         "formats lack the layers");
   // Scenes are no pictures.
   for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
     place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
-                        "this is not an OpenEXR file, expected an OpenEXR picture");
+                        "this is not an OpenEXR file, expected an OpenEXR image");
 }
 
 TEST_CASE("formats: empty and broken files") {
@@ -132,15 +132,15 @@ TEST_CASE("formats: empty and broken files") {
       // Where the name says what the file is to be, it is its reader that refuses it.
       const bool is_named = std::set<std::string>{"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized"}.count(file) > 0;
       place.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
-      if (is_picture) place.check_refused(with_file(reader, file), file, "expected an OpenEXR picture");
+      if (is_picture) place.check_refused(with_file(reader, file), file, "expected an OpenEXR image");
     }
     for (const Reader& reader : kPictureReaders)
       place.check_refused(with_file(reader, file), file, "is empty, expected ");
   }
   write_bytes(place.folder / "b.exr", "nothing of the kind");
-  place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR picture does");
+  place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR image does");
   for (const Reader& reader : kPictureReaders)
-    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR picture does");
+    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR image does");
   // Cut off anywhere.
   const std::string whole = read_bytes(place.folder / "picture.exr");
   for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {

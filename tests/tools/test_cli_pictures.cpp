@@ -15,7 +15,7 @@ constexpr const char* kScene =
     "<sampler type='independent'><integer name='sample_count' value='1'/></sampler></sensor>"
     "<emitter type='constant'/></scene>";
 
-const std::string kModule = "sheaf_pictures.so";
+const std::string kModule = "sheaf_image_io.so";
 
 /// A copy of the program at `name` in the folder, and its exit code and words for these arguments.
 class Copied {
@@ -53,7 +53,7 @@ TEST_CASE("pictures: without their library OpenEXR is written all the same, and 
   CHECK(std::filesystem::exists(folder / "out.exr"));
   const Outcome png = alone.run("render scene.xml --quiet -o out.png -o second.exr");
   CHECK(png.code == 1);
-  CHECK(contains(png.err, "pictures other than OpenEXR can be neither read nor written"));
+  CHECK(contains(png.err, "cannot read or write image formats other than OpenEXR"));
   CHECK(contains(png.err, kModule));
   CHECK_FALSE(std::filesystem::exists(folder / "out.png"));
   CHECK_FALSE(std::filesystem::exists(folder / "second.exr"));

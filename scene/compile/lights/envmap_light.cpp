@@ -57,7 +57,7 @@ void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& 
 std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& l) {
   const EnvmapDescription& light = l.light;
   LightContext& context = l.context;
-  EnvmapPicture picture = read_envmap_picture(light.file, light.raw);
+  EnvmapImage picture = read_envmap_image(light.file, light.raw);
   const UnusableValues unusable = replace_unusable(picture);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
     std::string text = light.file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
@@ -71,7 +71,7 @@ std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& 
   }
   if (light.layout == EnvmapDescription::Layout::kOctahedral) picture = lat_long_of_octahedral(picture, light.file);
   const double nodes = static_cast<double>(picture.width) * picture.height;
-  const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "A smaller map takes less"},
+  const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "use a smaller map"},
                             {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};
   check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(picture.width) + " x " +
                    std::to_string(picture.height) + " pixels",
@@ -85,7 +85,7 @@ std::optional<CompiledLight> place_light(const LightToPlace<EnvmapDescription>& 
 std::optional<CompiledLight> place_light(const LightToPlace<SkyDescription>& l) {
   const SkyDescription& sky = l.light;
   const auto frame = Frame<Scalar>::from_normal(sky.up);
-  Envmap map = make_envmap(sky_picture(sky, frame.s), 1, can_compensate(l.context.description));
+  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(l.context.description));
   const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
   for (std::size_t i = 0; i < 3; ++i)
     map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;

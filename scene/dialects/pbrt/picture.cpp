@@ -1,6 +1,6 @@
 // The pbrt dialect: inspection and conversion of image files.
 #include "core/color.h"
-#include "core/picture_channels.h"
+#include "core/image_channels.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>
@@ -49,9 +49,9 @@ std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, cons
 }
 
 std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
-  Picture pixels;
+  StoredImage pixels;
   try {
-    pixels = read_picture(picture.file);
+    pixels = read_stored_image(picture.file);
   } catch (const SceneError&) { return nullptr; }
   const auto channel = [&](const char* name) {
     return std::find(pixels.channels.begin(), pixels.channels.end(), name) - pixels.channels.begin();
@@ -78,7 +78,7 @@ std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
 
 Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
   try {
-    const Picture picture = read_picture(file);
+    const StoredImage picture = read_stored_image(file);
     Image out(picture.width, picture.height, {"R", "G", "B"});
     const bool decode = !raw && (picture.integers || !picture.bytes.empty());
     const std::size_t stride = picture.channels.size();

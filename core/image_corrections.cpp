@@ -1,5 +1,5 @@
 // Parsers of Radiance headers and TIFF directories.
-#include "core/picture_corrections.h"
+#include "core/image_corrections.h"
 
 #include <algorithm>
 #include <array>
@@ -52,12 +52,12 @@ int orientation_of(const std::array<Axis, 2>& axes) {
 }
 
 /// Parses the header lines up to an empty line, and the resolution string behind it.
-PictureCorrections radiance_corrections(const fs::path& file) {
+ImageCorrections radiance_corrections(const fs::path& file) {
   constexpr std::size_t kMaxHeader = std::size_t{1} << 16;
   constexpr std::string_view kXyz = "FORMAT=32-bit_rle_xyze", kRgb = "FORMAT=32-bit_rle_rgbe";
   std::string header(std::min<std::size_t>(fs::file_size(file), kMaxHeader), '\0');
   std::ifstream(file, std::ios::binary).read(header.data(), static_cast<std::streamsize>(header.size()));
-  PictureCorrections found;
+  ImageCorrections found;
   std::size_t format_at = 0;
   for (std::size_t at = 0; at < header.size();) {
     const std::size_t end = std::min(header.find('\n', at), header.size());
@@ -180,9 +180,9 @@ class TiffDirectory {
   std::vector<Entry> entries_;
 };
 
-PictureCorrections tiff_corrections(const fs::path& file) {
+ImageCorrections tiff_corrections(const fs::path& file) {
   constexpr std::uint32_t kBitsPerSample = 258, kOrientation = 274;
-  PictureCorrections found;
+  ImageCorrections found;
   const TiffDirectory directory(file);
   if (!directory.valid()) return found;
   const TiffDirectory::Entry* const orientation = directory.find(kOrientation);
@@ -194,7 +194,7 @@ PictureCorrections tiff_corrections(const fs::path& file) {
 
 }  // namespace
 
-PictureCorrections find_corrections(const fs::path& file, const std::string& format) {
+ImageCorrections find_corrections(const fs::path& file, const std::string& format) {
   if (format == "hdr") return radiance_corrections(file);
   if (format == "tiff") return tiff_corrections(file);
   return {};

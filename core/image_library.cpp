@@ -1,5 +1,5 @@
-// Loading of sheaf_pictures.so, detection of image formats, and checks of headers that OpenImageIO trusts.
-#include "core/picture_library.h"
+// Loading of sheaf_image_io.so, detection of image formats, and checks of headers that OpenImageIO trusts.
+#include "core/image_library.h"
 
 #include "core/error.h"
 #include "core/image.h"
@@ -21,27 +21,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const PictureLibrary* load() {
+const ImageLibrary* load() {
   std::error_code error;
   const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  const fs::path beside = folder / "sheaf_pictures.so";
-  const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_pictures.so";
+  const fs::path beside = folder / "sheaf_image_io.so";
+  const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
   const fs::path& file = fs::exists(beside, error) ? beside : installed;
   const auto fail = [&](const std::string& why) {
-    return Error(ExitCode::kRuntime, "pictures other than OpenEXR can be neither read nor written: " + why +
-                                         ". The file sheaf_pictures.so "
-                                         "belongs beside the program, or into ../lib/sheaf");
+    return Error(ExitCode::kRuntime, "cannot read or write image formats other than OpenEXR: " + why +
+                                         " (expected sheaf_image_io.so next to the program or in ../lib/sheaf)");
   };
-  if (!fs::exists(file, error))
-    throw fail("there is neither '" + beside.string() + "' nor '" + installed.string() + "'");
+  if (!fs::exists(file, error)) throw fail("neither '" + beside.string() + "' nor '" + installed.string() + "' exists");
   void* const handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (handle == nullptr) throw fail(dlerror());
-  void* const function = dlsym(handle, kPictureLibraryFunction);
-  if (function == nullptr) throw fail("'" + file.string() + "' is another library");
-  return reinterpret_cast<PictureLibraryFunction*>(function)();
+  void* const function = dlsym(handle, kImageLibraryFunction);
+  if (function == nullptr) throw fail("'" + file.string() + "' is not Sheaf's image library");
+  return reinterpret_cast<ImageLibraryFunction*>(function)();
 }
 
-[[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
+[[noreturn]] void reject_image(const fs::path& path, const std::string& why) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
 }
 
@@ -63,7 +61,7 @@ std::string format_of(const fs::path& path) {
   for (const Beginning& known : kBeginnings)
     if (std::string_view(bytes.data(), bytes.size()).starts_with(known.bytes)) return std::string(known.format);
   if (const fs::path extension = path.extension(); extension == ".tga" || extension == ".TGA") return "targa";
-  refuse_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
+  reject_image(path, "expected a file of OpenEXR, PNG, JPEG, TIFF, Radiance (.hdr), BMP, PFM, PGM, PPM or TGA");
 }
 
 /// Checks the size in a BMP header. The library allocates the pixels of compressed BMP files when it opens them.
@@ -90,7 +88,7 @@ void check_bmp(const fs::path& path) {
 void check_pnm(const fs::path& path) {
   constexpr double kCopies = 3;
   const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(fs::file_size(path)),
-                         "Files of other formats take less"};
+                         "use another format"};
   check_memory("reading the image '" + path.string() + "'", {&copies, 1});
 }
 
@@ -106,7 +104,7 @@ void check_png(const fs::path& path) {
     file.read(reinterpret_cast<char*>(head.data()), head.size());
     std::uint32_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
-    if (length > size - at - kAround) refuse_image(path, "the file is damaged or ends too early");
+    if (length > size - at - kAround) reject_image(path, "the file is damaged or ends too early");
     if (std::memcmp(&head[4], "IEND", 4) == 0) return;
     at += kAround + length;
   }
@@ -114,12 +112,12 @@ void check_png(const fs::path& path) {
 
 }  // namespace
 
-const PictureLibrary& picture_library() {
-  static const PictureLibrary* const library = load();
+const ImageLibrary& image_library() {
+  static const ImageLibrary* const library = load();
   return *library;
 }
 
-std::string checked_picture_format(const fs::path& path) {
+std::string checked_image_format(const fs::path& path) {
   std::string format = format_of(path);
   if (format == "bmp") check_bmp(path);
   if (format == "pnm") check_pnm(path);

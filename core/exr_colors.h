@@ -10,6 +10,6 @@ namespace sheaf {
 /// Mitsuba, it applies no chromatic adaptation. Pixels with infinities or NaN stay unchanged. The image covers the
 /// display window and is 0 outside the data window. Throws SceneError like read_exr(), for chromaticities that define
 /// no colour space, and if the two windows do not overlap.
-Picture read_exr_picture(const std::filesystem::path& path, bool raw);
+StoredImage read_exr_colors(const std::filesystem::path& path, bool raw);
 
 }  // namespace sheaf

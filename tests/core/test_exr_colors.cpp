@@ -1,5 +1,5 @@
 // Reading of OpenEXR files as images: channels, parts, windows and colour spaces.
-#include "core/exr_picture.h"
+#include "core/exr_colors.h"
 
 #include "core/error.h"
 #include "core/exr.h"
@@ -10,16 +10,16 @@
 
 #include <limits>
 
-namespace sheaf::test_exr_picture {
+namespace sheaf::test_exr_colors {
 
 using test::contains;
 
 namespace {
 
-Picture read(const std::vector<ExrTestPart>& parts, bool raw = false) {
+StoredImage read(const std::vector<ExrTestPart>& parts, bool raw = false) {
   const TemporaryFolder folder;
   write_exr_parts(folder / "a.exr", parts);
-  return read_picture(folder / "a.exr", raw);
+  return read_stored_image(folder / "a.exr", raw);
 }
 
 std::string error_in(const std::vector<ExrTestPart>& parts) {
@@ -30,7 +30,7 @@ std::string error_in(const std::vector<ExrTestPart>& parts) {
 }
 
 /// Checks the channels of the first pixel.
-void check_pixel(const Picture& picture, const std::vector<float>& expected) {
+void check_pixel(const StoredImage& picture, const std::vector<float>& expected) {
   REQUIRE(picture.channels.size() == expected.size());
   for (std::size_t c = 0; c < expected.size(); ++c)
     CHECK(picture.floats.at(c) == doctest::Approx(double{expected[c]}).scale(0.1).epsilon(1e-5));
@@ -38,7 +38,7 @@ void check_pixel(const Picture& picture, const std::vector<float>& expected) {
 
 }  // namespace
 
-TEST_CASE("exr picture: red, green and blue by any of their names, also in a layer or behind another part") {
+TEST_CASE("exr colours: red, green and blue by any of their names, also in a layer or behind another part") {
   const std::vector<float> expected{0.25f, 0.5f, 0.75f};
   const std::map<std::string, float> junk{{"N.X", 9}, {"N.Y", 9}, {"N.Z", 9}, {"Z", 9}, {"albedo.R", 9}};
   const std::array<std::array<const char*, 3>, 6> names{
@@ -53,14 +53,14 @@ TEST_CASE("exr picture: red, green and blue by any of their names, also in a lay
     std::map<std::string, float> values{{name[0], 0.25f}, {name[1], 0.5f}, {name[2], 0.75f}};
     check_pixel(read({exr_part(2, 2, values)}), expected);
     values.insert(junk.begin(), junk.end());
-    const Picture picture = read({exr_part(2, 2, values)});
+    const StoredImage picture = read({exr_part(2, 2, values)});
     check_pixel(picture, expected);
     CHECK(picture.channels == std::vector<std::string>{"R", "G", "B"});
     check_pixel(read({exr_part(2, 2, {{"Z", 9}}, {}, "depth"), exr_part(2, 2, values, {}, "colours")}), expected);
   }
 }
 
-TEST_CASE("exr picture: colours outside of layers come first, and the layer of the picture itself before others") {
+TEST_CASE("exr colours: colours outside of layers come first, and the layer of the picture itself before others") {
   std::map<std::string, float> values;
   for (const char* layer : {"a.", "b.", "Combined."})
     for (const char* channel : {"R", "G", "B"}) values[std::string(layer) + channel] = layer[0] == 'C' ? 0.5f : 9;
@@ -72,10 +72,10 @@ TEST_CASE("exr picture: colours outside of layers come first, and the layer of t
               {1, 1, 1});
 }
 
-TEST_CASE("exr picture: alpha is that of the colours' layer, and not converted") {
+TEST_CASE("exr colours: alpha is that of the colours' layer, and not converted") {
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
   const std::map<std::string, float> values{{"a.R", 0.2f}, {"a.G", 0.5f}, {"a.B", 0.3f}, {"a.A", 0.125f}, {"A", 9}};
-  const Picture picture = read({exr_part(2, 1, values, xyz)});
+  const StoredImage picture = read({exr_part(2, 1, values, xyz)});
   CHECK(picture.channels == std::vector<std::string>{"R", "G", "B", "A"});
   REQUIRE(picture.floats.size() == 8);
   for (const std::size_t i : {0u, 4u}) {
@@ -84,7 +84,7 @@ TEST_CASE("exr picture: alpha is that of the colours' layer, and not converted")
   }
 }
 
-TEST_CASE("exr picture: grey") {
+TEST_CASE("exr colours: grey") {
   check_pixel(read({exr_part(1, 1, {{"Y", 0.5f}})}), {0.5f});
   check_pixel(read({exr_part(1, 1, {{"y", 0.5f}, {"a", 0.25f}})}), {0.5f, 0.25f});
   check_pixel(read({exr_part(1, 1, {{"height", 0.5f}, {"A", 1}})}), {0.5f, 1});
@@ -92,8 +92,8 @@ TEST_CASE("exr picture: grey") {
   check_pixel(read({exr_part(1, 1, {{"bump.V", 0.5f}})}), {0.5f});
 }
 
-TEST_CASE("exr picture: channels without a meaning are an error that lists them, never grey of one") {
-  const std::string expected = "(expected R, G and B, or X, Y and Z, or one channel, and perhaps A)";
+TEST_CASE("exr colours: channels without a meaning are an error that lists them, never grey of one") {
+  const std::string expected = "(expected R, G and B, or X, Y and Z, or one channel, optionally with A)";
   for (const std::map<std::string, float>& values :
        {std::map<std::string, float>{{"R", 1}, {"G", 1}},
         {{"Y", 1}, {"Z", 1}},
@@ -104,7 +104,7 @@ TEST_CASE("exr picture: channels without a meaning are an error that lists them,
         {{"U", 1}, {"V", 1}, {"A", 1}}}) {
     const std::string message = error_in({exr_part(1, 1, values)});
     CAPTURE(message);
-    CHECK(contains(message, "a.exr: the picture has the channels "));
+    CHECK(contains(message, "a.exr: no colours among the channels "));
     CHECK(contains(message, expected));
     for (const auto& [name, value] : values) CHECK(contains(message, name));
   }
@@ -117,7 +117,7 @@ TEST_CASE("exr picture: channels without a meaning are an error that lists them,
   CHECK(message.size() < 1000);
 }
 
-TEST_CASE("exr picture: chromaticities and X Y Z become Rec.709 unless the picture is raw") {
+TEST_CASE("exr colours: chromaticities and X Y Z become Rec.709 unless the picture is raw") {
   const std::vector<float> p3{0.680f, 0.320f, 0.265f, 0.690f, 0.150f, 0.060f, 0.3127f, 0.3290f};
   const std::vector<float> aces{0.7347f, 0.2653f, 0, 1, 0.0001f, -0.0770f, 0.32168f, 0.33767f};
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
@@ -134,13 +134,12 @@ TEST_CASE("exr picture: chromaticities and X Y Z become Rec.709 unless the pictu
     check_pixel(read({exr_part(1, 1, values, aces)}, true), {0.2f, 0.5f, 0.3f});
   check_pixel(read({exr_part(1, 1, {{"Y", 0.5f}}, aces)}), {0.5f});
   check_pixel(read({exr_part(1, 1, {{"Z", 1}}, xyz, "depth"), exr_part(1, 1, rgb, xyz, "colours")}), of_xyz);
-  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, 0))}),
-                 "chromaticities are those of no colour space"));
+  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, 0))}), "chromaticities define no colour space"));
   const float nan = std::numeric_limits<float>::quiet_NaN();
   CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, nan))}), "no colour space"));
 }
 
-TEST_CASE("exr picture: the display window is the picture, wherever the data window lies") {
+TEST_CASE("exr colours: the display window is the picture, wherever the data window lies") {
   ExrTestPart part = exr_part(2, 2, {{"Y", 0}});
   part.values["Y"] = {1, 2, 3, 4};
   const auto with_windows = [&](std::array<int, 4> window, std::array<int, 4> frame) {
@@ -148,12 +147,12 @@ TEST_CASE("exr picture: the display window is the picture, wherever the data win
     part.frame = frame;
     return read({part});
   };
-  const Picture inside = with_windows({1, 1, 2, 2}, {0, 0, 3, 3});
+  const StoredImage inside = with_windows({1, 1, 2, 2}, {0, 0, 3, 3});
   CHECK(inside.width == 4);
   CHECK(inside.height == 4);
   CHECK(inside.floats == std::vector<float>{0, 0, 0, 0, 0, 1, 2, 0, 0, 3, 4, 0, 0, 0, 0, 0});
   CHECK(with_windows({5, -3, 6, -2}, {5, -3, 6, -2}).floats == std::vector<float>{1, 2, 3, 4});
-  const Picture across = with_windows({-1, 0, 0, 1}, {0, 0, 1, 0});
+  const StoredImage across = with_windows({-1, 0, 0, 1}, {0, 0, 1, 0});
   CHECK(across.floats == std::vector<float>{2, 0});
   CHECK(with_windows({-1, -1, 0, 0}, {0, 0, 0, 0}).floats == std::vector<float>{4});
   part.window = {8, 8, 9, 9};
@@ -163,7 +162,7 @@ TEST_CASE("exr picture: the display window is the picture, wherever the data win
   CHECK(contains(error_in({part}), "the header claims 60001 x 60001 pixels"));
 }
 
-TEST_CASE("exr picture: a crop of our own lies where it was cut out") {
+TEST_CASE("exr colours: a crop of our own lies where it was cut out") {
   const TemporaryFolder folder;
   Image crop(2, 1, {"A", "B", "G", "R", "Z"});
   for (int x = 0; x < 2; ++x)
@@ -173,7 +172,7 @@ TEST_CASE("exr picture: a crop of our own lies where it was cut out") {
   crop.frame_width = 4;
   crop.frame_height = 3;
   write_exr(folder / "crop.exr", crop);
-  const Picture picture = read_picture(folder / "crop.exr");
+  const StoredImage picture = read_stored_image(folder / "crop.exr");
   CHECK(picture.width == 4);
   CHECK(picture.height == 3);
   std::vector<float> expected(4 * 3 * 4);
@@ -183,10 +182,11 @@ TEST_CASE("exr picture: a crop of our own lies where it was cut out") {
   CHECK(picture.floats == expected);
 }
 
-TEST_CASE("exr picture: values that are not finite are left as they are") {
+TEST_CASE("exr colours: values that are not finite are left as they are") {
   const float infinity = std::numeric_limits<float>::infinity();
-  const Picture picture = read({exr_part(1, 1, {{"R", infinity}, {"G", 2}, {"B", 3}}, {1, 0, 0, 1, 0, 0, 0.3f, 0.3f})});
+  const StoredImage picture =
+      read({exr_part(1, 1, {{"R", infinity}, {"G", 2}, {"B", 3}}, {1, 0, 0, 1, 0, 0, 0.3f, 0.3f})});
   CHECK(picture.floats == std::vector<float>{infinity, 2, 3});
 }
 
-}  // namespace sheaf::test_exr_picture
+}  // namespace sheaf::test_exr_colors

@@ -1,10 +1,10 @@
 // Reading of the display window of OpenEXR files, and its conversion to linear Rec.709.
-#include "core/exr_picture.h"
+#include "core/exr_colors.h"
 
 #include "core/color_space.h"
 #include "core/error.h"
 #include "core/exr.h"
-#include "core/picture_channels.h"
+#include "core/image_channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,10 +55,10 @@ RgbChromaticities space_of(const ExrPart& part, bool xyz) {
 
 }  // namespace
 
-Picture read_exr_picture(const fs::path& path, bool raw) {
+StoredImage read_exr_colors(const fs::path& path, bool raw) {
   const SourceLocation where{path.string(), 0};
   const std::vector<ExrPart> parts = read_exr_parts(path);
-  std::vector<PictureChannels> flat;
+  std::vector<ImageChannels> flat;
   std::vector<std::size_t> part_of;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (parts[i].deep) continue;
@@ -72,19 +72,19 @@ Picture read_exr_picture(const fs::path& path, bool raw) {
   for (const std::size_t c : found.channels) names.push_back(part.channels[c]);
   if (found.alpha) names.push_back(part.channels[*found.alpha]);
   Image image = read_exr_channels(path, part_of[found.part], names);
-  Picture picture;
-  picture.width = image.frame_width;
-  picture.height = image.frame_height;
+  StoredImage colors;
+  colors.width = image.frame_width;
+  colors.height = image.frame_height;
   const bool grey = found.channels.size() == 1;
-  picture.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-  if (found.alpha) picture.channels.emplace_back("A");
-  picture.floats = pixels_of_frame(path, std::move(image));
-  if (grey || raw) return picture;
-  if (!convert_to_rec709(picture.floats, space_of(part, found.xyz), picture.channels.size()))
+  colors.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  if (found.alpha) colors.channels.emplace_back("A");
+  colors.floats = pixels_of_frame(path, std::move(image));
+  if (grey || raw) return colors;
+  if (!convert_to_rec709(colors.floats, space_of(part, found.xyz), colors.channels.size()))
     throw SceneError(where,
-                     "the image's chromaticities are those of no colour space (expected primaries that span a "
+                     "the image's chromaticities define no colour space (expected primaries that span a "
                      "triangle, and finite numbers)");
-  return picture;
+  return colors;
 }
 
 }  // namespace sheaf

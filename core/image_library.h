@@ -11,7 +11,7 @@
 namespace sheaf {
 
 /// The header of an image file.
-struct PictureHeader {
+struct ImageHeader {
   int width = 0, height = 0, depth = 0;  ///< pixels
   int channel_count = 0;
   std::vector<std::string> channels;  ///< names
@@ -25,7 +25,7 @@ struct PictureHeader {
 class ImageReader {
  public:
   virtual ~ImageReader() = default;
-  virtual const PictureHeader& header() const = 0;
+  virtual const ImageHeader& header() const = 0;
   /// Reads all values, interleaved, row by row from the top, as bytes or as floats. Integers become floats in [0, 1].
   /// Returns whether everything was read, and sets `remark` to the messages of the library.
   virtual bool read(std::uint8_t* out, std::string& remark) = 0;
@@ -41,9 +41,9 @@ struct PngPixels {
 };
 
 /// OpenImageIO behind an interface that does not depend on its headers.
-class PictureLibrary {
+class ImageLibrary {
  public:
-  virtual ~PictureLibrary() = default;
+  virtual ~ImageLibrary() = default;
   /// Opens an image file of `format`, as the library names it. On failure returns null and sets `problem`. If `bytes`
   /// is not empty, it is read instead of the file and kept by the reader.
   virtual std::unique_ptr<ImageReader> open(const std::string& path, const std::string& format, std::string& problem,
@@ -52,18 +52,18 @@ class PictureLibrary {
   virtual std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const = 0;
 };
 
-/// Returns the library, which the first call loads and keeps: from sheaf_pictures.so next to the program or, if that is
+/// Returns the library, which the first call loads and keeps: from sheaf_image_io.so next to the program or, if that is
 /// installed, in ../lib/sheaf. Throws Error (exit code 1) if the file is missing or cannot be loaded.
-const PictureLibrary& picture_library();
+const ImageLibrary& image_library();
 
 /// Returns the library's name for the format of an image file. Formats are recognised by their magic number; TGA, which
 /// has none, by its file extension. Other formats of the library, for example video and medical images, are rejected
 /// for security. Throws SceneError for unsupported formats. Throws Error (exit code 1) or SceneError for files that
 /// would make the library allocate more memory than is available, or far more than they need.
-std::string checked_picture_format(const std::filesystem::path& file);
+std::string checked_image_format(const std::filesystem::path& file);
 
-/// The function that sheaf_pictures.so exports. It returns the library.
-using PictureLibraryFunction = const PictureLibrary*();
-inline constexpr char kPictureLibraryFunction[] = "sheaf_picture_library";
+/// The function that sheaf_image_io.so exports. It returns the library.
+using ImageLibraryFunction = const ImageLibrary*();
+inline constexpr char kImageLibraryFunction[] = "sheaf_image_library";
 
 }  // namespace sheaf

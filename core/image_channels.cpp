@@ -1,5 +1,5 @@
 // The search for colour channels by name.
-#include "core/picture_channels.h"
+#include "core/image_channels.h"
 
 #include <algorithm>
 #include <array>
@@ -40,8 +40,8 @@ bool is_main(std::string_view layer) {
 
 class Finder {
  public:
-  explicit Finder(std::span<const PictureChannels> parts) {
-    for (const PictureChannels& part : parts) {
+  explicit Finder(std::span<const ImageChannels> parts) {
+    for (const ImageChannels& part : parts) {
       std::vector<SplitName>& names = parts_.emplace_back();
       for (const std::string& name : part.names) names.push_back(split(name));
     }
@@ -125,10 +125,10 @@ class Finder {
 };
 
 /// Lists the names of all channels, truncated after about 600 characters.
-std::string list_of(std::span<const PictureChannels> parts) {
+std::string list_of(std::span<const ImageChannels> parts) {
   constexpr std::size_t kMaxLength = 600;
   std::string list;
-  for (const PictureChannels& part : parts) {
+  for (const ImageChannels& part : parts) {
     list += list.empty() ? "" : "; ";
     if (parts.size() > 1) list += "part '" + part.part + "': ";
     for (std::size_t c = 0; c < part.names.size(); ++c) {
@@ -143,14 +143,14 @@ std::string list_of(std::span<const PictureChannels> parts) {
 
 }  // namespace
 
-ColorChannels find_color_channels(std::span<const PictureChannels> parts, const SourceLocation& where) {
+ColorChannels find_color_channels(std::span<const ImageChannels> parts, const SourceLocation& where) {
   if (const auto found = Finder(parts).find()) return *found;
-  throw SceneError(where, "the picture has the channels " + list_of(parts) +
-                              " (expected R, G and B, or X, Y and Z, or one channel, and perhaps A)");
+  throw SceneError(where, "no colours among the channels " + list_of(parts) +
+                              " (expected R, G and B, or X, Y and Z, or one channel, optionally with A)");
 }
 
 ColorChannels find_color_channels(const std::vector<std::string>& names, const SourceLocation& where) {
-  const PictureChannels part{"", names};
+  const ImageChannels part{"", names};
   return find_color_channels({&part, 1}, where);
 }
 

@@ -1,7 +1,7 @@
 // Radiance HDR and TIFF files whose first pixel is not top left, whose colours are CIE XYZ, or that omit BitsPerSample.
 #include "core/error.h"
 #include "core/image.h"
-#include "core/picture_corrections.h"
+#include "core/image_corrections.h"
 #include "tests/support/contains.h"
 #include "tests/support/picture_files.h"
 
@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <functional>
 
-namespace sheaf::test_picture_orientation {
+namespace sheaf::test_image_orientation {
 
 using test::contains;
 
@@ -41,7 +41,7 @@ std::string size_of(const std::string& axis) { return std::to_string(axis[1] == 
 
 void check_upright(const std::filesystem::path& file, const std::function<float(int)>& value) {
   const Image image = read_image(file);
-  const Picture picture = read_picture(file);
+  const StoredImage picture = read_stored_image(file);
   REQUIRE(image.width == kWidth);
   REQUIRE(image.height == kHeight);
   REQUIRE(image.frame_width == kWidth);
@@ -190,7 +190,7 @@ TEST_CASE("pictures: bilevel TIFF without BitsPerSample has one bit, whichever o
         write_bytes(folder / "a.tif", TiffBytes(big_endian)
                                           .finish(strip, bilevel(photometric, is_packed ? 32773 : 1,
                                                                  static_cast<std::uint32_t>(strip.size()))));
-        const Picture picture = read_picture(folder / "a.tif");
+        const StoredImage picture = read_stored_image(folder / "a.tif");
         REQUIRE(picture.width == 12);
         REQUIRE(picture.height == 2);
         REQUIRE(picture.bytes.size() == 24);
@@ -207,12 +207,12 @@ TEST_CASE("pictures: a TIFF directory that lies or ends too early is an error or
   for (std::size_t size = 4; size < whole.size(); ++size) {
     write_bytes(folder / "a.tif", whole.substr(0, size));
     try {
-      (void)read_picture(folder / "a.tif");
+      (void)read_stored_image(folder / "a.tif");
     } catch (const SceneError& error) { CHECK(contains(error.what(), "a.tif")); }
   }
   for (const std::string& end : {std::string("\xff\xff\xff\x7f"), std::string("\x04\0\0\0", 4)}) {
     write_bytes(folder / "a.tif", "II*" + std::string(1, '\0') + end + whole.substr(8));
-    CHECK_THROWS_AS(read_picture(folder / "a.tif"), SceneError);
+    CHECK_THROWS_AS(read_stored_image(folder / "a.tif"), SceneError);
   }
 }
 
@@ -221,7 +221,7 @@ TEST_CASE("pictures: Radiance files of CIE XYZ become Rec.709 unless raw") {
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n";
   for (const int byte : {102, 204, 51, 128}) bytes += static_cast<char>(byte);
   write_bytes(folder / "a.hdr", bytes);
-  const Picture raw = read_picture(folder / "a.hdr", true), picture = read_picture(folder / "a.hdr");
+  const StoredImage raw = read_stored_image(folder / "a.hdr", true), picture = read_stored_image(folder / "a.hdr");
   REQUIRE(raw.floats.size() == 3);
   const double x = 102 / 256.0, y = 204 / 256.0, z = 51 / 256.0;
   CHECK(raw.floats[0] == doctest::Approx(x).epsilon(0.01));
@@ -230,4 +230,4 @@ TEST_CASE("pictures: Radiance files of CIE XYZ become Rec.709 unless raw") {
   CHECK(picture.floats[2] == doctest::Approx(0.0556301 * x - 0.2039770 * y + 1.0569715 * z).epsilon(0.02));
 }
 
-}  // namespace sheaf::test_picture_orientation
+}  // namespace sheaf::test_image_orientation

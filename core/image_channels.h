@@ -12,7 +12,7 @@
 namespace sheaf {
 
 /// The channels of one part of an image file. Only OpenEXR files have several parts.
-struct PictureChannels {
+struct ImageChannels {
   std::string part;                ///< name; may be empty
   std::vector<std::string> names;  ///< "layer.channel", or "channel" outside of layers
 };
@@ -20,7 +20,7 @@ struct PictureChannels {
 /// The colour channels of an image.
 struct ColorChannels {
   std::size_t part = 0;
-  std::vector<std::size_t> channels;  ///< indices into PictureChannels::names: red, green and blue, or one for grey
+  std::vector<std::size_t> channels;  ///< indices into ImageChannels::names: red, green and blue, or one for grey
   bool xyz = false;                   ///< the three are CIE X, Y and Z
   std::optional<std::size_t> alpha;   ///< alpha channel of the same layer
 };
@@ -30,7 +30,7 @@ struct ColorChannels {
 /// rgba, or of the only layer that has them; the only channel besides alpha in the file; Y, if no other channel besides
 /// alpha is outside of layers in the first part; alpha, if it is the only channel. Of several parts the first match
 /// counts. Throws SceneError that lists the channels if nothing matches.
-ColorChannels find_color_channels(std::span<const PictureChannels> parts, const SourceLocation& where);
+ColorChannels find_color_channels(std::span<const ImageChannels> parts, const SourceLocation& where);
 
 /// The same for a file of one part.
 ColorChannels find_color_channels(const std::vector<std::string>& names, const SourceLocation& where);
