@@ -59,7 +59,8 @@ std::string title(const TextureDescription& texture) {
 
 void SceneCompiler::check_attributes() {
   if (out_->textures_.attribute_names.empty()) return;
-  const AttributeFinder finder(out_->materials_, out_->bindings_, out_->normal_maps_, out_->textures_.rows);
+  const AttributeFinder finder(out_->materials_.rows, out_->materials_.bindings, out_->materials_.normal_maps,
+                               out_->textures_.rows);
   struct Use {
     std::size_t with = 0, without = 0;  ///< shapes with and without the attribute
   };
@@ -68,8 +69,8 @@ void SceneCompiler::check_attributes() {
   const auto has = [&](std::uint32_t shape, std::uint32_t texture) {
     return attributes_->has(shape, out_->textures_.rows[texture].attribute.first_entry);
   };
-  for (std::uint32_t shape = 0; shape < out_->shapes_.size(); ++shape) {
-    const std::uint32_t material = out_->shapes_[shape].material;
+  for (std::uint32_t shape = 0; shape < out_->geometry_.shapes.size(); ++shape) {
+    const std::uint32_t material = out_->geometry_.shapes[shape].material;
     const auto [shown, is_new] = shown_by.try_emplace(material);
     if (is_new) shown->second = finder.of_material(material);
     for (const std::uint32_t texture : shown->second) {

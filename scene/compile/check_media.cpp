@@ -23,7 +23,7 @@ float largest_factor(std::span<const BrickGrid> grids, std::uint32_t grid) {
 /// Throws SceneError unless all products are finite at four wavelengths.
 void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lambda, std::span<const BrickGrid> grids,
               float bound, const SourceLocation& where) {
-  const MediumRow& medium = scene.media[index];
+  const MediumRow& medium = scene.media.rows[index];
   const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   const Float4 sigma_t = (by_albedo ? spectra.first : spectra.first + spectra.second) * bound;
@@ -55,19 +55,19 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
 
 }  // namespace
 
-void check_media(const SceneView& scene, std::span<const MediumDescription> media, std::span<const BrickGrid> grids,
-                 std::span<const MajorantGrid> majorants) {
+void check_media(const SceneView& scene, std::span<const MediumDescription> media, const MediumTables& tables) {
+  const std::vector<MajorantGrid>& majorants = tables.majorants;
   for (std::uint32_t i = 0; i < media.size(); ++i) {
-    const MediumRow& medium = scene.media[i];
+    const MediumRow& medium = scene.media.rows[i];
     const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
     float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
     if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.most_flakes, 1.0f);
     if (scene.color == ColorMode::kRgb) {
-      check_at(scene, i, {}, grids, bound, media[i].where);
+      check_at(scene, i, {}, tables.grids, bound, media[i].where);
       continue;
     }
     for (float nm = kWavelengthMin; nm < kWavelengthMax; nm += 4.0f)
-      check_at(scene, i, {nm, nm + 1, nm + 2, nm + 3}, grids, bound, media[i].where);
+      check_at(scene, i, {nm, nm + 1, nm + 2, nm + 3}, tables.grids, bound, media[i].where);
   }
 }
 

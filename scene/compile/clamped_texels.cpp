@@ -71,7 +71,7 @@ std::span<const std::uint32_t> shown_in_turn(const TextureRow& texture) {
 
 /// Marks the textures whose texels are used directly as reflectances: those bound as reflectances, and their children
 /// that alternate. Mixes are clamped after mixing, so their children cannot be checked here.
-void mark(const CompiledTextures& textures, std::uint32_t row, std::vector<bool>& marked) {
+void mark(const TextureTables& textures, std::uint32_t row, std::vector<bool>& marked) {
   if (marked[row]) return;
   marked[row] = true;
   const TextureRow& texture = textures.rows[row];
@@ -97,7 +97,7 @@ std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, 
 }
 
 /// Maximum of a texture's own constant colours, without other textures.
-float largest_color(const CompiledTextures& textures, const TextureRow& texture) {
+float largest_color(const TextureTables& textures, const TextureRow& texture) {
   float largest = 0;
   for (const std::uint32_t child : shown_in_turn(texture))
     if (textures.rows[child].kind == TextureKind::kConstant)
@@ -108,7 +108,7 @@ float largest_color(const CompiledTextures& textures, const TextureRow& texture)
 }  // namespace
 
 std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
-                                                const CompiledTextures& textures,
+                                                const TextureTables& textures,
                                                 std::span<const TextureBinding> bindings) {
   std::vector<bool> marked(textures.rows.size());
   for (const TextureBinding& binding : bindings)

@@ -12,7 +12,7 @@
 
 namespace sheaf {
 
-/// Appends tables to the future SceneView::closure_tables. Each function returns the word by which closures refer to
+/// Appends tables to the future MaterialView::closure_tables. Each function returns the word by which closures refer to
 /// the table. It throws SceneError if all tables together are too large.
 class ClosureTables {
  public:

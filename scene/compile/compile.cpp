@@ -35,19 +35,19 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   // Prepare cameras and pixel filter
   add_cameras();
   const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
-  out_->filter_ = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
-  if (weighted) out_->filter_weights_.emplace(in_.film.filter);
+  out_->sensor_.filter = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
+  if (weighted) out_->sensor_.filter_weights.emplace(in_.film.filter);
   // Compile textures and materials
   with_memory_for("textures", "use smaller images", [&] { out_->textures_ = compile_textures(in_.textures); });
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
-  for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->bindings_))
+  for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->materials_.bindings))
     out_->warnings_.push_back(std::move(warning));
   // Add shapes, those of groups last, and instances
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
     for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
-    ungrouped_shapes_ = static_cast<std::uint32_t>(out_->shapes_.size());
+    ungrouped_shapes_ = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
     std::vector<GroupContents> groups;
     for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
     add_instances(groups);
@@ -72,9 +72,9 @@ CompileReport SceneCompiler::report() const {
     if (const auto* volume = std::get_if<VolumeTextureDescription>(&texture.model))
       report.grids.push_back(
           describe_grid(out_->textures_.grids[grid++], volume->grid.to_world, volume->grid, texture.where));
-  report.envmap_width = out_->envmap_.width;
-  report.envmap_height = out_->envmap_.height;
-  report.envmap_bytes = out_->envmap_.bytes();
+  report.envmap_width = out_->lights_.envmap.width;
+  report.envmap_height = out_->lights_.envmap.height;
+  report.envmap_bytes = out_->lights_.envmap.bytes();
   report.texture_bytes = out_->textures_.tile_count * sizeof(TexelTile);
   return report;
 }
@@ -88,9 +88,9 @@ void SceneCompiler::add_cameras() {
   const auto make = [&](const CameraDescription& camera) {
     return make_camera(camera, in_.film.width / count, in_.film.height);
   };
-  out_->camera_ = make(in_.camera);
-  for (const CameraDescription& camera : in_.more_cameras) out_->more_cameras_.push_back(make(camera));
-  if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->camera_.sees_points))
+  out_->sensor_.camera = make(in_.camera);
+  for (const CameraDescription& camera : in_.more_cameras) out_->sensor_.more_cameras.push_back(make(camera));
+  if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->sensor_.camera.sees_points))
     throw SceneError(
         in_.camera.where,
         "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
@@ -113,32 +113,24 @@ void SceneCompiler::add_materials() {
   row_of_phase_ = std::move(materials.row_of_phase);
   out_->warnings_.insert(out_->warnings_.end(), materials.warnings.begin(), materials.warnings.end());
   for (const MaterialSpectra& rows : materials.spectra)
-    out_->material_spectra_.insert(out_->material_spectra_.end(), rows.begin(), rows.end());
-  out_->materials_ = std::move(materials.rows);
+    out_->spectra_.materials.insert(out_->spectra_.materials.end(), rows.begin(), rows.end());
+  out_->materials_ = std::move(materials.tables);
   row_of_material_ = std::move(materials.row_of);
   default_material_ = materials.default_row;
-  out_->bindings_ = std::move(materials.bindings);
-  out_->normal_maps_ = std::move(materials.normal_maps);
-  out_->closure_tables_ = std::move(materials.tables);
-  out_->bucket_count_ = materials.bucket_count;
-  std::copy(std::begin(materials.bucket_begin), std::end(materials.bucket_begin), out_->bucket_begin_);
-  std::copy(std::begin(materials.kind_flags), std::end(materials.kind_flags), out_->kind_flags_);
-  out_->has_composites_ = std::any_of(out_->materials_.begin(), out_->materials_.end(),
-                                      [](const MaterialRow& row) { return (row.flags & kComposite) != 0; });
   // Find out whether shadow rays may pass through surfaces
   const auto lets_pass = [](const MaterialRow& row) {
     return (row.flags & kComposite) != 0 &&
            (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
   };
-  out_->has_transparency_ =
-      !in_.media.empty() || std::any_of(out_->materials_.begin(), out_->materials_.end(), lets_pass);
+  out_->needs_transmittance_ =
+      !in_.media.empty() || std::any_of(out_->materials_.rows.begin(), out_->materials_.rows.end(), lets_pass);
   out_->has_open_panes_ = in_.integrator.thin_dielectrics_are_free && panes_can_be_open();
-  out_->has_transparency_ = out_->has_transparency_ || out_->has_open_panes_;
+  out_->needs_transmittance_ = out_->needs_transmittance_ || out_->has_open_panes_;
   out_->counts_.materials = in_.materials.size();
 }
 
 bool SceneCompiler::panes_can_be_open() const {
-  const std::vector<MaterialRow>& rows = out_->materials_;
+  const std::vector<MaterialRow>& rows = out_->materials_.rows;
   const auto is_thin_dielectric = [&](std::uint32_t row) {
     return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_thin_dielectric;
   };
@@ -162,50 +154,57 @@ void SceneCompiler::set_bounds() {
   out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
   // Place distant sensors outside of the sphere
   const float sphere = std::max(out_->radius_, 1e-3f);
-  place_distant(out_->camera_, in_.camera, out_->center_, sphere);
-  for (std::size_t i = 0; i < out_->more_cameras_.size(); ++i)
-    place_distant(out_->more_cameras_[i], in_.more_cameras[i], out_->center_, sphere);
+  place_distant(out_->sensor_.camera, in_.camera, out_->center_, sphere);
+  for (std::size_t i = 0; i < out_->sensor_.more_cameras.size(); ++i)
+    place_distant(out_->sensor_.more_cameras[i], in_.more_cameras[i], out_->center_, sphere);
   // Shadow rays to the environment end outside of everything, including the cameras.
-  out_->radius_ = std::max(out_->radius_, length(out_->camera_.origin - out_->center_));
-  for (const Camera& camera : out_->more_cameras_)
+  out_->radius_ = std::max(out_->radius_, length(out_->sensor_.camera.origin - out_->center_));
+  for (const Camera& camera : out_->sensor_.more_cameras)
     out_->radius_ = std::max(out_->radius_, length(camera.origin - out_->center_));
   out_->radius_ = std::max(out_->radius_, 1e-3f);
 }
 
 void SceneCompiler::finish_tables() {
-  out_->counts_.shapes = out_->shapes_.size();
-  // Triangles are loaded four words at a time, and inactive lanes read row zero of empty tables.
-  if (out_->vertices_.empty()) out_->vertices_.emplace_back();
-  out_->vertices_.shrink_to_fit();
-  out_->triangles_.insert(out_->triangles_.end(), 8, 0u);
-  out_->triangles_.shrink_to_fit();
-  if (out_->quadrics_.empty()) out_->quadrics_.emplace_back();
-  if (out_->shapes_.empty()) out_->shapes_.emplace_back();
+  GeometryTables& geometry = out_->geometry_;
+  LightTables& lights = out_->lights_;
+  out_->counts_.shapes = geometry.shapes.size();
+  // Pad the tables of geometry: triangles are loaded four words at a time, and inactive lanes read row zero
+  if (geometry.vertices.empty()) geometry.vertices.emplace_back();
+  geometry.vertices.shrink_to_fit();
+  geometry.triangles.insert(geometry.triangles.end(), 8, 0u);
+  geometry.triangles.shrink_to_fit();
+  if (geometry.quadrics.empty()) geometry.quadrics.emplace_back();
+  if (geometry.shapes.empty()) geometry.shapes.emplace_back();
   // Lay out mesh attributes
-  attributes_->finish(static_cast<std::uint32_t>(out_->shapes_.size()), out_->textures_);
-  out_->attributes_ = attributes_->entries();
-  out_->attribute_values_ = attributes_->values();
+  attributes_->finish(static_cast<std::uint32_t>(geometry.shapes.size()), out_->textures_);
+  out_->textures_.attributes = attributes_->entries();
+  out_->textures_.attribute_values = attributes_->values();
   // Pad the tables of lights
-  if (out_->triangle_alias_.empty()) out_->triangle_alias_.emplace_back();
-  if (out_->light_triangles_.empty()) out_->light_triangles_.emplace_back();
-  if (out_->light_frames_.empty()) out_->light_frames_.emplace_back();
-  if (out_->light_uvs_.empty()) out_->light_uvs_.emplace_back();
-  if (out_->light_spectra_.empty()) out_->light_spectra_.emplace_back();
-  for (const MediumRow& medium : out_->media_)
+  if (lights.triangle_alias.empty()) lights.triangle_alias.emplace_back();
+  if (lights.triangles.empty()) lights.triangles.emplace_back();
+  if (lights.frames.empty()) lights.frames.emplace_back();
+  if (lights.uvs.empty()) lights.uvs.emplace_back();
+  if (out_->spectra_.lights.empty()) out_->spectra_.lights.emplace_back();
+  for (const MediumRow& medium : out_->media_.rows)
     if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) out_->names_.has_other_light = true;
   // Build the tables for light selection and the acceleration structure
-  if (spectra_) out_->spectrum_tables_ = spectra_->samples();
+  if (spectra_) out_->spectra_.samples = spectra_->samples();
   select_lights();
-  const AccelInput input{out_->shapes_.data(),         ungrouped_shapes_,
-                         out_->vertices_.data(),       out_->triangles_.data(),
-                         out_->quadrics_.data(),       out_->curve_points_.data(),
-                         out_->curve_segments_.data(), out_->sdf_grids_.data(),
-                         out_->sdf_values_.data(),     out_->sdf_cells_.data(),
-                         vertex_counts_.data(),        options_.watertight,
-                         group_ranges_.data(),         static_cast<std::uint32_t>(group_ranges_.size()),
-                         out_->instances_.data(),      static_cast<std::uint32_t>(out_->instances_.size())};
-  out_->accel_ = std::make_unique<Accel>(input);
+  build_accel();
   probe_media();
+}
+
+void SceneCompiler::build_accel() {
+  const GeometryTables& geometry = out_->geometry_;
+  const AccelInput input{geometry.shapes.data(),         ungrouped_shapes_,
+                         geometry.vertices.data(),       geometry.triangles.data(),
+                         geometry.quadrics.data(),       geometry.curve_points.data(),
+                         geometry.curve_segments.data(), geometry.sdf_grids.data(),
+                         geometry.sdf_values.data(),     geometry.sdf_cells.data(),
+                         vertex_counts_.data(),          options_.watertight,
+                         group_ranges_.data(),           static_cast<std::uint32_t>(group_ranges_.size()),
+                         geometry.instances.data(),      static_cast<std::uint32_t>(geometry.instances.size())};
+  out_->accel_ = std::make_unique<Accel>(input);
 }
 
 void SceneCompiler::warn(const ShapeDescription& shape, const std::string& message) {

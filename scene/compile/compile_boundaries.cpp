@@ -51,26 +51,21 @@ void SceneCompiler::add_media() {
                        "photons cannot be gathered in a medium of microflakes (expected a phase function other than "
                        "'sggx', or no photons in media)");
     placed.push_back({&m, row_of_phase_.at(phase), flakes, medium_boxes_[i], {lower_, upper_}});
-    if (m.temperature && !spectra_ && !out_->blackbodies_) out_->blackbodies_.emplace();
+    if (m.temperature && !spectra_ && !out_->media_.blackbodies) out_->media_.blackbodies.emplace();
   }
-  CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size);
-  out_->media_ = std::move(media.rows);
-  out_->medium_spectra_ = std::move(media.spectra);
-  if (spectra_) out_->spectrum_tables_ = spectra_->samples();
-  out_->grids_ = std::move(media.grids);
-  out_->grid_rows_ = std::move(media.grid_rows);
-  out_->majorant_grids_ = std::move(media.majorants);
-  out_->majorant_rows_ = std::move(media.majorant_rows);
+  CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size, out_->media_);
+  out_->spectra_.media = std::move(media.spectra);
+  if (spectra_) out_->spectra_.samples = spectra_->samples();
   out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
   places_of_grids_ = std::move(media.places);
-  check_media(out_->view(), in_.media, out_->grids_, out_->majorant_grids_);
-  if (in_.camera.medium) out_->camera_medium_ = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
+  check_media(out_->view(), in_.media, out_->media_);
+  if (in_.camera.medium) out_->media_.camera_medium = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
 }
 
 void SceneCompiler::end_media() {
-  if (in_.media.empty() || out_->bounded_light_count_ == out_->lights_.size()) return;
-  for (std::uint32_t i = 0; i < out_->bounded_light_count_; ++i) {
-    const LightRow& light = out_->lights_[i];
+  if (in_.media.empty() || out_->lights_.bounded_count == out_->lights_.rows.size()) return;
+  for (std::uint32_t i = 0; i < out_->lights_.bounded_count; ++i) {
+    const LightRow& light = out_->lights_.rows[i];
     const auto kind = static_cast<LightKind>(light.kind);
     if (kind == LightKind::kPoint || kind == LightKind::kSpot || kind == LightKind::kSmoothSpot ||
         kind == LightKind::kGoniometric || kind == LightKind::kProjector)
@@ -78,17 +73,17 @@ void SceneCompiler::end_media() {
   }
   // Slightly larger than necessary, so that rounding does not shorten rays between two points of the scene. Less than
   // half the length of shadow rays to lights at infinity.
-  out_->medium_radius_ = 1.01f * out_->radius_;
+  out_->media_.outer_radius = 1.01f * out_->radius_;
 }
 
 void SceneCompiler::probe_media() {
-  const std::uint32_t default_value = out_->camera_medium_;
-  out_->outer_medium_ = default_value;
-  if (!out_->boundaries_.empty()) probe_boundaries(default_value);
+  const std::uint32_t default_value = out_->media_.camera_medium;
+  out_->media_.outer_medium = default_value;
+  if (!out_->media_.boundaries.empty()) probe_boundaries(default_value);
   const IntegratorKind kind = in_.integrator.kind;
   const bool by_photons = kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
-  const std::uint32_t outer = out_->outer_medium_;
-  if (by_photons && outer != 0 && (out_->media_[outer - 1].flags & kMediumEmits) != 0)
+  const std::uint32_t outer = out_->media_.outer_medium;
+  if (by_photons && outer != 0 && (out_->media_.rows[outer - 1].flags & kMediumEmits) != 0)
     out_->warnings_.push_back(SceneError(in_.media[outer - 1].where,
                                          "photons do not carry the emission of an unbounded medium: its scattered "
                                          "light is missing")
@@ -98,18 +93,19 @@ void SceneCompiler::probe_media() {
 void SceneCompiler::probe_boundaries(std::uint32_t default_value) {
   for (const std::uint32_t shape : surrounded_shapes_) {
     const SceneView view = out_->view();
-    out_->boundaries_[out_->shapes_[shape].boundary].exterior = medium_around(view, shape, default_value);
+    out_->media_.boundaries[out_->geometry_.shapes[shape].boundary].exterior =
+        medium_around(view, shape, default_value);
   }
-  out_->outer_medium_ = medium_outside(out_->view(), default_value);
+  out_->media_.outer_medium = medium_outside(out_->view(), default_value);
   if (!in_.camera.medium) probe_camera();
 }
 
 void SceneCompiler::probe_camera() {
-  const Camera& camera = out_->camera_;
+  const Camera& camera = out_->sensor_.camera;
   const auto width = static_cast<float>(in_.film.width), height = static_cast<float>(in_.film.height);
   const SceneView view = out_->view();
   const Vec3f middle = camera.ray<Scalar>(0.5f * width, 0.5f * height, 0, 0).origin;
-  out_->camera_medium_ = medium_at(view, middle, kNone, 0);
+  out_->media_.camera_medium = medium_at(view, middle, kNone, 0);
   constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (int place = 0; place < 9; ++place)
     for (const Vec2<Scalar> lens : std::span(kLens).first(camera.has_lens() ? 5 : 1)) {
@@ -117,7 +113,7 @@ void SceneCompiler::probe_camera() {
                               .ray<Scalar>(0.5f * width * static_cast<float>(place % 3),
                                            0.5f * height * static_cast<float>(place / 3), lens.x, lens.y)
                               .origin;
-      if (start == middle || medium_at(view, start, kNone, 0) == out_->camera_medium_) continue;
+      if (start == middle || medium_at(view, start, kNone, 0) == out_->media_.camera_medium) continue;
       out_->warnings_.push_back(SceneError(in_.camera.where,
                                            "the camera's rays start in more than one medium: all are "
                                            "assumed to start in that of the middle one")

@@ -88,7 +88,7 @@ UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePoin
 
 void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves) {
   check_curves(shape, curves);
-  if (4 * (out_->curve_points_.size() + curves.points.size()) > kMaxWords)
+  if (4 * (out_->geometry_.curve_points.size() + curves.points.size()) > kMaxWords)
     throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
   std::vector<CurvePointRow> points;
   points.reserve(curves.points.size());
@@ -110,11 +110,12 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
   grow(segments.box.min, segments.box.max);
   row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
                                                                                : ShapeKind::kBsplineCurves);
-  row.first_vertex = static_cast<std::uint32_t>(out_->curve_points_.size());
-  row.first_triangle = static_cast<std::uint32_t>(out_->curve_segments_.size());
+  row.first_vertex = static_cast<std::uint32_t>(out_->geometry_.curve_points.size());
+  row.first_triangle = static_cast<std::uint32_t>(out_->geometry_.curve_segments.size());
   row.triangle_count = static_cast<std::uint32_t>(segments.first.size());
-  out_->curve_points_.insert(out_->curve_points_.end(), points.begin(), points.end());
-  out_->curve_segments_.insert(out_->curve_segments_.end(), segments.first.begin(), segments.first.end());
+  out_->geometry_.curve_points.insert(out_->geometry_.curve_points.end(), points.begin(), points.end());
+  out_->geometry_.curve_segments.insert(out_->geometry_.curve_segments.end(), segments.first.begin(),
+                                        segments.first.end());
   vertex_counts_.push_back(static_cast<std::uint32_t>(points.size()));
   out_->counts_.curve_segments += segments.first.size();
   push_shape(row, shape, segments.box);

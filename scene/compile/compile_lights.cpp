@@ -10,7 +10,7 @@
 namespace sheaf {
 
 LightContext SceneCompiler::light_context() {
-  return {in_, out_->textures_.rows, spectra(), out_->envmap_, out_->warnings_};
+  return {in_, out_->textures_.rows, spectra(), out_->lights_.envmap, out_->warnings_};
 }
 
 std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {
@@ -34,42 +34,44 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
 }
 
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
-  const ShapeTables tables{out_->vertices_.data(), out_->triangles_.data(), out_->quadrics_.data()};
-  LightPlaces places{static_cast<std::uint32_t>(out_->triangle_alias_.size()),
-                     static_cast<std::uint32_t>(out_->light_uvs_.size()), row.first_triangle};
-  if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(out_->quadrics_.size());
+  const ShapeTables tables{out_->geometry_.vertices.data(), out_->geometry_.triangles.data(),
+                           out_->geometry_.quadrics.data()};
+  LightPlaces places{static_cast<std::uint32_t>(out_->lights_.triangle_alias.size()),
+                     static_cast<std::uint32_t>(out_->lights_.uvs.size()), row.first_triangle};
+  if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(out_->geometry_.quadrics.size());
   AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
   constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
-  if (kRowWords * (out_->light_triangles_.size() + light.triangles.size()) > kMaxWords)
+  if (kRowWords * (out_->lights_.triangles.size() + light.triangles.size()) > kMaxWords)
     throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
   SpectrumRow spectrum = emitter.emission.spectrum;
   if (emitter.emission.power) {
     const QuadricRow* own = light.quadric ? &*light.quadric : nullptr;
     const bool is_mesh = light.row.is(LightKind::kMesh);
-    const float area = is_mesh ? light.row.area : quadric_area(own ? *own : out_->quadrics_[light.row.quadric()]);
+    const float area =
+        is_mesh ? light.row.area : quadric_area(own ? *own : out_->geometry_.quadrics[light.row.quadric()]);
     const float factor = *emitter.emission.power / (exitance_factor(light.row) * area);
     light.row.radiance = light.row.radiance * factor;
     spectrum.scale *= factor;
   }
   add_light_row(light.row, spectrum, emitter.where, emitter.name);
-  out_->has_textured_lights_ = out_->has_textured_lights_ || light.row.texture != kNone;
-  out_->triangle_alias_.insert(out_->triangle_alias_.end(), light.alias.begin(), light.alias.end());
-  out_->light_triangles_.insert(out_->light_triangles_.end(), light.triangles.begin(), light.triangles.end());
-  out_->light_uvs_.insert(out_->light_uvs_.end(), light.uvs.begin(), light.uvs.end());
-  if (light.quadric) out_->quadrics_.push_back(*light.quadric);
+  out_->lights_.has_textured_area_lights = out_->lights_.has_textured_area_lights || light.row.texture != kNone;
+  out_->lights_.triangle_alias.insert(out_->lights_.triangle_alias.end(), light.alias.begin(), light.alias.end());
+  out_->lights_.triangles.insert(out_->lights_.triangles.end(), light.triangles.begin(), light.triangles.end());
+  out_->lights_.uvs.insert(out_->lights_.uvs.end(), light.uvs.begin(), light.uvs.end());
+  if (light.quadric) out_->geometry_.quadrics.push_back(*light.quadric);
 }
 
 void SceneCompiler::add_volume_lights() {
   if (in_.integrator.strategy == LightStrategy::kBsdfOnly ||
       in_.integrator.medium_estimator == MediumEstimator::kMarching)
     return;
-  for (std::uint32_t i = 0; i < out_->media_.size(); ++i) {
-    const auto first_cell = static_cast<std::uint32_t>(out_->triangle_alias_.size());
+  for (std::uint32_t i = 0; i < out_->media_.rows.size(); ++i) {
+    const auto first_cell = static_cast<std::uint32_t>(out_->lights_.triangle_alias.size());
     const auto light = make_volume_light(out_->view(), i, medium_boxes_[i], first_cell);
     if (!light) continue;
-    out_->media_[i].light = static_cast<std::uint32_t>(out_->lights_.size());
+    out_->media_.rows[i].light = static_cast<std::uint32_t>(out_->lights_.rows.size());
     add_light_row(light->row, {}, {}, in_.media.at(i).id);
-    out_->triangle_alias_.insert(out_->triangle_alias_.end(), light->alias.begin(), light->alias.end());
+    out_->lights_.triangle_alias.insert(out_->lights_.triangle_alias.end(), light->alias.begin(), light->alias.end());
   }
 }
 
@@ -86,51 +88,51 @@ void SceneCompiler::add_lights() {
     for (const auto& [light, from] : placed)
       if (is_infinite(light.row) == infinite) push_light(light, *from);
     if (!infinite) add_volume_lights();
-    if (!infinite) out_->bounded_light_count_ = static_cast<std::uint32_t>(out_->lights_.size());
+    if (!infinite) out_->lights_.bounded_count = static_cast<std::uint32_t>(out_->lights_.rows.size());
   }
-  out_->counts_.lights = out_->lights_.size();
+  out_->counts_.lights = out_->lights_.rows.size();
 }
 
 void SceneCompiler::push_light(CompiledLight light, const LightDescription& from) {
   if (!(max_component(emitted_rgb(light.row)) > 0.0f)) return;
   if (light_compiler_of(light.row).domain == LightDomain::kEnvironment) {
-    if (out_->environment_ != kNone) throw SceneError(from.where, "a scene may have only one environment light");
-    out_->environment_ = static_cast<std::uint32_t>(out_->lights_.size());
+    if (out_->lights_.environment != kNone) throw SceneError(from.where, "a scene may have only one environment light");
+    out_->lights_.environment = static_cast<std::uint32_t>(out_->lights_.rows.size());
   }
   if (light.frame) {
-    light.row.detail = static_cast<std::uint32_t>(out_->light_frames_.size());
-    out_->light_frames_.push_back(*light.frame);
+    light.row.detail = static_cast<std::uint32_t>(out_->lights_.frames.size());
+    out_->lights_.frames.push_back(*light.frame);
   }
   add_light_row(light.row, light.spectrum, from.where, from.id);
 }
 
 void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
                                   const std::string& name) {
-  out_->lights_.push_back(row);
+  out_->lights_.rows.push_back(row);
   naming_.add_light(static_cast<LightKind>(row.kind), name);
-  out_->light_spectra_.push_back(spectrum);
-  if (out_->light_places_.size() < kMaxReportedLights) out_->light_places_.push_back(where);
+  out_->spectra_.lights.push_back(spectrum);
+  if (out_->lights_.source_locations.size() < kMaxReportedLights) out_->lights_.source_locations.push_back(where);
 }
 
 void SceneCompiler::select_lights() {
   const SceneView view = out_->view();
   std::vector<float> weights;
-  out_->light_powers_ = light_powers(view);
-  for (std::uint32_t i = 0; i < view.light_count; ++i) {
-    const Vec3f power = out_->light_powers_[i];
+  out_->lights_.powers = light_powers(view);
+  for (std::uint32_t i = 0; i < view.lights.count; ++i) {
+    const Vec3f power = out_->lights_.powers[i];
     // Much of an environment's light passes the bounding sphere without hitting anything. With its full power it would
     // take samples from lights inside.
     constexpr double kEnvironmentShare = 0.25;
-    const double share = i == view.environment ? kEnvironmentShare : 1.0;
+    const double share = i == view.lights.environment ? kEnvironmentShare : 1.0;
     const double mean = (double(power.x) + power.y + power.z) / 3.0 * share;
     // Weights must be positive and finite for lights of any power.
     weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
   }
   if (weights.empty()) return;
-  out_->light_alias_ = build_alias_table(weights);
+  out_->lights_.alias = build_alias_table(weights);
   std::vector<LightBounds> bounds;
-  for (std::uint32_t i = 0; i < view.bounded_light_count; ++i) bounds.push_back(bounds_of_light(view, i, weights[i]));
-  out_->light_tree_ = build_light_tree(bounds);
+  for (std::uint32_t i = 0; i < view.lights.bounded_count; ++i) bounds.push_back(bounds_of_light(view, i, weights[i]));
+  out_->lights_.tree = build_light_tree(bounds);
 }
 
 }  // namespace sheaf

@@ -231,7 +231,7 @@ void renumber(std::uint32_t& row, const std::vector<std::uint32_t>& position) {
 }
 
 /// Assigns buckets: one per material if they are few, otherwise one per kind.
-void set_buckets(CompiledMaterials& out) {
+void set_buckets(MaterialTables& out) {
   const auto shaded =
       std::find_if(out.rows.begin(), out.rows.end(), [](const MaterialRow& r) { return r.flags & kComposite; });
   const auto count = static_cast<std::uint32_t>(shaded - out.rows.begin());
@@ -239,11 +239,11 @@ void set_buckets(CompiledMaterials& out) {
   for (std::uint32_t i = 0; i < count; ++i)
     out.rows[i].bucket =
         static_cast<std::uint16_t>(bucket_per_material ? i : static_cast<std::uint32_t>(out.rows[i].kind));
-  out.bucket_count = bucket_per_material ? count : std::uint32_t{kClosureKinds};
+  out.buckets.count = bucket_per_material ? count : std::uint32_t{kClosureKinds};
   for (int kind = 0; kind <= kClosureKinds; ++kind) {
     const auto first = std::find_if(out.rows.begin(), shaded,
                                     [kind](const MaterialRow& r) { return static_cast<int>(r.kind) >= kind; });
-    out.bucket_begin[kind] =
+    out.buckets.begin[kind] =
         bucket_per_material ? static_cast<std::uint32_t>(first - out.rows.begin()) : static_cast<std::uint32_t>(kind);
   }
 }
@@ -252,36 +252,39 @@ void set_buckets(CompiledMaterials& out) {
 
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set,
                                     const std::vector<PhaseDescription>& phases) {
+  // Flatten materials and phase functions
   Flattener flat(materials, set);
   CompiledMaterials out;
   for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
   for (std::size_t i = 0; i < phases.size(); ++i)
     out.row_of_phase.push_back(flat.flatten(phases, static_cast<PhaseId>(i)));
   out.default_row = flat.push(flat.make({}));
-
+  // Sort the rows by kind
   std::vector<std::uint32_t> order(flat.rows.size()), position(flat.rows.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return order_of(flat.rows[a]) < order_of(flat.rows[b]); });
   for (std::uint32_t i = 0; i < order.size(); ++i) position[order[i]] = i;
-
+  // Copy them in that order, with references renumbered
   for (const std::uint32_t from : order) {
     MaterialRow row = flat.rows[from];
     row.back = position[row.back];
-    if (row.flags & kComposite)
+    if (row.flags & kComposite) {
+      out.tables.has_composites = true;
       for (std::uint32_t& choice : row.choice) renumber(choice, position);
-    else
-      out.kind_flags[static_cast<int>(row.kind)] |= row.flags;
-    out.rows.push_back(row);
+    } else {
+      out.tables.buckets.kind_flags[static_cast<int>(row.kind)] |= row.flags;
+    }
+    out.tables.rows.push_back(row);
     if (set != nullptr) out.spectra.push_back(flat.spectra[from]);
   }
-  set_buckets(out);
+  set_buckets(out.tables);
   for (std::uint32_t& row : out.row_of) row = position[row];
   for (std::uint32_t& row : out.row_of_phase) row = position[row];
   out.default_row = position[out.default_row];
-  out.bindings = std::move(flat.bindings);
-  out.normal_maps = std::move(flat.maps);
-  out.tables = flat.tables.take();
+  out.tables.bindings = std::move(flat.bindings);
+  out.tables.normal_maps = std::move(flat.maps);
+  out.tables.closure_tables = flat.tables.take();
   out.warnings = std::move(flat.warnings);
   return out;
 }

@@ -3,8 +3,7 @@
 
 #include "scene/compile/spectra.h"
 #include "scene/description/description.h"
-#include "scene/tables/material.h"
-#include "scene/tables/texture.h"
+#include "scene/tables/material_tables.h"
 
 namespace sheaf {
 
@@ -12,18 +11,12 @@ namespace sheaf {
 using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
 struct CompiledMaterials {
-  std::vector<MaterialRow> rows;         ///< sorted by kind, composite rows last
-  std::vector<MaterialSpectra> spectra;  ///< per row; empty in RGB mode
-  std::vector<TextureBinding> bindings;
-  std::vector<NormalMapRow> normal_maps;
-  std::vector<float> tables;                ///< SceneView::closure_tables
+  MaterialTables tables;
+  std::vector<MaterialSpectra> spectra;     ///< per row; empty in RGB mode
   std::vector<std::uint32_t> row_of;        ///< per material of the description
   std::vector<std::uint32_t> row_of_phase;  ///< per phase function of the description
   std::vector<std::string> warnings;        ///< about reflectances above 1 and black metals, once for each material
   std::uint32_t default_row = 0;            ///< for shapes without a material: diffuse, reflectance 0.5
-  std::uint32_t bucket_count = 1;
-  std::uint32_t bucket_begin[kClosureKinds + 1] = {};  ///< buckets of each kind are contiguous
-  std::uint32_t kind_flags[kClosureKinds] = {};        ///< MaterialFlags of all rows of a kind
 };
 
 /// Flattens two-sided materials, masks, blends, coats and maps into rows. Texture indices are unchanged. Phase

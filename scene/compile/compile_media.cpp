@@ -42,7 +42,8 @@ Transform stretch(const GridBox& from, const GridBox& to) {
 /// Builds the tables, medium by medium.
 class MediaCompiler {
  public:
-  MediaCompiler(SpectrumSet* set, float step_size) : set_(set), step_size_(step_size) {}
+  MediaCompiler(SpectrumSet* set, float step_size, MediumTables& tables)
+      : set_(set), step_size_(step_size), tables_(tables) {}
 
   void add(const PlacedMedium& medium) {
     const MediumDescription& m = *medium.description;
@@ -66,27 +67,27 @@ class MediaCompiler {
     if (medium.flakes != nullptr) add_flakes(*medium.flakes, m.where, row);
     set_flags(row, spectra);
     if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
-    out.rows.push_back(row);
+    tables_.rows.push_back(row);
     if (set_ != nullptr) out.spectra.insert(out.spectra.end(), std::begin(spectra), std::end(spectra));
   }
 
   /// Makes the grids' rows, which point into the grids. Call after all grids have been added.
   void finish() {
     if (set_ != nullptr)
-      for (std::size_t i = 0; i < out.grids.size(); ++i)
-        if (out.grids[i].channels > 1 && !placements_[i].matrices) uplift_grid(out.grids[i]);
-    for (std::size_t i = 0; i < out.grids.size(); ++i) {
+      for (std::size_t i = 0; i < tables_.grids.size(); ++i)
+        if (tables_.grids[i].channels > 1 && !placements_[i].matrices) uplift_grid(tables_.grids[i]);
+    for (std::size_t i = 0; i < tables_.grids.size(); ++i) {
       const Placement& at = placements_[i];
-      out.grid_rows.push_back(place_grid(out.grids[i], at.to_world, *at.description, at.where));
-      out.places.push_back(describe_grid(out.grids[i], at.to_world, *at.description, at.where));
+      tables_.grid_rows.push_back(place_grid(tables_.grids[i], at.to_world, *at.description, at.where));
+      out.places.push_back(describe_grid(tables_.grids[i], at.to_world, *at.description, at.where));
     }
-    for (std::size_t i = 0; i < out.majorants.size(); ++i) {
+    for (std::size_t i = 0; i < tables_.majorants.size(); ++i) {
       const std::size_t of = majorant_of_[i];
       if (of == kConstant) {
-        out.majorant_rows.emplace_back().outside = 1;
+        tables_.majorant_rows.emplace_back().outside = 1;
       } else {
-        out.majorant_rows.push_back(make_majorant_grid_row(out.majorants[i], out.grids[of], placements_[of].to_world,
-                                                           placements_[of].description->filter));
+        tables_.majorant_rows.push_back(make_majorant_grid_row(
+            tables_.majorants[i], tables_.grids[of], placements_[of].to_world, placements_[of].description->filter));
       }
     }
   }
@@ -138,8 +139,8 @@ class MediaCompiler {
     const Transform to_world =
         description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box) : description.to_world;
     placements_.push_back({to_world, &description, where});
-    out.grids.push_back(std::move(loaded));
-    return static_cast<std::uint32_t>(out.grids.size() - 1);
+    tables_.grids.push_back(std::move(loaded));
+    return static_cast<std::uint32_t>(tables_.grids.size() - 1);
   }
 
   void add_emission(const MediumDescription& m, const GridBox& box, MediumRow& row, SpectrumRow& spectrum_row) {
@@ -175,11 +176,11 @@ class MediaCompiler {
     }
     const auto& volume = std::get<GridVolumeDescription>(flakes.matrix);
     FlakeGrids grids = load_flakes(volume, where);
-    row.flake_grids = static_cast<std::uint32_t>(out.grids.size());
+    row.flake_grids = static_cast<std::uint32_t>(tables_.grids.size());
     row.most_flakes = grids.most;
     placements_.insert(placements_.end(), 2, {volume.to_world, &volume, where, true});
-    out.grids.push_back(std::move(grids.diagonal));
-    out.grids.push_back(std::move(grids.others));
+    tables_.grids.push_back(std::move(grids.diagonal));
+    tables_.grids.push_back(std::move(grids.others));
   }
 
   void set_flags(MediumRow& row, const SpectrumRow (&spectra)[kMediumSpectra]) const {
@@ -190,12 +191,12 @@ class MediaCompiler {
     if (std::max({row.second[0], row.second[1], row.second[2]}) > 0.0f) row.flags |= kMediumScatters;
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     for (const std::uint32_t grid : {row.first_grid, both ? row.second_grid : kNone})
-      if (grid != kNone && out.grids[grid].channels > 1) row.flags |= kMediumColored;
+      if (grid != kNone && tables_.grids[grid].channels > 1) row.flags |= kMediumColored;
     const auto is_grey = [&](const float(&words)[4], const SpectrumRow& spectrum_row) {
       return words[0] == words[1] && words[1] == words[2] && (set_ == nullptr || spectrum_row.is_flat());
     };
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
-    if (of != kNone && out.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
+    if (of != kNone && tables_.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
     if (is_single_grid(row, of)) row.flags |= kMediumSingleGrid;
     if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
         (row.flags & kMediumColored) == 0)
@@ -205,7 +206,7 @@ class MediaCompiler {
   /// Whether the extinction is the row's spectra times the grid `of`; see kMediumSingleGrid.
   bool is_single_grid(const MediumRow& row, std::uint32_t of) const {
     if (of == kNone || row.flake_grids != kNone) return false;
-    const BrickGrid& grid = out.grids[of];
+    const BrickGrid& grid = tables_.grids[of];
     if (grid.channels != 1 || grid.values.size() > kMaxGathered) return false;
     if (grid.border != GridBorder::kBackground && grid.border != GridBorder::kClamp) return false;
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
@@ -219,7 +220,7 @@ class MediaCompiler {
     float most = 0;
     for (int i = 0; i < 3; ++i) most = std::max(most, row.first[i] + (both ? row.second[i] : 0.0f));
     if ((row.flags & kMediumFlakes) != 0) most *= row.most_flakes;
-    const Transform to_world = placements_[of].to_world * out.grids[of].grid_to_local;
+    const Transform to_world = placements_[of].to_world * tables_.grids[of].grid_to_local;
     const auto& m = to_world.matrix().m;
     double side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -233,20 +234,20 @@ class MediaCompiler {
     MajorantGrid majorants;
     const auto bound = [&](std::uint32_t grid) {
       // Spectra may exceed the largest component of their colour by up to this factor.
-      const bool uplifted = set_ != nullptr && out.grids[grid].channels > 1;
+      const bool uplifted = set_ != nullptr && tables_.grids[grid].channels > 1;
       return uplifted ? 2.0f : 1.0f;
     };
     if (of != kNone) {
       float factor = bound(of);
       if (of != row.first_grid && row.first_grid != kNone)
-        factor *= bound(row.first_grid) * std::max(out.grids[row.first_grid].max_value(), 0.0f);
-      std::vector<MajorantSource> sources{{&out.grids[of], factor}};
+        factor *= bound(row.first_grid) * std::max(tables_.grids[row.first_grid].max_value(), 0.0f);
+      std::vector<MajorantSource> sources{{&tables_.grids[of], factor}};
       // Separate grids of absorption and scattering: the sum is bounded by the larger factor times the sum of the
       // spectra.
       if ((row.flags & kMediumAbsorptionScattering) != 0 && row.second_grid != kNone && of != row.density) {
-        if (row.first_grid == kNone || out.grids[row.first_grid].cells != out.grids[row.second_grid].cells)
+        if (row.first_grid == kNone || tables_.grids[row.first_grid].cells != tables_.grids[row.second_grid].cells)
           throw SceneError(where, "the grids of absorption and scattering have different voxels");
-        sources.push_back({&out.grids[row.second_grid], bound(row.second_grid)});
+        sources.push_back({&tables_.grids[row.second_grid], bound(row.second_grid)});
       }
       // Emission is sampled at collisions with the majorant, so emitting media need majorants above zero.
       const bool emits = (row.flags & kMediumEmits) != 0, single = (row.flags & kMediumSingleGrid) != 0;
@@ -256,12 +257,13 @@ class MediaCompiler {
       if (!std::isfinite(majorants.max_value())) throw SceneError(where, "the medium's extinction is not finite");
     }
     majorant_of_.push_back(of != kNone ? of : kConstant);
-    out.majorants.push_back(std::move(majorants));
-    return static_cast<std::uint32_t>(out.majorants.size() - 1);
+    tables_.majorants.push_back(std::move(majorants));
+    return static_cast<std::uint32_t>(tables_.majorants.size() - 1);
   }
 
   SpectrumSet* set_;
   float step_size_;
+  MediumTables& tables_;
   std::vector<Placement> placements_;     ///< per grid
   std::vector<std::size_t> majorant_of_;  ///< grid of each majorant grid
 };
@@ -273,8 +275,9 @@ BlackbodyTable::BlackbodyTable() {
   for (int i = 1; i < kEntries; ++i) rgb.push_back(blackbody_to_rgb(kStep * static_cast<float>(i), 1));
 }
 
-CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size) {
-  MediaCompiler compiler(set, step_size);
+CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size,
+                            MediumTables& tables) {
+  MediaCompiler compiler(set, step_size, tables);
   for (const PlacedMedium& medium : media) {
     try {
       compiler.add(medium);

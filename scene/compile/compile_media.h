@@ -18,26 +18,21 @@ struct PlacedMedium {
   GridBox scene;                            ///< of the whole scene, for media that no shape contains
 };
 
-/// The tables of all media.
+/// Results of compile_media() besides MediumTables.
 struct CompiledMedia {
-  std::vector<MediumRow> rows;
   std::vector<SpectrumRow> spectra;  ///< kMediumSpectra per medium; empty in RGB mode
-  std::vector<BrickGrid> grids;
-  std::vector<BrickGridRow> grid_rows;
-  std::vector<MajorantGrid> majorants;
-  std::vector<MajorantGridRow> majorant_rows;
-  std::vector<PlacedGrid> places;  ///< per grid
+  std::vector<PlacedGrid> places;    ///< per grid
   std::vector<std::string> warnings;
 };
 
-/// Reads grids and makes the rows. `set` makes rows of spectra in spectral mode. `step_size` is that of ray marching,
-/// metres; 0: 1/100 of each medium's diagonal. Throws SceneError for unreadable files, grids with a wrong number of
-/// channels, and singular transforms.
-CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size);
+/// Reads grids and adds the rows of media, grids and majorants to `tables`. `set` makes rows of spectra in spectral
+/// mode. `step_size` is that of ray marching, metres; 0: 1/100 of each medium's diagonal. Throws SceneError for
+/// unreadable files, grids with a wrong number of channels, and singular transforms.
+CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size,
+                            MediumTables& tables);
 
 /// Throws SceneError at the first medium whose coefficients or emission are not finite somewhere, because tracking
-/// would then take steps of length zero. `grids` and `majorants` are those of CompiledMedia.
-void check_media(const SceneView& scene, std::span<const MediumDescription> media, std::span<const BrickGrid> grids,
-                 std::span<const MajorantGrid> majorants);
+/// would then take steps of length zero. `tables` are those of `scene`.
+void check_media(const SceneView& scene, std::span<const MediumDescription> media, const MediumTables& tables);
 
 }  // namespace sheaf

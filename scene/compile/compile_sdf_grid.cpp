@@ -36,17 +36,17 @@ Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
 
 void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid) {
   check_sdf_grid(shape, grid);
-  Scene& out = *out_;
+  GeometryTables& geometry = out_->geometry_;
   constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
-  if (out.sdf_values_.size() + grid.values.size() > kMax)
+  if (geometry.sdf_values.size() + grid.values.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax) + " values of SDF grids in all");
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
   const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
   SdfGridRow rows{};
   rows.size_x = side(0), rows.size_y = side(1), rows.size_z = side(2);
   rows.layer = rows.size_x * rows.size_y;
-  rows.first_value = static_cast<std::uint32_t>(out.sdf_values_.size());
-  rows.first_cell = static_cast<std::uint32_t>(out.sdf_cells_.size() / 2);
+  rows.first_value = static_cast<std::uint32_t>(geometry.sdf_values.size());
+  rows.first_cell = static_cast<std::uint32_t>(geometry.sdf_cells.size() / 2);
   rows.smooth = grid.smooth_normals ? 1 : 0;
   std::vector<std::uint32_t> cells;
   for (std::uint32_t z = 0; z + 1 < rows.size_z; ++z)
@@ -64,7 +64,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
     warn(shape, "the SDF grid has no surface, because its values never change sign: left out");
     return;
   }
-  if (out.sdf_cells_.size() + cells.size() > kMax)
+  if (geometry.sdf_cells.size() + cells.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax / 2) + " cells with a surface in all");
   if (!is_traceable(box.min, box.max) || !(placement.determinant > 0.0f)) {
     warn(shape, "shape is degenerate or too large for single precision: left out");
@@ -72,15 +72,15 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
   }
   grow(box.min, box.max);
   row.kind = static_cast<std::uint32_t>(ShapeKind::kSdfGrid);
-  row.first_triangle = static_cast<std::uint32_t>(out.quadrics_.size());
-  row.first_vertex = static_cast<std::uint32_t>(out.sdf_grids_.size());
+  row.first_triangle = static_cast<std::uint32_t>(geometry.quadrics.size());
+  row.first_vertex = static_cast<std::uint32_t>(geometry.sdf_grids.size());
   row.triangle_count = rows.cell_count;
-  out.quadrics_.push_back(placement);
-  out.sdf_grids_.push_back(rows);
-  out.sdf_values_.insert(out.sdf_values_.end(), grid.values.begin(), grid.values.end());
-  out.sdf_cells_.insert(out.sdf_cells_.end(), cells.begin(), cells.end());
+  geometry.quadrics.push_back(placement);
+  geometry.sdf_grids.push_back(rows);
+  geometry.sdf_values.insert(geometry.sdf_values.end(), grid.values.begin(), grid.values.end());
+  geometry.sdf_cells.insert(geometry.sdf_cells.end(), cells.begin(), cells.end());
   vertex_counts_.push_back(0);
-  out.counts_.sdf_cells += rows.cell_count;
+  out_->counts_.sdf_cells += rows.cell_count;
   push_shape(row, shape, box);
 }
 

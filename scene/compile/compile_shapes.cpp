@@ -105,16 +105,17 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
     return;
   }
   // Append vertices and triangles
-  if (8 * (out_->vertices_.size() + mesh.positions.size()) > kMaxWords ||
-      out_->triangles_.size() + 3 * mesh.triangles.size() > kMaxWords)
+  GeometryTables& geometry = out_->geometry_;
+  if (8 * (geometry.vertices.size() + mesh.positions.size()) > kMaxWords ||
+      geometry.triangles.size() + 3 * mesh.triangles.size() > kMaxWords)
     throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
   row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
-  row.first_vertex = static_cast<std::uint32_t>(out_->vertices_.size());
-  row.first_triangle = static_cast<std::uint32_t>(out_->triangles_.size() / 3);
+  row.first_vertex = static_cast<std::uint32_t>(geometry.vertices.size());
+  row.first_triangle = static_cast<std::uint32_t>(geometry.triangles.size() / 3);
   row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
-  append(out_->vertices_, mesh);
-  for (const auto& t : mesh.triangles) out_->triangles_.insert(out_->triangles_.end(), t.begin(), t.end());
+  append(geometry.vertices, mesh);
+  for (const auto& t : mesh.triangles) geometry.triangles.insert(geometry.triangles.end(), t.begin(), t.end());
   // Bound the mesh
   GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};
   for (const auto& t : mesh.triangles)
@@ -130,7 +131,7 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
 
 void SceneCompiler::add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where) {
   const auto add = [&](const Mesh::Attribute& attribute) {
-    attributes_->add(static_cast<std::uint32_t>(out_->shapes_.size()), row.first_triangle, row.triangle_count,
+    attributes_->add(static_cast<std::uint32_t>(out_->geometry_.shapes.size()), row.first_triangle, row.triangle_count,
                      static_cast<std::uint32_t>(mesh.positions.size()), attribute, where);
   };
   for (const Mesh::Attribute& attribute : mesh.attributes) {
@@ -149,19 +150,19 @@ void SceneCompiler::add_quadric(ShapeRow row, const ShapeDescription& shape, con
   }
   grow(bounds.lower, bounds.upper);
   row.kind = static_cast<std::uint32_t>(quadric.kind);
-  row.first_triangle = static_cast<std::uint32_t>(out_->quadrics_.size());
-  out_->quadrics_.push_back(quadric);
+  row.first_triangle = static_cast<std::uint32_t>(out_->geometry_.quadrics.size());
+  out_->geometry_.quadrics.push_back(quadric);
   vertex_counts_.push_back(0);
   ++out_->counts_.quadrics;
   push_shape(row, shape, {bounds.lower, bounds.upper});
 }
 
 void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box) {
-  const auto index = static_cast<std::uint32_t>(out_->shapes_.size());
+  const auto index = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
   // Add the boundary between media
   if (shape.interior || shape.exterior) {
-    row.boundary = static_cast<std::uint32_t>(out_->boundaries_.size());
-    out_->boundaries_.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
+    row.boundary = static_cast<std::uint32_t>(out_->media_.boundaries.size());
+    out_->media_.boundaries.push_back({hold(shape.interior, shape, box), hold(shape.exterior, shape, box)});
     if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
   }
   // Add the light
@@ -173,18 +174,18 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
       row.light = static_cast<std::uint32_t>(group_emitters_->size());
       group_emitters_->push_back({index, *emission, shape.where, emitter_name(shape)});
     } else {
-      row.light = static_cast<std::uint32_t>(out_->lights_.size());
+      row.light = static_cast<std::uint32_t>(out_->lights_.rows.size());
       add_area_light(row, {index, *emission, shape.where, emitter_name(shape)}, nullptr);
     }
   }
-  out_->shapes_.push_back(row);
+  out_->geometry_.shapes.push_back(row);
   naming_.add_shape(shape, group_name_);
 }
 
 SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   const Vec3f lower = lower_, upper = upper_;
   const std::size_t triangles = out_->counts_.triangles;
-  const auto first = static_cast<std::uint32_t>(out_->shapes_.size());
+  const auto first = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
   lower_ = {kInfinity, kInfinity, kInfinity};
   upper_ = {-kInfinity, -kInfinity, -kInfinity};
   std::vector<Emitter> emitters;
@@ -193,7 +194,7 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   for (const ShapeDescription& shape : group.shapes) add_shape(shape);
   group_emitters_ = nullptr;
   group_name_.clear();
-  const ShapeRange range{first, static_cast<std::uint32_t>(out_->shapes_.size()) - first};
+  const ShapeRange range{first, static_cast<std::uint32_t>(out_->geometry_.shapes.size()) - first};
   GroupContents contents{range,
                          static_cast<std::uint32_t>(group_ranges_.size()),
                          out_->counts_.triangles - triangles,
@@ -207,7 +208,7 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
 }
 
 void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
-  out_->instances_.reserve(in_.instances.size());
+  out_->geometry_.instances.reserve(in_.instances.size());
   std::size_t too_large = 0;
   for (const InstanceDescription& instance : in_.instances) {
     const GroupContents& group = groups.at(instance.group);
@@ -219,16 +220,17 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
       continue;
     }
     grow(bounds.lower, bounds.upper);
-    row.first_light = static_cast<std::uint32_t>(out_->lights_.size());
-    for (const Emitter& emitter : group.emitters) add_area_light(out_->shapes_[emitter.shape], emitter, &row);
-    out_->instances_.push_back(row);
+    row.first_light = static_cast<std::uint32_t>(out_->lights_.rows.size());
+    for (const Emitter& emitter : group.emitters) add_area_light(out_->geometry_.shapes[emitter.shape], emitter, &row);
+    out_->geometry_.instances.push_back(row);
     out_->counts_.instanced_triangles += group.triangles;
   }
   if (too_large > 0)
     out_->warnings_.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
-  if (out_->shapes_.size() + out_->instances_.size() >= kNone) throw SceneError("more than 2^32 shapes and instances");
+  if (out_->geometry_.shapes.size() + out_->geometry_.instances.size() >= kNone)
+    throw SceneError("more than 2^32 shapes and instances");
   out_->counts_.groups = group_ranges_.size();
-  out_->counts_.instances = out_->instances_.size();
+  out_->counts_.instances = out_->geometry_.instances.size();
 }
 
 void SceneCompiler::grow(Vec3f lower, Vec3f upper) { grow_box(lower_, upper_, lower, upper); }

@@ -23,7 +23,7 @@ class TextureCompiler {
     out_.rows.resize(textures.size());
   }
 
-  CompiledTextures run() {
+  TextureTables run() {
     for (std::size_t i = 0; i < textures_.size(); ++i) {
       const TextureDescription& texture = textures_[i];
       check(texture);
@@ -233,12 +233,12 @@ class TextureCompiler {
   std::vector<TiledImage> images_;
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform>, std::size_t> index_of_;
   std::map<std::pair<const Image*, BitmapDescription::ColorTransform>, std::size_t> index_of_made_;
-  CompiledTextures out_;
+  TextureTables out_;
 };
 
 }  // namespace
 
-CompiledTextures compile_textures(const std::vector<TextureDescription>& textures) {
+TextureTables compile_textures(const std::vector<TextureDescription>& textures) {
   return TextureCompiler(textures).run();
 }
 
@@ -290,7 +290,7 @@ void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std:
   values_.insert(values_.end(), attribute.values.begin(), attribute.values.end());
 }
 
-void AttributeTable::finish(std::uint32_t shape_count, CompiledTextures& textures) {
+void AttributeTable::finish(std::uint32_t shape_count, TextureTables& textures) {
   constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
   if (names_.size() * shape_count > kMaxEntries) throw SceneError("too many shapes for so many mesh attributes");
   entries_.assign(names_.size() * shape_count, {});

@@ -12,12 +12,12 @@ namespace sheaf {
 /// Loads every image, once per way of reading it, and makes the rows. Throws SceneError at the texture's location for
 /// an image that is missing, broken, too large, has unknown channels or non-finite values; for textures nested too deep
 /// or in a cycle; for a transform that is not finite; and for grids like load_volume().
-CompiledTextures compile_textures(const std::vector<TextureDescription>& textures);
+TextureTables compile_textures(const std::vector<TextureDescription>& textures);
 
 /// Warnings about textures that are bound as reflectances and have texels or colours outside [0, 1]: location, image,
 /// number of texels, and range. Mixes are not checked.
 std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
-                                                const CompiledTextures& textures,
+                                                const TextureTables& textures,
                                                 std::span<const TextureBinding> bindings);
 
 /// Attribute names that wireframes read; invalid as names in files. See WireframeRow::first_entry.
@@ -30,7 +30,7 @@ std::vector<std::uint32_t> children_of(const TextureRow& row);
 /// Collects the attributes of all meshes that textures use.
 class AttributeTable {
  public:
-  /// `names` is CompiledTextures::attribute_names; other attributes are dropped.
+  /// `names` is TextureTables::attribute_names; other attributes are dropped.
   explicit AttributeTable(std::vector<std::string> names) : names_(std::move(names)) {}
 
   /// Whether a texture uses this attribute.
@@ -39,14 +39,14 @@ class AttributeTable {
   bool has(std::uint32_t shape, std::uint32_t name) const { return added_.count({name, shape}) > 0; }
 
   /// Adds an attribute of the shape, whose triangles are [first_triangle, first_triangle + triangle_count) of
-  /// SceneView::triangles. Calls may come in any order. Face attributes have one value per remaining triangle. Throws
-  /// SceneError at `where` for wrong sizes, non-finite values, a name without the prefix "vertex_" or "face_", or a
-  /// duplicate name.
+  /// GeometryView::triangles. Calls may come in any order. Face attributes have one value per remaining triangle.
+  /// Throws SceneError at `where` for wrong sizes, non-finite values, a name without the prefix "vertex_" or "face_",
+  /// or a duplicate name.
   void add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count, std::uint32_t vertex_count,
            const Mesh::Attribute& attribute, const SourceLocation& where);
 
   /// Lays out the table for shapes [0, shape_count) and sets the references in `textures`. Call once, after all add().
-  void finish(std::uint32_t shape_count, CompiledTextures& textures);
+  void finish(std::uint32_t shape_count, TextureTables& textures);
 
   /// After finish(): shape_count entries per name.
   const std::vector<AttributeEntry>& entries() const { return entries_; }

@@ -47,8 +47,8 @@ class IntegralGroups {
  public:
   explicit IntegralGroups(const SceneView& scene) {
     std::map<std::vector<std::uint32_t>, std::size_t> known;
-    for (std::uint32_t light = 0; light < scene.light_count; ++light) {
-      const LightRow& row = scene.lights[light];
+    for (std::uint32_t light = 0; light < scene.lights.count; ++light) {
+      const LightRow& row = scene.lights.rows[light];
       const LightCompiler& compiler = light_compiler_of(row);
       if (compiler.integral == nullptr) continue;
       std::vector<std::uint32_t> key{row.kind, row.texture};
@@ -111,7 +111,7 @@ const LightCompiler& light_compiler_of(const LightRow& light) {
 bool is_infinite(const LightRow& light) { return light_compiler_of(light).domain != LightDomain::kBounded; }
 
 Vec3f light_power(const SceneView& scene, std::uint32_t light) {
-  const LightRow& row = scene.lights[light];
+  const LightRow& row = scene.lights.rows[light];
   const LightCompiler& compiler = light_compiler_of(row);
   const Vec3f power = compiler.power(scene, row);
   std::vector<std::uint32_t> key;
@@ -127,11 +127,11 @@ std::vector<Vec3f> light_powers(const SceneView& scene) {
   const int points = static_cast<int>(std::clamp<std::size_t>(share, kMinPoints, kMeanPoints));
   std::vector<Vec3f> integrals, powers;
   for (const std::uint32_t light : groups.firsts()) {
-    const LightRow& row = scene.lights[light];
+    const LightRow& row = scene.lights.rows[light];
     integrals.push_back(light_compiler_of(row).integral(scene, row, points));
   }
-  for (std::uint32_t light = 0; light < scene.light_count; ++light) {
-    const LightRow& row = scene.lights[light];
+  for (std::uint32_t light = 0; light < scene.lights.count; ++light) {
+    const LightRow& row = scene.lights.rows[light];
     powers.push_back(light_compiler_of(row).power(scene, row));
   }
   for (const auto& [light, group] : groups.members()) powers[light] = powers[light] * integrals[group];
@@ -139,7 +139,7 @@ std::vector<Vec3f> light_powers(const SceneView& scene) {
 }
 
 LightBounds bounds_of_light(const SceneView& scene, std::uint32_t light, double power) {
-  const LightRow& row = scene.lights[light];
+  const LightRow& row = scene.lights.rows[light];
   return light_compiler_of(row).bounds(scene, row, power);
 }
 

@@ -24,7 +24,7 @@ struct Probe {
 /// Processes the hit of lane `i`: sets the result, or continues the probe behind the surface.
 void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t ignored, Probe& probe) {
   const std::uint32_t index = packet.shape[i];
-  const ShapeRow& shape = scene.shapes[index];
+  const ShapeRow& shape = scene.geometry.shapes[index];
   const Vec3f d = probe.direction;
   const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
                                               probe.origin + d * packet.t_far[i], packet.instance[i]);
@@ -36,7 +36,7 @@ void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t
   } else if (inside > 0) {
     --inside;
   } else {
-    probe.found = scene.boundaries[shape.boundary].interior;
+    probe.found = scene.media.boundaries[shape.boundary].interior;
   }
 }
 
@@ -109,11 +109,11 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
       packet.shape[0] = kNone;
       scene.accel->intersect(packet, 1);
       if (packet.shape[0] == kNone) break;
-      const ShapeRow& shape = scene.shapes[packet.shape[0]];
+      const ShapeRow& shape = scene.geometry.shapes[packet.shape[0]];
       const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[0], packet.u[0], packet.v[0],
                                                   origin + d * packet.t_far[0], packet.instance[0]);
       if (shape.boundary != kNone) {
-        const BoundaryRow& sides = scene.boundaries[shape.boundary];
+        const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
         votes.push_back(dot(y.ng, d) < 0.0f ? sides.exterior : sides.interior);
         break;
       }
@@ -124,7 +124,7 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
 }
 
 std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t default_value) {
-  const ShapeRow& row = scene.shapes[shape];
+  const ShapeRow& row = scene.geometry.shapes[shape];
   constexpr std::uint32_t kPlaces = 5;
   std::vector<std::uint32_t> votes;
   for (std::uint32_t i = 0; i < kPlaces; ++i) {
@@ -135,14 +135,14 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
       y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone);
     } else if (static_cast<ShapeKind>(row.kind) == ShapeKind::kSdfGrid) {
       const auto cell = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
-      const SdfGridRow& grid = scene.sdf_grids[row.first_vertex];
-      const std::uint32_t* words = scene.sdf_cells + 2 * (std::size_t{grid.first_cell} + cell);
+      const SdfGridRow& grid = scene.geometry.sdf_grids[row.first_vertex];
+      const std::uint32_t* words = scene.geometry.sdf_cells + 2 * (std::size_t{grid.first_cell} + cell);
       const Vec3f corner{static_cast<float>(words[0] & 0xffffu), static_cast<float>(words[0] >> 16),
                          static_cast<float>(words[1])};
-      const Vec3f middle = scene.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
+      const Vec3f middle = scene.geometry.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
       y = surface_point<Scalar, false>(scene, row, cell, 0, 0, middle, kNone);
     } else {
-      const QuadricRow& q = scene.quadrics[row.first_triangle];
+      const QuadricRow& q = scene.geometry.quadrics[row.first_triangle];
       const Vec3f x = spread_direction(static_cast<int>(3 * i));
       y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone);
     }

@@ -12,7 +12,7 @@ namespace sheaf {
 namespace {
 
 /// Whether the texture depends on more than uv.
-bool needs_a_shape(const CompiledTextures& textures, std::uint32_t row) {
+bool needs_a_shape(const TextureTables& textures, std::uint32_t row) {
   const TextureRow& texture = textures.rows.at(row);
   if (texture.kind == TextureKind::kMeshAttribute || texture.kind == TextureKind::kWireframe) return true;
   if (texture.kind != TextureKind::kCheckerboard && texture.kind != TextureKind::kGrid) return false;
@@ -22,7 +22,7 @@ bool needs_a_shape(const CompiledTextures& textures, std::uint32_t row) {
 
 }  // namespace
 
-Mesh sample_height_field(const HeightFieldShape& field, const CompiledTextures& textures) {
+Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& textures) {
   if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
     throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
                      " points (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");

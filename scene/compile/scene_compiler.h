@@ -69,7 +69,9 @@ class SceneCompiler {
   bool panes_can_be_open() const;
   /// Call after all shapes and instances have been added.
   void set_bounds();
+  /// Pads tables for kernels, and builds the tables that depend on all others.
   void finish_tables();
+  void build_accel();
   /// Memory use; call after all tables are complete.
   CompileReport report() const;
   void warn(const ShapeDescription& shape, const std::string& message);

@@ -24,7 +24,7 @@ enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc010
 
 /// The start of each lane's table.
 template <class L> struct TablePlace {
-  typename L::Uint first;  ///< into SceneView::closure_tables
+  typename L::Uint first;  ///< into MaterialView::closure_tables
   typename L::Mask valid;  ///< false: neither this lane nor any other refers to such a table
 };
 

@@ -72,12 +72,12 @@ SHEAF_INLINE CurveAxis<L> curve_axis(const SceneView& scene, const ShapeRecord<L
   using U = typename L::Uint;
   const auto spline = active & (shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kBsplineCurves)));
   const U zero(0u);
-  const U first = gather(scene.curve_segments, select(active, shape.first_triangle + primitive, zero));
+  const U first = gather(scene.geometry.curve_segments, select(active, shape.first_triangle + primitive, zero));
   CurvePointRecord<L> q[4];
   F extent(0.0f);
   for (std::uint32_t k = 0; k < 4; ++k) {
     const auto there = k < 2 ? active : spline;
-    q[k] = gather_rows<L>(scene.curve_points, select(there, shape.first_vertex + first + U(k), zero));
+    q[k] = gather_rows<L>(scene.geometry.curve_points, select(there, shape.first_vertex + first + U(k), zero));
     extent = max(extent, select(there, max_component(abs(q[k].position)) + q[k].radius, F(0.0f)));
   }
   CurveAxis<L> out = linear_axis<L>(q, hit);

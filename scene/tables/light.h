@@ -47,9 +47,9 @@ template <class L> struct LightRecord {
   }
 
   SHEAF_INLINE typename L::Mask is(LightKind k) const { return kind == U(static_cast<std::uint32_t>(k)); }
-  /// kSphere, kQuadric: into SceneView::quadrics.
+  /// kSphere, kQuadric: into GeometryView::quadrics.
   SHEAF_INLINE U quadric() const { return first_triangle; }
-  /// kVolume: into SceneView::media.
+  /// kVolume: into MediumView::rows.
   SHEAF_INLINE U medium() const { return shape; }
   /// kVolume: size of its box, metres.
   SHEAF_INLINE Vec3<L> extent() const { return {area, radius, depth}; }
@@ -63,15 +63,15 @@ template <class L> struct LightRecord {
     depth = along_normal ? (two_sided ? 2.0f : 1.0f) : (two_sided ? -1.0f : 0.0f);
   }
   void set_extent(Vec3<L> size) { area = size.x, radius = size.y, depth = size.z; }
-  /// Spots, kGoniometric, kProjector: into SceneView::light_frames.
+  /// Spots, kGoniometric, kProjector: into LightView::frames.
   SHEAF_INLINE U frame() const { return detail; }
-  /// kMesh with a texture: index of the first triangle in SceneView::light_uvs.
+  /// kMesh with a texture: index of the first triangle in LightView::uvs.
   SHEAF_INLINE U first_uv() const { return detail; }
   /// kSphere, kQuadric: minimum distance by which points are moved off the surface.
   SHEAF_INLINE F least_offset() const { return bits_float(detail); }
 };
 
-/// A row of SceneView::lights.
+/// A row of LightView::rows.
 using LightRow = LightRecord<Scalar>;
 static_assert(sizeof(LightRow) == 64);
 
@@ -123,7 +123,7 @@ template <class L> struct alignas(row_alignment<L>(64)) LightFrameRecord {
   SHEAF_INLINE typename L::Float determinant() const { return dot(row_x, cross(row_y, row_z)); }
 };
 
-/// A row of SceneView::light_frames.
+/// A row of LightView::frames.
 using LightFrameRow = LightFrameRecord<Scalar>;
 static_assert(sizeof(LightFrameRow) == 64);
 
@@ -139,7 +139,7 @@ template <class L> struct LightUvRecord {
   }
 };
 
-/// A row of SceneView::light_uvs.
+/// A row of LightView::uvs.
 using LightUvRow = LightUvRecord<Scalar>;
 static_assert(sizeof(LightUvRow) == 32);
 
@@ -160,7 +160,7 @@ template <class L> struct LightTriangleRecord {
   }
 };
 
-/// A row of SceneView::light_triangles.
+/// A row of LightView::triangles.
 using LightTriangleRow = LightTriangleRecord<Scalar>;
 static_assert(sizeof(LightTriangleRow) == 64);
 

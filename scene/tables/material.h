@@ -447,8 +447,8 @@ struct alignas(64) MaterialRow {
   std::uint32_t flags = 0;             ///< MaterialFlags
   std::uint16_t bucket = 0;            ///< sorting key; ordered by kind, then material
   std::uint16_t binding_count = 0;     ///< number of its texture bindings
-  std::uint32_t first_binding = 0;     ///< into SceneView::bindings
-  std::uint32_t map = 0;               ///< kMapped: into SceneView::normal_maps
+  std::uint32_t first_binding = 0;     ///< into MaterialView::bindings
+  std::uint32_t map = 0;               ///< kMapped: into MaterialView::normal_maps
   std::uint32_t choice[2] = {};        ///< kComposite: the two rows; kNothing: light passes unchanged
   float words[kMaxClosureWords] = {};  ///< parameters' leaves in declaration order
   static constexpr std::uint32_t kNothing = 0xffffffffu;

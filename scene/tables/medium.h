@@ -30,11 +30,11 @@ struct MediumRow {
   std::uint32_t flags = 0;                ///< MediumFlags
   std::uint32_t phase = 0;                ///< row of the phase function's material, possibly a composite
   std::uint32_t light = 0xffffffffu;      ///< row of its volume light; kNone: none
-  std::uint32_t majorants = 0xffffffffu;  ///< into SceneView::majorant_grids; kNone: homogeneous
+  std::uint32_t majorants = 0xffffffffu;  ///< into MediumView::majorants; kNone: homogeneous
   float first[4] = {};                    ///< sigma_t, or sigma_a
   float second[4] = {};                   ///< albedo, or sigma_s
   float emission[4] = {};                 ///< radiance; emission per metre is sigma_a times this
-  // Grids that multiply the above: rows of SceneView::grids; kNone: no grid.
+  // Grids that multiply the above: rows of MediumView::grids; kNone: no grid.
   std::uint32_t density = 0xffffffffu;  ///< multiplies both coefficients; one channel
   std::uint32_t first_grid = 0xffffffffu;
   std::uint32_t second_grid = 0xffffffffu;

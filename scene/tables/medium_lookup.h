@@ -19,7 +19,7 @@ struct MediumSpectra {
 inline MediumSpectra medium_spectra(const SceneView& scene, const MediumRow& medium, const Spectrum4& lambda) {
   if (scene.color == ColorMode::kRgb)
     return {Float4::load(medium.first), Float4::load(medium.second), Float4::load(medium.emission)};
-  const auto row = static_cast<std::uint32_t>(&medium - scene.media) * std::uint32_t{kMediumSpectra};
+  const auto row = static_cast<std::uint32_t>(&medium - scene.media.rows) * std::uint32_t{kMediumSpectra};
   const auto at = [&](std::uint32_t k) {
     return Float4(evaluate<Scalar>(scene.spectral.media, row + k, scene.spectral.tables, lambda));
   };
@@ -43,9 +43,9 @@ SHEAF_INLINE MediumCoefficients medium_coefficients(const MediumRow& medium, con
 
 /// Value of a grid at a point, as a factor for each lane.
 inline Float4 grid_factor(const SceneView& scene, std::uint32_t grid, Vec3f p, const Spectrum4& lambda) {
-  if (scene.grids.rows[grid].channels == 1) return Float4(max(lookup_grid(scene.grids, grid, p), 0.0f));
-  if (scene.color == ColorMode::kSpectral) return lookup_grid_spectrum(scene.grids.rows[grid], p, lambda);
-  const Vec3f rgb = lookup_grid_color(scene.grids, grid, p);
+  if (scene.media.grids.rows[grid].channels == 1) return Float4(max(lookup_grid(scene.media.grids, grid, p), 0.0f));
+  if (scene.color == ColorMode::kSpectral) return lookup_grid_spectrum(scene.media.grids.rows[grid], p, lambda);
+  const Vec3f rgb = lookup_grid_color(scene.media.grids, grid, p);
   return Float4(Spectrum4{max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f), 0.0f});
 }
 
@@ -62,7 +62,7 @@ inline bool is_in_box(const MajorantGridRow& row, Vec3f p) {
 /// Coefficients of any medium at world-space point `p`, without microflakes.
 inline MediumCoefficients medium_coefficients(const SceneView& scene, const MediumRow& medium,
                                               const MediumSpectra& spectra, Vec3f p, const Spectrum4& lambda) {
-  if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.majorant_grids[medium.majorants], p)) return {};
+  if ((medium.flags & kMediumBoxed) != 0 && !is_in_box(scene.media.majorants[medium.majorants], p)) return {};
   Float4 first = spectra.first, second = spectra.second;
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
@@ -70,7 +70,7 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   // In spectral mode, the spectrum of a saturated colour may exceed 1 at some wavelengths, also as an albedo.
   if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Float4(1.0f));
   if (medium.density != kNone) {
-    const float density = max(lookup_grid(scene.grids, medium.density, p), 0.0f);
+    const float density = max(lookup_grid(scene.media.grids, medium.density, p), 0.0f);
     first = first * density;
     if (!by_albedo) second = second * density;
   }
@@ -106,8 +106,8 @@ inline FlakeMatrix flake_matrix(const MediumRow& medium) {
 }
 inline FlakeMatrix flake_matrix(const SceneView& scene, const MediumRow& medium, Vec3f p) {
   if (medium.flake_grids == kNone) return flake_matrix(medium);
-  const Vec3f a = lookup_grid_color(scene.grids, medium.flake_grids, p),
-              b = lookup_grid_color(scene.grids, medium.flake_grids + 1, p);
+  const Vec3f a = lookup_grid_color(scene.media.grids, medium.flake_grids, p),
+              b = lookup_grid_color(scene.media.grids, medium.flake_grids + 1, p);
   return {{a.x, a.y, a.z, b.x, b.y, b.z}};
 }
 
@@ -133,7 +133,7 @@ inline constexpr float kColdestGlow = 100;
 inline Float4 blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
   if (!(temperature > 0.0f)) return Float4();
   if (scene.color == ColorMode::kRgb) {
-    const Vec3f rgb = scene.blackbodies->at(temperature);
+    const Vec3f rgb = scene.media.blackbodies->at(temperature);
     return Float4(Spectrum4{rgb.x, rgb.y, rgb.z, 0.0f});
   }
   // Constants of Planck's law for W / (m^2 sr nm), nanometres and kelvin: 2 h c^2 and h c / k.
@@ -158,14 +158,14 @@ inline Float4 medium_emission(const SceneView& scene, const MediumRow& medium, c
   Float4 emission = spectra.emission;
   if (medium.emission_grid != kNone) emission = emission * grid_factor(scene, medium.emission_grid, p, lambda);
   if (medium.temperature != kNone) {
-    const float found = lookup_grid(scene.grids, medium.temperature, p);
+    const float found = lookup_grid(scene.media.grids, medium.temperature, p);
     const float kelvin = (found - medium.temperature_offset) * medium.temperature_scale;
     emission = emission * blackbody_emission(scene, kelvin, lambda);
     if ((medium.flags & kMediumUnitBlackbodies) != 0)
       emission = kelvin > kColdestGlow ? emission * inverse_peak(kelvin) : Float4();
   }
   if (medium.emission_factor != kNone)
-    emission = emission * max(lookup_grid(scene.grids, medium.emission_factor, p), 0.0f);
+    emission = emission * max(lookup_grid(scene.media.grids, medium.emission_factor, p), 0.0f);
   return emission;
 }
 

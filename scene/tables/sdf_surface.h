@@ -11,7 +11,7 @@ namespace detail {
 template <class L> struct SdfCell {
   typename L::Float value[8];  ///< values at the corners, in the order x + 2 y + 4 z
   typename L::Uint corner[3];  ///< index of its minimum corner along each axis
-  typename L::Uint first;      ///< index of that corner in SceneView::sdf_values
+  typename L::Uint first;      ///< index of that corner in GeometryView::sdf_values
   typename L::Uint step[3];    ///< stride in sdf_values along each axis; 0 in inactive lanes
 };
 
@@ -33,7 +33,7 @@ SHEAF_INLINE SdfCell<L> sdf_cell(const SceneView& scene, const SdfGridRecord<L>&
                                  typename L::Uint primitive) {
   using U = typename L::Uint;
   const U zero(0u), words = select(active, (grid.first_cell + primitive) << 1, zero);
-  const U xy = gather(scene.sdf_cells, words), z = gather(scene.sdf_cells, words + U(1u));
+  const U xy = gather(scene.geometry.sdf_cells, words), z = gather(scene.geometry.sdf_cells, words + U(1u));
   SdfCell<L> cell;
   cell.corner[0] = xy & U(0xffffu);
   cell.corner[1] = xy >> 16;
@@ -47,7 +47,7 @@ SHEAF_INLINE SdfCell<L> sdf_cell(const SceneView& scene, const SdfGridRecord<L>&
     U at = cell.first;
     for (int axis = 0; axis < 3; ++axis)
       if ((i >> axis & 1) != 0) at = at + cell.step[axis];
-    cell.value[i] = gather(scene.sdf_values, at);
+    cell.value[i] = gather(scene.geometry.sdf_values, at);
   }
   return cell;
 }
@@ -73,9 +73,10 @@ SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>&
   const U beyond =
       cell.first + select(upper, cell.step[axis] + cell.step[axis], zero) - select(upper, zero, cell.step[axis]);
   const U from = select(there, beyond, cell.first);
-  const F outer = mix4(gather(scene.sdf_values, from), gather(scene.sdf_values, from + cell.step[across]),
-                       gather(scene.sdf_values, from + cell.step[along]),
-                       gather(scene.sdf_values, from + cell.step[across] + cell.step[along]), x[across], x[along]);
+  const F outer =
+      mix4(gather(scene.geometry.sdf_values, from), gather(scene.geometry.sdf_values, from + cell.step[across]),
+           gather(scene.geometry.sdf_values, from + cell.step[along]),
+           gather(scene.geometry.sdf_values, from + cell.step[across] + cell.step[along]), x[across], x[along]);
   const F scale = to_float(size[axis] - one);
   const F share = F(1.0f) - abs(x[axis] - F(0.5f));
   return {(high - low) * scale, select(upper, outer - high, low - outer) * scale, select(there, share, F(1.0f))};
@@ -116,8 +117,8 @@ template <class L, bool WithUv>
   using F = typename L::Float;
   using U = typename L::Uint;
   const U zero(0u);
-  const QuadricRecord<L> q = gather_rows<L>(scene.quadrics, select(active, shape.first_triangle, zero));
-  const SdfGridRecord<L> grid = gather_rows<L>(scene.sdf_grids, select(active, shape.first_vertex, zero));
+  const QuadricRecord<L> q = gather_rows<L>(scene.geometry.quadrics, select(active, shape.first_triangle, zero));
+  const SdfGridRecord<L> grid = gather_rows<L>(scene.geometry.sdf_grids, select(active, shape.first_vertex, zero));
   const detail::SdfCell<L> cell = detail::sdf_cell<L>(scene, grid, active, primitive);
   const Vec3<L> corner{to_float(cell.corner[0]), to_float(cell.corner[1]), to_float(cell.corner[2])};
   const F half(0.5f);

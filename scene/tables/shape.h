@@ -34,11 +34,12 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
   using F = typename L::Float;
   using U = typename L::Uint;
   const U zero(0u);
-  const auto corners = gather_triple<L>(scene.triangles, select(active, shape.first_triangle + primitive, zero));
+  const auto corners =
+      gather_triple<L>(scene.geometry.triangles, select(active, shape.first_triangle + primitive, zero));
   Vec3<L> p[3], n[3];
   Vec2<L> t[3];
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto vertex = gather_rows<L>(scene.vertices, select(active, shape.first_vertex + corners[k], zero));
+    const auto vertex = gather_rows<L>(scene.geometry.vertices, select(active, shape.first_vertex + corners[k], zero));
     p[k] = vertex.position;
     n[k] = vertex.normal;
     t[k] = vertex.uv;
@@ -108,7 +109,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRe
                                            Vec3<L> hit) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  const QuadricRecord<L> q = gather_rows<L>(scene.quadrics, select(active, shape.first_triangle, U(0u)));
+  const QuadricRecord<L> q = gather_rows<L>(scene.geometry.quadrics, select(active, shape.first_triangle, U(0u)));
   Vec3<L> x = q.object_point(hit);
   const auto disk = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
   const auto sphere = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kSphere));
@@ -170,9 +171,9 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
                                            Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
   using U = typename L::Uint;
   const auto instanced = instance != U(kNone);
-  const bool any_placed = scene.instances != nullptr && any(instanced);
+  const bool any_placed = scene.geometry.instances != nullptr && any(instanced);
   const auto placement = [&]() SHEAF_LAMBDA_INLINE {
-    return InstancePlacement<L>(gather_rows<L>(scene.instances, select(instanced, instance, U(0u))));
+    return InstancePlacement<L>(gather_rows<L>(scene.geometry.instances, select(instanced, instance, U(0u))));
   };
   const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
   SurfacePoint<L> out;

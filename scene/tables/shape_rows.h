@@ -18,18 +18,19 @@ enum ShapeFlags : std::uint32_t {
 /// One shape. Shapes of groups follow all others, group by group, in their group's space. Half a cache line.
 template <class L> struct ShapeRecord {
   typename L::Uint kind{};  ///< ShapeKind
-  /// Meshes: into SceneView::triangles. Quadrics and SDF grids: into SceneView::quadrics. Curves: into
-  /// SceneView::curve_segments.
+  /// Meshes: into GeometryView::triangles. Quadrics and SDF grids: into GeometryView::quadrics. Curves: into
+  /// GeometryView::curve_segments.
   typename L::Uint first_triangle{};
-  /// Meshes: into SceneView::vertices. Curves: into SceneView::curve_points. SDF grids: into SceneView::sdf_grids.
+  /// Meshes: into GeometryView::vertices. Curves: into GeometryView::curve_points. SDF grids: into
+  /// GeometryView::sdf_grids.
   typename L::Uint first_vertex{};
   typename L::Uint flags{};     ///< ShapeFlags
-  typename L::Uint material{};  ///< into SceneView::materials
-  /// Into SceneView::lights; in groups, relative to the instance's first light. kNone: does not emit.
+  typename L::Uint material{};  ///< into MaterialView::rows
+  /// Into LightView::rows; in groups, relative to the instance's first light. kNone: does not emit.
   typename L::Uint light{kNone};
   /// Curves: number of segments; SDF grids: number of cells that contain the surface
   typename L::Uint triangle_count{};
-  typename L::Uint boundary{kNone};  ///< into SceneView::boundaries; kNone: the same medium on both sides
+  typename L::Uint boundary{kNone};  ///< into MediumView::boundaries; kNone: the same medium on both sides
   static constexpr auto fields(auto& s) {
     return std::tie(s.kind, s.first_triangle, s.first_vertex, s.flags, s.material, s.light, s.triangle_count,
                     s.boundary);
@@ -90,8 +91,8 @@ using QuadricRow = QuadricRecord<Scalar>;
 template <class L> struct alignas(row_alignment<L>(32)) SdfGridRecord {
   typename L::Uint size_x, size_y, size_z;  ///< points along each axis, at least 2
   typename L::Uint layer;                   ///< size_x * size_y
-  typename L::Uint first_value;             ///< into SceneView::sdf_values, x fastest
-  /// Into SceneView::sdf_cells, which has two words for each cell that contains the surface: x and y of its minimum
+  typename L::Uint first_value;             ///< into GeometryView::sdf_values, x fastest
+  /// Into GeometryView::sdf_cells, which has two words for each cell that contains the surface: x and y of its minimum
   /// corner in 16 bits each, and z.
   typename L::Uint first_cell;
   typename L::Uint cell_count;
@@ -117,9 +118,9 @@ static_assert(sizeof(CurvePointRow) == 16);
 template <class L> struct alignas(row_alignment<L>(64)) InstanceRecord {
   typename L::Float to_world[12];  ///< rows of the 3x4 matrix
   typename L::Float determinant;   ///< of its linear part; negative for reflections
-  typename L::Uint first_shape;    ///< first shape of the group in SceneView::shapes
+  typename L::Uint first_shape;    ///< first shape of the group in GeometryView::shapes
   typename L::Uint group;          ///< index of the group
-  typename L::Uint first_light;    ///< into SceneView::lights
+  typename L::Uint first_light;    ///< into LightView::rows
   static constexpr auto fields(auto& s) {
     return std::tie(s.to_world, s.determinant, s.first_shape, s.group, s.first_light);
   }

@@ -4,6 +4,7 @@
 #include "core/record_table.h"
 #include "scene/tables/brick_grid.h"
 #include "scene/tables/interpolation.h"
+#include "scene/tables/table_bytes.h"
 
 #include <memory>
 #include <string>
@@ -147,7 +148,7 @@ struct TextureView {
   const AttributeEntry* attributes = nullptr;  ///< shape_count entries for each attribute name in use
   /// one or three values per vertex or face; followed by three words of padding
   const float* attribute_values = nullptr;
-  const std::uint32_t* triangles = nullptr;  ///< SceneView::triangles
+  const std::uint32_t* triangles = nullptr;  ///< GeometryView::triangles
   std::uint32_t shape_count = 0;
   const BrickGridRow* grids = nullptr;
 };
@@ -155,8 +156,8 @@ struct TextureView {
 /// Maximum nesting depth of checkerboards, grids, mixes and wireframes. A checkerboard of constants has depth 1.
 inline constexpr int kMaxTextureDepth = 8;
 
-/// The tables compiled from a description's textures.
-struct CompiledTextures {
+/// Owns the textures of a scene.
+struct TextureTables {
   /// One row per texture of the description, in order, followed by constants that these refer to.
   std::vector<TextureRow> rows;
   std::unique_ptr<TexelTile[]> tiles;  ///< images one after the other, and one tile of padding
@@ -164,9 +165,25 @@ struct CompiledTextures {
   /// Attribute names in use, without duplicates. Until AttributeTable::finish(), MeshAttributeRow::first_entry is an
   /// index into this list.
   std::vector<std::string> attribute_names;
+  std::vector<AttributeEntry> attributes;
+  std::vector<float> attribute_values;
   std::vector<BrickGrid> grids;
   std::vector<BrickGridRow> grid_rows;  ///< one per grid
   std::vector<std::string> warnings;
+
+  /// `triangles`: GeometryView::triangles. `shape_count`: number of shapes.
+  TextureView view(const std::uint32_t* triangles, std::uint32_t shape_count) const {
+    return {rows.data(),       tiles.get(),
+            attributes.data(), attribute_values.data(),
+            triangles,         attributes.empty() ? 0u : shape_count,
+            grid_rows.data()};
+  }
+  /// Memory in bytes.
+  std::size_t bytes() const {
+    std::size_t sum = bytes_of(rows, attributes, attribute_values) + tile_count * sizeof(TexelTile);
+    for (const BrickGrid& grid : grids) sum += grid.bytes();
+    return sum;
+  }
 };
 
 }  // namespace sheaf

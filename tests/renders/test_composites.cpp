@@ -63,19 +63,19 @@ TEST_CASE("compile materials: two-sided blends choose between the sides of their
   const MaterialId blend = add_material(d, BlendDescription{0.25f, {a, b}});
   const MaterialId sides = add_material(d, TwoSidedDescription{blend, c});
   const CompiledMaterials out = compile_materials(d.materials);
-  const MaterialRow& front = out.rows.at(out.row_of.at(static_cast<std::size_t>(sides)));
+  const MaterialRow& front = out.tables.rows.at(out.row_of.at(static_cast<std::size_t>(sides)));
   CHECK((front.flags & kComposite) != 0);
   CHECK(front.words[0] == 0.25f);
-  CHECK(out.rows.at(front.choice[0]).words[0] == doctest::Approx(0.1f));
-  CHECK(out.rows.at(front.choice[1]).words[0] == doctest::Approx(0.2f));
-  for (const std::uint32_t choice : front.choice) CHECK((out.rows.at(choice).flags & kTwoSided) != 0);
-  const MaterialRow& back = out.rows.at(front.back);
+  CHECK(out.tables.rows.at(front.choice[0]).words[0] == doctest::Approx(0.1f));
+  CHECK(out.tables.rows.at(front.choice[1]).words[0] == doctest::Approx(0.2f));
+  for (const std::uint32_t choice : front.choice) CHECK((out.tables.rows.at(choice).flags & kTwoSided) != 0);
+  const MaterialRow& back = out.tables.rows.at(front.back);
   CHECK(back.words[0] == doctest::Approx(0.3f));
   CHECK((back.flags & kTwoSided) != 0);
   // Alone, the same blend is one-sided.
-  const MaterialRow& alone = out.rows.at(out.row_of.at(static_cast<std::size_t>(blend)));
-  CHECK((out.rows.at(alone.choice[0]).flags & kTwoSided) == 0);
-  CHECK(&out.rows.at(alone.back) == &alone);
+  const MaterialRow& alone = out.tables.rows.at(out.row_of.at(static_cast<std::size_t>(blend)));
+  CHECK((out.tables.rows.at(alone.choice[0]).flags & kTwoSided) == 0);
+  CHECK(&out.tables.rows.at(alone.back) == &alone);
 }
 
 TEST_CASE("compile materials: textures become bindings of the right words") {
@@ -86,12 +86,12 @@ TEST_CASE("compile materials: textures become bindings of the right words") {
   metal.roughness = roughness;
   add_material(d, metal);
   const CompiledMaterials out = compile_materials(d.materials);
-  const MaterialRow& row = out.rows.at(out.row_of[0]);
+  const MaterialRow& row = out.tables.rows.at(out.row_of[0]);
   CHECK(row.kind == ClosureKind::kRoughConductorGgx);
   CHECK((row.flags & kNeedsUv) != 0);
   REQUIRE(row.binding_count == 2);
-  const TextureBinding& k = out.bindings.at(row.first_binding);
-  const TextureBinding& alpha = out.bindings.at(row.first_binding + 1);
+  const TextureBinding& k = out.tables.bindings.at(row.first_binding);
+  const TextureBinding& alpha = out.tables.bindings.at(row.first_binding + 1);
   CHECK(k.texture == 5);
   CHECK(k.word == 4);
   CHECK(k.words == 4);

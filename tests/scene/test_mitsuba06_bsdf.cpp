@@ -37,7 +37,7 @@ SpectrumInput grey(float v) { return SpectrumDescription::constant(v); }
 
 /// The shares of the diffuse rows that a material's row leads to, by reflectance.
 void add_shares(const CompiledMaterials& c, std::uint32_t row, float share, std::map<float, float>& out) {
-  const MaterialRow& m = c.rows.at(row);
+  const MaterialRow& m = c.tables.rows.at(row);
   if ((m.flags & kComposite) == 0) {
     out[m.words[0]] += share;
     return;
@@ -136,7 +136,7 @@ TEST_CASE("compile materials: what lies below a coat, with its textures") {
   coat.sigma_a = TextureId{7};
   d.materials.push_back({coat, true, true, "", {}});
   const CompiledMaterials out = compile_materials(d.materials);
-  const MaterialRow& row = out.rows.at(out.row_of[1]);
+  const MaterialRow& row = out.tables.rows.at(out.row_of[1]);
   REQUIRE(row.kind == ClosureKind::kCoated);
   CHECK((row.flags & kNeedsUv) != 0);
   CoatedParameters<Scalar> p;
@@ -149,7 +149,7 @@ TEST_CASE("compile materials: what lies below a coat, with its textures") {
   CHECK(p.nested_spectra[2].c2 == 1.0f);
   CHECK(p.nested_numbers[1] == 0.25f);
   REQUIRE(row.binding_count == 3);
-  const auto bound = [&](std::uint32_t i) { return out.bindings.at(row.first_binding + i); };
+  const auto bound = [&](std::uint32_t i) { return out.tables.bindings.at(row.first_binding + i); };
   CHECK(bound(0).texture == 5);
   CHECK(bound(0).word == 11 + 4);
   CHECK(bound(1).texture == 3);
@@ -163,11 +163,11 @@ TEST_CASE("compile materials: coats go into blends and around sides") {
       bsdf("twosided",
            bsdf("coating", bsdf("blendbsdf", number("weight", "0.25") + bsdf("diffuse") + bsdf("roughconductor")))));
   const CompiledMaterials c = compile_materials(d.materials);
-  const MaterialRow& blend = c.rows.at(c.row_of.back());
+  const MaterialRow& blend = c.tables.rows.at(c.row_of.back());
   REQUIRE((blend.flags & kComposite) != 0);
   for (const std::uint32_t part : blend.choice) {
-    CHECK(c.rows.at(part).kind == ClosureKind::kCoated);
-    CHECK((c.rows.at(part).flags & (kPart | kTwoSided)) == (kPart | kTwoSided));
+    CHECK(c.tables.rows.at(part).kind == ClosureKind::kCoated);
+    CHECK((c.tables.rows.at(part).flags & (kPart | kTwoSided)) == (kPart | kTwoSided));
   }
   CHECK_THROWS_WITH_AS(compile_materials(read_new(bsdf("coating", bsdf("roughcoating", bsdf("diffuse")))).materials),
                        doctest::Contains("a coat cannot hold another one"), SceneError);

@@ -208,7 +208,7 @@ TEST_CASE("compile materials: hair has what its colour is made of, and needs its
     Description d;
     d.materials.push_back({hair, true, true, "", {}});
     const CompiledMaterials out = compile_materials(d.materials);
-    const MaterialRow& row = out.rows.at(out.row_of[0]);
+    const MaterialRow& row = out.tables.rows.at(out.row_of[0]);
     CHECK(row.kind == ClosureKind::kHair);
     CHECK((row.flags & kNeedsUv) != 0);
     HairParameters<Scalar> p;

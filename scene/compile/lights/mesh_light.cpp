@@ -132,7 +132,7 @@ struct MeshRows {
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
     const double area = double{sides_of(light)} * light.area;
-    LightBounds out = mesh_light_bounds({scene.light_triangles + light.first_triangle, light.triangle_count},
+    LightBounds out = mesh_light_bounds({scene.lights.triangles + light.first_triangle, light.triangle_count},
                                         static_cast<float>(power / (double(kPi) * area)));
     out.two_sided = light.is_two_sided();
     return out;
@@ -143,9 +143,9 @@ struct MeshRows {
     TextureMean mean(scene, light.texture);
     int next = 0;
     for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
-      const double share = scene.triangle_alias[light.first_triangle + i].pdf;
+      const double share = scene.lights.triangle_alias[light.first_triangle + i].pdf;
       const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
-      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+      const LightUvRow& uvs = scene.lights.uvs[light.first_uv() + i];
       for (int k = 0; k < points; ++k) {
         const Vec2f u = spread_point(next++);
         const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
@@ -161,10 +161,10 @@ struct MeshRows {
     if (light.texture == kNone) return IntegralSharing::kOne;
     if (light.triangle_count > kMaxTriangles) return IntegralSharing::kNone;
     for (std::uint32_t i = 0; i < light.triangle_count; ++i) {
-      const LightUvRow& uvs = scene.light_uvs[light.first_uv() + i];
+      const LightUvRow& uvs = scene.lights.uvs[light.first_uv() + i];
       for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
         key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
-      key.push_back(rounded_share(scene.triangle_alias[light.first_triangle + i].pdf));
+      key.push_back(rounded_share(scene.lights.triangle_alias[light.first_triangle + i].pdf));
     }
     return IntegralSharing::kAll;
   }

@@ -17,7 +17,7 @@ struct ProjectorRows {
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     const Vec2f scale = frame.picture_scale();
     const double tangent = 0.5 * std::hypot(1.0 / scale.x, 1.0 / scale.y);  // of a corner
     return frame_light_bounds(frame, light.position, 1.0 / std::sqrt(1.0 + tangent * tangent), power);
@@ -26,9 +26,9 @@ struct ProjectorRows {
   /// Integral of the intensity over all directions for LightRecord::radiance 1: the integral of the image over its
   /// rectangle at distance 1, times the cube of the cosine if is_even().
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
-    const Vec2f scale = scene.light_frames[light.frame()].picture_scale();
+    const Vec2f scale = scene.lights.frames[light.frame()].picture_scale();
     const float area = 1.0f / (scale.x * scale.y);
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     if (light.texture == kNone && !frame.is_even()) return {area, area, area};
     TextureMean mean(scene, light.texture);
     double weights = 0;
@@ -44,7 +44,7 @@ struct ProjectorRows {
   }
 
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     const Vec2f scale = frame.picture_scale();
     key.insert(key.end(), {float_bits(scale.x), float_bits(scale.y), frame.is_even() ? 1u : 0u});
     return IntegralSharing::kAll;

@@ -42,11 +42,11 @@ struct QuadricRows {
   static constexpr LightDomain kDomain = LightDomain::kBounded;
 
   static Vec3f power(const SceneView& scene, const LightRow& light) {
-    return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.quadrics[light.quadric()]));
+    return emitted_rgb(light) * (exitance_factor(light) * quadric_area(scene.geometry.quadrics[light.quadric()]));
   }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const QuadricRow& quadric = scene.quadrics[light.quadric()];
+    const QuadricRow& quadric = scene.geometry.quadrics[light.quadric()];
     const double area = double{sides_of(light)} * quadric_area(quadric);
     LightBounds out = quadric_light_bounds(quadric, static_cast<float>(power / (double(kPi) * area)));
     out.two_sided = light.is_two_sided();
@@ -55,7 +55,7 @@ struct QuadricRows {
 
   /// Mean of the texture.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
-    const QuadricRow& row = scene.quadrics[light.quadric()];
+    const QuadricRow& row = scene.geometry.quadrics[light.quadric()];
     TextureMean mean(scene, light.texture);
     for (int k = 0; k < points; ++k) {
       const Vec2f u = spread_point(k);
@@ -79,7 +79,7 @@ struct QuadricRows {
   /// which determine the scaling of area elements.
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
     if (light.texture == kNone) return IntegralSharing::kOne;
-    const QuadricRow& row = scene.quadrics[light.quadric()];
+    const QuadricRow& row = scene.geometry.quadrics[light.quadric()];
     key.push_back(static_cast<std::uint32_t>(row.kind));
     if (row.uniform_scale > 0.0f) return IntegralSharing::kAll;
     const auto product = [&](int i, int j) {

@@ -31,14 +31,14 @@ template <bool Linear> struct SpotRows {
   static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     const double cos_total = Linear ? std::cos(double(frame.cutoff)) : frame.cutoff;
     return frame_light_bounds(frame, light.position, cos_total, power);
   }
 
   /// Integral of the intensity over all directions for intensity 1.
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     const double cutoff = Linear ? frame.cutoff : std::acos(std::clamp(double(frame.cutoff), -1.0, 1.0));
     TextureMean mean(scene, light.texture);
     double sum = 0;
@@ -62,7 +62,7 @@ template <bool Linear> struct SpotRows {
   }
 
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key) {
-    const LightFrameRow& frame = scene.light_frames[light.frame()];
+    const LightFrameRow& frame = scene.lights.frames[light.frame()];
     key.insert(key.end(), {float_bits(frame.cutoff), float_bits(frame.slope), float_bits(frame.cot_cutoff)});
     return IntegralSharing::kAll;
   }

@@ -74,7 +74,7 @@ LightCompiler light_compiler(LightTag<LightKind::kVolume>) { return make_light_c
 
 std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t index,
                                              std::span<const GridBox> boxes, std::uint32_t first_cell) {
-  const MediumRow& medium = scene.media[index];
+  const MediumRow& medium = scene.media.rows[index];
   if ((medium.flags & kMediumEmits) == 0 || boxes.empty()) return std::nullopt;
   GridBox all = boxes.front();
   for (const GridBox& box : boxes)

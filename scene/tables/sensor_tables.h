@@ -1,0 +1,41 @@
+// The sensor of a scene: its cameras and the pixel filter.
+#pragma once
+
+#include "scene/tables/camera.h"
+#include "scene/tables/filter.h"
+
+#include <optional>
+#include <vector>
+
+namespace sheaf {
+
+/// The sensor for kernels.
+struct SensorView {
+  Camera camera;                         ///< the first camera
+  const Camera* more_cameras = nullptr;  ///< cameras of the film's further columns
+  std::uint32_t more_camera_count = 0;
+  float column_width = 0;               ///< pixels per camera's column of the film, if there are several
+  const FilterTable* filter = nullptr;  ///< placement of samples in a pixel
+  /// weights of samples in neighbouring pixels; null: samples count only in their own pixel
+  const FilterWeights* filter_weights = nullptr;
+};
+
+/// Owns cameras and filter. The view refers to them.
+struct SensorTables {
+  Camera camera;
+  std::vector<Camera> more_cameras;
+  FilterTable filter;
+  std::optional<FilterWeights> filter_weights;
+
+  /// `film_width`: pixels of all columns.
+  SensorView view(int film_width) const {
+    return {camera,
+            more_cameras.data(),
+            static_cast<std::uint32_t>(more_cameras.size()),
+            static_cast<float>(film_width) / static_cast<float>(more_cameras.size() + 1),
+            &filter,
+            filter_weights ? &*filter_weights : nullptr};
+  }
+};
+
+}  // namespace sheaf
