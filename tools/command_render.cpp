@@ -312,7 +312,7 @@ void print_start(const Description& description, const Scene& scene) {
   for (const std::string& note : description.notes) print_message(note);
   for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
   for (const std::string& warning : scene.warnings()) print_message("warning: " + warning);
-  if (scene.view().light_count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
+  if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
     print_message("warning: the scene has no lights: its picture is black");
 }
 

@@ -84,8 +84,9 @@ template <class F> SHEAF_INLINE void for_each_bsdf(F&& f) { AllBsdfs::for_each(f
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE Bsdf<L> load_bsdf(const SceneView& scene, const Wave& wave, int column) {
   float* const* words = wave.closures.columns().words;
-  return bsdf_of_words<Bsdf<L>>(scene.closure_tables, [words, column](int k, Float<L>& word)
-                                                          SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
+  return bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
+                                [words, column](int k, Float<L>& word)
+                                    SHEAF_LAMBDA_INLINE { load(words[k] + column, word); });
 }
 
 /// Spectral mode: evaluates spectrum `k` of each lane's material at the path's wavelengths.

@@ -68,7 +68,7 @@ template <class Bsdf> inline constexpr bool kIsPhaseFunction = closure_info(Bsdf
 template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };
 
 /// Builds a BSDF whose parameter word k is the value that load(k, word) stores in `word`. `tables`:
-/// SceneView::closure_tables.
+/// MaterialView::closure_tables.
 template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* tables, Load&& load) {
   Bsdf bsdf;
   if constexpr (kHasTables<Bsdf>) bsdf.tables = tables;

@@ -12,7 +12,7 @@ namespace pane_detail {
 template <template <class> class Bsdf>
 Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum4& lambda) {
   float words[kLeafCount<Bsdf>];
-  std::copy_n(scene.materials[row].words, kLeafCount<Bsdf>, words);
+  std::copy_n(scene.materials.rows[row].words, kLeafCount<Bsdf>, words);
   if (scene.color == ColorMode::kSpectral) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Bsdf>();
     for (int k = 0; k < kSpectra.count; ++k) {
@@ -20,7 +20,7 @@ Bsdf<Scalar> load_pane(const SceneView& scene, std::uint32_t row, const Spectrum
       std::copy_n(&value.c0, 4, words + kSpectra.word[k]);
     }
   }
-  return bsdf_of_words<Bsdf<Scalar>>(scene.closure_tables, [&words](int k, float& word) { word = words[k]; });
+  return bsdf_of_words<Bsdf<Scalar>>(scene.materials.closure_tables, [&words](int k, float& word) { word = words[k]; });
 }
 
 }  // namespace pane_detail
@@ -32,7 +32,7 @@ inline PanePassage<Scalar> pane_passage(const SceneView& scene, std::uint32_t ro
   PanePassage<Scalar> passage;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (closure_info(Bsdf<Scalar>::kKind).is_thin_dielectric)
-      if (kind == scene.materials[row].kind)
+      if (kind == scene.materials.rows[row].kind)
         passage = pane_detail::load_pane<Bsdf>(scene, row, lambda).passage(cos_theta);
   });
   return passage;

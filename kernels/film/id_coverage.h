@@ -12,7 +12,7 @@ class IdCoverage {
  public:
   static constexpr std::uint32_t kNothing = 0xffffffffu;
   struct Entry {
-    std::uint32_t shape = kNothing;  ///< row of SceneView::shapes; kNothing: samples that hit no surface
+    std::uint32_t shape = kNothing;  ///< row of GeometryView::shapes; kNothing: samples that hit no surface
     double weight = 0;
   };
 

@@ -24,7 +24,7 @@ struct SampleOffset {
 
 /// First surface of a camera sample.
 struct SurfaceSample {
-  std::uint32_t shape = IdCoverage::kNothing;  ///< row of SceneView::shapes
+  std::uint32_t shape = IdCoverage::kNothing;  ///< row of GeometryView::shapes
   float weight = 1;                            ///< the filter's weight
 };
 

@@ -12,7 +12,7 @@ struct EnvmapLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
-    const EnvmapView& map = lights.scene.envmap;
+    const EnvmapView& map = lights.scene.lights.envmap;
     const auto found = lights.drawn != nullptr ? sample_envmap<L, Mode>(map, *lights.drawn, lights.lambda)
                                                : sample_envmap<L, Mode>(map, u.y, u.z, lights.lambda);
     LightSample<L> s;
@@ -27,7 +27,7 @@ struct EnvmapLight {
   template <class L, ColorMode Mode>
   static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView& scene, const LightRow&, const Spectrum<L>& emitted,
                                               Vec3<L> direction, const Spectrum<L>& lambda) {
-    const auto found = lookup_envmap<L, Mode>(scene.envmap, direction, lambda);
+    const auto found = lookup_envmap<L, Mode>(scene.lights.envmap, direction, lambda);
     return {lit<L, Mode>(found.radiance, emitted), found.pdf_solid_angle};
   }
 
@@ -36,7 +36,7 @@ struct EnvmapLight {
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     using F = Float<L>;
-    const EnvmapView& map = lights.scene.envmap;
+    const EnvmapView& map = lights.scene.lights.envmap;
     const Vec3<L> to_light = select<L>(b.z < F(kUniformShare), square_to_sphere<L>(b.x, b.y),
                                        sample_envmap<L, Mode>(map, b.x, b.y, lights.lambda).direction);
     const auto value = arriving<L, Mode>(lights.scene, {}, lights.light.radiance, to_light, lights.lambda);

@@ -17,7 +17,8 @@ template <class L> SHEAF_INLINE Vec3<L> beyond_scene(const SceneView& scene, Vec
 /// Radius, in metres, of the sphere around SceneView::center that photons from infinity must cover. An unbounded outer
 /// medium extends a little beyond the scene.
 inline float covered_radius(const SceneView& scene) {
-  return scene.outer_medium != 0 && scene.medium_radius < kInfinity ? scene.medium_radius : scene.radius;
+  return scene.media.outer_medium != 0 && scene.media.outer_radius < kInfinity ? scene.media.outer_radius
+                                                                               : scene.radius;
 }
 
 /// Emits a photon through the disk perpendicular to `direction` that covers that sphere (Pharr et al., 4th ed., section

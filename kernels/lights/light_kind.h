@@ -33,7 +33,7 @@ enum class LightHitKind {
 
 /// Loads the rows lights[light], one per lane.
 template <class L> SHEAF_INLINE LightRecord<L> load_lights(const SceneView& scene, typename L::Uint light) {
-  return scene.light_count == 1 ? spread_row<L>(scene.lights[0]) : gather_rows<L>(scene.lights, light);
+  return scene.lights.count == 1 ? spread_row<L>(scene.lights.rows[0]) : gather_rows<L>(scene.lights.rows, light);
 }
 
 /// The lights to evaluate, one per lane.

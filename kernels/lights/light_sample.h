@@ -131,7 +131,8 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
 inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   bool surrounds = false;
   Lights::for_each([&]<class Kind>(Kind) {
-    if constexpr (Kind::kHitKind == LightHitKind::kEscape) surrounds = surrounds || scene.lights[index].is(Kind::kKind);
+    if constexpr (Kind::kHitKind == LightHitKind::kEscape)
+      surrounds = surrounds || scene.lights.rows[index].is(Kind::kKind);
   });
   return surrounds;
 }
@@ -142,7 +143,7 @@ template <class L, ColorMode Mode>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
                                               const Spectrum<L>& lambda) {
   using F = Float<L>;
-  const LightRow& light = scene.lights[index];
+  const LightRow& light = scene.lights.rows[index];
   const Spectrum4& rgb = light.radiance;
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
   if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);

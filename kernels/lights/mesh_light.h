@@ -36,8 +36,8 @@ struct MeshLight {
     const LightRecord<L>& light = lights.light;
     const U first = select(lights.active, light.first_triangle, U(0u));
     const auto chosen =
-        sample_alias<L>(scene.triangle_alias, first, select(lights.active, light.triangle_count, U(1u)), u.w);
-    const LightTriangleRecord<L> triangle = gather_rows<L>(scene.light_triangles, first + chosen.index);
+        sample_alias<L>(scene.lights.triangle_alias, first, select(lights.active, light.triangle_count, U(1u)), u.w);
+    const LightTriangleRecord<L> triangle = gather_rows<L>(scene.lights.triangles, first + chosen.index);
     const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
     LightPoint<L> out;
     out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;
@@ -46,7 +46,7 @@ struct MeshLight {
     const auto textured = lights.active & (light.texture != U(kNone));
     if (any(textured)) {
       const U row = select(textured, light.first_uv() + chosen.index, U(0u));
-      const LightUvRecord<L> uvs = gather_rows<L>(scene.light_uvs, row);
+      const LightUvRecord<L> uvs = gather_rows<L>(scene.lights.uvs, row);
       set_query<L>(textured, {uvs.at(F(1.0f) - b.x - b.y, b.x, b.y), light.shape, chosen.index, b.x, b.y}, texture);
     }
     out.pdf_area = F(1.0f) / light.area;

@@ -22,7 +22,7 @@ SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const R
   using F = Float<L>;
   using U = Uint<L>;
   const LightRecord<L>& light = lights.light;
-  const auto q = gather_rows<L>(lights.scene.quadrics, select(lights.active, light.quadric(), U(0u)));
+  const auto q = gather_rows<L>(lights.scene.geometry.quadrics, select(lights.active, light.quadric(), U(0u)));
   const U kind = static_cast<Uint<L>>(q.kind);
   const Vec3<L> on_sphere = square_to_sphere<L>(u.y, u.z);
   const Vec2<L> on_disk = square_to_disk<L>(u.y, u.z);
@@ -55,7 +55,8 @@ struct QuadricLight {
 
   template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     using F = Float<L>;
-    const auto q = gather_rows<L>(lights.scene.quadrics, select(lights.active, lights.light.quadric(), Uint<L>(0u)));
+    const auto q =
+        gather_rows<L>(lights.scene.geometry.quadrics, select(lights.active, lights.light.quadric(), Uint<L>(0u)));
     // M^-T n| for the canonical unit normal n equals 1 / |M^T ng|.
     const Vec3<L> ng = hit.ng;
     const auto* m = q.to_world;

@@ -42,7 +42,7 @@ struct SphereLight {
     // Look up the texture coordinates.
     const auto textured = lights.active & (light.texture != U(kNone));
     if (any(textured)) {
-      const auto q = gather_rows<L>(lights.scene.quadrics, select(textured, light.quadric(), U(0u)));
+      const auto q = gather_rows<L>(lights.scene.geometry.quadrics, select(textured, light.quadric(), U(0u)));
       const Vec3<L> x = q.object_point(light.position + normal * (light.radius / n_length));
       set_quadric_query<L>(textured, q, light, normalize_any(x), texture);
     }

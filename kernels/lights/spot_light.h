@@ -8,7 +8,7 @@ namespace sheaf {
 
 /// Loads the local frames of lights that have one.
 template <class L> SHEAF_INLINE LightFrameRecord<L> load_frames(const LightQuery<L>& lights) {
-  return gather_rows<L>(lights.scene.light_frames, select(lights.active, lights.light.frame(), Uint<L>(0u)));
+  return gather_rows<L>(lights.scene.lights.frames, select(lights.active, lights.light.frame(), Uint<L>(0u)));
 }
 
 /// `Kind`: kSpot or kSmoothSpot.

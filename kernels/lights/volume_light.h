@@ -13,7 +13,7 @@ namespace sheaf {
 
 /// Pdf, per cubic metre, of sampling the point `p` of a volume light.
 inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f p) {
-  const LightRow& light = scene.lights[index];
+  const LightRow& light = scene.lights.rows[index];
   const VolumeCells cells = volume_cells(light);
   const Vec3f size = light.extent();
   const auto place = [](float x, float lower, float extent, std::uint32_t count) {
@@ -24,7 +24,7 @@ inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f
   const std::uint32_t y = place(p.y, light.position.y, size.y, cells.y);
   const std::uint32_t z = place(p.z, light.position.z, size.z, cells.z);
   if (x == kNone || y == kNone || z == kNone) return 0.0f;
-  const AliasEntry& cell = scene.triangle_alias[light.first_triangle + (z * cells.y + y) * cells.x + x];
+  const AliasEntry& cell = scene.lights.triangle_alias[light.first_triangle + (z * cells.y + y) * cells.x + x];
   return cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
 }
 
@@ -39,10 +39,10 @@ template <class L> struct VolumePoint {
 /// Samples a point by u.y, u.z and u.w. `lambda`: the path's wavelengths; unused in RGB mode.
 inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint32_t index, const Random4<Scalar>& u,
                                                const Spectrum4& lambda) {
-  const LightRow& light = scene.lights[index];
+  const LightRow& light = scene.lights.rows[index];
   const VolumeCells cells = volume_cells(light);
   const Vec3f size = light.extent();
-  const auto cell = sample_alias<Scalar>(scene.triangle_alias, light.first_triangle, light.triangle_count, u.w);
+  const auto cell = sample_alias<Scalar>(scene.lights.triangle_alias, light.first_triangle, light.triangle_count, u.w);
   // The remainder of u.w depends on the cell, so the third coordinate uses a hash of its bits instead.
   std::uint32_t a = float_bits(u.w), b = float_bits(u.y), c = float_bits(u.z), d = index;
   hash4(a, b, c, d);
@@ -54,7 +54,7 @@ inline VolumePoint<Scalar> sample_volume_light(const SceneView& scene, std::uint
            light.position.z + size.z * ((static_cast<float>(z) + depth) / static_cast<float>(cells.z))};
   out.pdf_volume = cell.pdf * static_cast<float>(light.triangle_count) / (size.x * size.y * size.z);
   // Evaluate the emission.
-  const MediumRow& medium = scene.media[light.medium()];
+  const MediumRow& medium = scene.media.rows[light.medium()];
   const MediumSpectra spectra = medium_spectra(scene, medium, lambda);
   out.emitted = to_spectrum(medium_coefficients(scene, medium, spectra, out.p, lambda).sigma_a *
                             medium_emission(scene, medium, spectra, out.p, lambda));
@@ -115,7 +115,7 @@ struct VolumeLight {
     for (std::uint32_t left = mask_bits(lights.active); left != 0; left &= left - 1) {
       const int i = std::countr_zero(left);
       VolumePoint<Scalar> found = sample_volume_light(
-          lights.scene, lights.scene.media[media[i]].light, {0.0f, number[0][i], number[1][i], number[2][i]},
+          lights.scene, lights.scene.media.rows[media[i]].light, {0.0f, number[0][i], number[1][i], number[2][i]},
           {wavelength[0][i], wavelength[1][i], wavelength[2][i], wavelength[3][i]});
       std::apply(
           [&](const auto&... leaf) {

@@ -123,7 +123,8 @@ class DensityQueue {
       rows.template store<L>(i, row);
     }
     const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;
-    track_densities<L, kWhat>({scene.majorant_grids[medium.majorants], scene.grids.rows[grid]}, rows, count, ends);
+    track_densities<L, kWhat>({scene.media.majorants[medium.majorants], scene.media.grids.rows[grid]}, rows, count,
+                              ends);
     for (int i = 0; i < count; ++i)
       ends_[static_cast<std::size_t>(index[static_cast<std::size_t>(i)])] = ends.template load<Scalar>(i);
   }

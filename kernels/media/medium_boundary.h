@@ -17,8 +17,8 @@ SHEAF_INLINE Uint<L> medium_behind(const SceneView& scene, Uint<L> boundary, Vec
   if (!any(crossing)) return flags;
   const auto inwards = dot(ng, direction) < F(0.0f);
   const U row = select(crossing, boundary, U(0u));
-  const U medium = select(inwards, gather_member<L>(scene.boundaries, &BoundaryRow::interior, row),
-                          gather_member<L>(scene.boundaries, &BoundaryRow::exterior, row));
+  const U medium = select(inwards, gather_member<L>(scene.media.boundaries, &BoundaryRow::interior, row),
+                          gather_member<L>(scene.media.boundaries, &BoundaryRow::exterior, row));
   constexpr std::uint32_t kOthers = (1u << kRayMediumShift) - 1u;
   return select(crossing, (flags & U(kOthers)) | (medium << kRayMediumShift), flags);
 }

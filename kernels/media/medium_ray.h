@@ -19,13 +19,13 @@ inline Spectrum4 lane_wavelengths(const SceneView& scene, const Wave& wave, Slot
   return scene.color == ColorMode::kSpectral ? path_wavelengths<Scalar>(wave, &slot) : Spectrum4{};
 }
 
-/// Distance at which a ray without a hit leaves an unbounded medium, at the radius SceneView::medium_radius; 0 if the
+/// Distance at which a ray without a hit leaves an unbounded medium, at the radius MediumView::outer_radius; 0 if the
 /// ray is already outside. Paths and shadow rays that leave the scene both end there, so both attenuate light from
 /// outside alike.
 inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
-  if (!(scene.medium_radius < kInfinity)) return kInfinity;
+  if (!(scene.media.outer_radius < kInfinity)) return kInfinity;
   const Vec3f from = origin - scene.center;
-  const float b = dot(from, direction), c = dot(from, from) - sqr(scene.medium_radius);
+  const float b = dot(from, direction), c = dot(from, from) - sqr(scene.media.outer_radius);
   const float square = b * b - c;
   if (!(square > 0.0f)) return 0.0f;
   const float root = std::sqrt(square);
@@ -35,7 +35,7 @@ inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
 /// The segment of `length` metres from `origin` in the medium given by `flags` (RayState::flags).
 inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
                                  Vec3f origin, Vec3f direction, float length) {
-  const MediumRow& medium = context.scene.media[(flags >> kRayMediumShift) - 1u];
+  const MediumRow& medium = context.scene.media.rows[(flags >> kRayMediumShift) - 1u];
   MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
   if ((medium.flags & kMediumFlakes) != 0) weigh_by_flakes(medium, direction, spectra);
   const MediumEstimator estimator = context.integrator.medium_estimator;

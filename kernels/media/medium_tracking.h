@@ -111,7 +111,7 @@ inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
 /// Pdf per metre and lane of a collision at `p` as MediumEmission counts it, without the transmittance up to `p`.
 inline Float4 collision_density(const MediumRay& ray, Vec3f p) {
   if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t);
-  return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.majorant_grids[ray.medium.majorants], p)));
+  return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.media.majorants[ray.medium.majorants], p)));
 }
 
 /// A tentative collision with a medium that null particles fill up to its majorant.
@@ -130,7 +130,7 @@ SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& rando
   std::uint32_t collisions_left = kMaxCollisions;
   // Remaining optical depth of the hero lane until the next collision.
   float depth = detail::exponential<Scalar>(random.next());
-  MajorantWalk walk(ray.scene.majorant_grids[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
+  MajorantWalk walk(ray.scene.media.majorants[ray.medium.majorants], ray.origin, ray.direction, 0.0f, ray.length);
   MajorantSegment segment;
   Float4 passed(1.0f);
   while (walk.next(segment)) {

@@ -9,7 +9,7 @@ namespace sheaf {
 namespace passing_detail {
 
 inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool behind) {
-  return behind ? scene.materials[row].back : row;
+  return behind ? scene.materials.rows[row].back : row;
 }
 
 }  // namespace passing_detail
@@ -17,7 +17,7 @@ inline std::uint32_t side_of(const SceneView& scene, std::uint32_t row, bool beh
 /// Whether a material of the description, given as a row, may let light pass unchanged: composites and thin dielectrics
 /// that cost no depth. `behind`: seen from the back of the geometric normal.
 inline bool may_pass(const SceneView& scene, std::uint32_t row, bool behind) {
-  const MaterialRow& m = scene.materials[passing_detail::side_of(scene, row, behind)];
+  const MaterialRow& m = scene.materials.rows[passing_detail::side_of(scene, row, behind)];
   return (m.flags & kComposite) != 0 || (scene.has_open_panes && closure_info(m.kind).is_thin_dielectric);
 }
 
@@ -28,11 +28,11 @@ float mixture_probability(const SceneView& scene, std::uint32_t row, bool behind
                           F&& counts) {
   if (row == MaterialRow::kNothing) return counts(row) ? 1.0f : 0.0f;
   row = passing_detail::side_of(scene, row, behind);
-  const MaterialRow& m = scene.materials[row];
+  const MaterialRow& m = scene.materials.rows[row];
   if ((m.flags & kComposite) == 0) return counts(row) ? 1.0f : 0.0f;
   float second = m.second_share();
   if (m.binding_count > 0)
-    second = lookup_scalar<Scalar>(scene.textures, scene.bindings[m.first_binding].texture, query);
+    second = lookup_scalar<Scalar>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
   second = clamp(second, 0.0f, 1.0f);
   float share = 0.0f;
   if (second < 1.0f) share += (1.0f - second) * mixture_probability(scene, m.choice[0], behind, query, counts);

@@ -36,7 +36,7 @@ bool has_phase_functions(const SceneView& scene) {
   bool any = false;
   for_each_closure([&](auto closure) {
     const int kind = static_cast<int>(closure.kKind);
-    any = any || (closure.is_phase && scene.bucket_begin[kind + 1] > scene.bucket_begin[kind]);
+    any = any || (closure.is_phase && scene.materials.buckets.begin[kind + 1] > scene.materials.buckets.begin[kind]);
   });
   return any;
 }

@@ -128,10 +128,10 @@ class Renderer {
     // One photon per sample of the whole frame, so that a crop gets the same photons.
     photons_ =
         static_cast<std::uint64_t>(state_.film.width()) * static_cast<std::uint64_t>(state_.film.height()) * plan_.spp;
-    if (context_.integrator.max_depth == 1 || context_.scene.light_count == 0) photons_ = 0;
+    if (context_.integrator.max_depth == 1 || context_.scene.lights.count == 0) photons_ = 0;
     total_ += photons_;
     const PixelRect frame{0, 0, state_.film.width(), state_.film.height()};
-    const bool turns = context_.scene.camera.rays == CameraRays::kSpherical;
+    const bool turns = context_.scene.sensor.camera.rays == CameraRays::kSpherical;
     splat_filter_.emplace(scene.film().filter, scene.film().filter_mode, frame.grown(plan_.frame.border),
                           turns ? static_cast<float>(frame.width()) : 0.0f);
     state_.splats.emplace(plan_.crop);
@@ -206,7 +206,7 @@ class Renderer {
     const AdaptiveUnit& unit = film.units()[index];
     const Tile& tile = adaptive_tiles_[unit.tile];
     Worker& worker = workers_.local();
-    state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
+    state_.film.begin(worker.tile, tile.pixels, context_.scene.sensor.filter_weights);
     const SamplerView sampler = sampler_of_replicate(context_.sampler, unit.set, 0);
     for (std::uint32_t taken = 0; taken < unit.samples; taken += kUnitSamples)
       run_samples(tile, sampler, unit.first_sample + taken, std::min(kUnitSamples, unit.samples - taken));
@@ -295,7 +295,7 @@ class Renderer {
 
   /// Starts a pass, or continues a resumed one and reports its finished tiles as progress.
   void begin_pass(const std::vector<Tile>& tiles, std::uint32_t sample_count) {
-    const std::size_t borders = context_.scene.filter_weights != nullptr ? tiles.size() : 0;
+    const std::size_t borders = context_.scene.sensor.filter_weights != nullptr ? tiles.size() : 0;
     if (state_.tiles.empty()) {
       state_.tiles.assign(tiles.size(), 0);
       state_.borders.assign(borders, {});
@@ -328,7 +328,7 @@ class Renderer {
   /// Takes samples of a tile, and adds its own pixels to the film. Returns the tile, which the worker owns.
   const FilmTile& run_task(const Tile& tile, std::uint32_t first_sample, std::uint32_t sample_count) {
     Worker& worker = workers_.local();
-    state_.film.begin(worker.tile, tile.pixels, context_.scene.filter_weights);
+    state_.film.begin(worker.tile, tile.pixels, context_.scene.sensor.filter_weights);
     run_samples(tile,
                 sampler_of_replicate(context_.sampler, first_sample / plan_.replicate_samples, plan_.replicate_samples),
                 first_sample, sample_count);

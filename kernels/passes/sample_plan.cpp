@@ -152,7 +152,7 @@ SamplePlan make_sample_plan(const Scene& scene, const RenderOptions& options, co
   if (plan.adapts) check_adaptive(sampler, transport, plan.spp);
 
   const FilmSettings& film = scene.film();
-  const FilterWeights* const weights = scene.view().filter_weights;
+  const FilterWeights* const weights = scene.view().sensor.filter_weights;
   plan.reach = weights != nullptr ? weights->reach() : 0;
   plan.frame = {film.width, film.sample_border ? plan.reach : 0};
   check_frame(film, plan.frame);

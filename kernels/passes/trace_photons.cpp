@@ -84,7 +84,7 @@ PilotCount run_pilot(StageContext context, Workers& workers, PhotonKind kind, Ph
   // All wavelengths: the result must not depend on which set of maps is built first.
   context.wavelength_sample = -1.0f;
   std::uint64_t next = kPilotPhotons;
-  while (count.stored < kPilotStored && count.emitted < kMaxPilotPhotons && context.scene.light_count > 0 &&
+  while (count.stored < kPilotStored && count.emitted < kMaxPilotPhotons && context.scene.lights.count > 0 &&
          !tracing.stopped()) {
     const std::uint64_t first = first_photon(kind, kMaxPhotonSets) + count.emitted;
     for (const StoredPhotons& task : trace_tasks(context, workers, kind, first, next, tracing, 0))
@@ -105,7 +105,7 @@ struct TracedPhotons {
 TracedPhotons trace(const StageContext& context, Workers& workers, const PhotonRequest& request,
                     PhotonTracing& tracing) {
   const std::uint64_t start = timestamp();
-  const std::uint64_t emitted = context.scene.light_count > 0 ? request.emitted : 0;
+  const std::uint64_t emitted = context.scene.lights.count > 0 ? request.emitted : 0;
   TracedPhotons out;
   for (StoredPhotons& task : trace_tasks(context, workers, request.kind, first_photon(request.kind, request.set),
                                          emitted, tracing, request.expected)) {

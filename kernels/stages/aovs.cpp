@@ -75,16 +75,17 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
     const float scale = length(camera.z_axis);
     return scale > 0.0f ? dot(from, broadcast<L>(camera.z_axis / scale)) : length(from);
   };
-  F depth = seen_by(scene.camera);
-  if (scene.more_camera_count == 0) return depth;
+  F depth = seen_by(scene.sensor.camera);
+  if (scene.sensor.more_camera_count == 0) return depth;
   alignas(kSimdAlignment) std::uint32_t pixels[L::width];
   alignas(kSimdAlignment) float column[L::width];
   store(pixels, pixel);
   for (int lane = 0; lane < L::width; ++lane) column[lane] = static_cast<float>(task.frame().x(pixels[lane])) + 0.5f;
   F x;
   load(column, x);
-  for (std::uint32_t i = 0; i < scene.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.column_width), seen_by(scene.more_cameras[i]), depth);
+  for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
+    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]),
+                   depth);
   return depth;
 }
 
@@ -92,7 +93,7 @@ template <class L>
 SHEAF_INLINE void put_uv(const SceneView& scene, const Wave& wave, const Slot* slots, const RayState<L>& ray,
                          int channel, const SampleLanes<L>& out) {
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                         hit.instance);
   out.put_words(channel, {y.uv.x, y.uv.y});

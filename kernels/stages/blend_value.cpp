@@ -38,7 +38,7 @@ const auto kSpectraOf = [] {
 template <class L, ColorMode Mode>
 [[gnu::noinline]] void part_words(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at,
                                   Float<L> (&words)[kMaxClosureWords]) {
-  const MaterialRow& m = scene.materials[row];
+  const MaterialRow& m = scene.materials.rows[row];
   for (int k = 0; k < kMaxClosureWords; ++k) words[k] = Float<L>(m.words[k]);
   const auto put = [&words](std::uint32_t word, std::uint32_t count, const Spectrum<L>& value) {
     const Float<L> channels[4] = {value.c0, value.c1, value.c2, value.c3};
@@ -50,7 +50,7 @@ template <class L, ColorMode Mode>
       put(static_cast<std::uint32_t>(spectra.word[k]), 4, closure_spectrum<L>(scene, Uint<L>(row), k, at.lambda));
   }
   for (std::uint32_t b = 0; b < m.binding_count; ++b) {
-    const TextureBinding& binding = scene.bindings[m.first_binding + b];
+    const TextureBinding& binding = scene.materials.bindings[m.first_binding + b];
     put(binding.word, binding.words, shading_texture<L, Mode>(scene, binding, at.query, at.lambda));
   }
 }
@@ -71,7 +71,7 @@ template <class L>
   Vec3<L> n = base;
   F terminator(0.0f);
   if (m.flags & kMapped) {
-    const NormalMapRow& map = scene.normal_maps[m.map];
+    const NormalMapRow& map = scene.materials.normal_maps[m.map];
     Mask<L> usable(false);
     n = turned_normal<L>(scene.textures, map, at.query, base, select(turned, F(-1.0f), F(1.0f)), at.y.dp_du, at.y.dp_dv,
                          lanes, usable);
@@ -98,12 +98,12 @@ template <class L> struct BlendSum {
 
   void add(std::uint32_t row, F share) {
     if (row == MaterialRow::kNothing || !any(lanes & (share > F(0.0f)))) return;
-    if (behind) row = scene.materials[row].back;
-    const MaterialRow& m = scene.materials[row];
+    if (behind) row = scene.materials.rows[row].back;
+    const MaterialRow& m = scene.materials.rows[row];
     if ((m.flags & kComposite) == 0) return add_part(row, share);
     F second(m.second_share());
     if (m.binding_count > 0)
-      second = lookup_scalar<L>(scene.textures, scene.bindings[m.first_binding].texture, at.query);
+      second = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, at.query);
     second = clamp(second, F(0.0f), F(1.0f));
     add(m.choice[0], share * (F(1.0f) - second));
     add(m.choice[1], share * second);
@@ -114,14 +114,14 @@ template <class L> struct BlendSum {
     there = there + share;
     for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
       if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
-        if (kind != scene.materials[row].kind) return;
+        if (kind != scene.materials.rows[row].kind) return;
         F words[kMaxClosureWords];
         if (scene.color == ColorMode::kSpectral)
           part_words<L, ColorMode::kSpectral>(scene, row, at, words);
         else
           part_words<L, ColorMode::kRgb>(scene, row, at, words);
-        const PartFrame<L> frame = part_frame<L>(scene, scene.materials[row], at, lanes);
-        const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.closure_tables,
+        const PartFrame<L> frame = part_frame<L>(scene, scene.materials.rows[row], at, lanes);
+        const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
                                                  [&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
         BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
         value.f_cos = value.f_cos * frame.softened;
@@ -146,7 +146,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   const SceneView& scene = context.scene;
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   BlendPoint<L> at{surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                           hit.instance),
                    ray.direction,

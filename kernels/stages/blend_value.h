@@ -26,19 +26,19 @@ template <class L> struct BlendValue {
 
 /// Whether vertices of a kind may be on parts of blends.
 inline bool has_parts(const SceneView& scene, ClosureKind kind) {
-  return (scene.kind_flags[static_cast<std::size_t>(kind)] & kPart) != 0;
+  return (scene.materials.buckets.kind_flags[static_cast<std::size_t>(kind)] & kPart) != 0;
 }
 
 /// The vertices at `slots` that are on parts of blends.
 template <class L> SHEAF_INLINE Mask<L> on_part(const SceneView& scene, const Wave& wave, const Slot* slots) {
   using U = Uint<L>;
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  return (gather_member<L>(scene.materials, &MaterialRow::flags, hit.material) & U(kPart)) != U(0u);
+  return (gather_member<L>(scene.materials.rows, &MaterialRow::flags, hit.material) & U(kPart)) != U(0u);
 }
 
 /// Whether some of these parts have normal or bump maps.
 inline bool has_mapped_parts(const SceneView& scene, ClosureKind kind) {
-  return has_parts(scene, kind) && (scene.kind_flags[static_cast<std::size_t>(kind)] & kMapped) != 0;
+  return has_parts(scene, kind) && (scene.materials.buckets.kind_flags[static_cast<std::size_t>(kind)] & kMapped) != 0;
 }
 
 /// The normal for light selection, for kinds with mapped parts. On blends it must not depend on the part that was

@@ -26,12 +26,12 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const F flux = wave.radiance.gather<L>(slots).weight;
   // Sample the lens and project the vertex onto the film
   Vec2<L> lens{F(0.0f), F(0.0f)};
-  if (context.scene.camera.has_lens()) {
+  if (context.scene.sensor.camera.has_lens()) {
     const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kLight, {},
                            kNumberY | kNumberZ);
     lens = square_to_disk<L>(u.y, u.z);
   }
-  const CameraView<L> view = context.scene.camera.view<L>(item.p, lens.x, lens.y);
+  const CameraView<L> view = context.scene.sensor.camera.view<L>(item.p, lens.x, lens.y);
   const SplatFilter::Bounds& film = context.photons->film_bounds;
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);
@@ -72,7 +72,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
 
 template <class L, template <class> class Bsdf>
 void connect_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for_tiles<L>(run.count, [&](int i, int count) {
     connect_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped);
   });

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Whether a camera has a lens. Additional cameras are assumed to have one.
-bool has_lens(const SceneView& scene) { return scene.camera.has_lens() || scene.more_camera_count > 0; }
+bool has_lens(const SceneView& scene) { return scene.sensor.camera.has_lens() || scene.sensor.more_camera_count > 0; }
 
 /// Draws the wavelengths. Pinholes leave one number of the camera's block unused. It is stratified jointly with the
 /// position in the pixel, which lowers colour noise in pixels whose parts differ.
@@ -38,12 +38,12 @@ SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L
     const Vec2<L> lens = camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
     return camera.ray<L>(across, y, lens.x, lens.y);
   };
-  CameraRay<L> ray = of(scene.camera, x);
-  for (std::uint32_t i = 0; i < scene.more_camera_count; ++i) {
-    const F begin(static_cast<float>(i + 1) * scene.column_width);
+  CameraRay<L> ray = of(scene.sensor.camera, x);
+  for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i) {
+    const F begin(static_cast<float>(i + 1) * scene.sensor.column_width);
     const auto here = x >= begin;
     if (!any(here)) break;
-    const CameraRay<L> other = of(scene.more_cameras[i], x - begin);
+    const CameraRay<L> other = of(scene.sensor.more_cameras[i], x - begin);
     ray.origin = select<L>(here, other.origin, ray.origin);
     ray.direction = select<L>(here, other.direction, ray.direction);
     ray.t_max = select(here, other.t_max, ray.t_max);
@@ -59,7 +59,7 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
   using F = typename L::Float;
   using U = typename L::Uint;
   wave.rescaled_pdfs.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
-  const U medium(context.scene.camera_medium << kRayMediumShift);
+  const U medium(context.scene.media.camera_medium << kRayMediumShift);
   if (context.scene.color == ColorMode::kSpectral) return medium;
   const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength, {}, kNumberX).x;
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
@@ -111,7 +111,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   load(sample, path.sample);
   load(pixel, path.pixel);
   // In RGB mode the fourth lane is unused: it starts at 0 and stays 0, whatever BSDFs do.
-  const F weight(context.scene.camera.weight);
+  const F weight(context.scene.sensor.camera.weight);
   path.beta = {weight, weight, weight, context.scene.color == ColorMode::kSpectral ? weight : F(0.0f)};
   path.eta_scale = F(1.0f);
   path.depth_and_dimension = U(0u);
@@ -121,7 +121,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kCamera, {},
                          spreads_z ? kAllNumbers : kNumberX | kNumberY);
   if (context.scene.color == ColorMode::kSpectral) start_wavelengths<L>(context, wave, slots, count, path, u);
-  const auto dx = context.scene.filter->sample<L>(u.x), dy = context.scene.filter->sample<L>(u.y);
+  const auto dx = context.scene.sensor.filter->sample<L>(u.x), dy = context.scene.sensor.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
   const F film_x = px + F(0.5f) + dx.position, film_y = py + F(0.5f) + dy.position;
   const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);

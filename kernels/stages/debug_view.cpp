@@ -22,7 +22,7 @@ template <class L> SHEAF_INLINE void view_tile(const StageContext& context, Wave
         keeps_distance_since_vertex(context) ? hit.t + gather_distance_since_vertex<L>(wave, slots) : hit.t;
     out.radiance = {depth, depth, depth, Float<L>(0.0f)};
   } else {
-    const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+    const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
     const auto y = surface_point<L>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                     ray.origin + ray.direction * hit.t, hit.instance);
     const Vec3<L> n = abs(y.ns);
@@ -40,7 +40,7 @@ SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, cons
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const PathState<L> path = wave.paths.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y =
       surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter);
@@ -57,7 +57,7 @@ template <class L>
 SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slot* slots, int count) {
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y =
       surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
   continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit.t, ray,

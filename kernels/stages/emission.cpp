@@ -56,7 +56,7 @@ SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, c
 
 /// Whether rays that leave the scene can find a light.
 bool has_surroundings(const SceneView& scene) {
-  for (std::uint32_t light = scene.bounded_light_count; light < scene.light_count; ++light)
+  for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light)
     if (surrounds_scene(scene, light)) return true;
   return false;
 }
@@ -80,7 +80,7 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
   const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
-  for (std::uint32_t light = scene.bounded_light_count; light < scene.light_count; ++light) {
+  for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light) {
     if (!surrounds_scene(scene, light)) continue;
     const EnvmapValue<L> arriving = environment_value<L, Mode>(scene, light, ray.direction, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
@@ -100,7 +100,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const PathState<L> path = wave.paths.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, Textured>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                             ray.origin + ray.direction * hit.t, hit.instance);
   LightRecord<L> light = load_lights<L>(context.scene, hit.light);
@@ -139,7 +139,7 @@ template <class L> void emission(const StageContext& context, Wave& wave) noexce
                  [&](int i, int count) { environment_tile<L, Mode>(context, wave, wave.miss.data() + i, count); });
     for_tiles<L>(lights, [&](int i, int count) {
       const Slot* slots = wave.emitter.data() + i;
-      if (context.scene.has_textured_lights) {
+      if (context.scene.lights.has_textured_area_lights) {
         area_light_tile<L, Mode, true>(context, wave, slots, count);
       } else {
         area_light_tile<L, Mode, false>(context, wave, slots, count);

@@ -48,9 +48,9 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     const VertexItem<L> item{broadcast<L>(one.p),  broadcast<L>(one.ng), broadcast<L>(one.ns),
                              broadcast<L>(one.wo), F(one.offset),        {F(one.tangent.x), F(one.tangent.y)}};
     float* const* words = wave.closures.columns().words;
-    const auto bsdf =
-        bsdf_of_words<Bsdf<L>>(context.scene.closure_tables, [words, column](int k, Float<L>& word)
-                                                                 SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
+    const auto bsdf = bsdf_of_words<Bsdf<L>>(context.scene.materials.closure_tables,
+                                             [words, column](int k, Float<L>& word)
+                                                 SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
     const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
     const auto most = static_cast<std::uint32_t>(context.integrator.max_depth);  // -1: larger than any depth
     GatheringVertex out{
@@ -184,7 +184,7 @@ Spectrum4 gather_at(const PhotonMapView& map, Vec3f p, const GatheringVertex<L, 
 
 template <class L, template <class> class Bsdf>
 void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
     const PhotonMaps::Asked asked = context.maps->maps_at(wave.rays.row(slot).flags);

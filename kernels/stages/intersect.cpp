@@ -59,7 +59,7 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   load(packet.instance + at, hit.instance);
   // Look up the material of the side that was hit, and the light
   const auto found = hit.shape != U(kNone);
-  const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, select(found, hit.shape, U(0u)));
+  const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, select(found, hit.shape, U(0u)));
 
   Vec3<L> normal, direction;
   load(packet.normal_x + at, normal.x);
@@ -68,13 +68,13 @@ SHEAF_INLINE void unpack(const StageContext& context, Wave& wave, const Slot* sl
   load(packet.direction_x + at, direction.x);
   load(packet.direction_y + at, direction.y);
   load(packet.direction_z + at, direction.z);
-  const U back = gather_member<L>(context.scene.materials, &MaterialRow::back, shape.material);
+  const U back = gather_member<L>(context.scene.materials.rows, &MaterialRow::back, shape.material);
   hit.material = select(dot(normal, direction) > F(0.0f), back, shape.material);
   hit.light = select(found, shape.light, U(kNone));
   const auto instanced = found & (hit.instance != U(kNone)) & (hit.light != U(kNone));
   if (any(instanced)) {
-    const U first =
-        gather_member<L>(context.scene.instances, &InstanceRow::first_light, select(instanced, hit.instance, U(0u)));
+    const U first = gather_member<L>(context.scene.geometry.instances, &InstanceRow::first_light,
+                                     select(instanced, hit.instance, U(0u)));
     hit.light = hit.light + select(instanced, first, U(0u));
   }
   wave.hits.scatter<L>(slots, count, hit);

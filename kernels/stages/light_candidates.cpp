@@ -45,7 +45,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
     if (!is_first) {
       tops[i] = wave.light_tops.load<L>(column);
     } else {
-      tops[i] = light_tree_top<L>(context.scene.light_tree, at[i].p, at[i].n, Mask<L>(true));
+      tops[i] = light_tree_top<L>(context.scene.lights.tree, at[i].p, at[i].n, Mask<L>(true));
       wave.light_tops.store<L>(column, tops[i]);
     }
   }
@@ -81,7 +81,7 @@ template <class L>
 SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, const Slot* slots, SampleSet set) {
   const PathState<L> path = wave.paths.gather<L>(slots);
   return draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kLight, set,
-                 context.scene.light_count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
+                 context.scene.lights.count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
 /// Pipeline steps from tiles to candidates, in groups of kTogether tiles. While one group is at the last step, the
@@ -112,12 +112,12 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
       }
       for (int i = 0; i < kTogether && DrawsMap && has(rows); ++i) {
         const Random4<L>& u = ring[rows % kRing][i].u;
-        drawn[rows % kRing][i] = draw_envmap_row<L>(scene.envmap, u.z);
-        prefetch_envmap_column<L>(scene.envmap, u.y, drawn[rows % kRing][i]);
+        drawn[rows % kRing][i] = draw_envmap_row<L>(scene.lights.envmap, u.z);
+        prefetch_envmap_column<L>(scene.lights.envmap, u.y, drawn[rows % kRing][i]);
       }
       for (int i = 0; i < kTogether && DrawsMap && has(columns); ++i) {
-        draw_envmap_column<L>(scene.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
-        prefetch_envmap_nodes<L>(scene.envmap, drawn[columns % kRing][i]);
+        draw_envmap_column<L>(scene.lights.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
+        prefetch_envmap_nodes<L>(scene.lights.envmap, drawn[columns % kRing][i]);
       }
       if (group < 0) continue;
       const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
@@ -135,7 +135,7 @@ template <class L> void light_candidates(const StageContext& context, Wave& wave
   if (!samples_lights(context)) return;
   StageTimer timer(wave.stats, Stage::kLightCandidates);
   const SampleSet set{static_cast<std::uint32_t>(candidate), static_cast<std::uint32_t>(context.integrator.candidates)};
-  const bool draws_map = context.scene.envmap.columns != nullptr && context.scene.bounded_light_count == 0;
+  const bool draws_map = context.scene.lights.envmap.columns != nullptr && context.scene.lights.bounded_count == 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];

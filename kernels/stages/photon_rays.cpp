@@ -40,9 +40,9 @@ template <class L>
 SHEAF_INLINE Vec3<L> enter_outer_medium(const SceneView& scene, Vec3<L> origin, Vec3<L> direction,
                                         Mask<L> from_outside) {
   using F = Float<L>;
-  if (scene.outer_medium == 0 || !(scene.medium_radius < kInfinity)) return origin;
+  if (scene.media.outer_medium == 0 || !(scene.media.outer_radius < kInfinity)) return origin;
   const Vec3<L> from = origin - broadcast<L>(scene.center);
-  const F b = dot(from, direction), square = b * b - dot(from, from) + F(sqr(scene.medium_radius));
+  const F b = dot(from, direction), square = b * b - dot(from, from) + F(sqr(scene.media.outer_radius));
   const auto meets = from_outside & (square > F(0.0f));
   const F t = -b - sqrt(select(meets, square, F(0.0f)));
   return select<L>(meets, origin + direction * t, origin);
@@ -83,7 +83,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   RayState<L> ray;
   ray.direction = photon.direction;
   ray.origin =
-      enter_outer_medium<L>(scene, photon.origin, photon.direction, !(choice.light < U(scene.bounded_light_count)));
+      enter_outer_medium<L>(scene, photon.origin, photon.direction, !(choice.light < U(scene.lights.bounded_count)));
   ray.t_max = F(kInfinity);
   ray.flags = U(0u);
   if (keeps_distance_since_vertex(context))
@@ -109,7 +109,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
 }  // namespace
 
 template <class L> void photon_rays(const StageContext& context, Wave& wave) noexcept {
-  if (context.scene.light_count == 0) return;
+  if (context.scene.lights.count == 0) return;
   const int starting = std::min(wave.free.size(), context.photons->left());
   if (starting <= 0) return;
   StageTimer timer(wave.stats, Stage::kPhotonRays);

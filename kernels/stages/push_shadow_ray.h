@@ -40,7 +40,7 @@ void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, c
   out.flags = ray.flags;
   if (!in_medium) {
     const auto through = dot(ray.direction, item.ng) * dot(shadow.direction, item.ng) > F(0.0f);
-    const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
+    const U boundary = gather_member<L>(scene.geometry.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
     out.flags = select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
   }
   out.flags = (out.flags & U(~kShadowFlags)) | end.flags;

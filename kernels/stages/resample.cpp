@@ -163,7 +163,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
 
 template <class L, template <class> class Bsdf>
 void resample_run(const StageContext& context, Wave& wave, const VertexRun& run, CandidateIndex candidate) {
-  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
   for_tiles<L>(run.count, [&](int i, int count) {
     resample_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,

@@ -14,7 +14,7 @@ template <class L> struct RoutedHits {
 /// Whether materials are thin dielectrics.
 template <class L> SHEAF_INLINE Mask<L> is_thin_dielectric(const SceneView& scene, typename L::Uint material) {
   using U = typename L::Uint;
-  const U kind = gather_member<L>(scene.materials, &MaterialRow::kind, material);
+  const U kind = gather_member<L>(scene.materials.rows, &MaterialRow::kind, material);
   Mask<L> pane(false);
   for_each_closure([&](auto closure) SHEAF_LAMBDA_INLINE {
     if (closure.is_thin_dielectric) pane = pane | (kind == U(static_cast<std::uint32_t>(closure.kKind)));
@@ -32,8 +32,8 @@ SHEAF_INLINE void route_vertices(const StageContext& context, Wave& wave, const 
   // Thin dielectrics that cost no depth are left to the scatter stage.
   if (context.integrator.thin_dielectrics_are_free) last &= ~mask_bits(is_thin_dielectric<L>(context.scene, material));
   std::uint32_t composite = 0;
-  if (context.scene.has_composites) {
-    const U material_flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, material);
+  if (context.scene.materials.has_composites) {
+    const U material_flags = gather_member<L>(context.scene.materials.rows, &MaterialRow::flags, material);
     composite = mask_bits((material_flags & U(kComposite)) != U(0u)) & lanes;
   }
   const std::uint32_t shaded = lanes & ~composite;

@@ -66,7 +66,7 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
   } else {
     const auto through = dot(before.direction, ng) * dot(ray.direction, ng) > F(0.0f);
     const HitState<L> hit = wave.hits.gather<L>(slots);
-    const U boundary = gather_member<L>(scene.shapes, &ShapeRow::boundary, hit.shape);
+    const U boundary = gather_member<L>(scene.geometry.shapes, &ShapeRow::boundary, hit.shape);
     flags = select(through, medium_behind<L>(scene, boundary, ng, ray.direction, flags), flags);
     distance = hit.t;
   }
@@ -229,7 +229,7 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sl
 
 template <class L, template <class> class Bsdf>
 void scatter_run(const StageContext& context, Wave& wave, const VertexRun& run) {
-  const bool mapped = (context.scene.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
+  const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(Bsdf<L>::kKind)] & kMapped) != 0;
   const bool parts = has_parts(context.scene, Bsdf<L>::kKind);
   for_tiles<L>(run.count, [&](int i, int count) {
     scatter_tile<L, Bsdf>(context, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, count, mapped,

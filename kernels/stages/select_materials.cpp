@@ -22,10 +22,11 @@ template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint
   store(rows, row);
   while (any(lanes)) {
     const std::uint32_t material = rows[std::countr_zero(mask_bits(lanes))];
-    const MaterialRow& m = scene.materials[material];
+    const MaterialRow& m = scene.materials.rows[material];
     const auto same = lanes & (row == U(material));
     F value(m.second_share());
-    if (m.binding_count > 0) value = lookup_scalar<L>(scene.textures, scene.bindings[m.first_binding].texture, query);
+    if (m.binding_count > 0)
+      value = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
     share = select(same, value, share);
     lanes = lanes & !same;
   }
@@ -50,7 +51,7 @@ SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstC
                                             Mask<L> behind, Mask<L> lanes) {
   using F = Float<L>;
   using U = Uint<L>;
-  const MaterialRow* const rows = scene.materials;
+  const MaterialRow* const rows = scene.materials.rows;
   const U nothing(MaterialRow::kNothing), zero(0u);
   const auto side_of = [&](U row) SHEAF_LAMBDA_INLINE {
     return select(behind, gather_member<L>(rows, &MaterialRow::back, row), row);
@@ -102,7 +103,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   const RayState<L> ray = wave.rays.gather<L>(slots);
   HitState<L> hit = wave.hits.gather<L>(slots);
   const PathState<L> path = wave.paths.gather<L>(slots);
-  const ShapeRecord<L> shape = gather_rows<L>(context.scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v,
                                         ray.origin + ray.direction * hit.t, hit.instance);
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p};
@@ -116,7 +117,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   // Select a part, level by level
   for (bool is_first = true;; is_first = false) {
     const U safe = select(open, row, U(0u));
-    const U flags = gather_member<L>(context.scene.materials, &MaterialRow::flags, safe);
+    const U flags = gather_member<L>(context.scene.materials.rows, &MaterialRow::flags, safe);
     open = open & ((flags & U(kComposite)) != U(0u));
     if (!any(open)) break;
     // The remainder of the random number is uniform again.
@@ -125,11 +126,11 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
     const auto second = u < share;
     u = select(second, u / max(share, F(1e-20f)), (u - share) / max(F(1.0f) - share, F(1e-20f)));
     u = clamp(u, F(0.0f), F(0.99999994f));
-    const U chosen = select(second, gather_element<L>(context.scene.materials, &MaterialRow::choice, 1, safe),
-                            gather_element<L>(context.scene.materials, &MaterialRow::choice, 0, safe));
+    const U chosen = select(second, gather_element<L>(context.scene.materials.rows, &MaterialRow::choice, 1, safe),
+                            gather_element<L>(context.scene.materials.rows, &MaterialRow::choice, 0, safe));
     row = select(open, chosen, row);
     open = open & (row != nothing);
-    const U back = gather_member<L>(context.scene.materials, &MaterialRow::back, select(open, row, U(0u)));
+    const U back = gather_member<L>(context.scene.materials.rows, &MaterialRow::back, select(open, row, U(0u)));
     row = select(open & behind, back, row);
   }
 

@@ -15,19 +15,19 @@ template <class L> void sort_surfaces(const StageContext& context, Wave& wave) n
   // Local pointers: the compiler must assume that storing a byte may modify the pointers of the wave.
   const Slot* slots = wave.surface.data();
   const HitState<Scalar>* states = &wave.hits.row(0);
-  const MaterialRow* materials = context.scene.materials;
+  const MaterialRow* materials = context.scene.materials.rows;
   std::uint8_t* keys = wave.sort_keys;
   for (int i = 0; i < hits; ++i) keys[i] = static_cast<std::uint8_t>(materials[states[slots[i]].material].bucket);
   int begin[kMaxBuckets + 1];
-  bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(context.scene.bucket_count),
+  bucket_sort(wave.surface.data(), wave.sort_keys, hits, static_cast<int>(context.scene.materials.buckets.count),
               wave.sorted.data(), begin);
   wave.sorted.resize(hits);
   wave.sorted.pad();
   int column = 0;
   for (int kind = 0; kind < kClosureKinds; ++kind) {
     VertexRun& run = wave.runs[kind];
-    run.slot_begin = begin[context.scene.bucket_begin[kind]];
-    run.count = begin[context.scene.bucket_begin[kind + 1]] - run.slot_begin;
+    run.slot_begin = begin[context.scene.materials.buckets.begin[kind]];
+    run.count = begin[context.scene.materials.buckets.begin[kind + 1]] - run.slot_begin;
     run.column_begin = column;
     column += (run.count + kWidth - 1) / kWidth * kWidth;
   }

@@ -16,12 +16,12 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
   /// Rays that cross more surfaces are assumed to start in the outer medium.
   constexpr int kMaxCrossings = 1000;
   using U = Uint<L>;
-  if (scene.boundaries == nullptr) return U(scene.outer_medium);
+  if (scene.media.boundaries == nullptr) return U(scene.media.outer_medium);
   alignas(kSimdAlignment) float o[3][L::width], d[3][L::width];
   alignas(kSimdAlignment) std::uint32_t medium[L::width];
   store(o[0], origin.x), store(o[1], origin.y), store(o[2], origin.z);
   store(d[0], direction.x), store(d[1], direction.y), store(d[2], direction.z);
-  store(medium, U(scene.outer_medium));
+  store(medium, U(scene.media.outer_medium));
   int lane_of[L::width], going = 0;
   for (std::uint32_t left = mask_bits(lanes); left != 0; left &= left - 1) lane_of[going++] = std::countr_zero(left);
   for (int round = 0; going > 0 && round < kMaxCrossings; ++round) {
@@ -43,11 +43,11 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
             const int lane = lane_of[first + i];
             const Vec3f along{d[0][lane], d[1][lane], d[2][lane]};
             const Vec3f from{o[0][lane], o[1][lane], o[2][lane]};
-            const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[i]);
+            const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, packet.shape[i]);
             const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
                                                         from + along * packet.t_far[i], packet.instance[i]);
             if (shape.boundary != kNone) {
-              const BoundaryRow& sides = scene.boundaries[shape.boundary];
+              const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
               medium[lane] = dot(y.ng, along) < 0.0f ? sides.exterior : sides.interior;
               continue;
             }

@@ -25,14 +25,15 @@ bool is_specular(ClosureKind kind) {
 /// Probability of selecting, among the parts of a composite material, one where photons are stored; 1 for other
 /// materials. Vertices that look photons up are selected with the same probability, so photons are divided by it.
 float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray) {
-  if (!scene.has_composites) return 1.0f;
-  const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, hit.shape);
+  if (!scene.materials.has_composites) return 1.0f;
+  const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape);
   if (shape.material == hit.material) return 1.0f;
   const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v,
                                              ray.origin + ray.direction * hit.t, hit.instance);
-  return mixture_probability(
-      scene, shape.material, dot(y.ng, ray.direction) > 0.0f, {y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p},
-      [&scene](std::uint32_t row) { return row != MaterialRow::kNothing && !is_specular(scene.materials[row].kind); });
+  return mixture_probability(scene, shape.material, dot(y.ng, ray.direction) > 0.0f,
+                             {y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p}, [&scene](std::uint32_t row) {
+                               return row != MaterialRow::kNothing && !is_specular(scene.materials.rows[row].kind);
+                             });
 }
 
 void store_path(const StageContext& context, Wave& wave, Slot slot, int column, bool in_medium) {
@@ -40,7 +41,8 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const RayState<Scalar> ray = wave.rays.get(slot);
   ++task.arrived;
   if (!in_medium && !task.stores(ray.flags)) return;
-  if (in_medium && keeps_beams(context.integrator.photons, context.scene.media[(ray.flags >> kRayMediumShift) - 1u]))
+  if (in_medium &&
+      keeps_beams(context.integrator.photons, context.scene.media.rows[(ray.flags >> kRayMediumShift) - 1u]))
     return;
   const PathState<Scalar> path = wave.paths.get(slot);
   const RadianceState<Scalar>& row = wave.radiance.row(slot);

@@ -30,7 +30,7 @@ SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> mate
   float* const* closure = wave.closures.columns().words;
   for (int k = 0; k < words; k += 4) {
     Float<L> quad[4];
-    gather_four<L>(scene.materials, &MaterialRow::words, k, material, quad);
+    gather_four<L>(scene.materials.rows, &MaterialRow::words, k, material, quad);
     for (int i = 0; i < 4; ++i) store(closure[k + i] + column, quad[i]);
   }
 }
@@ -57,7 +57,7 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
                                Uint<L> flags, int column, bool with_tangent) {
   using F = Float<L>;
   using U = Uint<L>;
-  const ShapeRecord<L> shape = gather_rows<L>(scene.shapes, hit.shape);
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
                                             ray.origin + ray.direction * hit.t, hit.instance);
   const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
@@ -101,9 +101,9 @@ template <class L>
   for (int lane = 0; lane < L::width; ++lane) {
     const std::uint32_t medium = flags[lane] >> kRayMediumShift;
     // Lanes behind the end of the run may hold anything.
-    if (medium == 0 || (scene.media[medium - 1].flags & kMediumFlakes) == 0) continue;
+    if (medium == 0 || (scene.media.rows[medium - 1].flags & kMediumFlakes) == 0) continue;
     const FlakeMatrix s =
-        flake_matrix(scene, scene.media[medium - 1], {place[0][lane], place[1][lane], place[2][lane]});
+        flake_matrix(scene, scene.media.rows[medium - 1], {place[0][lane], place[1][lane], place[2][lane]});
     for (int k = 0; k < 6; ++k) entries[k][lane] = s.entries[k];
   }
   F matrix[6];
@@ -129,7 +129,7 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
     if (kind.flakes) flake_words<L>(scene, wave, ray, column);
     return;
   }
-  const Uint<L> flags = gather_member<L>(scene.materials, &MaterialRow::flags, hit.material);
+  const Uint<L> flags = gather_member<L>(scene.materials.rows, &MaterialRow::flags, hit.material);
   if (kind.textured) {
     surface_item<L, true>(scene, wave, ray, hit, flags, column, kind.anisotropic);
   } else {
@@ -154,7 +154,8 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     if (run.count == 0) return;
-    const bool textured = (context.scene.kind_flags[static_cast<int>(kind)] & (kMapped | kNeedsUv)) != 0;
+    const bool textured =
+        (context.scene.materials.buckets.kind_flags[static_cast<int>(kind)] & (kMapped | kNeedsUv)) != 0;
     timer.count(run.count, L::width);
     const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,    textured,
                             kIsPhaseFunction<Bsdf<L>>, kind == ClosureKind::kSggx, closure_spectra<Bsdf>()};

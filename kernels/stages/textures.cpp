@@ -43,7 +43,7 @@ bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
     const TextureKind kind = scene.textures.rows[binding.texture].kind;
     return kind == TextureKind::kBitmap || kind == TextureKind::kConstant;
   };
-  const TextureBinding* const first = scene.bindings + material.first_binding;
+  const TextureBinding* const first = scene.materials.bindings + material.first_binding;
   return std::all_of(first, first + material.binding_count, is_flat);
 }
 
@@ -56,7 +56,7 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
   const auto lanes = tile.lanes();
   const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
-    const TextureBinding& binding = scene.bindings[material.first_binding + b];
+    const TextureBinding& binding = scene.materials.bindings[material.first_binding + b];
     const Spectrum<L> value = shading_texture<L, Mode>(scene, binding, query, lambda);
     const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < binding.words; ++k) {
@@ -93,7 +93,7 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   const SceneView& scene = context.scene;
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
   TexturedItem<L> t = wave.textured.load<L>(tile.column);
-  const NormalMapRow& map = scene.normal_maps[material.map];
+  const NormalMapRow& map = scene.materials.normal_maps[material.map];
   const auto query = make_query<L>(wave, tile.slots, t, item.p);
   const auto lanes = tile.lanes();
 
@@ -135,8 +135,9 @@ void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run
   for (int at = part.first / L::width * L::width; at < part.last; at += L::width) {
     const Vec2<L> uv = load_uv<L>(wave, run.column_begin + at);
     for (std::uint32_t b = 0; b < material.binding_count; ++b)
-      prefetch_texture<L>(scene.textures, scene.bindings[material.first_binding + b].texture, uv);
-    if (material.flags & kMapped) prefetch_texture<L>(scene.textures, scene.normal_maps[material.map].texture, uv);
+      prefetch_texture<L>(scene.textures, scene.materials.bindings[material.first_binding + b].texture, uv);
+    if (material.flags & kMapped)
+      prefetch_texture<L>(scene.textures, scene.materials.normal_maps[material.map].texture, uv);
   }
 }
 
@@ -168,8 +169,8 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
     const int end = std::min(run.count, (first / L::width + kTilesAhead) * L::width);
     int last = first + 1;
     while (last < end && material_of(last) == material) ++last;
-    if (scene.materials[material].flags & kNeedsUv) {
-      const MaterialRun next{&scene.materials[material], first, last};
+    if (scene.materials.rows[material].flags & kNeedsUv) {
+      const MaterialRun next{&scene.materials.rows[material], first, last};
       prefetch_run<L>(scene, wave, run, next);
       if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
       asked = next;
@@ -186,12 +187,13 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
 template <class L> void textures(const StageContext& context, Wave& wave) noexcept {
   bool any_textured = false;
   for (int kind = 0; kind < kClosureKinds; ++kind)
-    any_textured = any_textured || (wave.runs[kind].count > 0 && (context.scene.kind_flags[kind] & kNeedsUv) != 0);
+    any_textured = any_textured ||
+                   (wave.runs[kind].count > 0 && (context.scene.materials.buckets.kind_flags[kind] & kNeedsUv) != 0);
   if (!any_textured) return;
   StageTimer timer(wave.stats, Stage::kTextures);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const auto k = static_cast<int>(kind);
-    if ((context.scene.kind_flags[k] & kNeedsUv) == 0) return;
+    if ((context.scene.materials.buckets.kind_flags[k] & kNeedsUv) == 0) return;
     timer.count(texture_kind<L, Bsdf<L>::kIsAnisotropic>(context, wave, wave.runs[k]), L::width);
   });
 }

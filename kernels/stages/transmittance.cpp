@@ -94,7 +94,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const Vec3f d = ray.item.direction;
   const Vec3f normal{packet.normal_x[at], packet.normal_y[at], packet.normal_z[at]};
   const bool behind = dot(normal, d) > 0.0f;
-  const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.shapes, packet.shape[at]);
+  const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, packet.shape[at]);
   // Shadow rays of photons end at the camera, which does not see hidden lights.
   const bool hidden = context.starts_at_lights() && context.integrator.hide_emitters && shape.light != kNone;
   if (hidden && (ray.state.flags & kShadowFromHiddenLight) != 0) return false;
@@ -108,7 +108,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   if (hidden) {
     passage = {Spectrum4(1.0f), 1.0f};
     ray.state.flags |= kShadowPassedHiddenLight;
-  } else if ((scene.materials[shape.material].flags & kComposite) == 0) {
+  } else if ((scene.materials.rows[shape.material].flags & kComposite) == 0) {
     const Spectrum4 lambda = lane_wavelengths(scene, wave, static_cast<Slot>(ray.item.slot));
     passage = pane_passage(scene, shape.material, dot(y.ns, d) / length(d), lambda);
     // Behind a pane the camera sees lights, so a light that the ray has passed before blocks it.

@@ -54,7 +54,7 @@ struct StageContext {
 
 /// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
-  return context.scene.light_count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
+  return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }
 
 }  // namespace sheaf

@@ -14,7 +14,7 @@ struct LightGroupSink {
   /// Red of the first group in the first sample; null: no groups.
   float* first = nullptr;
   std::size_t stride = 0;                         ///< floats from one sample to the next
-  const std::uint16_t* group_of_light = nullptr;  ///< by row of SceneView::lights
+  const std::uint16_t* group_of_light = nullptr;  ///< by row of LightView::rows
   std::uint16_t other = 0;                        ///< group of radiance that has no row
   const SensorCurves* sensor = nullptr;           ///< spectral mode
 };

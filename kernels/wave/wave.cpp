@@ -45,7 +45,7 @@ int longest_closure(const SceneView& scene) {
   int longest = 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     const auto k = static_cast<int>(kind);
-    const bool present = scene.bucket_begin[k] != scene.bucket_begin[k + 1];
+    const bool present = scene.materials.buckets.begin[k] != scene.materials.buckets.begin[k + 1];
     if (present) longest = std::max(longest, (kLeafCount<Bsdf> + 3) / 4 * 4);
   });
   return longest;
@@ -66,12 +66,12 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   constexpr int kMinCandidates = 4;
   constexpr std::uint32_t kMinLights = 32;
   needs.light_tops = needs.candidates && context.integrator.candidates >= kMinCandidates &&
-                     scene.light_selector == LightSelector::kBvh && scene.bounded_light_count >= kMinLights;
+                     scene.light_selector == LightSelector::kBvh && scene.lights.bounded_count >= kMinLights;
   needs.raster_positions = !needs.candidates;
   needs.guides = context.guides;
-  for (const std::uint32_t flags : scene.kind_flags)
+  for (const std::uint32_t flags : scene.materials.buckets.kind_flags)
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
-  needs.counted_lights = std::min(scene.light_count, kMaxReportedLights);
+  needs.counted_lights = std::min(scene.lights.count, kMaxReportedLights);
   needs.closure_words = longest_closure(scene);
   return needs;
 }

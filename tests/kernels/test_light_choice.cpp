@@ -45,9 +45,9 @@ Description lamps(int count) {
 
 /// Whether a light emits towards `p`; rectangles are one-sided.
 bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
-  const LightRow& row = scene.lights[light];
+  const LightRow& row = scene.lights.rows[light];
   if (static_cast<LightKind>(row.kind) != LightKind::kMesh) return true;
-  const LightTriangleRow& t = scene.light_triangles[row.first_triangle];
+  const LightTriangleRow& t = scene.lights.triangles[row.first_triangle];
   return dot(p - t.p, t.normal) > 0.0f;
 }
 
@@ -68,7 +68,7 @@ TEST_CASE("choice of lights: the weights of light and BSDF sampling add up to on
       const LightSampleContext<Scalar> sampled = surface_receiver<Scalar>(p, ns);
       const RayState<Scalar> ray{offset_origin<Scalar>(p, ng, offset, wi), kInfinity, wi, 0};
       const auto found = light_sample_context<Scalar>(ray, encode_octahedral<Scalar>(ns), 0.0f);
-      for (std::uint32_t light = 0; light < view.light_count; ++light) {
+      for (std::uint32_t light = 0; light < view.lights.count; ++light) {
         if (!shines(view, light, p)) continue;
         const double a = choice_probability<Scalar>(view, sampled, light);
         const double b = choice_probability<Scalar>(view, found, light);

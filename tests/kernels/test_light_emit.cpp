@@ -45,7 +45,7 @@ double weighed(Vec3f v) { return double(v.x) + 2.0 * v.y + 3.0 * v.z; }
 
 double power_of(const SceneView& scene) {
   double sum = 0;
-  for (std::uint32_t i = 0; i < scene.light_count; ++i) sum += weighed(scene.light_powers[i]);
+  for (std::uint32_t i = 0; i < scene.lights.count; ++i) sum += weighed(scene.lights.powers[i]);
   return sum;
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("light emission: so do media that glow, whose power is 4 pi times what
   std::vector<Case> cases = medium_cases(folder);
   cases.back().power_error = 5e-3;
   check_cases(cases);
-  const Vec3f power = compile_scene(cases[0].scene)->view().light_powers[0];
+  const Vec3f power = compile_scene(cases[0].scene)->view().lights.powers[0];
   const double expected = 4 * kPiD * 1.5 * (1.0 * 2.0 * 1.6);  // sigma_a 1.5, radiance 1
   CHECK(power.x == doctest::Approx(expected));
   CHECK(power.y == doctest::Approx(2 * expected));
@@ -224,8 +224,8 @@ TEST_CASE("light emission: photons start in a medium as their density says, whic
   const TemporaryFolder folder;
   const auto scene = compile_scene(medium_case("", uneven_fog(folder), {kBox}).scene);
   const SceneView view = scene->view();
-  REQUIRE(view.light_count == 1);
-  const Vec3f corner = view.lights[0].position, size = view.lights[0].extent();
+  REQUIRE(view.lights.count == 1);
+  const Vec3f corner = view.lights.rows[0].position, size = view.lights.rows[0].extent();
   constexpr int kSide = 4, kDraws = 50000, kFine = 32;
   std::vector<double> observed(kSide * kSide * kSide), expected(kSide * kSide * kSide);
   const auto block = [&](double x, double y, double z) {
@@ -301,7 +301,8 @@ TEST_CASE("light emission: directions are distributed as their density says") {
     const Description d = placed_case("", envmap_of(folder, compensated)).scene;
     const auto scene = compile_scene(d);
     const auto mixed = [&](Vec3f w) {
-      return 0.875 * double(lookup_envmap<Scalar>(scene->view().envmap, -w).pdf_solid_angle) + 0.125 * 0.25 / kPiD;
+      return 0.875 * double(lookup_envmap<Scalar>(scene->view().lights.envmap, -w).pdf_solid_angle) +
+             0.125 * 0.25 / kPiD;
     };
     check_directions(d, mixed, -1, significance);
   }
@@ -408,12 +409,12 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
   const TemporaryFolder folder;
   const auto scene = compile_scene(mixed_case(folder).scene);
   const SceneView view = scene->view();
-  std::vector<int> seen(view.light_count);
+  std::vector<int> seen(view.lights.count);
   double worst = 0;
   int other = 0, total = 0;
   for (std::uint32_t i = 0; i < 20000; i += kWidth) {
     const auto light_of = [&](int lane) {
-      return (i / kWidth * 7 + static_cast<std::uint32_t>(lane)) % view.light_count;
+      return (i / kWidth * 7 + static_cast<std::uint32_t>(lane)) % view.lights.count;
     };
     const auto wide = emit_photon<Wide>(view, {wide_uints([&](int lane) { return light_of(lane); }), WideFloat(0.25f)},
                                         wide_random(64, i), wide_random(65, i));
@@ -435,7 +436,7 @@ TEST_CASE("light emission: registers equal single values, lights mixed") {
                         difference(wide.pdf_position[lane], one.pdf_position),
                         difference(wide.pdf_direction[lane], one.pdf_direction)});
       CHECK(wide.medium[lane] == one.medium);
-      CHECK((one.medium == kNone) == !view.lights[light_of(lane)].is(LightKind::kVolume));
+      CHECK((one.medium == kNone) == !view.lights.rows[light_of(lane)].is(LightKind::kVolume));
     }
   }
   CHECK(worst < 2e-3);

@@ -51,7 +51,7 @@ struct Meeting {
 Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) {
   const auto hit = trace_ray(scene, from, direction, t_near);
   if (!hit) return {};
-  const auto shape = gather_rows<Scalar>(scene.shapes, hit->shape);
+  const auto shape = gather_rows<Scalar>(scene.geometry.shapes, hit->shape);
   const auto y = surface_at(scene, from, direction, *hit);
   const bool lit = dot(direction, y.ng) < 0;
   const auto light = load_lights<Scalar>(scene, shape.light);
@@ -272,7 +272,7 @@ TEST_CASE("light sampling: a flipped cylinder from within") {
 
 TEST_CASE("light sampling: spheres from afar, from near and from touching distance") {
   const auto scene = lone_light(SphereShape{{0, 0, 3}, 1}, Transform());
-  CHECK(scene->view().lights[0].is(LightKind::kSphere));
+  CHECK(scene->view().lights.rows[0].is(LightKind::kSphere));
   check_directions(scene->view(), {0, 0, -1e3f}, window({0, 0, 1}, 1.2e-3), Use::kWhole);
   check_directions(scene->view(), {0, 0, 0}, window({0, 0.05f, 1}, 0.5), Use::kWhole);
   check_directions(scene->view(), {0.1f, 0, 1.99f}, whole_sphere(), Use::kWhole);
@@ -299,7 +299,7 @@ TEST_CASE("light sampling: a flipped sphere from within, at its centre and near 
 TEST_CASE("light sampling: ellipsoids") {
   const auto scene = lone_light(SphereShape{}, Transform::translate({0, 0, 4}) * Transform::rotate({1, 1, 1}, 50) *
                                                    Transform::scale({0.4f, 1, 1.6f}));
-  CHECK(scene->view().lights[0].is(LightKind::kQuadric));
+  CHECK(scene->view().lights.rows[0].is(LightKind::kQuadric));
   check_directions(scene->view(), {0, 0, 0}, window({0, 0, 1}, 0.6), Use::kPart);
   check_samples(scene->view(), {0, 0, 0});
 }
@@ -403,11 +403,11 @@ TEST_CASE("light sampling: lights are selected in proportion to their power") {
   d.integrator.light_selector = LightSelector::kPower;
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
-  REQUIRE(view.light_count == 8);
+  REQUIRE(view.lights.count == 8);
   double sum = 0;
-  for (std::uint32_t i = 0; i < view.light_count; ++i) sum += view.light_alias[i].pdf;
+  for (std::uint32_t i = 0; i < view.lights.count; ++i) sum += view.lights.alias[i].pdf;
   CHECK(sum == doctest::Approx(1).epsilon(1e-6));
-  const auto pdf = [&](std::size_t i) { return double(view.light_alias[i].pdf); };
+  const auto pdf = [&](std::size_t i) { return double(view.lights.alias[i].pdf); };
   const double pi = kPi, rectangle = pi * 4 * 1;
   CHECK(pdf(1) / pdf(0) == doctest::Approx(pi * (4 * pi * 0.25) * 2 / rectangle).epsilon(1e-5));
   CHECK(pdf(2) / pdf(0) == doctest::Approx(pi * pi * 3 / rectangle).epsilon(1e-5));

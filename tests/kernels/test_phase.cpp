@@ -212,8 +212,8 @@ TEST_CASE("phase: mixtures of tables are the sums of their parts") {
   };
   const CompiledMaterials compiled = compile_materials({}, nullptr, phases);
   SceneView scene;
-  scene.materials = compiled.tables.rows.data();
-  scene.closure_tables = compiled.tables.closure_tables.data();
+  scene.materials.rows = compiled.tables.rows.data();
+  scene.materials.closure_tables = compiled.tables.closure_tables.data();
   const Table first({0.5f, 1, 4}), second({3, 0, 1, 2});
   for (std::uint32_t i = 0; i < 50; ++i) {
     const Vec3f wi = random_direction(4, i);

@@ -51,13 +51,13 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task once, in order, within
         CHECK(is_black(radiance.radiance));
         CHECK(ray.flags == kRayFromCamera);
         CHECK(ray.t_max == kInfinity);
-        CHECK(ray.origin == view.camera.origin);
+        CHECK(ray.origin == view.sensor.camera.origin);
         // The direction passes through the pixel.
-        const Vec3f normal = normalize(cross(view.camera.dx, view.camera.dy));
-        const Vec3f on_film =
-            ray.direction * (dot(view.camera.corner, normal) / dot(ray.direction, normal)) - view.camera.corner;
-        const float film_x = dot(on_film, view.camera.dx) / length_squared(view.camera.dx);
-        const float film_y = dot(on_film, view.camera.dy) / length_squared(view.camera.dy);
+        const Vec3f normal = normalize(cross(view.sensor.camera.dx, view.sensor.camera.dy));
+        const Vec3f on_film = ray.direction * (dot(view.sensor.camera.corner, normal) / dot(ray.direction, normal)) -
+                              view.sensor.camera.corner;
+        const float film_x = dot(on_film, view.sensor.camera.dx) / length_squared(view.sensor.camera.dx);
+        const float film_y = dot(on_film, view.sensor.camera.dy) / length_squared(view.sensor.camera.dy);
         CHECK(std::fabs(film_x - static_cast<float>(x) - 0.5f) <= 0.5001f);
         CHECK(std::fabs(film_y - static_cast<float>(y) - 0.5f) <= 0.5001f);
       }
@@ -154,8 +154,8 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
   TestWave test(2);
   const Slot front = test.add_active({0, 0, 0}, kForward), back = test.add_active({0, 0, 3}, {0, 0, -1});
   intersect<L>(test.context(*scene), test.wave);
-  const MaterialRow& seen = view.materials[test.wave.hits.get(front).material];
-  const MaterialRow& behind = view.materials[test.wave.hits.get(back).material];
+  const MaterialRow& seen = view.materials.rows[test.wave.hits.get(front).material];
+  const MaterialRow& behind = view.materials.rows[test.wave.hits.get(back).material];
   CHECK(seen.words[0] == 0.2f);
   CHECK(behind.words[0] == 0.7f);
 }

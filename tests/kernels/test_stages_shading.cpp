@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("sort: hits lie in runs by kind, then material, in their old 
     std::uint32_t last_bucket = 0, last_pixel = 0;
     for_each_item(wave, [&](Slot slot, int, ClosureKind kind) {
       CHECK(kind == kind_of(test.square_of_slot[slot]));
-      const std::uint32_t bucket = scene->view().materials[wave.hits.get(slot).material].bucket,
+      const std::uint32_t bucket = scene->view().materials.rows[wave.hits.get(slot).material].bucket,
                           pixel = wave.paths.get(slot).pixel;
       CHECK(bucket >= last_bucket);
       if (bucket == last_bucket) CHECK(pixel >= last_pixel);
@@ -127,7 +127,7 @@ TEST_CASE_TEMPLATE("surface inputs: places, frames and parameters of every hit",
       CHECK(record_difference<Vec3>(Frame<Scalar>::from_normal(item.ns).to_world(item.wo), -ray.direction) < 1e-6);
       CHECK(item.offset > 0.0f);
       CHECK(item.offset < 1e-4f);
-      const MaterialRow& material = scene->view().materials[hit.material];
+      const MaterialRow& material = scene->view().materials.rows[hit.material];
       const auto closure = wave.closures.template load<Scalar>(column);
       const int words = kind_of(square) == ClosureKind::kDiffuse     ? 4
                         : kind_of(square) == ClosureKind::kConductor ? 12

@@ -81,7 +81,7 @@ TEST_CASE("environment map: every strategy finds the light of a diffuse floor" *
     const Transform turn = Transform::rotate({1, 2, 3}, 70);
     d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turn, compensated}, {}});
     const Vec3f normal = Transform::rotate({1, 0.3f, 0}, -60).vector({0, 0, 1});
-    const double expected = 0.5 / kPiD * irradiance(compile_scene(d)->view().envmap, normal);
+    const double expected = 0.5 / kPiD * irradiance(compile_scene(d)->view().lights.envmap, normal);
     for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
       d.integrator.strategy = strategy;
       const Image out = render(*compile_scene(d), {}).film.to_image();
@@ -204,7 +204,7 @@ TEST_CASE("environment map: compensation is for integrators in which something e
   const auto is_compensated = [&](auto&& change) {
     Description d = foggy_scene(folder / "uneven.exr", true);
     change(d.integrator);
-    return compile_scene(d)->view().envmap.offset > 0;
+    return compile_scene(d)->view().lights.envmap.offset > 0;
   };
   CHECK(is_compensated([](IntegratorSettings&) {}));
   CHECK(!is_compensated([](IntegratorSettings& i) { i.strategy = LightStrategy::kLightOnly; }));

@@ -66,8 +66,8 @@ TEST_CASE("instancing: rays see the same as of shapes placed one by one") {
       worst_ng = std::max(worst_ng, distance(x.ng, y.ng));
       // Vertex normals are interpolated in the group's space.
       const Vec3f hit_point = placement.to_world.inverse().point(x.p);
-      const auto z = surface_point<Scalar>(own->view(), gather_rows<Scalar>(own->view().shapes, a->shape), a->primitive,
-                                           a->u, a->v, hit_point, kNone);
+      const auto z = surface_point<Scalar>(own->view(), gather_rows<Scalar>(own->view().geometry.shapes, a->shape),
+                                           a->primitive, a->u, a->v, hit_point, kNone);
       worst_ns = std::max(worst_ns, distance(x.ns, normalize(placement.to_world.normal(z.ns))));
       const double turns = std::fabs(x.uv.x - double(y.uv.x));
       worst_uv = std::max({worst_uv, std::min(turns, std::fabs(1 - turns)), std::fabs(x.uv.y - double(y.uv.y))});
@@ -116,7 +116,7 @@ TEST_CASE("instancing: registers equal single values, plain shapes and instances
   for (const NamedTransform& placement : kPlacements) add_instance(d, group, placement.to_world);
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
-  REQUIRE(view.shape_count == 10);
+  REQUIRE(view.geometry.shape_count == 10);
   double worst = 0;
   for (std::uint32_t i = 0; i < 2000; i += kWidth) {
     const auto at = [i](int lane) { return i + static_cast<std::uint32_t>(lane); };
@@ -124,11 +124,11 @@ TEST_CASE("instancing: registers equal single values, plain shapes and instances
     const auto instance_of = [&](int lane) { return shape_of(lane) < 2 ? kNone : at(lane) % 8; };
     const auto hit = wide_record<Vec3>([&](int lane) { return random_direction(64, at(lane)) * 2.0f; });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
-    const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.shapes, wide_uints(shape_of)),
+    const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, wide_uints(shape_of)),
                                                 WideUint(1u), u, v, hit, wide_uints(instance_of));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.shapes, shape_of(lane)), 1u, u[lane],
-                                                   v[lane], lane_record(hit, lane), instance_of(lane));
+      const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.geometry.shapes, shape_of(lane)), 1u,
+                                                   u[lane], v[lane], lane_record(hit, lane), instance_of(lane));
       const auto relative = [&](const Vec3<Wide>& a, Vec3f b) {
         return distance(lane_record(a, lane), b) / (1 + length(b));
       };

@@ -110,7 +110,7 @@ TEST_CASE("photons from outside reach all of a medium that has no end") {
       add_constant_light(d, 1);
     const auto scene = compile_scene(d);
     const double inner = static_cast<double>(scene->view().radius);
-    const double outer = static_cast<double>(scene->view().medium_radius);
+    const double outer = static_cast<double>(scene->view().media.outer_radius);
     CHECK(outer == doctest::Approx(1.01 * inner));
     // Parallel light: rays farther than the radius from the axis. Light from all sides: points in the outer shell.
     double expected = 0;

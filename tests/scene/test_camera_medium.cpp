@@ -24,7 +24,7 @@ struct Found {
 Found find(const Description& d) {
   const auto scene = compile_scene(d);
   for (const std::string& warning : scene->warnings()) CAPTURE(warning);
-  return {scene->view().camera_medium, scene->warnings().size()};
+  return {scene->view().media.camera_medium, scene->warnings().size()};
 }
 
 void check(const Description& d, std::uint32_t medium, bool warns) {

@@ -44,7 +44,7 @@ Vec3f irradiance(const SceneView& scene, Vec3f normal) {
       const double z = std::cos(polar), r = std::sin(polar), weight = z * r;
       const Vec3f local{static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)),
                         static_cast<float>(z)};
-      const auto value = lookup_envmap<Scalar>(scene.envmap, Frame<Scalar>::from_normal(normal).to_world(local));
+      const auto value = lookup_envmap<Scalar>(scene.lights.envmap, Frame<Scalar>::from_normal(normal).to_world(local));
       sum[0] += weight * double(value.radiance.c0), sum[1] += weight * double(value.radiance.c1);
       sum[2] += weight * double(value.radiance.c2);
     }
@@ -61,7 +61,7 @@ template <class Model> std::unique_ptr<Scene> lone(Model model) {
 
 /// The sun's irradiance on a plane that faces it.
 Vec3f sun_irradiance(const SceneView& scene) {
-  const auto s = sample_given_light<Scalar>(scene, {0, 0, 0}, scene.lights[0], {0.5f, 0.5f, 0.5f, 0.5f});
+  const auto s = sample_given_light<Scalar>(scene, {0, 0, 0}, scene.lights.rows[0], {0.5f, 0.5f, 0.5f, 0.5f});
   const float scale = 1 / s.pdf_solid_angle;
   return {s.radiance.c0 * scale, s.radiance.c1 * scale, s.radiance.c2 * scale};
 }
@@ -169,7 +169,7 @@ TEST_CASE("daylight: the map that the sky becomes") {
     const Vec3f within = frame.s * static_cast<float>(std::sin(polar / 2 * kDegrees)) +
                          up * static_cast<float>(std::cos(polar / 2 * kDegrees));
     const auto expected = model.radiance(std::cos(polar / 2 * kDegrees), angle(within, sky.suns[0]));
-    CHECK(double(lookup_envmap<Scalar>(stretched_map->view().envmap, across).radiance.c1) ==
+    CHECK(double(lookup_envmap<Scalar>(stretched_map->view().lights.envmap, across).radiance.c1) ==
           doctest::Approx(expected[1]).epsilon(5e-3));
   }
   sky.stretch = 1;
@@ -188,7 +188,7 @@ TEST_CASE("daylight: the sun's irradiance depends neither on its size nor on how
   for (const float radius : {0.0f, 0.05f, 3.0f, 45.0f}) {
     sun.radius = radius;
     const auto scene = lone(sun);
-    CHECK(scene->view().lights[0].is(radius > 0 ? LightKind::kSun : LightKind::kDirectional));
+    CHECK(scene->view().lights.rows[0].is(radius > 0 ? LightKind::kSun : LightKind::kDirectional));
     check_near(numbers(sun_irradiance(scene->view())), numbers(expected), 1e-4);
   }
   // One that moves across the sky, in the sky's map, with its own sky switched off.
@@ -262,16 +262,16 @@ TEST_CASE("daylight: skies of several suns are averaged, and without the sun the
   both.suns = {first.suns[0], second.suns[0], {0, -1, 0}, first.suns[0]};
   const Vec3f direction = normalize(Vec3f{0.3f, 0.7f, 0.6f});
   const auto at = [&](const SkyDescription& sky) {
-    return double(lookup_envmap<Scalar>(lone(sky)->view().envmap, direction).radiance.c2);
+    return double(lookup_envmap<Scalar>(lone(sky)->view().lights.envmap, direction).radiance.c2);
   };
   CHECK(at(both) == doctest::Approx((2 * at(first) + at(second)) / 4).epsilon(1e-5));
   const auto night = lone(sky_with({1, -0.1f, 0}));
-  CHECK(night->view().light_count == 0);
+  CHECK(night->view().lights.count == 0);
   REQUIRE(night->warnings().size() == 1);
   CHECK(night->warnings()[0].find("scene.xml:9: the sky is black") != std::string::npos);
   SunDescription sun;
   sun.direction = {1, 0, 0}, sun.up = normalize(Vec3f{-0.1f, 1, 0});
-  CHECK(lone(sun)->view().light_count == 0);
+  CHECK(lone(sun)->view().lights.count == 0);
 }
 
 }  // namespace sheaf::test_daylight

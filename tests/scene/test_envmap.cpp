@@ -318,8 +318,8 @@ TEST_CASE("environment map: only spectral mode has spectra, and counts them") {
   write_hdr(folder / "plain.hdr", 2, 2, {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3});
   Description d = empty_scene(4, 4);
   d.lights.push_back({EnvmapDescription{folder / "plain.hdr", 1, {}, false}, {}});
-  CHECK(compile_scene(d)->view().envmap.spectra == nullptr);
-  CHECK(compile_scene(d, {false, kSpectral})->view().envmap.spectra != nullptr);
+  CHECK(compile_scene(d)->view().lights.envmap.spectra == nullptr);
+  CHECK(compile_scene(d, {false, kSpectral})->view().lights.envmap.spectra != nullptr);
   Envmap map = make_envmap(uneven_picture(), 1, false);
   const std::size_t before = map.bytes();
   uplift_nodes(map);
@@ -366,20 +366,20 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   write_exr(folder / "bad.exr", bad, {});
 
   const auto plain = compile_scene(scene_with("plain.hdr"));
-  CHECK(plain->view().environment == 0);
+  CHECK(plain->view().lights.environment == 0);
   CHECK(plain->warnings().empty());
-  CHECK(lookup_envmap<Scalar>(plain->view().envmap, {0, 0, 1}).radiance.c2 == doctest::Approx(3));
+  CHECK(lookup_envmap<Scalar>(plain->view().lights.envmap, {0, 0, 1}).radiance.c2 == doctest::Approx(3));
   const auto grey = compile_scene(scene_with("grey.pgm"));
-  CHECK(lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.25, 0.3)).radiance.c0 == doctest::Approx(1));
-  const auto darker = lookup_envmap<Scalar>(grey->view().envmap, direction_of(0.75, 0.3)).radiance;
+  CHECK(lookup_envmap<Scalar>(grey->view().lights.envmap, direction_of(0.25, 0.3)).radiance.c0 == doctest::Approx(1));
+  const auto darker = lookup_envmap<Scalar>(grey->view().lights.envmap, direction_of(0.75, 0.3)).radiance;
   CHECK(darker.c2 == doctest::Approx(0.5029).epsilon(1e-3));
   Description linear = scene_with("grey.pgm");
   std::get<EnvmapDescription>(linear.lights.at(0).model).raw = true;
-  CHECK(lookup_envmap<Scalar>(compile_scene(linear)->view().envmap, direction_of(0.75, 0.3)).radiance.c2 ==
+  CHECK(lookup_envmap<Scalar>(compile_scene(linear)->view().lights.envmap, direction_of(0.75, 0.3)).radiance.c2 ==
         doctest::Approx(linear_to_srgb(0.5029f)).epsilon(1e-3));
   const auto black = compile_scene(scene_with("black.hdr"));
-  CHECK(black->view().environment == kNone);
-  CHECK(black->view().light_count == 0);
+  CHECK(black->view().lights.environment == kNone);
+  CHECK(black->view().lights.count == 0);
   CHECK(black->warnings().size() == 1);
   const auto repaired = compile_scene(scene_with("bad.exr"));
   REQUIRE(repaired->warnings().size() == 1);
@@ -392,7 +392,7 @@ TEST_CASE("environment map: pictures in files, usable or not") {
   CHECK(values.rgb == std::vector<float>{1, 1, 1, 0, 1, 1, 0, 1, 1, 1, 65504, 1});
   for (std::uint32_t i = 0; i < 500; ++i) {
     const auto u = random4<Scalar>(6, i, 0, 0);
-    const auto s = sample_envmap<Scalar>(repaired->view().envmap, u.x, u.y);
+    const auto s = sample_envmap<Scalar>(repaired->view().lights.envmap, u.x, u.y);
     CHECK((is_finite(s.pdf_solid_angle) && is_finite(s.direction) && s.radiance.c0 >= 0 && s.radiance.c1 <= 65536 &&
            s.radiance.c2 <= 1.001f));
   }

@@ -40,7 +40,7 @@ Tally tally(Geometry geometry, const Transform& to_world, bool flip, bool both_s
   shape.emits_on_both_sides = both_sides;
   const std::unique_ptr<Scene> owner = compile_scene(d);
   const SceneView scene = owner->view();
-  const LightBounds bounds = bounds_of_light(scene, 0, scene.light_powers[0].x);
+  const LightBounds bounds = bounds_of_light(scene, 0, scene.lights.powers[0].x);
   const LightTree tree = build_light_tree(std::vector<LightBounds>{bounds});
   Tally out;
   for (std::uint32_t i = 0; i < 20000; ++i) {

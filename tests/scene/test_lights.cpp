@@ -148,7 +148,7 @@ TEST_CASE("lights: the flux of spots and projectors is their power") {
     const double c = 50 * kDegrees, b = 20 * kDegrees;
     const double expected = 2 * kPiD * 3 * (1 - (std::sin(c) - std::sin(b)) / (c - b));
     CHECK(flux(scene->view(), 1.3) == doctest::Approx(expected).epsilon(1e-3));
-    CHECK(scene->view().light_powers[0].x == doctest::Approx(expected).epsilon(1e-3));
+    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-3));
   }
   SUBCASE("smooth") {
     SpotLightDescription spot;
@@ -158,7 +158,7 @@ TEST_CASE("lights: the flux of spots and projectors is their power") {
     const auto scene = lone(spot);
     const double expected = kPiD * (2 - std::cos(20 * kDegrees) - std::cos(50 * kDegrees));
     CHECK(flux(scene->view(), 1.3) == doctest::Approx(expected).epsilon(1e-3));
-    CHECK(scene->view().light_powers[0].x == doctest::Approx(expected).epsilon(1e-3));
+    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-3));
   }
   SUBCASE("textured") {
     Description d = empty_scene(4, 4);
@@ -170,7 +170,7 @@ TEST_CASE("lights: the flux of spots and projectors is their power") {
     const auto scene = compile_scene(d);
     const double expected = 2 * kPiD * (1 - std::cos(45 * kDegrees));  // half of the cone at twice the intensity
     CHECK(flux(scene->view(), 1.1) == doctest::Approx(expected).epsilon(3e-3));
-    CHECK(scene->view().light_powers[0].x == doctest::Approx(expected).epsilon(1e-2));
+    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-2));
     CHECK(sample_at(scene->view(), {-0.1f, -0.1f, 1}).radiance.c0 > 1);
     CHECK(sample_at(scene->view(), {0.1f, -0.1f, 1}).radiance.c0 == 0);
   }
@@ -182,7 +182,7 @@ TEST_CASE("lights: the flux of spots and projectors is their power") {
     const auto scene = lone(projector);
     const double expected = kPiD * 1.5 * 4 * std::tan(30 * kDegrees) * std::tan(30 * kDegrees);
     CHECK(flux(scene->view(), std::tan(30 * kDegrees) * 1.0001) == doctest::Approx(expected).epsilon(2e-3));
-    CHECK(scene->view().light_powers[0].x == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-4));
     CHECK_FALSE(sample_at(scene->view(), {0, 0.6f, 1}).valid);
     CHECK_FALSE(sample_at(scene->view(), {0, 0, -1}).valid);
   }
@@ -213,7 +213,7 @@ TEST_CASE("lights: a sun and the sky, by every strategy") {
   sun.radius = 20;
   d.lights.push_back({sun, {}});
   const auto scene = compile_scene(d);
-  const LightRow& row = scene->view().lights[0];
+  const LightRow& row = scene->view().lights.rows[0];
   // Lambert's cosine over a cone above the horizon: pi sin^2 of its half angle times the cosine of its axis.
   const double cosine = double(sun.direction.z), disk = kPiD * std::pow(std::sin(20 * kDegrees), 2);
   CHECK(agreed(d) == doctest::Approx(0.5 / kPiD * double(row.radiance.c0) * disk * cosine).epsilon(0.01));
@@ -267,8 +267,8 @@ TEST_CASE("lights: a picture's mean counts") {
   const Result a = rendered(d), b = rendered(plain);
   CHECK(std::fabs(a.mean - b.mean) < 4.5 * std::hypot(a.error, b.error));
   const auto scene = compile_scene(d), other = compile_scene(plain);
-  CHECK(scene->view().light_powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(5e-3));
-  CHECK(other->view().light_powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(1e-5));
+  CHECK(scene->view().lights.powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(5e-3));
+  CHECK(other->view().lights.powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(1e-5));
 }
 
 TEST_CASE("lights: a mesh's attribute shines") {
@@ -281,7 +281,7 @@ TEST_CASE("lights: a mesh's attribute shines") {
   const Transform above = Transform::translate({0.4f, 0.1f, 1.5f}) * Transform::rotate({1, 0, 0}, 180);
   add_shape(d, mesh, above, add_diffuse(d, 0)).radiance = TextureId{0};
   CHECK(agreed(d) > 0);
-  const Vec3f power = compile_scene(d)->view().light_powers[0];
+  const Vec3f power = compile_scene(d)->view().lights.powers[0];
   CHECK(power.x == doctest::Approx(kPiD * 2 * 8));
   CHECK(power.y == doctest::Approx(kPiD * 2 * 4));
   CHECK(power.z == doctest::Approx(kPiD * 4 * 2));
@@ -341,19 +341,19 @@ Description repeated_scene() {
 TEST_CASE("lights: instances emit as their shapes would in their place") {
   const auto instanced = compile_scene(instanced_scene()), repeated = compile_scene(repeated_scene());
   const SceneView a = instanced->view(), b = repeated->view();
-  REQUIRE(a.light_count == 13);
-  REQUIRE(b.light_count == 13);
+  REQUIRE(a.lights.count == 13);
+  REQUIRE(b.lights.count == 13);
   for (std::uint32_t i = 0; i < 13; ++i) {
     CAPTURE(i);
-    const LightRow &x = a.lights[i], &y = b.lights[i];
+    const LightRow &x = a.lights.rows[i], &y = b.lights.rows[i];
     CHECK(x.kind == y.kind);
-    CHECK(a.light_powers[i].x == doctest::Approx(b.light_powers[i].x).epsilon(1e-4));
-    CHECK(a.light_powers[i].y == doctest::Approx(b.light_powers[i].y).epsilon(1e-4));
+    CHECK(a.lights.powers[i].x == doctest::Approx(b.lights.powers[i].x).epsilon(1e-4));
+    CHECK(a.lights.powers[i].y == doctest::Approx(b.lights.powers[i].y).epsilon(1e-4));
     CHECK(x.area == doctest::Approx(y.area).epsilon(1e-4));
     if (!x.is(LightKind::kMesh)) continue;
     for (std::uint32_t t = 0; t < x.triangle_count; ++t) {
       // The vertex order of mirrored shapes may differ; the plane may not.
-      const auto &p = a.light_triangles[x.first_triangle + t], &q = b.light_triangles[y.first_triangle + t];
+      const auto &p = a.lights.triangles[x.first_triangle + t], &q = b.lights.triangles[y.first_triangle + t];
       CHECK(record_difference<Vec3>(p.normal, q.normal) < 1e-4);
     }
   }
@@ -434,10 +434,10 @@ TEST_CASE("lights: registers do as single values, whatever lights they hold") {
   add_constant_light(d, 0.1f);
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
-  std::vector<int> seen(view.light_count);
+  std::vector<int> seen(view.lights.count);
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const auto u = [i](int lane) { return random4<Scalar>(12, i, static_cast<std::uint32_t>(lane), 0); };
-    const auto light_of = [&](int lane) { return (i * 7 + static_cast<std::uint32_t>(lane)) % view.light_count; };
+    const auto light_of = [&](int lane) { return (i * 7 + static_cast<std::uint32_t>(lane)) % view.lights.count; };
     const auto from = [&](int lane) { return Vec3f{u(lane).x - 0.5f, u(lane).w - 0.5f, 0.3f * u(lane).y}; };
     const auto wide_u = [&](auto member) { return wide_floats([&](int k) { return u(k).*member; }); };
     using U4 = Random4<Scalar>;
@@ -457,10 +457,10 @@ TEST_CASE("lights: registers do as single values, whatever lights they hold") {
       CHECK(difference(wide.target.z[k], s.target.z) < 1e-4);
       CHECK(difference(wide.pdf_solid_angle[k], s.pdf_solid_angle) < 1e-3);
       // Squares of a board have hard edges.
-      if (difference(wide.radiance.c1[k], s.radiance.c1) > 1e-3) CHECK(view.lights[light_of(k)].texture != kNone);
+      if (difference(wide.radiance.c1[k], s.radiance.c1) > 1e-3) CHECK(view.lights.rows[light_of(k)].texture != kNone);
     }
   }
-  for (std::uint32_t i = 0; i < view.light_count; ++i) {
+  for (std::uint32_t i = 0; i < view.lights.count; ++i) {
     CAPTURE(i);
     CHECK(seen[i] > 20);
   }
@@ -615,10 +615,10 @@ TEST_CASE("lights: powers of lights that share a texture's mean are those of eac
   }
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
-  REQUIRE(view.light_count == 5 * std::size(maps) + 4 + 4);
-  for (std::uint32_t i = 0; i < view.light_count; ++i) {
+  REQUIRE(view.lights.count == 5 * std::size(maps) + 4 + 4);
+  for (std::uint32_t i = 0; i < view.lights.count; ++i) {
     CAPTURE(i);
-    const Vec3f alone = light_power(view, i), together = view.light_powers[i];
+    const Vec3f alone = light_power(view, i), together = view.lights.powers[i];
     CHECK(together.x == doctest::Approx(alone.x).epsilon(2e-4));
     CHECK(together.y == doctest::Approx(alone.y).epsilon(2e-4));
     CHECK(together.z == doctest::Approx(alone.z).epsilon(2e-4));

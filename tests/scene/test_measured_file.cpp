@@ -153,8 +153,8 @@ TEST_CASE("measured files: scenes have a table for each file, and say where a br
   };
   const auto one = compile_scene(scene(material("a.bsdf")), {});
   const auto two = compile_scene(scene(material("a.bsdf") + "\n" + material("a.bsdf")), {});
-  REQUIRE(one->view().closure_tables != nullptr);
-  CHECK(one->view().closure_tables[0] == two->view().closure_tables[0]);
+  REQUIRE(one->view().materials.closure_tables != nullptr);
+  CHECK(one->view().materials.closure_tables[0] == two->view().materials.closure_tables[0]);
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     CompileOptions options;
     options.color = color;

@@ -31,8 +31,8 @@ std::unique_ptr<const Scene> compile_spectral(const MediumDescription& medium) {
 /// bound.
 std::pair<float, float> largest_and_bound(const Scene& scene) {
   const SceneView view = scene.view();
-  const MediumRow& medium = view.media[0];
-  const MajorantGridRow& majorants = view.majorant_grids[medium.majorants];
+  const MediumRow& medium = view.media.rows[0];
+  const MajorantGridRow& majorants = view.media.majorants[medium.majorants];
   const float bound = majorants.bounds[majorants.entries[0] >> kMajorantSideBits].majorant();
   float largest = 0, worst = 0;
   for (float nm = 360; nm <= 826; nm += 4) {

@@ -45,7 +45,7 @@ TEST_CASE("microflakes: a grid of six channels is looked up as matrices, mixed b
   });
   const auto scene = compile_scene(flakes_in_sphere({vol(file, Transform::translate({-0.5f, -0.5f, 4.5f}))}));
   const SceneView view = scene->view();
-  const MediumRow& medium = view.media[0];
+  const MediumRow& medium = view.media.rows[0];
   CHECK((medium.flags & kMediumFlakes) != 0);
   CHECK((medium.flags & kMediumHomogeneous) == 0);
   const FlakeMatrix s = flake_matrix(view, medium, {0.1f, -0.2f, 5});

@@ -118,7 +118,7 @@ TEST_CASE("pbrt coats: constants, colours and textures of the base lose the same
           return grey != nullptr ? Vec3f{grey->value, grey->value, grey->value}
                                  : std::get<SpectrumDescription::Rgb>(value).value;
         }
-        const CompiledTextures textures = compile_textures(d.textures);
+        const TextureTables textures = compile_textures(d.textures);
         TextureView view;
         view.rows = textures.rows.data();
         view.tiles = textures.tiles.get();

@@ -32,7 +32,8 @@ double power_of(const std::string& world) {
   add_pictures(folder);
   const auto scene = compile_scene(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n" + world)), {});
   double sum = 0;
-  for (std::uint32_t i = 0; i < scene->view().light_count; ++i) sum += double{luminance(light_power(scene->view(), i))};
+  for (std::uint32_t i = 0; i < scene->view().lights.count; ++i)
+    sum += double{luminance(light_power(scene->view(), i))};
   return sum;
 }
 

@@ -38,13 +38,13 @@ struct Filled {
                              "Shape \"sphere\" \"float radius\" 9\n";
     const Description d = read_scene(write_below(folder, "scene.pbrt", text));
     scene = compile_scene(d, {});
-    spectra = medium_spectra(scene->view(), scene->view().media[0], {});
+    spectra = medium_spectra(scene->view(), scene->view().media.rows[0], {});
   }
 
   void look(Vec3f p) {
     const SceneView view = scene->view();
-    const MediumCoefficients found = medium_coefficients(view, view.media[0], spectra, p, {});
-    const Float4 glow = medium_emission(view, view.media[0], spectra, p, {});
+    const MediumCoefficients found = medium_coefficients(view, view.media.rows[0], spectra, p, {});
+    const Float4 glow = medium_emission(view, view.media.rows[0], spectra, p, {});
     sigma_a = {found.sigma_a[0], found.sigma_a[1], found.sigma_a[2]};
     sigma_s = {found.sigma_s[0], found.sigma_s[1], found.sigma_s[2]};
     emission = {glow[0], glow[1], glow[2]};
@@ -93,7 +93,7 @@ TEST_CASE("pbrt media: colours of absorption and scattering by voxel, and what b
   fog.look({0.5f, 0.5f, 0.5f});
   CHECK(length(fog.sigma_a - Vec3f{1, 0.5f, 1}) < 1e-5f);
   CHECK(length(fog.sigma_s - Vec3f{0.5f, 2.5f, 2}) < 1e-5f);
-  const MajorantGridRow& row = fog.scene->view().majorant_grids[fog.scene->view().media[0].majorants];
+  const MajorantGridRow& row = fog.scene->view().media.majorants[fog.scene->view().media.rows[0].majorants];
   const Float4 most =
       (fog.spectra.first + fog.spectra.second) * row.bounds[row.entries[0] >> kMajorantSideBits].majorant();
   for (int i = 0; i <= 20; ++i) {
@@ -155,7 +155,7 @@ TEST_CASE("pbrt media: fire is as bright as its temperature says, whose black bo
     CHECK(fire.sigma_a.x == Approx(2));
   }
   Filled dark("\"nanovdb\" \"string filename\" \"fire.nvdb\" \"float LeScale\" 0");
-  CHECK((dark.scene->view().media[0].flags & kMediumEmits) == 0);
+  CHECK((dark.scene->view().media.rows[0].flags & kMediumEmits) == 0);
 }
 
 TEST_CASE("pbrt media: clouds are noise in the space of the medium") {

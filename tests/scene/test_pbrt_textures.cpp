@@ -20,7 +20,7 @@ namespace {
 
 /// The texture "x" of some, as it is seen.
 struct Seen {
-  CompiledTextures textures;
+  TextureTables textures;
   std::uint32_t row = 0;
 
   explicit Seen(const std::string& text) {
@@ -165,7 +165,7 @@ TEST_CASE("pbrt textures: integers are sRGB, and PNG files alone may be told oth
                          c.file + "\" ";
       if (*c.encoding != 0) text += std::string("\"string encoding\" \"") + c.encoding + "\"";
       const Description d = read_scene(write_below(folder, "scene.pbrt", text + "\n"));
-      const CompiledTextures textures = compile_textures(d.textures);
+      const TextureTables textures = compile_textures(d.textures);
       TextureView view;
       view.rows = textures.rows.data();
       view.tiles = textures.tiles.get();
@@ -190,7 +190,7 @@ TEST_CASE("pbrt textures: numbers are the alpha of a picture or the mean of its 
     const Description d = read_scene(
         write_below(folder, "scene.pbrt",
                     "WorldBegin\nTexture \"x\" \"float\" \"imagemap\" \"string filename\" \"" + file + "\"\n"));
-    const CompiledTextures textures = compile_textures(d.textures);
+    const TextureTables textures = compile_textures(d.textures);
     TextureView view;
     view.rows = textures.rows.data();
     view.tiles = textures.tiles.get();

@@ -264,10 +264,10 @@ TEST_CASE("shape: registers equal single values, kinds mixed") {
     const auto hit = wide_record<Vec3>([&](int lane) { return kPlace.point(random_direction(64, at(lane)) * 0.9f); });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto primitive = [&](int lane) { return static_cast<std::uint32_t>(lane) % 2; };
-    const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.shapes, wide_uints(shape_of)),
+    const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, wide_uints(shape_of)),
                                                 wide_uints(primitive), u, v, hit, WideUint(kNone));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.shapes, shape_of(lane)),
+      const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.geometry.shapes, shape_of(lane)),
                                                    primitive(lane), u[lane], v[lane], lane_record(hit, lane), kNone);
       worst = std::max({worst, record_difference<Vec3>(lane_record(wide.p, lane), one.p),
                         record_difference<Vec3>(lane_record(wide.ng, lane), one.ng),
@@ -286,7 +286,7 @@ namespace {
 /// Where light sampling puts its targets: as uv of the surface below.
 ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, double)>& density) {
   const SceneView view = scene.view();
-  const auto shape = gather_rows<Scalar>(view.shapes, 0);
+  const auto shape = gather_rows<Scalar>(view.geometry.shapes, 0);
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const auto s = sample_any_light<Scalar>(view, {0, 0, 0}, u);
     const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target, kNone);

@@ -126,16 +126,17 @@ TEST_CASE("Mitsuba: height fields of textures that are no pictures are looked up
                  hills("name='color0'") + hills("name='color1'") + "</texture></shape><shape type='heightfield'>" +
                  hills("") + "</shape>"));
   for (int i = 0; i < 6; ++i)
-    CHECK(pixels->view().vertices[i].position.z == doctest::Approx(pixels->view().vertices[6 + i].position.z));
+    CHECK(pixels->view().geometry.vertices[i].position.z ==
+          doctest::Approx(pixels->view().geometry.vertices[6 + i].position.z));
   for (std::uint32_t y = 0; y < 6; ++y)
     for (std::uint32_t x = 0; x < 4; ++x) {
       const bool first = (x < 2) == (y < 3);
       const std::uint32_t i = 4 * y + x;
-      CHECK(view.vertices[i].position.x == doctest::Approx(2 * static_cast<float>(x) / 3 - 1));
-      CHECK(view.vertices[i].position.y == doctest::Approx(2 * static_cast<float>(y) / 5 - 1));
-      CHECK(view.vertices[i].position.z == (first ? 0.5f : 1.0f));
-      CHECK(view.vertices[24 + i].position.z == doctest::Approx(first ? 1.5 : 3.0));
-      CHECK(view.vertices[48 + i].position.z == 1.0f);
+      CHECK(view.geometry.vertices[i].position.x == doctest::Approx(2 * static_cast<float>(x) / 3 - 1));
+      CHECK(view.geometry.vertices[i].position.y == doctest::Approx(2 * static_cast<float>(y) / 5 - 1));
+      CHECK(view.geometry.vertices[i].position.z == (first ? 0.5f : 1.0f));
+      CHECK(view.geometry.vertices[24 + i].position.z == doctest::Approx(first ? 1.5 : 3.0));
+      CHECK(view.geometry.vertices[48 + i].position.z == 1.0f);
     }
   const auto compile_error = [&](const std::string& inside) {
     const Description broken = files.read(inside, "0.6.0");

@@ -202,7 +202,7 @@ TEST_CASE("texture: rows say what their descriptions say") {
   model.wrap_u = TextureWrap::kMirror;
   model.wrap_v = TextureWrap::kClamp;
   texture.to_uv = {2, 0, 0.5f, 0, -1, 1};
-  const CompiledTextures compiled = compile_textures(
+  const TextureTables compiled = compile_textures(
       {texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
   REQUIRE(compiled.rows.size() == 4);
   const TextureRow& row = compiled.rows[0];
@@ -232,7 +232,7 @@ TEST_CASE("texture: a file is loaded once for each way of reading it") {
   write_pnm(folder / "b.pgm", 16, 16, 1, 65535, ramp(256, 300, 65536));
   const auto again = folder.path() / "." / "a.pgm";
   for (const bool raw_first : {false, true}) {
-    const CompiledTextures compiled = compile_textures(
+    const TextureTables compiled = compile_textures(
         {bitmap(folder / "a.pgm", raw_first), bitmap(again, !raw_first), bitmap(folder / "b.pgm", raw_first),
          bitmap(folder / "b.pgm", !raw_first), bitmap(folder / "b.pgm", raw_first)});
     const auto first = [&](std::size_t i) { return compiled.rows[i].bitmap.first_tile; };
@@ -329,7 +329,7 @@ TEST_CASE("texture: the attribute table holds what textures read, of every shape
   TextureDescription color, weight;
   color.model = MeshAttributeDescription{"vertex_color", 2};
   weight.model = MeshAttributeDescription{"face_weight", 1};
-  CompiledTextures textures = compile_textures({weight, color, color});
+  TextureTables textures = compile_textures({weight, color, color});
   REQUIRE(textures.attribute_names.size() == 2);
   AttributeTable table(textures.attribute_names);
   CHECK(table.wants("face_weight"));

@@ -118,7 +118,7 @@ TextureDescription describe(const TestPicture& p, Filter filter, Wrap wrap_u, Wr
   return texture;
 }
 
-TextureView view_of(const CompiledTextures& textures) {
+TextureView view_of(const TextureTables& textures) {
   TextureView view;
   view.rows = textures.rows.data();
   view.tiles = textures.tiles.get();
@@ -245,7 +245,7 @@ TEST_CASE("texture lookup: every format, wrap and filter agrees with the referen
         for (const Wrap wrap_u : kWraps)
           for (const Wrap wrap_v : kWraps) {
             const TextureDescription texture = describe(p, filter, wrap_u, wrap_v);
-            const CompiledTextures compiled = compile_textures({texture});
+            const TextureTables compiled = compile_textures({texture});
             const TextureView view = view_of(compiled);
             const Errors errors = measure(texture, p, view, 60);
             CAPTURE_BINDING(channels);
@@ -271,7 +271,7 @@ TEST_CASE("texture lookup: the transform and the slopes go by the surface's uv")
   for (const Filter filter : {Filter::kBilinear, Filter::kNearest}) {
     TextureDescription texture = describe(p, filter, Wrap::kRepeat, Wrap::kMirror);
     texture.to_uv = {1.25f, -0.5f, 0.3f, 0.75f, 2, -0.6f};
-    const CompiledTextures compiled = compile_textures({texture});
+    const TextureTables compiled = compile_textures({texture});
     const Errors errors = measure(texture, p, view_of(compiled), 2000);
     CHECK(errors.color < 1e-4);
     CHECK(errors.scalar < 1e-4);
@@ -286,7 +286,7 @@ TEST_CASE("texture lookup: (0, 0) is the lower left corner, and texels have thei
   p.file = folder / "a.pgm";
   p.raw = true;
   for (const Filter filter : {Filter::kBilinear, Filter::kNearest}) {
-    const CompiledTextures compiled = compile_textures({describe(p, filter, Wrap::kRepeat, Wrap::kRepeat)});
+    const TextureTables compiled = compile_textures({describe(p, filter, Wrap::kRepeat, Wrap::kRepeat)});
     const auto byte = [&](float u, float v) {
       return 255 * lookup_scalar<Scalar>(view_of(compiled), 0, query_at(u, v));
     };
@@ -314,7 +314,7 @@ TEST_CASE("texture lookup: coordinates may be anything") {
           for (const bool turned : {false, true}) {
             TextureDescription texture = describe(p, filter, wrap, wrap);
             if (turned) texture.to_uv = {0, -3e38f, 1, 3e38f, 0, 0};
-            const CompiledTextures compiled = compile_textures({texture});
+            const TextureTables compiled = compile_textures({texture});
             const TextureView view = view_of(compiled);
             for (const float u : kStrange)
               for (const float v : kStrange) {
@@ -341,7 +341,7 @@ TEST_CASE("texture lookup: grids have lines where u or v is whole") {
   TextureDescription grid;
   grid.model = GridTextureDescription{SpectrumDescription::constant(0.25f), SpectrumDescription::rgb(1, 2, 3), 0.1f};
   grid.to_uv = {2, 0, 0, 0, 1, 0.5f};
-  const CompiledTextures compiled = compile_textures({grid});
+  const TextureTables compiled = compile_textures({grid});
   const TextureView view = view_of(compiled);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const TextureQuery<Scalar> q = random_query(i);
@@ -363,7 +363,7 @@ TEST_CASE("texture lookup: checkerboards show their children in turn, each by it
   outer.to_uv = {0.5f, 0, 0, 0, 0.5f, 0.25f};
   inner.model = CheckerboardDescription{SpectrumDescription::rgb(0.25f, 0.5f, 0.75f), SpectrumDescription::constant(2)};
   const TextureDescription picture = describe(p, Filter::kBilinear, Wrap::kRepeat, Wrap::kRepeat);
-  const CompiledTextures compiled = compile_textures({outer, inner, picture});
+  const TextureTables compiled = compile_textures({outer, inner, picture});
   const TextureView view = view_of(compiled);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const TextureQuery<Scalar> q = random_query(i);
@@ -389,7 +389,7 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces") {
   TextureDescription descriptions[4];
   const char* names[] = {"vertex_color", "vertex_weight", "face_color", "face_missing"};
   for (int i = 0; i < 4; ++i) descriptions[i].model = MeshAttributeDescription{names[i], i == 0 ? 2.0f : 1.0f};
-  CompiledTextures textures = compile_textures({std::begin(descriptions), std::end(descriptions)});
+  TextureTables textures = compile_textures({std::begin(descriptions), std::end(descriptions)});
   // Shape 1 has triangles 2 and 3 of the scene, of the vertices (0, 1, 2) and (2, 1, 3) of the shape.
   const std::uint32_t triangles[] = {9, 9, 9, 9, 9, 9, 0, 1, 2, 2, 1, 3, 0, 0, 0};
   AttributeTable table(textures.attribute_names);
@@ -446,7 +446,7 @@ TEST_CASE("texture lookup: volumes are looked up where in the world the surface 
   blocks.grid.filter = GridFilter::kNearest;
   blocks.grid.wrap = GridVolumeDescription::Wrap::kRepeat;
   nearest.model = blocks;
-  const CompiledTextures compiled = compile_textures({rgb, grey, nearest});
+  const TextureTables compiled = compile_textures({rgb, grey, nearest});
   const TextureView view = view_of(compiled);
   const auto at = [](Vec3f p) { return TextureQuery<Scalar>{{0.9f, 0.1f}, 0, 0, 0, 0, p}; };
   const Spectrum4 color = lookup_texture<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f}));
@@ -492,7 +492,7 @@ TEST_CASE("texture lookup: wireframes along the edges of triangles") {
   fixed.model =
       WireframeDescription{SpectrumDescription::rgb(1, 0.5f, 0), SpectrumDescription::constant(0), 0.4f, 0.5f};
   relative.model = WireframeDescription{SpectrumDescription::constant(1), SpectrumDescription::constant(0), 0, 0};
-  CompiledTextures textures = compile_textures({fixed, relative});
+  TextureTables textures = compile_textures({fixed, relative});
   // A right triangle, of legs 3 and 4, and one that is twice as large.
   Mesh mesh;
   mesh.positions = {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}, {0, 0, 1}, {6, 0, 1}, {0, 8, 1}};
@@ -537,7 +537,7 @@ TEST_CASE("texture lookup: wireframes along the edges of triangles") {
 TEST_CASE("texture lookup: bindings make numbers, reflectances and unbounded colours") {
   TextureDescription board;
   board.model = CheckerboardDescription{SpectrumDescription::rgb(3, 0.5f, -1), SpectrumDescription::rgb(3, 0.5f, -1)};
-  const CompiledTextures compiled = compile_textures({board});
+  const TextureTables compiled = compile_textures({board});
   const TextureView view = view_of(compiled);
   const auto bound = [&](std::uint32_t words, TextureRole role) {
     return lookup_binding<Scalar>(view, {0, 0, words, role}, query_at(0, 0));

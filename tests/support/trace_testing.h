@@ -33,7 +33,7 @@ inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, 
 
 /// The surface at a hit of trace_ray().
 inline SurfacePoint<Scalar> surface_at(const SceneView& scene, Vec3f origin, Vec3f direction, const TracedHit& hit) {
-  const auto shape = gather_rows<Scalar>(scene.shapes, hit.shape);
+  const auto shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape);
   return surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, origin + direction * hit.t,
                                      hit.instance);
 }
