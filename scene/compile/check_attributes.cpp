@@ -61,10 +61,11 @@ void SceneCompiler::check_attributes() {
   if (out_->textures_.attribute_names.empty()) return;
   const AttributeFinder finder(out_->materials_.rows, out_->materials_.bindings, out_->materials_.normal_maps,
                                out_->textures_.rows);
+  // Count the shapes with and without the attribute, by material and texture
   struct Use {
     std::size_t with = 0, without = 0;  ///< shapes with and without the attribute
   };
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;  // by material and texture
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;
   std::map<std::uint32_t, std::set<std::uint32_t>> shown_by;
   const auto has = [&](std::uint32_t shape, std::uint32_t texture) {
     return attributes_->has(shape, out_->textures_.rows[texture].attribute.first_entry);
@@ -78,18 +79,19 @@ void SceneCompiler::check_attributes() {
       ++(has(shape, texture) ? use.with : use.without);
     }
   }
-  const auto missing = [&](std::uint32_t texture, const char* who) {
+  const auto missing = [&](std::uint32_t texture, const char* what) {
     const std::string& name = std::get<MeshAttributeDescription>(in_.textures[texture].model).name;
     std::string known;
     for (const std::string& other : known_attributes_) known += (known.empty() ? "" : ", ") + other;
     return SceneError(in_.textures[texture].where,
-                      title(in_.textures[texture]) + ": " + who + " has the attribute '" + name + "' (" +
+                      title(in_.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
                           (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) + ")" +
                           did_you_mean(name, {known_attributes_.begin(), known_attributes_.end()}));
   };
+  // Reject materials without any mesh that has the attribute, and warn if only some lack it
   for (const auto& [key, use] : uses) {
     if (use.without == 0) continue;
-    if (use.with == 0) throw missing(key.second, "no mesh with this material");
+    if (use.with == 0) throw missing(key.second, "no mesh with this material has");
     const TextureDescription& texture = in_.textures[key.second];
     out_->warnings_.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
                                                             std::to_string(use.with + use.without) +
@@ -98,9 +100,10 @@ void SceneCompiler::check_attributes() {
                                                             "', which is 0 there")
                                   .what());
   }
+  // Reject emitters that lack it
   for (const auto& [shape, texture] : emission_textures_)
     for (const std::uint32_t shown : finder.of_texture(texture))
-      if (!has(shape, shown)) throw missing(shown, "not the shape that emits it");
+      if (!has(shape, shown)) throw missing(shown, "the shape that emits it lacks");
 }
 
 }  // namespace sheaf
