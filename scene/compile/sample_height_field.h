@@ -1,6 +1,7 @@
 // Height fields sampled from textures.
 #pragma once
 
+#include "scene/description/shapes.h"
 #include "scene/tables/texture.h"
 
 namespace sheaf {

@@ -1,5 +1,7 @@
 #include "scene/tables/make_majorants.h"
 
+#include "core/error.h"
+
 #include <algorithm>
 
 namespace sheaf {
