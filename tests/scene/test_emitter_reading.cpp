@@ -49,7 +49,7 @@ TEST_CASE("emitters: gamma and cache of environment maps of Mitsuba 0.6") {
   CHECK_FALSE(is_raw("0"));
   CHECK_FALSE(is_raw("2.2"));
   CHECK(contains(envmap("<float name='gamma' value='2.2'/>").notes.at(0),
-                 "emitter 'envmap' has a gamma of 2.2; the curve of sRGB is used"));
+                 "emitter 'envmap' has 'gamma' 2.2, rendered as sRGB"));
   CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
 }
 

@@ -415,7 +415,7 @@ TEST_CASE("Mitsuba textures: pictures") {
     CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' has the filter"));
   }
   REQUIRE(notes(number("gamma", "2.2")).size() == 1);
-  CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
+  CHECK(contains(notes(number("gamma", "2.2"))[0], "rendered as sRGB"));
 }
 
 // Where points of the uv plane lie in the picture, found with Mitsuba 3.9 and a picture of four colours: its row 0 is
@@ -499,7 +499,8 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("principled", number("roughness", "1.5")), "is '1.5', expected a number from 0 to 1"},
       {bsdf("principled", number("eta", "1.5") + number("specular", "0.5")), "has both 'eta' and 'specular'"},
       {bsdf("principled", word("roughness", "rough")), "is given as <string>, expected float or texture"},
-      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"), "depends on the wavelength"},
+      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"),
+       "is a spectrum, expected a number or a texture"},
       {bsdf("principledthin", number("diff_trans", "2.5")), "expected a number from 0 to 2"},
       {bsdf("principledthin", number("metallic", "0.5")), "unknown property 'metallic' of bsdf 'principledthin'"},
       {bsdf("conductor", word("material", "Aux")),
@@ -532,10 +533,10 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
       {bsdf("blendbsdf", bsdf("diffuse")), "holds 1 nested <bsdf>, expected two"},
       {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' holds no <texture>, expected one"},
       {bsdf("bumpmap", board), "holds 0 nested <bsdf>, expected one"},
-      {bsdf("bumpmap", bsdf("diffuse") + board + board), "holds a second <texture>, expected one"},
+      {bsdf("bumpmap", bsdf("diffuse") + board + board), "has a second <texture>, expected one"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
-       "holds a second colour, expected one"},
+       "has a second colour, expected one"},
       {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
       {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
       {"<texture type='checkerboard' id='a'><ref name='color0' id='a'/></texture>" +
@@ -552,12 +553,12 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
        "scene.xml:5: file 'gone.png' not found"},
       {bitmap(word("filter_type", "cubic")), "scene.xml:5: property 'filter_type' of texture 'bitmap' is 'cubic'"},
       {bitmap(word("wrap_mode", "zero")), "is 'zero', expected repeat, mirror or clamp"},
-      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is given beside 'wrap_mode'"},
+      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is set together with 'wrap_mode'"},
       {bitmap(number("gamma", "1.8")), "expected 1 (linear) or -1 (sRGB)"},
-      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is given beside 'raw'"},
+      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is set together with 'raw'"},
       {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
       {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
-       "is given beside 'to_uv'"},
+       "is set together with 'to_uv'"},
       {bitmap(number("uscal", "2")),
        "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
   };

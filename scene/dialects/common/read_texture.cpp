@@ -12,7 +12,7 @@ const char* only_name(Properties& p, std::initializer_list<const char*> names) {
   const char* found = nullptr;
   for (const char* name : names) {
     if (!p.has(name)) continue;
-    if (found != nullptr) p.fail_at(name, "is given beside '" + std::string(found) + "', expected one or the other");
+    if (found != nullptr) p.fail_at(name, "is set together with '" + std::string(found) + "', expected one of them");
     found = name;
   }
   return found != nullptr ? found : *names.begin();
@@ -43,7 +43,7 @@ BitmapDescription::Wrap read_wrap(Properties& p, std::initializer_list<const cha
 bool read_raw(Properties& p) {
   const bool raw = p.boolean("raw", false);
   if (!p.has("gamma")) return raw;
-  if (p.has("raw")) p.fail_at("gamma", "is given beside 'raw', expected one or the other");
+  if (p.has("raw")) p.fail_at("gamma", "is set together with 'raw', expected one of them");
   return read_linear_gamma(p);
 }
 
@@ -58,7 +58,7 @@ std::array<float, 6> read_to_uv(Properties& p) {
   const bool given = p.has("to_uv");
   const std::array<float, 6> to_uv = from_transform(p.transform("to_uv"));
   for (const char* name : {"uscale", "vscale", "uvscale", "uoffset", "voffset"})
-    if (p.has(name) && given) p.fail_at(name, "is given beside 'to_uv', expected one or the other");
+    if (p.has(name) && given) p.fail_at(name, "is set together with 'to_uv', expected one of them");
   if (given) return to_uv;
   const float both = p.number("uvscale", 1);
   const float u_scale = p.number("uscale", both), v_scale = p.number("vscale", both);
@@ -119,7 +119,7 @@ BitmapDescription read_bitmap(Properties& p) {
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
-  if (p.has("channel")) p.fail_at("channel", "is not supported: a picture is read with all its channels");
+  if (p.has("channel")) p.fail_at("channel", "is not supported: all channels of the image are read");
   p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;
 }
@@ -132,7 +132,7 @@ bool read_linear_gamma(Properties& p) {
   const float gamma = p.number("gamma", -1);
   constexpr float kLow = 2.15f, kHigh = 2.25f;
   if (gamma > kLow && gamma < kHigh) {
-    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
+    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has 'gamma' 2.2, rendered as sRGB");
   } else if (gamma != 1 && gamma != -1 && gamma != 0) {
     p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
   }

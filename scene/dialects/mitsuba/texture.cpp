@@ -27,7 +27,7 @@ SpectrumInput read_volume_texture(Properties& p) {
 SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
   if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
   constexpr int kMaxNesting = 8;
-  if (depth > kMaxNesting) p.fail("holds textures that are nested too deep");
+  if (depth > kMaxNesting) p.fail("has textures nested deeper than 8 levels");
   std::vector<TextureDescription>& textures = p.context().description.textures;
   TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
   const auto scale_colors = [&](auto& model) {

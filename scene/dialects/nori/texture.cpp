@@ -10,7 +10,7 @@ namespace {
 /// Reads `scale`, the size of a repeated unit in uv, and `delta`, its uv offset.
 std::array<float, 6> read_placement(Properties& p, float repeated) {
   const Vec2f scale = p.find_vec2("scale").value_or(Vec2f{1, 1}), delta = p.find_vec2("delta").value_or(Vec2f{0, 0});
-  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is zero along an axis");
+  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is 0 along an axis, expected other factors");
   const float u = 1 / (repeated * scale.x), v = 1 / (repeated * scale.y);
   return {u, 0, -delta.x * u, 0, v, -delta.y * v};
 }
@@ -27,7 +27,8 @@ void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture
 /// Rejects a nonzero `eulerAngles`, because images are not rotated. Ignores `sphericalTexture`, because spheres always
 /// have spherical texture coordinates.
 void read_turn(Properties& p) {
-  if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0}) p.fail_at("eulerAngles", "is not zero, expected no turn");
+  if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0})
+    p.fail_at("eulerAngles", "is not 0 0 0: rotation of images is not supported");
   p.ignore({"sphericalTexture"});
 }
 
