@@ -335,9 +335,7 @@ ColorMode choose_color(const RenderArguments& arguments, Description& descriptio
   if (arguments.color.empty() && native == ColorMode::kSpectral)
     description.notes.push_back(arguments.scene +
                                 ": rendered with --color spectral, as pbrt does; --color rgb is faster");
-  const ColorMode color = arguments.color.empty()         ? native
-                          : arguments.color == "spectral" ? ColorMode::kSpectral
-                                                          : ColorMode::kRgb;
+  const ColorMode color = arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
   if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   return color;
@@ -358,13 +356,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<std::pair<s
   Description description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
   check_sources(all_outputs, description.files);
   const ColorMode color = choose_color(arguments, description);
-  const char* const color_name = color == ColorMode::kSpectral ? "spectral" : "rgb";
+  const char* const color_name = kColorModes.name_of(color);
   apply_integrator(arguments, description);
   apply_sampler(arguments, description);
   apply_size(arguments, description.film);
   if (!arguments.filter_mode.empty())
-    description.film.filter_mode =
-        arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
+    description.film.filter_mode = kFilterModes.option("filter mode", arguments.filter_mode);
   else if (arguments.denoiser == "oidn")
     description.film.filter_mode = FilterMode::kImportance;
   const PixelRect crop = choose_crop(arguments, description.film);

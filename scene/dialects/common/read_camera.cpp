@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
+void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
   camera.near_clip = p.number("near_clip", near_clip, kPositive);
   camera.far_clip = p.number("far_clip", 10'000, kPositive);
   if (camera.near_clip < camera.far_clip) return;
@@ -21,7 +21,7 @@ void read_shutter(Properties& p) {
     p.context().note(p.where(), "'shutter_open' and 'shutter_close' ignored: motion blur is not supported");
 }
 
-CameraDescription::FovAxis read_fov_axis(Properties& p) {
+CameraDescription::FovAxis read_fov_axis(NamedValues& p) {
   using Axis = CameraDescription::FovAxis;
   static constexpr NameTable<Axis> kAxes{{{"x", Axis::kX},
                                           {"y", Axis::kY},

@@ -61,9 +61,7 @@ PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std
 
 /// Reads any number of phase functions with `weights` that sum to 1.
 PhaseId read_mixture(Properties& p) {
-  const auto text = p.find_string("weights");
-  if (!text) p.fail("needs the string 'weights'");
-  const std::vector<float> weights = parse_floats(*text, p.where(), "weights");
+  const std::vector<float> weights = parse_floats(p.required_string("weights"), p.where(), "weights");
   const std::vector<const XmlElement*> elements = nested_phases(p);
   if (elements.size() != weights.size() || elements.empty())
     p.fail("has " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +

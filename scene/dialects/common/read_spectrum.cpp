@@ -12,14 +12,9 @@ namespace {
 
 /// Reads a named illuminant with luminance `scale`.
 SpectrumDescription read_illuminant(Properties& p) {
-  const std::optional<std::string> name = p.find_string("name");
-  if (!name) p.fail("needs the string 'name'");
-  std::optional<SpectrumDescription::Table> table = find_illuminant(*name);
-  if (!table) {
-    std::string list;
-    for (const std::string& known : illuminant_names()) list += (list.empty() ? "" : ", ") + known;
-    p.fail_at("name", "is '" + *name + "', expected one of " + list);
-  }
+  const std::string name = p.required_string("name");
+  std::optional<SpectrumDescription::Table> table = find_illuminant(name);
+  if (!table) p.fail_choice("name", name, illuminant_names());
   const float scale = p.number("scale", 1, kNotNegative);
   for (float& value : table->values) value *= scale;
   return {std::move(*table)};
@@ -62,9 +57,7 @@ SpectrumDescription read_blackbody_plugin(Properties& p) {
 
 /// Reads a string of numbers.
 std::vector<float> read_list(Properties& p, const char* name) {
-  const std::optional<std::string> text = p.find_string(name);
-  if (!text) p.fail("needs the string '" + std::string(name) + "'");
-  return parse_floats(*text, p.where(), name);
+  return parse_floats(p.required_string(name), p.where(), name);
 }
 
 /// Reads wavelengths and values.

@@ -65,7 +65,7 @@ std::array<float, 6> read_to_uv(Properties& p) {
   return {u_scale, 0, p.number("uoffset", 0), 0, v_scale, p.number("voffset", 0)};
 }
 
-void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) {
   CheckerboardDescription board;
   board.color0 = p.spectrum_input("color0", board.color0, SpectrumRole::kIor);
   board.color1 = p.spectrum_input("color1", board.color1, SpectrumRole::kIor);
@@ -73,7 +73,7 @@ void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture
   texture.to_uv = read_to_uv(p);
 }
 
-void read_grid(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_grid(Properties& p, ImageOrigin, TextureDescription& texture) {
   GridTextureDescription grid;
   grid.color0 = p.spectrum_input("color0", grid.color0, SpectrumRole::kIor);
   grid.color1 = p.spectrum_input("color1", grid.color1, SpectrumRole::kIor);
@@ -82,7 +82,7 @@ void read_grid(Properties& p, PictureOrigin, TextureDescription& texture) {
   texture.to_uv = read_to_uv(p);
 }
 
-void read_wireframe(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_wireframe(Properties& p, ImageOrigin, TextureDescription& texture) {
   WireframeDescription frame;
   frame.interior = p.spectrum_input("interior_color", frame.interior, SpectrumRole::kIor);
   frame.edge = p.spectrum_input("edge_color", frame.edge, SpectrumRole::kIor);
@@ -91,22 +91,21 @@ void read_wireframe(Properties& p, PictureOrigin, TextureDescription& texture) {
   texture.model = std::move(frame);
 }
 
-void read_mesh_attribute(Properties& p, PictureOrigin, TextureDescription& texture) {
-  const std::optional<std::string> name = p.find_string("name");
-  if (!name) p.fail("needs the string 'name'");
-  if (!name->starts_with("vertex_") && !name->starts_with("face_"))
-    p.fail_at("name", "is " + in_quotes(*name) + ", expected a name that begins with vertex_ or face_");
-  texture.model = MeshAttributeDescription{*name, p.number("scale", 1)};
+void read_mesh_attribute(Properties& p, ImageOrigin, TextureDescription& texture) {
+  const std::string name = p.required_string("name");
+  if (!name.starts_with("vertex_") && !name.starts_with("face_"))
+    p.fail_at("name", "is " + in_quotes(name) + ", expected a name that begins with vertex_ or face_");
+  texture.model = MeshAttributeDescription{name, p.number("scale", 1)};
 }
 
-void read_vertex_colors(Properties&, PictureOrigin, TextureDescription& texture) {
+void read_vertex_colors(Properties&, ImageOrigin, TextureDescription& texture) {
   texture.model = MeshAttributeDescription{"vertex_color"};
 }
 
-void read_bitmap_texture(Properties& p, PictureOrigin origin, TextureDescription& texture) {
+void read_bitmap_texture(Properties& p, ImageOrigin origin, TextureDescription& texture) {
   texture.model = read_bitmap(p);
   texture.to_uv = read_to_uv(p);
-  if (origin == PictureOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
+  if (origin == ImageOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (const auto* read = kInputs.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  p.plugin(kSharedTextures, kSpectra, kInputs)(p, PictureOrigin::kUpperLeft, texture);
+  p.plugin(kSharedTextures, kSpectra, kInputs)(p, ImageOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -17,7 +17,7 @@ std::array<float, 6> read_placement(Properties& p, float repeated) {
 
 /// Reads a checkerboard: value1 (default 0) in the square at `delta`, value2 (default 1) beside it. `scale` is the size
 /// of a square.
-void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) {
   const SpectrumDescription black = SpectrumDescription::constant(0), white = SpectrumDescription::constant(1);
   texture.model = CheckerboardDescription{p.spectrum_input("value1", black, SpectrumRole::kIor),
                                           p.spectrum_input("value2", white, SpectrumRole::kIor)};
@@ -39,7 +39,7 @@ SpectrumInput read_constant(Properties& p) {
   return value;
 }
 
-void read_image(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_image(Properties& p, ImageOrigin, TextureDescription& texture) {
   texture.model = read_bitmap(p);
   texture.to_uv = read_placement(p, 1);
   read_turn(p);
@@ -67,7 +67,7 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   TextureDescription texture;
   const TexturePluginReader* own = kTextures.find(p.type());
   const TexturePluginReader read = own != nullptr ? *own : p.plugin(kSharedTextures, kSpectra, kConstants, kTextures);
-  read(p, PictureOrigin::kLowerLeft, texture);
+  read(p, ImageOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }
 
