@@ -78,7 +78,7 @@ TEST_CASE("sensors: films of Mitsuba 0.6 may have labels, metadata and names of 
   notes_about("<string name=\"metadata['key']\" value='Hello'/><float name=\"metadata['n']\" value='1'/>",
               "film metadata ignored");
   notes_about("<string name='pixelFormat' value='rgb, rgb'/><string name='channelNames' value='color, position'/>",
-              "'channelNames' is ignored");
+              "'channelNames' ignored");
   CHECK(film("<string name='pixelFormat' value='rgba'/>").empty());
   CHECK(contains(sensor_error("perspective", "<film type='hdrfilm'><string name='labels' value='x'/></film>"),
                  "unknown property 'labels'"));
