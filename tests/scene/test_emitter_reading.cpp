@@ -187,7 +187,8 @@ TEST_CASE("emitters of Mitsuba: daylight") {
   CHECK(moving.sun_scale == 1);
   for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // mornings
 
-  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"), "is given beside 'sun_direction'"));
+  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"),
+                 "is set together with 'sun_direction'"));
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));
   CHECK(contains(mitsuba_error("sunsky", "<vector name='sun_direction' value='0,0,0'/>"), "no length"));
   CHECK(contains(mitsuba_error("sunsky", "<integer name='month' value='13'/>"), "'month'"));

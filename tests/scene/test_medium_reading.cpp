@@ -564,7 +564,7 @@ TEST_CASE("media: errors of Nori's dialect") {
       {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"), "expected no negative value"},
       {nori_mesh("<bsdf type='blendbsdf'><bsdf type='null'><color name='sigmaA' value='1'/></bsdf>"
                  "<bsdf type='null'><color name='sigmaA' value='1'/></bsdf></bsdf>"),
-       "is given by two materials of one surface"},
+       "is set by two materials of one surface"},
       {nori_scene(medium("homogeneous", "") + medium("homogeneous", "")),
        "scene.xml:2: a second <medium>, expected one"},
       {nori_scene(medium("heterogeneous", file("a.vol") + "<boolean name='fitToShape' value='true'/>")),

@@ -197,7 +197,7 @@ TEST_CASE("Mitsuba materials: hair by its pigments or by what it absorbs") {
   CHECK(contains(material("hair", textures), "hair melanin texture 0 texture 1 texture 2 texture 3 "));
   CHECK(contains(material("hair", std::string("<texture name='sigma_a'") + attribute), "hair absorption texture 0 "));
 
-  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is given beside 'sigma_a'"));
+  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is set together with 'sigma_a'"));
   CHECK(contains(error(bsdf("hair", number("azimuthal_roughness", "1.5"))), "expected a number from 0 to 1"));
   CHECK(contains(error(bsdf("hair", number("roughness", "0.5"))), "unknown property 'roughness'"));
   CHECK(contains(error(bsdf("twosided", bsdf("hair"))), "transmits light"));
@@ -356,7 +356,7 @@ TEST_CASE("Mitsuba materials: two-sided") {
   for (const std::string& child : transmitting) {
     CAPTURE(child);
     const std::string message = error("<bsdf type='twosided'>\n" + child + "</bsdf>");
-    CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' holds a material that transmits light (line 5)"),
+    CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' has a nested material that transmits light (line 5)"),
                   message);
   }
 }
@@ -508,14 +508,15 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
        "Al, AlAs,"},
       {bsdf("conductor", number("eta", "1")), "has 'eta' alone, expected both 'eta' and 'k'"},
       {bsdf("conductor", number("k", "1")), "has 'k' alone"},
-      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")), "is given beside 'eta' and"},
+      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")),
+       "is set together with 'eta' and"},
       {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
       {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
       {bsdf("roughconductor", word("distribution", "fong")), "is 'fong', expected beckmann or ggx"},
       {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
       {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
       {bsdf("roughconductor", number("alphaU", "0.1") + number("alphaV", "0.1") + number("alpha", "0.1")),
-       "property 'alpha' of bsdf 'roughconductor' is given beside 'alpha_u' and 'alpha_v'"},
+       "property 'alpha' of bsdf 'roughconductor' is set together with 'alpha_u' and 'alpha_v'"},
       {bsdf("roughconductor", number("alpha", "-1")), "expected no negative number"},
       {bsdf("roughplastic", number("alpha_u", "0.1") + number("alpha_v", "0.2")), "differs from 'alpha_u'"},
       {bsdf("roughplastic", "<texture type='checkerboard' name='alpha'/>"), "is a texture, expected a number"},
@@ -523,16 +524,16 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
        "is 'diamant', expected a number or the name of a material, did you mean 'diamond'?"},
       {bsdf("dielectric", number("int_ior", "-1")), "expected a positive number"},
       {bsdf("dielectric", word("int_ior", "pyrex") + "<boolean name='dispersion' value='true'/>"),
-       "property 'dispersion' of bsdf 'dielectric' is true, but of neither side a dispersion formula is known"},
+       "property 'dispersion' of bsdf 'dielectric' is true, but neither side has a dispersion formula"},
       {bsdf("null", number("opacity", "1")), "unknown property 'opacity' of bsdf 'null'"},
-      {bsdf("twosided"), "holds 0 nested <bsdf>, expected one or two"},
-      {bsdf("twosided", two + bsdf("diffuse")), "holds 3 nested <bsdf>, expected one or two"},
-      {bsdf("mask"), "holds 0 nested <bsdf>, expected one"},
-      {bsdf("mask", two), "holds 2 nested <bsdf>, expected one"},
+      {bsdf("twosided"), "has 0 nested <bsdf>, expected one or two"},
+      {bsdf("twosided", two + bsdf("diffuse")), "has 3 nested <bsdf>, expected one or two"},
+      {bsdf("mask"), "has 0 nested <bsdf>, expected one"},
+      {bsdf("mask", two), "has 2 nested <bsdf>, expected one"},
       {bsdf("mask", bsdf("diffuse") + number("opacity", "2")), "expected a number from 0 to 1"},
-      {bsdf("blendbsdf", bsdf("diffuse")), "holds 1 nested <bsdf>, expected two"},
-      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' holds no <texture>, expected one"},
-      {bsdf("bumpmap", board), "holds 0 nested <bsdf>, expected one"},
+      {bsdf("blendbsdf", bsdf("diffuse")), "has 1 nested <bsdf>, expected two"},
+      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' has no <texture>, expected one"},
+      {bsdf("bumpmap", board), "has 0 nested <bsdf>, expected one"},
       {bsdf("bumpmap", bsdf("diffuse") + board + board), "has a second <texture>, expected one"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
@@ -571,7 +572,7 @@ TEST_CASE("Mitsuba materials and textures: errors name line, fault and the neare
   const std::string old = error_of_text(mitsuba_scene(
       bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") + number("ext_eta", "1.5")),
       "<sensor type='perspective'/>", "", "0.6.0"));
-  CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
+  CHECK_MESSAGE(contains(old, "is set together with a texture of 'eta' or 'k'"), old);
 }
 
 TEST_CASE("Mitsuba materials: polarisers let half of the light pass, and say so") {

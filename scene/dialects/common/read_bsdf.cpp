@@ -44,7 +44,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
     std::vector<std::string> known = metal_names();
     known.emplace_back("none");
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
-                              " (known: " + list_of(known) + "); others can be given by 'eta' and 'k'");
+                              " (known: " + list_of(known) + "); use 'eta' and 'k' for others");
   }
   SpectrumDescription::Table eta, k;
   for (const MetalSample& sample : samples) {
@@ -60,7 +60,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
 /// Returns an index of refraction relative to the surrounding dielectric.
 SpectrumInput relative(Properties& p, SpectrumInput ior, float ext_eta) {
   if (auto* spectrum = std::get_if<SpectrumDescription>(&ior)) return divided(std::move(*spectrum), ext_eta);
-  if (p.has("ext_eta")) p.fail_at("ext_eta", "is given beside a texture of 'eta' or 'k', which it cannot divide");
+  if (p.has("ext_eta")) p.fail_at("ext_eta", "is set together with a texture of 'eta' or 'k', expected one of them");
   return ior;
 }
 
@@ -72,7 +72,7 @@ ConductorDescription read_conductor(Properties& p, bool before_version_2) {
   if (eta || k) {
     if (!eta || !k) p.fail(std::string("has '") + (eta ? "eta" : "k") + "' alone, expected both 'eta' and 'k'");
     if (material && *material != "none")
-      p.fail_at("material", "is given beside 'eta' and 'k', expected one or the other");
+      p.fail_at("material", "is set together with 'eta' and 'k', expected one of them");
     result.ior = {*eta, *k};
   } else if (const std::string name = material.value_or(before_version_2 ? "Cu" : "none"); name != "none") {
     result.ior = named_metal(p, name);
@@ -91,7 +91,7 @@ float catalogue_ior(const Dispersion& dispersion) { return ior<Scalar>(dispersio
 Dispersion read_cauchy(Properties& p, const char* name) {
   const std::vector<float> numbers = read_numbers(p, name);
   if (numbers.size() < 2 || numbers.size() > 3)
-    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected A, B and perhaps C");
+    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected two or three: A, B, C");
   Dispersion result{Dispersion::Form::kPowers, numbers[0], {}};
   for (std::size_t i = 1; i < numbers.size(); ++i) result.terms[i - 1] = {numbers[i], -2.0f * static_cast<float>(i)};
   return result;
@@ -142,9 +142,8 @@ DielectricDescription read_dielectric(Properties& p, const BsdfDialect& dialect)
   read_side(p, "int", names_disperse, result.int_ior, result.int_dispersion);
   read_side(p, "ext", names_disperse, result.ext_ior, result.ext_dispersion);
   if (p.has("dispersion") && *names_disperse && !result.int_dispersion && !result.ext_dispersion)
-    p.fail_at("dispersion",
-              "is true, but of neither side a dispersion formula is known, expected coefficients or one of " +
-                  list_of(dispersion_names()));
+    p.fail_at("dispersion", "is true, but neither side has a dispersion formula, expected coefficients or one of " +
+                                list_of(dispersion_names()));
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", kOne);
   result.thin = p.type() == "thindielectric";
@@ -168,7 +167,7 @@ HairDescription read_hair(Properties& p) {
   HairDescription result;
   if (auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor)) {
     for (const char* melanin : {"eumelanin", "pheomelanin"})
-      if (p.has(melanin)) p.fail_at(melanin, "is given beside 'sigma_a', expected one or the other");
+      if (p.has(melanin)) p.fail_at(melanin, "is set together with 'sigma_a', expected one of them");
     result.color = HairDescription::Absorption{*std::move(sigma_a), 1};
   } else {
     HairDescription::Melanin melanin;
@@ -229,7 +228,7 @@ bool read_plain_model(Properties& p, MaterialDescription& material) {
 }  // namespace
 
 std::vector<float> read_numbers(Properties& p, const char* name) {
-  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
+  if (!p.is_string(name)) p.fail_at(name, "is invalid, expected a string of numbers");
   return parse_floats(*p.find_string(name), p.where(), name);
 }
 
@@ -258,14 +257,13 @@ RoughnessDescription read_roughness(Properties& p) {
     result.distribution = RoughnessDescription::Distribution::kGgx;
   } else if (distribution == "phong" || distribution == "as") {
     // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
-    p.context().note(p.where(),
-                     "distribution '" + distribution + "' is rendered with 'beckmann', which is nearly the same");
+    p.context().note(p.where(), "distribution '" + distribution + "' rendered as 'beckmann'");
   } else if (distribution != "beckmann") {
     p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
   if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
-  if (along && p.has("alpha")) p.fail_at("alpha", "is given beside 'alpha_u' and 'alpha_v', expected one or the other");
+  if (along && p.has("alpha")) p.fail_at("alpha", "is set together with 'alpha_u' and 'alpha_v', expected one of them");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
   p.ignore({"sample_visible"});
@@ -274,10 +272,9 @@ RoughnessDescription read_roughness(Properties& p) {
 
 RoughnessDescription read_uniform_roughness(Properties& p) {
   for (const char* name : {"alpha", "alpha_u", "alpha_v"})
-    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number: the roughness is the same everywhere");
+    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number");
   RoughnessDescription result = read_roughness(p);
-  if (result.alpha_u != result.alpha_v)
-    p.fail_at("alpha_v", "differs from 'alpha_u', expected the same roughness along and across");
+  if (result.alpha_u != result.alpha_v) p.fail_at("alpha_v", "differs from 'alpha_u', expected equal values");
   return result;
 }
 

@@ -23,7 +23,7 @@ const MaterialDescription& material_at(MaterialId id, const Properties& p) {
 MaterialId front_of(MaterialId id, const Properties& p) {
   const MaterialDescription& child = material_at(id, p);
   if (transmits(p.context().description.materials, id))
-    p.fail("holds a material that transmits light (line " + std::to_string(child.where.line) + ")");
+    p.fail("has a nested material that transmits light (line " + std::to_string(child.where.line) + ")");
   if (const auto* both = std::get_if<TwoSidedDescription>(&child.model)) return both->front;
   return id;
 }
@@ -32,7 +32,7 @@ MaterialId front_of(MaterialId id, const Properties& p) {
 std::vector<const XmlElement*> children(Properties& p, std::size_t low, std::size_t high, const char* expected) {
   const std::vector<const XmlElement*> found = p.objects("bsdf");
   if (found.size() < low || found.size() > high)
-    p.fail("holds " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
+    p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
   return found;
 }
 
@@ -42,7 +42,7 @@ MaterialId only_child(Properties& p, const BsdfDialect& dialect) {
 
 const XmlElement& only_texture(Properties& p) {
   const XmlElement* texture = p.any_texture_or_color();
-  if (texture == nullptr) p.fail("holds no <texture>, expected one");
+  if (texture == nullptr) p.fail("has no <texture>, expected one");
   return *texture;
 }
 
@@ -116,7 +116,7 @@ BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect) {
   std::vector<WeightedMaterial> parts;
   float sum = 0;
   for (std::size_t i = 0; i < nested.size(); ++i) {
-    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected none below 0");
+    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected no negative number");
     parts.push_back({dialect.nested(*nested[i]), weights[i]});
     sum += weights[i];
   }
@@ -125,8 +125,8 @@ BlendDescription read_mixture(Properties& p, const BsdfDialect& dialect) {
   const bool conserves = p.boolean("ensure_energy_conservation", true);
   // Normalise the weights, or fill up with black
   if (sum > kMaxWeight) {
-    if (!conserves) p.fail_at("weights", "add up to more than 1, which is not supported");
-    p.context().note(p.where(), "its weights add up to " + std::to_string(sum) + " and are scaled down to 1");
+    if (!conserves) p.fail_at("weights", "add up to more than 1, expected at most 1");
+    p.context().note(p.where(), "weights add up to " + std::to_string(sum) + ", normalized to 1");
   }
   if (sum < 2.0f - kMaxWeight || parts.size() == 1) {
     MaterialDescription black;

@@ -32,7 +32,7 @@ MaskDescription read_polarizer(Properties& p) {
 }
 
 void note_polarisation(Properties& p) {
-  p.context().note(p.where(), "bsdf '" + p.type() + "' does to all light what it does to light that is not polarised");
+  p.context().note(p.where(), "bsdf '" + p.type() + "' rendered without polarization, which is not simulated");
 }
 
 }  // namespace sheaf

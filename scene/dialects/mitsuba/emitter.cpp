@@ -30,7 +30,7 @@ SpotLightDescription read_spot_light(Properties& p) {
   const std::optional<SpectrumInput> texture = p.find_spectrum_input("texture", SpectrumRole::kEmission);
   if (!texture) return light;
   if (!(light.cutoff_angle < 90))
-    p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
+    p.fail_at("cutoff_angle", "is too large for a spot with a texture, expected less than 90 degrees");
   light.texture = texture_showing(*texture, p.where(), p.context());
   return light;
 }

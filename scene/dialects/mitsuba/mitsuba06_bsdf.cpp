@@ -58,7 +58,7 @@ float read_mean_cosine(Properties& p) {
   const PhaseDescription& phase = p.context().description.phases[static_cast<std::size_t>(*id)];
   if (const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model)) return hg->g;
   if (std::holds_alternative<IsotropicPhaseDescription>(phase.model)) return 0;
-  throw SceneError(phase.where, "the phase function of 'hk' is expected to be isotropic or hg");
+  throw SceneError(phase.where, "phase function of 'hk' not supported, expected isotropic or hg");
 }
 
 }  // namespace
@@ -106,11 +106,11 @@ HanrahanKruegerDescription read_hanrahan_krueger(Properties& p) {
   const auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor);
   const auto albedo = p.find_spectrum_input("albedo", SpectrumRole::kReflectance);
   const bool pair = sigma_t || albedo, other = sigma_s || sigma_a;
-  if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one pair or the other");
+  if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one of the pairs");
   if (pair != (sigma_t && albedo) || other != (sigma_s && sigma_a))
     p.fail("has one coefficient alone, expected 'sigmaS' and 'sigmaA', or 'sigmaT' and 'albedo'");
   if ((pair || other) && p.has("material"))
-    p.fail_at("material", "is given beside coefficients, expected one or the other");
+    p.fail_at("material", "is set together with coefficients, expected one of them");
   if (pair) result.first = *sigma_t, result.second = *albedo;
   if (other) result.first = *sigma_s, result.second = *sigma_a, result.by_albedo = false;
   if (!pair && !other) read_material(p, result);
@@ -128,11 +128,11 @@ CoatDescription read_coat(Properties& p, const BsdfDialect& dialect) {
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", kOne);
   if (p.type() == "roughcoating") result.roughness = read_uniform_roughness(p);
   const std::vector<const XmlElement*> nested = p.objects("bsdf");
-  if (nested.size() != 1) p.fail("holds " + std::to_string(nested.size()) + " nested <bsdf>, expected one");
+  if (nested.size() != 1) p.fail("has " + std::to_string(nested.size()) + " nested <bsdf>, expected one");
   result.nested = dialect.nested(*nested[0]);
   const std::vector<MaterialDescription>& materials = p.context().description.materials;
   if (transmits(materials, result.nested))
-    p.fail("holds a material that transmits light (line " +
+    p.fail("has a nested material that transmits light (line " +
            std::to_string(materials[static_cast<std::size_t>(result.nested)].where.line) + ")");
   return result;
 }
