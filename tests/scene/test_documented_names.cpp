@@ -29,7 +29,7 @@ TEST_CASE("the documentation names every shape, texture, spectrum, sampler, inte
   };
   check(kSharedShapes.names());
   check(kSharedTextures.names());
-  check(kSpectra.names());
+  check(kSpectrumPlugins.names());
   check(kSamplers.names());
   check(kLightSelectors.names());
   check(kMediumEstimators.names());

@@ -81,7 +81,7 @@ SpectrumDescription read_regular(Properties& p) {
 /// Reads a spectrum plugin, <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  SpectrumDescription result = p.plugin(kSpectra)(p);
+  SpectrumDescription result = p.plugin(kSpectrumPlugins)(p);
   p.reject_unused();
   if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
   return result;
@@ -112,14 +112,14 @@ SpectrumDescription scaled(SpectrumDescription spectrum, float by) {
   return spectrum;
 }
 
-constexpr NameTable<SpectrumPluginReader> kSpectra{{{"blackbody", read_blackbody_plugin},
-                                                    {"d65", read_d65},
-                                                    {"illuminant", read_illuminant},
-                                                    {"irregular", read_irregular},
-                                                    {"rawconstant", read_raw_constant},
-                                                    {"regular", read_regular},
-                                                    {"srgb", read_srgb},
-                                                    {"uniform", read_uniform}}};
+constexpr NameTable<SpectrumPluginReader> kSpectrumPlugins{{{"blackbody", read_blackbody_plugin},
+                                                            {"d65", read_d65},
+                                                            {"illuminant", read_illuminant},
+                                                            {"irregular", read_irregular},
+                                                            {"rawconstant", read_raw_constant},
+                                                            {"regular", read_regular},
+                                                            {"srgb", read_srgb},
+                                                            {"uniform", read_uniform}}};
 
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context) {
   if (element.name == "blackbody") return read_blackbody(element);

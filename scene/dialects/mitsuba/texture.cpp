@@ -66,11 +66,11 @@ constexpr NameTable<SpectrumInput (*)(Properties&)> kInputs{{{"scale", read_scal
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
   if (element.name != "texture") return read_spectrum(element, context);
-  if (kSpectra.find(element.attribute("type")) != nullptr) return read_spectrum(element, context);
+  if (kSpectrumPlugins.find(element.attribute("type")) != nullptr) return read_spectrum(element, context);
   Properties p(element, context);
   if (const auto* read = kInputs.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  p.plugin(kSharedTextures, kSpectra, kInputs)(p, ImageOrigin::kUpperLeft, texture);
+  p.plugin(kSharedTextures, kSpectrumPlugins, kInputs)(p, ImageOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

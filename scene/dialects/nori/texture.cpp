@@ -60,13 +60,14 @@ constexpr NameTable<TexturePluginReader> kTextures{{{"checkerboard_color", read_
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
-  if (element.name != "texture" || kSpectra.find(element.attribute("type")) != nullptr)
+  if (element.name != "texture" || kSpectrumPlugins.find(element.attribute("type")) != nullptr)
     return read_spectrum(element, context);
   Properties p(element, context);
   if (const auto* read = kConstants.find(p.type())) return (*read)(p);
   TextureDescription texture;
   const TexturePluginReader* own = kTextures.find(p.type());
-  const TexturePluginReader read = own != nullptr ? *own : p.plugin(kSharedTextures, kSpectra, kConstants, kTextures);
+  const TexturePluginReader read =
+      own != nullptr ? *own : p.plugin(kSharedTextures, kSpectrumPlugins, kConstants, kTextures);
   read(p, ImageOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }
