@@ -90,7 +90,7 @@ void apply_size(const RenderArguments& arguments, FilmSettings& film) {
 /// Sets how the pixel filter is applied. OIDN expects pixels whose noise is independent.
 void apply_filter_mode(const RenderArguments& arguments, FilmSettings& film) {
   if (!arguments.filter_mode.empty())
-    film.filter_mode = arguments.filter_mode == "importance" ? FilterMode::kImportance : FilterMode::kWeighted;
+    film.filter_mode = kFilterModes.option("filter mode", arguments.filter_mode);
   else if (arguments.denoiser == "oidn")
     film.filter_mode = FilterMode::kImportance;
 }
@@ -134,9 +134,7 @@ ColorMode choose_color(const RenderArguments& arguments, Description& descriptio
   if (arguments.color.empty() && native == ColorMode::kSpectral)
     description.notes.push_back(arguments.scene +
                                 ": rendered with --color spectral, as pbrt does; --color rgb is faster");
-  const ColorMode color = arguments.color.empty()         ? native
-                          : arguments.color == "spectral" ? ColorMode::kSpectral
-                                                          : ColorMode::kRgb;
+  const ColorMode color = arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
   if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   return color;

@@ -96,7 +96,7 @@ struct RenderJob {
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
 
-  const char* color_name() const { return color == ColorMode::kSpectral ? "spectral" : "rgb"; }
+  const char* color_name() const { return kColorModes.name_of(color); }
 };
 
 ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, const Image& image) {

@@ -1,6 +1,7 @@
 #include "tools/read_options.h"
 
 #include "core/error.h"
+#include "core/name_table.h"
 #include "scene/dialects/read_model.h"
 
 #include <charconv>
@@ -17,6 +18,10 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
   return {definition.substr(0, equals), definition.substr(equals + 1)};
 }
 
+constexpr NameTable<NoriCamera> kNoriCameras{{{"eth", NoriCamera::kEth}, {"upstream", NoriCamera::kUpstream}}};
+constexpr NameTable<ModelView::Up> kUpAxes{
+    {{"x", ModelView::Up::kX}, {"y", ModelView::Up::kY}, {"z", ModelView::Up::kZ}}};
+
 }  // namespace
 
 void add_read_options(Command& command, ReadArguments& arguments) {
@@ -27,12 +32,12 @@ void add_read_options(Command& command, ReadArguments& arguments) {
   command
       .add_option("--nori-camera", arguments.nori_camera,
                   "Which way round pictures of Nori scenes are: eth (default) or upstream, its mirror image")
-      .one_of({"eth", "upstream"});
+      .one_of(kNoriCameras.names());
   command
       .add_option("--view", arguments.view, "Where a model is seen from: azimuth,elevation in degrees. Default: 30,20")
       .list(',', 2);
   command.add_option("--up", arguments.up, "Which axis of a model points up: x, y (default) or z")
-      .one_of({"x", "y", "z"});
+      .one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
 }
 
@@ -40,7 +45,7 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   ReadOptions options;
   options.lenient = arguments.lenient;
   for (const std::string& definition : arguments.definitions) options.defines.push_back(split_definition(definition));
-  if (arguments.nori_camera == "upstream") options.nori_camera = NoriCamera::kUpstream;
+  if (!arguments.nori_camera.empty()) options.nori_camera = kNoriCameras.option("camera", arguments.nori_camera);
   const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
   if (viewed && !model_format(file) && !arguments.lenient)
     throw Error(ExitCode::kUsage,
@@ -54,7 +59,7 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
     if (!(view.elevation >= -90 && view.elevation <= 90))
       throw Error(ExitCode::kUsage, "--view: the elevation lies between -90 and 90 degrees");
   }
-  if (!arguments.up.empty()) view.up = static_cast<ModelView::Up>(arguments.up[0] - 'x');
+  if (!arguments.up.empty()) view.up = kUpAxes.option("axis", arguments.up);
   if (arguments.fov) view.fov = *arguments.fov;
   return options;
 }

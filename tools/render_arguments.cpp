@@ -48,7 +48,7 @@ void add_image_options(Command& command, RenderArguments& arguments) {
   command
       .add_option("--color", arguments.color,
                   "Colour mode: rgb, or spectral: four wavelengths per path. Default: rgb, for scenes of pbrt spectral")
-      .one_of({"rgb", "spectral"});
+      .one_of(kColorModes.names());
   command
       .add_option("--spectral-bins", arguments.spectral_bins,
                   "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm: "
@@ -83,7 +83,7 @@ void add_transport_options(Command& command, RenderArguments& arguments) {
                   "How samples come under the reconstruction filter: weighted (default): each counts in every pixel "
                   "that the filter reaches; importance: each is placed by the filter and counts in one pixel, which "
                   "leaves more noise, but noise that differs from pixel to pixel")
-      .one_of({"weighted", "importance"});
+      .one_of(kFilterModes.names());
   command
       .add_option(
           "--replicates", arguments.replicates,

@@ -1,6 +1,9 @@
 // The options of `sheaf render`.
 #pragma once
 
+#include "core/name_table.h"
+#include "core/spectrum.h"
+#include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
 #include "tools/options.h"
 #include "tools/preview.h"
@@ -12,6 +15,11 @@
 #include <vector>
 
 namespace sheaf {
+
+/// Values of --color and --filter-mode.
+inline constexpr NameTable<ColorMode> kColorModes{{{"rgb", ColorMode::kRgb}, {"spectral", ColorMode::kSpectral}}};
+inline constexpr NameTable<FilterMode> kFilterModes{
+    {{"weighted", FilterMode::kWeighted}, {"importance", FilterMode::kImportance}}};
 
 /// The options as given.
 struct RenderArguments {

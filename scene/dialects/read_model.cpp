@@ -117,7 +117,7 @@ void load_model(ShapeDescription& shape, const MeshFileShape& from, Description&
   const std::size_t dropped = drop_degenerate_triangles(mesh);
   if (dropped > 0)
     description.notes.push_back(from.file.string() + ": " + std::to_string(dropped) +
-                                " degenerate or non-finite triangles left out");
+                                " degenerate or non-finite triangles ignored");
   if (!shape.face_normals && mesh.normals.empty()) compute_creased_normals(mesh, {});
   shape.material = color_material(model, from.file, description);
   shape.geometry = std::move(mesh);

@@ -52,7 +52,7 @@ void light_what_is_dark(Description& description) {
   for (const MediumDescription& medium : description.media) lit = lit || medium.emission || medium.temperature;
   if (lit || !transports_light(description.integrator.kind)) return;
   description.lights.push_back({ConstantLightDescription{}, {}});
-  description.stand_ins.push_back(description.file.string() + ": the scene has no light (a white sky stands in)");
+  description.stand_ins.push_back(description.file.string() + ": the scene has no light (rendered with a white sky)");
 }
 
 }  // namespace
@@ -71,13 +71,13 @@ namespace {
 std::string conversion(FileUse use) {
   switch (use) {
     case FileUse::kModel:
-      return "; import it into Blender and export OBJ or PLY, or a scene with the add-on for Mitsuba";
+      return "; convert it to OBJ or PLY, or to a Mitsuba scene, for example with Blender";
     case FileUse::kVolume:
-      return "; vdb_to_nanovdb or nanovdb_convert makes a .nvdb file of it, which a scene names as a gridvolume";
+      return "; convert it to .nvdb with vdb_to_nanovdb or nanovdb_convert and use it as a gridvolume in a scene";
     case FileUse::kImage:
-      return "; scenes name pictures as textures and environment maps";
+      return "; use images as textures or environment maps in a scene";
     case FileUse::kScenePart:
-      return "; scenes name such files";
+      return "; use it in a scene";
     case FileUse::kArchive:
       return "; unpack it first";
     case FileUse::kUnknown:
@@ -115,7 +115,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   if (const auto format = model_format(file)) return read_model(file, *format, options.view, options.lenient);
   if (is_pbrt_scene(file)) {
     if (!options.defines.empty())
-      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": scenes of pbrt have no parameters");
+      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
     Description description;
     description.file = file;
     read_pbrt(file, description, options.lenient);

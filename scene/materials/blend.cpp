@@ -59,7 +59,7 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
   std::vector<WeightedMaterial> parts;
   float sum = 0;
   for (std::size_t i = 0; i < nested.size(); ++i) {
-    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected none below 0");
+    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected no negative number");
     parts.push_back({dialect.nested(*nested[i]), weights[i]});
     sum += weights[i];
   }
@@ -68,8 +68,8 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
   const bool conserves = p.boolean("ensure_energy_conservation", true);
   // Normalise the weights, or fill up with black
   if (sum > kMaxWeight) {
-    if (!conserves) p.fail_at("weights", "add up to more than 1, which is not supported");
-    p.context().note(p.where(), "its weights add up to " + std::to_string(sum) + " and are scaled down to 1");
+    if (!conserves) p.fail_at("weights", "add up to more than 1, expected at most 1");
+    p.context().note(p.where(), "weights add up to " + std::to_string(sum) + ", normalized to 1");
   }
   if (sum < 2.0f - kMaxWeight || parts.size() == 1)
     parts.push_back({add_black_material(p), std::max(1.0f - sum, 0.0f)});

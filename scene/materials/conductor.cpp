@@ -27,7 +27,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
     std::vector<std::string> known = metal_names();
     known.emplace_back("none");
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
-                              " (known: " + list_of(known) + "); others can be given by 'eta' and 'k'");
+                              " (known: " + list_of(known) + "); use 'eta' and 'k' for others");
   }
   SpectrumDescription::Table eta, k;
   for (const MetalSample& sample : samples) {
@@ -43,7 +43,7 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
 /// Returns an index of refraction relative to the surrounding dielectric.
 SpectrumInput relative(Properties& p, SpectrumInput ior, float ext_eta) {
   if (auto* spectrum = std::get_if<SpectrumDescription>(&ior)) return divided(std::move(*spectrum), ext_eta);
-  if (p.has("ext_eta")) p.fail_at("ext_eta", "is given beside a texture of 'eta' or 'k', which it cannot divide");
+  if (p.has("ext_eta")) p.fail_at("ext_eta", "is set together with a texture of 'eta' or 'k', expected one of them");
   return ior;
 }
 
@@ -67,7 +67,7 @@ ConductorDescription ConductorDescription::read_smooth(Properties& p, const Bsdf
   if (eta || k) {
     if (!eta || !k) p.fail(std::string("has '") + (eta ? "eta" : "k") + "' alone, expected both 'eta' and 'k'");
     if (material && *material != "none")
-      p.fail_at("material", "is given beside 'eta' and 'k', expected one or the other");
+      p.fail_at("material", "is set together with 'eta' and 'k', expected one of them");
     result.ior = {*eta, *k};
   } else if (const std::string name = material.value_or(dialect.before_version_2 ? "Cu" : "none"); name != "none") {
     result.ior = named_metal(p, name);

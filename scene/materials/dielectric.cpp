@@ -16,7 +16,7 @@ namespace {
 Dispersion read_cauchy(Properties& p, const char* name) {
   const std::vector<float> numbers = read_numbers(p, name);
   if (numbers.size() < 2 || numbers.size() > 3)
-    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected A, B and perhaps C");
+    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected two or three: A, B, C");
   Dispersion result{Dispersion::Form::kPowers, numbers[0], {}};
   for (std::size_t i = 1; i < numbers.size(); ++i) result.terms[i - 1] = {numbers[i], -2.0f * static_cast<float>(i)};
   return result;
@@ -107,9 +107,8 @@ DielectricDescription DielectricDescription::read_smooth(Properties& p, const Bs
   read_side(p, "int", names_disperse, result.int_ior, result.int_dispersion);
   read_side(p, "ext", names_disperse, result.ext_ior, result.ext_dispersion);
   if (p.has("dispersion") && *names_disperse && !result.int_dispersion && !result.ext_dispersion)
-    p.fail_at("dispersion",
-              "is true, but of neither side a dispersion formula is known, expected coefficients or one of " +
-                  list_of(dispersion_names()));
+    p.fail_at("dispersion", "is true, but neither side has a dispersion formula, expected coefficients or one of " +
+                                list_of(dispersion_names()));
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", result.specular_reflectance);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", result.specular_transmittance);
   return result;

@@ -11,7 +11,7 @@ namespace {
 
 /// Sets the coefficients of the measured medium that `material` names, by default skin1.
 void read_slab_material(Properties& p, HanrahanKruegerDescription& slab) {
-  const std::string name = p.find_string("material").value_or("skin1");
+  const std::string name = p.string("material", "skin1");
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr)
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
@@ -28,7 +28,7 @@ float read_mean_cosine(Properties& p, const BsdfDialect& dialect) {
   const PhaseDescription& phase = p.context().description.phases[static_cast<std::size_t>(*id)];
   if (const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model)) return hg->g;
   if (std::holds_alternative<IsotropicPhaseDescription>(phase.model)) return 0;
-  throw SceneError(phase.where, "the phase function of 'hk' is expected to be isotropic or hg");
+  throw SceneError(phase.where, "phase function of 'hk' not supported, expected isotropic or hg");
 }
 
 }  // namespace
@@ -40,11 +40,11 @@ HanrahanKruegerDescription HanrahanKruegerDescription::read(Properties& p, const
   const auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor);
   const auto albedo = p.find_spectrum_input("albedo", SpectrumRole::kReflectance);
   const bool pair = sigma_t || albedo, other = sigma_s || sigma_a;
-  if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one pair or the other");
+  if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one of the pairs");
   if (pair != (sigma_t && albedo) || other != (sigma_s && sigma_a))
     p.fail("has one coefficient alone, expected 'sigmaS' and 'sigmaA', or 'sigmaT' and 'albedo'");
   if ((pair || other) && p.has("material"))
-    p.fail_at("material", "is given beside coefficients, expected one or the other");
+    p.fail_at("material", "is set together with coefficients, expected one of them");
   if (pair) result.first = *sigma_t, result.second = *albedo;
   if (other) result.first = *sigma_s, result.second = *sigma_a, result.by_albedo = false;
   if (!pair && !other) read_slab_material(p, result);

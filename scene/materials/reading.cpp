@@ -75,19 +75,18 @@ ScalarInput read_alpha(Properties& p, const char* name, ScalarInput default_valu
 
 RoughnessDescription read_roughness(Properties& p) {
   RoughnessDescription result;
-  const std::string distribution = p.find_string("distribution").value_or("beckmann");
+  const std::string distribution = p.string("distribution", "beckmann");
   if (distribution == "ggx") {
     result.distribution = RoughnessDescription::Distribution::kGgx;
   } else if (distribution == "phong" || distribution == "as") {
     // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
-    p.context().note(p.where(),
-                     "distribution '" + distribution + "' is rendered with 'beckmann', which is nearly the same");
+    p.context().note(p.where(), "distribution '" + distribution + "' rendered as 'beckmann'");
   } else if (distribution != "beckmann") {
     p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
   if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
-  if (along && p.has("alpha")) p.fail_at("alpha", "is given beside 'alpha_u' and 'alpha_v', expected one or the other");
+  if (along && p.has("alpha")) p.fail_at("alpha", "is set together with 'alpha_u' and 'alpha_v', expected one of them");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
   p.ignore({"sample_visible"});
@@ -96,10 +95,9 @@ RoughnessDescription read_roughness(Properties& p) {
 
 RoughnessDescription read_uniform_roughness(Properties& p) {
   for (const char* name : {"alpha", "alpha_u", "alpha_v"})
-    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number: the roughness is the same everywhere");
+    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number");
   RoughnessDescription result = read_roughness(p);
-  if (result.alpha_u != result.alpha_v)
-    p.fail_at("alpha_v", "differs from 'alpha_u', expected the same roughness along and across");
+  if (result.alpha_u != result.alpha_v) p.fail_at("alpha_v", "differs from 'alpha_u', expected equal values");
   return result;
 }
 
@@ -119,7 +117,7 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
 }
 
 std::vector<float> read_numbers(Properties& p, const char* name) {
-  if (!p.is_string(name)) p.fail_at(name, "must be a string of numbers");
+  if (!p.is_string(name)) p.fail_at(name, "is invalid, expected a string of numbers");
   return parse_floats(*p.find_string(name), p.where(), name);
 }
 
@@ -138,7 +136,7 @@ std::string list_of(const std::vector<std::string>& names) {
 std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std::size_t high, const char* expected) {
   const std::vector<const XmlElement*> found = p.objects("bsdf");
   if (found.size() < low || found.size() > high)
-    p.fail("holds " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
+    p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
   return found;
 }
 
@@ -149,13 +147,13 @@ MaterialId read_nested_bsdf(Properties& p, const BsdfDialect& dialect) {
 void expect_opaque(Properties& p, MaterialId nested) {
   const std::vector<MaterialDescription>& materials = p.context().description.materials;
   if (transmits(materials, nested))
-    p.fail("holds a material that transmits light (line " +
+    p.fail("has a nested material that transmits light (line " +
            std::to_string(materials[static_cast<std::size_t>(nested)].where.line) + ")");
 }
 
 const XmlElement& only_texture(Properties& p) {
   const XmlElement* texture = p.any_texture_or_color();
-  if (texture == nullptr) p.fail("holds no <texture>, expected one");
+  if (texture == nullptr) p.fail("has no <texture>, expected one");
   return *texture;
 }
 
@@ -164,7 +162,7 @@ TextureId read_map(const XmlElement& texture, ReadContext& context) {
 }
 
 void note_polarisation(Properties& p) {
-  p.context().note(p.where(), "bsdf '" + p.type() + "' does to all light what it does to light that is not polarised");
+  p.context().note(p.where(), "bsdf '" + p.type() + "' rendered without polarization, which is not simulated");
 }
 
 }  // namespace sheaf

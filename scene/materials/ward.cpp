@@ -10,7 +10,7 @@ namespace {
 
 WardDescription::Variant read_variant(Properties& p) {
   using Variant = WardDescription::Variant;
-  const std::string name = p.find_string("variant").value_or("balanced");
+  const std::string name = p.string("variant", "balanced");
   if (name == "ward") return Variant::kWard;
   if (name == "ward-duer") return Variant::kDuer;
   if (name == "balanced") return Variant::kBalanced;

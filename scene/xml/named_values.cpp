@@ -83,6 +83,11 @@ std::string NamedValues::string(const char* name, const std::string& default_val
   return find_string(name).value_or(default_value);
 }
 
+std::string NamedValues::required_string(const char* name) {
+  if (std::optional<std::string> text = find_string(name)) return *std::move(text);
+  fail("needs the string '" + std::string(name) + "'");
+}
+
 std::optional<Vec3f> NamedValues::find_vec3(const char* name) {
   const NamedValue* value = use(name);
   return value != nullptr ? std::optional<Vec3f>(read_vec3(*value)) : std::nullopt;

@@ -57,6 +57,8 @@ class NamedValues {
   bool boolean(const char* name, bool default_value);
   std::optional<std::string> find_string(const char* name);
   std::string string(const char* name, const std::string& default_value);
+  /// Throws SceneError if the string is missing.
+  std::string required_string(const char* name);
   std::optional<Vec3f> find_vec3(const char* name);
   Vec3f vec3(const char* name, Vec3f default_value);
   /// The value that a string names in a table. Throws SceneError for a name that is not in the table.

@@ -42,7 +42,7 @@ bool ReadContext::leave_out(const SceneError& error, const XmlElement& around) {
   if (!lenient) throw;
   const auto* about = dynamic_cast<const ElementError*>(&error);
   if (about == nullptr || &about->element() == &around || !left_out.insert(&about->element()).second) return false;
-  description.stand_ins.push_back(std::string(error.what()) + " (left out)");
+  description.stand_ins.push_back(std::string(error.what()) + " (ignored)");
   return true;
 }
 
@@ -61,7 +61,8 @@ Properties::Properties(const XmlElement& object, ReadContext& context) : object_
   type_ = other != context.types.end() ? other->second : object.attribute("type");
   for (const XmlElement& child : object.children) add(child);
   if (context.open.count(&object) != 0) throw ElementError(object, title() + " refers to itself");
-  if (context.open.size() >= kMaxNesting) throw SceneError(object.where, "objects refer to each other too deeply");
+  if (context.open.size() >= kMaxNesting)
+    throw SceneError(object.where, "objects are nested deeper than 100 references");
   context.open.insert(&object);
 }
 
@@ -72,7 +73,7 @@ void Properties::expect_attributes(const XmlElement& element, std::initializer_l
     element.expect_attributes(allowed);
   } catch (const SceneError& error) {
     if (!context_.lenient) throw;
-    context_.stand_in({}, std::string(error.what()) + " (left out)");
+    context_.stand_in({}, std::string(error.what()) + " (ignored)");
   }
 }
 
@@ -103,9 +104,9 @@ void Properties::add(const XmlElement& child) {
   const std::string key = spelling_key(*name);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
   if (same != entries_.end()) {
-    const std::string message = "property " + in_quotes(*name) + " is given twice";
+    const std::string message = "property " + in_quotes(*name) + " is set twice, expected once";
     if (!context_.lenient) throw ElementError(child, message);
-    context_.stand_in(child.where, message + " (the last counts)");
+    context_.stand_in(child.where, message + " (the last one is used)");
     entries_.erase(same);
   }
   entries_.emplace_back(key, *name, child, *target);
@@ -123,7 +124,7 @@ const std::string& Properties::text_of(const Entry& entry, std::initializer_list
   if (!fits) fail_type(entry, *types.begin());
   expect_attributes(*entry.target, {"name", "id", "value"});
   if (!entry.target->children.empty())
-    throw ElementError(*entry.written, "<" + entry.target->name + "> holds no elements");
+    throw ElementError(*entry.written, "<" + entry.target->name + "> has nested elements, expected none");
   return *parsed(entry, [&] { return &entry.target->attribute("value"); });
 }
 
@@ -243,7 +244,7 @@ std::optional<ScalarInput> Properties::find_scalar_input(const char* name, Numbe
   } else if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) {
     number = luminance(rgb->value);
   } else {
-    fail_at(name, "depends on the wavelength, expected a number or a texture");
+    fail_at(name, "is a spectrum, expected a number or a texture");
   }
   check_range(name, {double{number}, number_text(double{number})}, range);
   return number;
@@ -266,7 +267,7 @@ const XmlElement* Properties::any_texture_or_color() {
   for (Entry& entry : entries_) {
     const std::string& kind = entry.target->name;
     if (entry.used || (kind != "rgb" && kind != "srgb" && kind != "color" && kind != "spectrum")) continue;
-    if (found != nullptr) throw ElementError(*entry.written, title() + " holds a second colour, expected one");
+    if (found != nullptr) throw ElementError(*entry.written, title() + " has a second colour, expected one");
     found = &entry;
   }
   if (found == nullptr) return nullptr;
@@ -278,7 +279,7 @@ const XmlElement* Properties::any_texture() {
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
     if (entry.target->name != "texture" || entry.used) continue;
-    if (found != nullptr) throw ElementError(*entry.written, title() + " holds a second <texture>, expected one");
+    if (found != nullptr) throw ElementError(*entry.written, title() + " has a second <texture>, expected one");
     found = &entry;
   }
   asked_kinds_.emplace_back("texture");
@@ -306,7 +307,7 @@ std::vector<const XmlElement*> Properties::objects(const char* kind) {
 
 const XmlElement* Properties::object(const char* kind) {
   const std::vector<const XmlElement*> found = objects(kind);
-  if (found.size() > 1) fail("holds " + std::to_string(found.size()) + " nested <" + kind + ">, expected one");
+  if (found.size() > 1) fail("has " + std::to_string(found.size()) + " nested <" + kind + ">, expected one");
   return found.empty() ? nullptr : found[0];
 }
 
@@ -318,8 +319,8 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   for (Entry& entry : entries_) {
     if (!entry.key.empty() || entry.target->name != kind || spelling_key(entry.name) != key) continue;
     if (found != nullptr)
-      throw ElementError(*entry.written, title() + " holds a second <" + kind + "> of the name " +
-                                             in_quotes(entry.name) + ", expected one");
+      throw ElementError(*entry.written, title() + " has a second <" + kind + "> of the name " + in_quotes(entry.name) +
+                                             ", expected one");
     found = &entry;
   }
   if (found == nullptr) return nullptr;
@@ -358,7 +359,7 @@ void Properties::fail_unused_object(const Entry& entry) const {
     message += did_you_mean(spelling_key(entry.name), known->second);
     raise(&entry, message + known_names(known->second));
   }
-  if (!asked_kinds_.empty()) message += " (it takes: " + joined(asked_kinds_) + ")";
+  if (!asked_kinds_.empty()) message += " (known: " + joined(asked_kinds_) + ")";
   raise(&entry, message);
 }
 
@@ -368,7 +369,7 @@ void Properties::raise(const NamedValue* value, const std::string& message) cons
 
 void Properties::leave_out(const NamedValue& value, const std::string& message) const {
   if (!context_.lenient) raise(&value, message);
-  context_.stand_in(entry_of(value).written->where, message + " (left out)");
+  context_.stand_in(entry_of(value).written->where, message + " (ignored)");
 }
 
 void Properties::fail_plugin(std::vector<std::string> known) const {

@@ -89,13 +89,13 @@ void read_or_as(const XmlElement& element, ReadContext& context, const char* plu
   context.types[&element] = plugin;
   const bool done = !read_what_can_be(element, context, read);
   context.description.stand_ins.push_back(*error +
-                                          (done ? " ('" + std::string(plugin) + "' stands in)" : " (left out)"));
+                                          (done ? " (rendered as '" + std::string(plugin) + "')" : " (ignored)"));
 }
 
-/// As read_what_can_be(), for optional elements: reports an element that cannot be read as left out.
+/// As read_what_can_be(), for optional elements: reports an element that cannot be read as ignored.
 template <class Read> void read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
   if (const auto error = read_what_can_be(element, context, read))
-    context.description.stand_ins.push_back(*error + " (" + element.name + " left out)");
+    context.description.stand_ins.push_back(*error + " (" + element.name + " ignored)");
 }
 
 /// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.

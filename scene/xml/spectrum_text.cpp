@@ -38,7 +38,7 @@ SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocat
     if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum")}};
     if (count > 1)
       throw SceneError(where, "spectrum is " + in_quotes(text) +
-                                  ", expected one number, three of a colour, or wavelength:value pairs");
+                                  ", expected one number, three numbers of a colour, or wavelength:value pairs");
     return SpectrumDescription::constant(parse_float(text, where, "spectrum"));
   }
   SpectrumDescription::Table table;

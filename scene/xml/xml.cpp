@@ -73,7 +73,7 @@ struct Converter {
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
     SourceLocation place = where(node);
     place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
-    fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "left out");
+    fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "ignored");
   }
 
   /// Removes the children of `node` from pugixml's tree while converting, so that a large scene is not in memory twice.
@@ -86,10 +86,12 @@ struct Converter {
     element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
-        fail(element.where, "attribute " + in_quotes(attribute.name()) + " is given twice", "the last counts");
+        fail(element.where, "attribute " + in_quotes(attribute.name()) + " is set twice, expected once",
+             "the last one is used");
         std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == attribute.name(); });
       }
-      if (element.attributes.size() == kMaxAttributes) throw SceneError(element.where, "too many attributes");
+      if (element.attributes.size() == kMaxAttributes)
+        throw SceneError(element.where, "more than " + std::to_string(kMaxAttributes) + " attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
     }
     element.children.reserve(count(node.children()));
@@ -136,7 +138,7 @@ XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>*
   const pugi::xml_parse_result result =
       document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (result.status == pugi::status_no_document_element)
-    throw SceneError(SourceLocation{converter.file, 1}, "the file holds no XML element, expected <scene>");
+    throw SceneError(SourceLocation{converter.file, 1}, "the file has no XML element, expected <scene>");
   if (!result)
     throw SceneError(SourceLocation{converter.file, converter.lines.line(result.offset)},
                      std::string("not well-formed XML: ") + result.description());

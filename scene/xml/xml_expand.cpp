@@ -100,7 +100,7 @@ struct ExpandedScene::Expansion {
       result += parameter->second;
       i += 1 + parameter->first.size();
       substituted += parameter->second.size();
-      if (substituted > kMaxSubstituted) throw SceneError(where, "values grow too long by their $parameters");
+      if (substituted > kMaxSubstituted) throw SceneError(where, "$parameters expand to more than 256 MiB");
     }
     text = std::move(result);
   }
@@ -111,7 +111,7 @@ struct ExpandedScene::Expansion {
     if (name.empty() || !std::all_of(name.begin(), name.end(), is_name_character))
       throw SceneError(element.where, in_quotes(name) + " is not a parameter name, expected letters, digits and _");
     if (element.attribute("value").size() > kMaxParameterLength)
-      throw SceneError(element.where, "the default value is too long");
+      throw SceneError(element.where, "the default value is longer than 1 MiB");
     parameters.emplace(name, element.attribute("value"));
     read.insert(name);
   }
@@ -192,7 +192,7 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
   for (const auto& define : defines)
     if (expansion.read.count(define.first) == 0)
       throw SceneError(SourceLocation{file.string(), 0}, "the scene has no parameter " + in_quotes(define.first) +
-                                                             " that -D could set" + did_you_mean(define.first, known));
+                                                             " for -D to set" + did_you_mean(define.first, known));
   for (const XmlElement& child : root_.children) index(child);
   apply_aliases();
   mark_references(root_);
@@ -211,7 +211,7 @@ void ExpandedScene::index(const XmlElement& element) {
       const SourceLocation& first = it->second->where;
       fail(SceneError(element.where, "id " + in_quotes(*id) + " is already taken by <" + it->second->name + "> in " +
                                          first.file + ":" + std::to_string(first.line)),
-           "the first counts");
+           "the first one is used");
     }
   }
   for (const XmlElement& child : element.children) index(child);

@@ -51,7 +51,7 @@ class ExpandedScene {
   void apply_aliases();
   void mark_references(const XmlElement& element);
   /// Throws the error, or records it in lenient mode.
-  void fail(const SceneError& error, const char* instead = "left out");
+  void fail(const SceneError& error, const char* instead = "ignored");
 
   XmlElement root_;
   bool lenient_ = false;

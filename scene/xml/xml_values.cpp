@@ -65,12 +65,13 @@ Transform parse_matrix(const XmlElement& element) {
     for (std::size_t j = 0; j < size; ++j) matrix.m[i][j] = values[i * size + j];
   const auto& last = matrix.m[3];
   if (last[0] != 0 || last[1] != 0 || last[2] != 0 || last[3] != 1)
-    throw SceneError(element.where, "the last row of <matrix> is not 0 0 0 1; transforms must be affine");
+    throw SceneError(element.where, "the last row of <matrix> is invalid, expected 0 0 0 1");
   return Transform(matrix);
 }
 
 Transform parse_step(const XmlElement& element) {
-  if (!element.children.empty()) throw SceneError(element.where, shown(element) + " holds no elements");
+  if (!element.children.empty())
+    throw SceneError(element.where, shown(element) + " has nested elements, expected none");
   if (element.name == "translate") return Transform::translate(parse_vec3_element(element, 0));
   if (element.name == "scale") return Transform::scale(parse_vec3_element(element, 1));
   if (element.name == "rotate") {

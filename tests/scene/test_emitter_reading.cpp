@@ -49,7 +49,7 @@ TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") 
   CHECK_FALSE(is_raw("0"));
   CHECK_FALSE(is_raw("2.2"));
   CHECK(contains(envmap("<float name='gamma' value='2.2'/>").notes.at(0),
-                 "emitter 'envmap' has a gamma of 2.2; the curve of sRGB is used"));
+                 "emitter 'envmap' has 'gamma' 2.2, rendered as sRGB"));
   CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
 }
 
@@ -187,7 +187,8 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(moving.sun_scale == 1);
   for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // before sunrise
 
-  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"), "is given beside 'sun_direction'"));
+  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"),
+                 "is set together with 'sun_direction'"));
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));
   CHECK(contains(mitsuba_error("sunsky", "<vector name='sun_direction' value='0,0,0'/>"), "no length"));
   CHECK(contains(mitsuba_error("sunsky", "<integer name='month' value='13'/>"), "'month'"));

@@ -62,7 +62,7 @@ TEST_CASE("instancing: errors include the line") {
       {"<shape type='sphere' id='s'/>\n<shape type='instance'><ref id='s'/></shape>",
        "scene.xml:5: shape 'instance' refers to a 'sphere', expected a 'shapegroup'"},
       {group + "<shape type='instance'><ref id='g'/><ref id='g'/></shape>",
-       "scene.xml:5: shape 'instance' holds 2 nested"},
+       "scene.xml:5: shape 'instance' has 2 nested"},
       {group + "<shape type='instance'><ref id='g'/>\n<bsdf type='diffuse'/></shape>",
        "scene.xml:6: shape 'instance' takes no nested <bsdf>"},
       {group + "<shape type='instance'><ref id='g'/><boolean name='flip_normals' value='true'/></shape>",
@@ -71,11 +71,10 @@ TEST_CASE("instancing: errors include the line") {
                "<scale value='1e-12'/></transform></shape>",
        "scene.xml:6: property 'to_world' of shape 'instance' is singular or too extreme"},
       {group + "<shape type='shapegroup' id='h'>\n<shape type='instance'><ref id='g'/></shape></shape>",
-       "scene.xml:6: a shape group cannot hold a 'instance'"},
+       "scene.xml:6: 'instance' inside a shape group"},
       {"<shape type='shapegroup'>\n<shape type='shapegroup'/></shape>",
-       "scene.xml:5: a shape group cannot hold a 'shapegroup'"},
-      {"<shape type='shapegroup' id='g'>\n<ref id='g'/></shape>",
-       "scene.xml:4: a shape group cannot hold a 'shapegroup'"},
+       "scene.xml:5: 'shapegroup' inside a shape group"},
+      {"<shape type='shapegroup' id='g'>\n<ref id='g'/></shape>", "scene.xml:4: 'shapegroup' inside a shape group"},
       {"<shape type='shapegroup'><bsdf type='diffuse'/></shape>", "takes no nested <bsdf>"},
   };
   for (const auto& [inside, expected] : tests) {

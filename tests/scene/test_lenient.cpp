@@ -58,19 +58,19 @@ TEST_CASE("lenient: invalid properties are dropped one by one and the object is 
   CHECK(std::get<PlasticDescription>(material_of(d, 0).model).int_ior == 1.7f);
   CHECK(says(d, "scene.xml:4: property 'alpha'"));
   CHECK(says(d, "unknown property 'gloss' of bsdf 'roughplastic'"));
-  CHECK(says(d, "expected a positive number (left out)"));
+  CHECK(says(d, "expected a positive number (ignored)"));
 }
 
 TEST_CASE("lenient: the last of duplicate properties counts") {
   const Description d = read_broken(
       mitsuba_scene("<shape type='sphere'><float name='radius' value='2'/><float name='radius' value='3'/></shape>"));
   CHECK(std::get<SphereShape>(d.shapes.at(0).geometry).radius == 3);
-  CHECK(says(d, "given twice (the last counts)"));
+  CHECK(says(d, "set twice, expected once (the last one is used)"));
   const Description e =
       read_broken(mitsuba_scene("<shape type='sphere'><float name='radius' value='2' value='5'/>text"
                                 "</shape>"));
   CHECK(std::get<SphereShape>(e.shapes.at(0).geometry).radius == 5);
-  CHECK(says(e, "unexpected text 'text' inside <shape> (left out)"));
+  CHECK(says(e, "unexpected text 'text' inside <shape> (ignored)"));
 }
 
 TEST_CASE("lenient: unknown materials are replaced by the most similar ones") {
@@ -131,8 +131,9 @@ TEST_CASE("lenient: unknown cameras and films and samplers and integrators are r
   CHECK(d.sampler.sample_count == 16);
   CHECK(d.integrator.kind == IntegratorKind::kPath);
   CHECK(d.integrator.max_depth == 7);
-  for (const char* what : {"'perspective' stands in", "'hdrfilm' stands in", "'gaussian' stands in",
-                           "'sobol' stands in", "'path' stands in", "the scene has no light (a white sky stands in)"})
+  for (const char* what :
+       {"rendered as 'perspective'", "rendered as 'hdrfilm'", "rendered as 'gaussian'", "rendered as 'sobol'",
+        "rendered as 'path'", "the scene has no light (rendered with a white sky)"})
     CHECK(says(d, what));
 }
 

@@ -271,9 +271,9 @@ TEST_CASE("media: mixtures of phase functions become nested blends and constant 
                       "'/>"
                       "<phase type='rayleigh'/><phase type='hg'/></phase></medium>"));
   };
-  CHECK(contains(error("1"), "holds 2 nested <phase> and 1 weights"));
+  CHECK(contains(error("1"), "has 2 nested <phase> and 1 weights"));
   CHECK(contains(error("0.5, 0.2"), "expected 1"));
-  CHECK(contains(error("2, -1"), "no negative weight"));
+  CHECK(contains(error("2, -1"), "no negative number"));
   CHECK(error("3, 1").empty());
 }
 
@@ -458,9 +458,9 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
       {homogeneous("<rgb name='sigma_t' value='-1'/>"), "expected no negative value"},
       {homogeneous("<rgb name='albedo' value='1.5'/>"), "expected values within [0, 1]"},
       {homogeneous("<float name='scale' value='-1'/>"), "expected no negative number"},
-      {phase("<phase type='sggx'/>"), "scene.xml:5: phase 'sggx' needs a <volume> of the name 'S'"},
+      {phase("<phase type='sggx'/>"), "scene.xml:5: phase 'sggx' needs the <volume> 'S'"},
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<string name='value' value='1 2 3'/>") + "</phase>"),
-       "holds 3 numbers, expected six: xx yy zz xy xz yz"},
+       "has 3 numbers, expected six: xx yy zz xy xz yz"},
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<float name='value' value='1'/>") + "</phase>"),
        "given as <float>, expected string"},
       {phase("<phase type='sggx'>" + volume("S", "gridvolume", file("a.nvdb")) + "</phase>"), "expected a .vol file"},
@@ -468,16 +468,16 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
       {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"),
        "mixes 'sigma_t' and 'albedo' with"},
       {homogeneous("<string name='material' value='skin1'/>"), "unknown property 'material'"},
-      {homogeneous(volume("sigma_t", "gridvolume", file("a.vol"))), "type 'heterogeneous' takes grids"},
+      {homogeneous(volume("sigma_t", "gridvolume", file("a.vol"))), "use type 'heterogeneous' for grids"},
       {homogeneous(volume("sigma_s", "gridvolume", file("a.vol"))),
        "has a grid for 'sigma_s', expected the same value"},
       {homogeneous("<rgb name='albedo' value='1'/>" +
                    volume("albedo", "constvolume", "<float name='value' value='1'/>")),
-       "is given beside a <volume> of this name"},
+       "is set together with a <volume> of this name"},
       {homogeneous(volume("albdo", "constvolume", "<float name='value' value='1'/>")),
        "takes no nested <volume> of the name 'albdo', did you mean 'albedo'?"},
       {homogeneous("<volume type='constvolume'/>"), "takes no nested <volume> without a name"},
-      {homogeneous(volume("albedo", "constvolume", "")), "volume 'constvolume' has no 'value'"},
+      {homogeneous(volume("albedo", "constvolume", "")), "volume 'constvolume' needs the spectrum 'value'"},
       {homogeneous(volume("albedo", "constvolum", "")),
        "unknown volume plugin 'constvolum', did you mean 'constvolume'?"},
       {homogeneous("<float name='temperature' value='-5'/>"), "expected no negative value"},
@@ -489,45 +489,45 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
       {phase("<phase type='microflake'/>"), "unknown phase plugin 'microflake'"},
       {phase("<phase type='hg'><float name='g' value='1'/></phase>"), "expected a number between -1 and 1"},
       {phase("<phase type='hg'><float name='g' value='-1'/></phase>"), "expected a number between -1 and 1"},
-      {phase("<phase type='isotropic'/><phase type='isotropic'/>"), "holds 2 nested <phase>, expected one"},
-      {phase("<phase type='blendphase'><phase type='hg'/></phase>"), "holds 1 nested <phase>, expected two"},
+      {phase("<phase type='isotropic'/><phase type='isotropic'/>"), "has 2 nested <phase>, expected one"},
+      {phase("<phase type='blendphase'><phase type='hg'/></phase>"), "has 1 nested <phase>, expected two"},
       {phase("<phase type='blendphase'><float name='weight' value='2'/></phase>"), "expected values within [0, 1]"},
       {phase("<phase type='blendphase'>" + volume("weight", "gridvolume", file("a.vol")) + "</phase>"),
        "has a grid for 'weight', expected the same value everywhere"},
       {grid(""), "volume 'gridvolume' needs the string 'filename'"},
       {grid(file("gone.vol")), "file 'gone.vol' not found"},
-      {grid(file("a.vdb")), "a file of OpenVDB, expected .nvdb or .vol"},
-      {grid(file("openvdb.dat")), "a file of OpenVDB, expected .nvdb or .vol"},
-      {grid(file("text.dat")), "neither a .vol nor a .nvdb file"},
+      {grid(file("a.vdb")), "an OpenVDB file, expected .nvdb or .vol"},
+      {grid(file("openvdb.dat")), "an OpenVDB file, expected .nvdb or .vol"},
+      {grid(file("text.dat")), "expected a .vol or .nvdb file"},
       {grid(file("a.vol") + "<string name='filter_type' value='cubic'/>"), "expected trilinear or nearest"},
       {grid(file("a.vol") + "<string name='wrap_mode' value='clam'/>"), "did you mean 'clamp'?"},
-      {grid(file("a.vol") + "<string name='grid_name' value='x'/>"), "is given for a .vol file"},
+      {grid(file("a.vol") + "<string name='grid_name' value='x'/>"), "is set for a .vol file"},
       {grid(file("a.vol") + "<boolean name='fit_to_shape' value='true'/>"), "unknown property 'fit_to_shape'"},
       {tabphase(""), "phase 'tabphase' needs the string 'values'"},
       {tabphase("<string name='values' value='1'/>"), "has 1 numbers, expected at least two"},
-      {tabphase("<string name='values' value='1, -2, 3'/>"), "holds -2.000000, expected no negative numbers"},
+      {tabphase("<string name='values' value='1, -2, 3'/>"), "has -2.000000, expected no negative number"},
       {tabphase("<string name='values' value='0, 0'/>"), "add up to 0.000000, expected more than 0"},
       {tabphase("<string name='values' value='1, x'/>"), "'x'"},
       {mitsuba_scene("<phase type='hg'/>"),
-       "<phase> at the top level, which nothing refers to; it belongs inside a <medium>"},
-      {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level, which nothing refers to"},
-      {mitsuba_scene("<subsurface type='dipole'/>"), "<subsurface> at the top level, which nothing refers to"},
+       "<phase> at the top level is not referenced, expected it inside a <medium>"},
+      {mitsuba_scene("<volume type='constvolume'/>"), "<volume> at the top level is not referenced"},
+      {mitsuba_scene("<subsurface type='dipole'/>"), "<subsurface> at the top level is not referenced"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='inside'/></shape>"),
        "shape 'sphere' takes no nested <medium> of the name 'inside' (known: interior, exterior)"},
       {mitsuba_scene("<shape type='sphere'><medium type='homogeneous' name='interior'/>"
                      "<medium type='homogeneous' name='interior'/></shape>"),
-       "shape 'sphere' holds a second <medium> of the name 'interior'"},
+       "shape 'sphere' has a second <medium> of the name 'interior'"},
       {mitsuba_scene("<bsdf type='dielectric'><rgb name='sigma_a' value='1'/></bsdf>"), "unknown property 'sigma_a'"},
       {old_scene(medium("homogeneous", "<string name='material' value='skimilk'/>")),
        "expected the name of a measured medium, did you mean 'skimmilk'?"},
       {old_scene(medium("homogeneous", "<string name='material' value='skin1'/><rgb name='sigmaT' value='1'/>")),
-       "is given beside coefficients"},
-      {old_scene(medium("heterogeneous", "")), "needs a <volume> of the name 'density'"},
+       "is set together with coefficients"},
+      {old_scene(medium("heterogeneous", "")), "needs the <volume> 'density'"},
       {old_scene(medium("heterogeneous", "<float name='density' value='1'/><string name='method' value='simson'/>")),
        "did you mean 'simpson'?"},
       {old_scene(medium("heterogeneous", "<float name='density' value='1'/>" +
                                              volume("orientation", "constvolume", "<float name='value' value='1'/>"))),
-       "expected in the matrices of the phase function 'sggx'"},
+       "in the matrices of the phase function 'sggx'"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);
@@ -544,31 +544,31 @@ TEST_CASE("media: errors in Nori scenes have line and nearest name") {
   };
   const Case cases[] = {
       {nori_mesh("<medium type='homogen'/>"), "scene.xml:2: unknown medium plugin 'homogen'"},
-      {nori_mesh(medium("homogeneous", "") + medium("homogeneous", "")), "holds 2 nested <medium>, expected one"},
-      {nori_mesh(medium("heterogeneous", "")), "needs a <volume> of the name 'density', or 'filename'"},
+      {nori_mesh(medium("homogeneous", "") + medium("homogeneous", "")), "has 2 nested <medium>, expected one"},
+      {nori_mesh(medium("heterogeneous", "")), "needs the <volume> 'density' or the string 'filename'"},
       {nori_mesh(medium("heterogeneous", file("a.vol") + volume("density", "vol", file("a.vol")))),
-       "is given beside a <volume> of the name 'density'"},
+       "is set together with the <volume> 'density'"},
       {nori_mesh(medium("heterogeneous", volume("density", "nanovdb", file("a.vol")))), "expected a .nvdb file"},
       {nori_mesh(medium("heterogeneous", volume("density", "vol", file("a.nvdb")))), "expected a .vol file"},
       {nori_mesh(medium("heterogeneous", volume("density", "vol",
                                                 file("a.vol") + "<transform name='toWorld'/>"
                                                                 "<boolean name='fitToShape' value='true'/>"))),
-       "is true beside 'toWorld'"},
-      {nori_mesh(medium("homogeneous", volume("density", "vol", file("a.vol")))), "type 'heterogeneous' takes grids"},
+       "is true together with 'toWorld'"},
+      {nori_mesh(medium("homogeneous", volume("density", "vol", file("a.vol")))), "use type 'heterogeneous' for grids"},
       {nori_mesh(medium("homogeneous", "<color name='density' value='1,2,3'/>")), "has a colour for 'density'"},
       {nori_mesh(medium("homogeneous", "<color name='sigmaT' value='1'/><color name='sigmaS' value='1'/>")),
        "mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s'"},
       {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='1'/></bsdf>" + medium("homogeneous", "")),
-       "holds a <medium> and a bsdf with 'sigmaA'"},
+       "has a <medium> and a bsdf with 'sigmaA'"},
       {nori_mesh("<bsdf type='diffuse'><color name='sigmaA' value='1'/></bsdf>"), "unknown property 'sigmaA'"},
       {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"), "expected no negative value"},
       {nori_mesh("<bsdf type='blendbsdf'><bsdf type='null'><color name='sigmaA' value='1'/></bsdf>"
                  "<bsdf type='null'><color name='sigmaA' value='1'/></bsdf></bsdf>"),
-       "is given by two materials of one surface"},
+       "is set by two materials of one surface"},
       {nori_scene(medium("homogeneous", "") + medium("homogeneous", "")),
        "scene.xml:2: a second <medium>, expected one"},
       {nori_scene(medium("heterogeneous", file("a.vol") + "<boolean name='fitToShape' value='true'/>")),
-       "in a medium of the whole scene, which no shape holds"},
+       "is true in a medium without a shape"},
   };
   for (const Case& c : cases) {
     CAPTURE(c.text);

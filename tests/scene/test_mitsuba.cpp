@@ -450,7 +450,7 @@ TEST_CASE("Mitsuba: transforms are composed in document order") {
         {"<rotate x='0' angle='5'/>", "scene.xml:6: rotation axis must not be zero"},
         {"<rotate x='1'/>", "scene.xml:6: <rotate> needs an attribute 'angle'"},
         {"<matrix value='1 2 3'/>", "scene.xml:6: <matrix> has 3 numbers, expected 16 or 9"},
-        {"<matrix value='1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1'/>", "transforms must be affine"},
+        {"<matrix value='1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1'/>", "the last row of <matrix> is invalid, expected 0 0 0 1"},
         {"<lookat origin='0,0,0' target='0,0,0' up='0,1,0'/>", "scene.xml:6: lookat: "},
         {"<lookat origin='0,0,0' target='0,1,0' up='0,1,0'/>", "scene.xml:6: lookat: "},
         {"<translat x='1'/>", "scene.xml:6: unknown transform step <translat>, did you mean 'translate'?"},

@@ -119,7 +119,7 @@ TEST_CASE("old materials: coats are read") {
   const auto refused = [](const std::string& text, const char* what) {
     CHECK(error(text).find(what) != std::string::npos);
   };
-  refused(bsdf("coating"), "holds 0 nested <bsdf>, expected one");
+  refused(bsdf("coating"), "has 0 nested <bsdf>, expected one");
   refused(bsdf("coating", bsdf("dielectric")), "transmits light (line ");
   refused(bsdf("coating", bsdf("mask", bsdf("diffuse"))), "transmits light (line ");
   refused(bsdf("ward", word("variant", "blinn")), "expected ward, ward-duer or balanced");
@@ -201,7 +201,7 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   refused("0.5", three, "has 1 numbers, expected as many as there are nested <bsdf>, 3");
   refused("0.5, -0.1, 0.1", three, "has a negative number");
   refused("0, 0, 0", three, "add up to 0");
-  refused("", "", "holds 0 nested <bsdf>");
+  refused("", "", "has 0 nested <bsdf>");
 }
 
 }  // namespace sheaf::test_old_bsdf

@@ -197,7 +197,7 @@ TEST_CASE("Mitsuba materials: hair is defined by pigments or by absorption") {
   CHECK(contains(material("hair", textures), "hair melanin texture 0 texture 1 texture 2 texture 3 "));
   CHECK(contains(material("hair", std::string("<texture name='sigma_a'") + attribute), "hair absorption texture 0 "));
 
-  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is given beside 'sigma_a'"));
+  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is set together with 'sigma_a'"));
   CHECK(contains(error(bsdf("hair", number("azimuthal_roughness", "1.5"))), "expected a number from 0 to 1"));
   CHECK(contains(error(bsdf("hair", number("roughness", "0.5"))), "unknown property 'roughness'"));
   CHECK(contains(error(bsdf("twosided", bsdf("hair"))), "transmits light"));
@@ -356,7 +356,7 @@ TEST_CASE("Mitsuba materials: two-sided materials may have one or two children")
   for (const std::string& child : transmitting) {
     CAPTURE(child);
     const std::string message = error("<bsdf type='twosided'>\n" + child + "</bsdf>");
-    CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' holds a material that transmits light (line 5)"),
+    CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' has a nested material that transmits light (line 5)"),
                   message);
   }
 }
@@ -415,7 +415,7 @@ TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
     CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' has the filter"));
   }
   REQUIRE(notes(number("gamma", "2.2")).size() == 1);
-  CHECK(contains(notes(number("gamma", "2.2"))[0], "the curve of sRGB is used"));
+  CHECK(contains(notes(number("gamma", "2.2"))[0], "rendered as sRGB"));
 }
 
 // Positions of uv points in the image, found with Mitsuba 3.9 and an image of four colours: row 0 is at v = 0, and
@@ -499,7 +499,8 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
       {bsdf("principled", number("roughness", "1.5")), "is '1.5', expected a number from 0 to 1"},
       {bsdf("principled", number("eta", "1.5") + number("specular", "0.5")), "has both 'eta' and 'specular'"},
       {bsdf("principled", word("roughness", "rough")), "is given as <string>, expected float or texture"},
-      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"), "depends on the wavelength"},
+      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"),
+       "is a spectrum, expected a number or a texture"},
       {bsdf("principledthin", number("diff_trans", "2.5")), "expected a number from 0 to 2"},
       {bsdf("principledthin", number("metallic", "0.5")), "unknown property 'metallic' of bsdf 'principledthin'"},
       {bsdf("conductor", word("material", "Aux")),
@@ -507,14 +508,15 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
        "Al, AlAs,"},
       {bsdf("conductor", number("eta", "1")), "has 'eta' alone, expected both 'eta' and 'k'"},
       {bsdf("conductor", number("k", "1")), "has 'k' alone"},
-      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")), "is given beside 'eta' and"},
+      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")),
+       "is set together with 'eta' and"},
       {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
       {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
       {bsdf("roughconductor", word("distribution", "fong")), "is 'fong', expected beckmann or ggx"},
       {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
       {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
       {bsdf("roughconductor", number("alphaU", "0.1") + number("alphaV", "0.1") + number("alpha", "0.1")),
-       "property 'alpha' of bsdf 'roughconductor' is given beside 'alpha_u' and 'alpha_v'"},
+       "property 'alpha' of bsdf 'roughconductor' is set together with 'alpha_u' and 'alpha_v'"},
       {bsdf("roughconductor", number("alpha", "-1")), "expected no negative number"},
       {bsdf("roughplastic", number("alpha_u", "0.1") + number("alpha_v", "0.2")), "differs from 'alpha_u'"},
       {bsdf("roughplastic", "<texture type='checkerboard' name='alpha'/>"), "is a texture, expected a number"},
@@ -522,20 +524,20 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
        "is 'diamant', expected a number or the name of a material, did you mean 'diamond'?"},
       {bsdf("dielectric", number("int_ior", "-1")), "expected a positive number"},
       {bsdf("dielectric", word("int_ior", "pyrex") + "<boolean name='dispersion' value='true'/>"),
-       "property 'dispersion' of bsdf 'dielectric' is true, but of neither side a dispersion formula is known"},
+       "property 'dispersion' of bsdf 'dielectric' is true, but neither side has a dispersion formula"},
       {bsdf("null", number("opacity", "1")), "unknown property 'opacity' of bsdf 'null'"},
-      {bsdf("twosided"), "holds 0 nested <bsdf>, expected one or two"},
-      {bsdf("twosided", two + bsdf("diffuse")), "holds 3 nested <bsdf>, expected one or two"},
-      {bsdf("mask"), "holds 0 nested <bsdf>, expected one"},
-      {bsdf("mask", two), "holds 2 nested <bsdf>, expected one"},
+      {bsdf("twosided"), "has 0 nested <bsdf>, expected one or two"},
+      {bsdf("twosided", two + bsdf("diffuse")), "has 3 nested <bsdf>, expected one or two"},
+      {bsdf("mask"), "has 0 nested <bsdf>, expected one"},
+      {bsdf("mask", two), "has 2 nested <bsdf>, expected one"},
       {bsdf("mask", bsdf("diffuse") + number("opacity", "2")), "expected a number from 0 to 1"},
-      {bsdf("blendbsdf", bsdf("diffuse")), "holds 1 nested <bsdf>, expected two"},
-      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' holds no <texture>, expected one"},
-      {bsdf("bumpmap", board), "holds 0 nested <bsdf>, expected one"},
-      {bsdf("bumpmap", bsdf("diffuse") + board + board), "holds a second <texture>, expected one"},
+      {bsdf("blendbsdf", bsdf("diffuse")), "has 1 nested <bsdf>, expected two"},
+      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' has no <texture>, expected one"},
+      {bsdf("bumpmap", board), "has 0 nested <bsdf>, expected one"},
+      {bsdf("bumpmap", bsdf("diffuse") + board + board), "has a second <texture>, expected one"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
       {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
-       "holds a second colour, expected one"},
+       "has a second colour, expected one"},
       {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
       {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
       {"<texture type='checkerboard' id='a'><ref name='color0' id='a'/></texture>" +
@@ -552,12 +554,12 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
        "scene.xml:5: file 'gone.png' not found"},
       {bitmap(word("filter_type", "cubic")), "scene.xml:5: property 'filter_type' of texture 'bitmap' is 'cubic'"},
       {bitmap(word("wrap_mode", "zero")), "is 'zero', expected repeat, mirror or clamp"},
-      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is given beside 'wrap_mode'"},
+      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is set together with 'wrap_mode'"},
       {bitmap(number("gamma", "1.8")), "expected 1 (linear) or -1 (sRGB)"},
-      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is given beside 'raw'"},
+      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is set together with 'raw'"},
       {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
       {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
-       "is given beside 'to_uv'"},
+       "is set together with 'to_uv'"},
       {bitmap(number("uscal", "2")),
        "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
   };
@@ -570,7 +572,7 @@ TEST_CASE("Mitsuba materials and textures: errors have line and fault and neares
   const std::string old = error_of_text(mitsuba_scene(
       bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") + number("ext_eta", "1.5")),
       "<sensor type='perspective'/>", "", "0.6.0"));
-  CHECK_MESSAGE(contains(old, "is given beside a texture of 'eta' or 'k'"), old);
+  CHECK_MESSAGE(contains(old, "is set together with a texture of 'eta' or 'k'"), old);
 }
 
 TEST_CASE("Mitsuba materials: polarisers transmit half of the light with a note") {

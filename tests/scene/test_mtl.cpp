@@ -331,7 +331,7 @@ TEST_CASE("obj materials: normals are those of the undivided mesh") {
       compute_vertex_normals(whole);
       expand_obj_materials(scene.description);
       REQUIRE(scene.description.shapes.size() == 2);
-      CHECK(scene.has_note("scene.xml:7: 1 degenerate or non-finite triangles left out"));
+      CHECK(scene.has_note("scene.xml:7: 1 degenerate or non-finite triangles ignored"));
       for (std::size_t i = 0; i < 2; ++i) {
         const Mesh& part = scene.mesh(i);
         REQUIRE(part.normals.size() == (smooth && !face_normals ? 4 : 0));
@@ -421,7 +421,7 @@ TEST_CASE("obj materials: a missing material is an error with file and line and 
   CHECK_FALSE(lenient.description.shapes[1].material);
   REQUIRE(lenient.description.stand_ins.size() == 1);
   CHECK(contains(lenient.description.stand_ins[0], "'blu'"));
-  CHECK(contains(lenient.description.stand_ins[0], "(a diffuse surface stands in)"));
+  CHECK(contains(lenient.description.stand_ins[0], "(rendered as a diffuse surface)"));
 }
 
 TEST_CASE("obj materials: names may be quoted") {

@@ -291,9 +291,9 @@ TEST_CASE("Nori: errors have line and fault and nearest name") {
       {scene_with("<mesh type='sphere'><bsdf type='microfacets'/></mesh>"),
        "unknown bsdf plugin 'microfacets', did you mean 'microfacet'?"},
       {scene_with("<mesh type='sphere'><bsdf type='mirror'/><bsdf type='mirror'/></mesh>"),
-       "mesh 'sphere' holds 2 nested <bsdf>, expected one"},
+       "mesh 'sphere' has 2 nested <bsdf>, expected one"},
       {scene_with("<mesh type='sphere'><film type='hdrfilm'/></mesh>"),
-       "mesh 'sphere' takes no nested <film> (it takes: bsdf, medium, emitter)"},
+       "mesh 'sphere' takes no nested <film> (known: bsdf, medium, emitter)"},
       {scene_with("<mesh type='sphere'><float name='radius' value='-2'/></mesh>"),
        "property 'radius' of mesh 'sphere' is '-2', expected a positive number"},
       {scene_with("<mesh type='sphere'><string name='radius' value='2'/></mesh>"),
@@ -305,7 +305,7 @@ TEST_CASE("Nori: errors have line and fault and nearest name") {
        "has both 'power' (W) and 'intensity' (W/sr)"},
       {scene_with("<emiter type='point'/>"), "unknown element <emiter> in a Nori scene, did you mean 'emitter'?"},
       {scene_with("", "<camera type='fisheye'/>"), "scene.xml:2: unknown camera plugin 'fisheye'"},
-      {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: camera 'thinlens' has no 'apertureRadius'"},
+      {scene_with("", "<camera type='thinlens'/>"), "scene.xml:2: camera 'thinlens' needs the float 'apertureRadius'"},
       {scene_with("", "<camera type='thinlens'><float name='lensRadius' value='1'/></camera>"),
        "camera 'thinlens' has a lens but no 'focusDistance'"},
       {scene_with("",
@@ -357,7 +357,7 @@ TEST_CASE("Nori: a parallelogram has a corner at its origin") {
   CHECK(dot(shape.to_world.vector({0, 0, 1}), Vec3f{0, -1, 0}) > 0.999f);
   CHECK(shape.radiance.has_value());
   CHECK(contains(error_of_text(scene_with("<mesh type='parallelogram'><vector name='u' value='0 1 0'/></mesh>")),
-                 "u and v are parallel"));
+                 "'u' and 'v' are parallel"));
 }
 
 TEST_CASE("Nori: the upstream camera mirrors that of ETH") {
@@ -385,7 +385,7 @@ TEST_CASE("Nori: exercise integrators make the scene white and light it by a con
   CHECK(av.integrator.kind == IntegratorKind::kVisibility);
   CHECK(av.integrator.visibility_length == 3.0f);
   CHECK(av.lights.empty());
-  CHECK(contains(error_of_text(scene_with(inside, kCamera, "<integrator type='av'/>")), "needs the number 'length'"));
+  CHECK(contains(error_of_text(scene_with(inside, kCamera, "<integrator type='av'/>")), "needs the float 'length'"));
   CHECK(contains(
       error_of_text(scene_with(inside, kCamera, "<integrator type='av'><float name='length' value='0'/></integrator>")),
       "'length'"));
@@ -409,7 +409,7 @@ TEST_CASE("Nori: instances refer to groups of type ref by name") {
   REQUIRE(d.instances.size() == 1);
   CHECK(d.instances[0].to_world[0] == 2);
   CHECK(contains(error_of_text(scene_with("<mesh type='instance'><string name='ref' value='bowl'/></mesh>")),
-                 "'bowl', which names no group"));
+                 "'bowl', expected the name of a shape group"));
 }
 
 TEST_CASE("Nori: names used by course projects are read") {

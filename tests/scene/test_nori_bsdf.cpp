@@ -182,7 +182,7 @@ TEST_CASE("Nori materials and textures: errors have line and fault and nearest n
        "scene.xml:5: unknown texture plugin 'checkerbord_color', did you mean 'checkerboard_color'?"},
       {texture("checkerboard_color", number("value3", "1")),
        "unknown property 'value3' of texture 'checkerboard_color', did you mean"},
-      {texture("checkerboard_color", "<vector2 name='scale' value='1,0'/>"), "is zero along an axis"},
+      {texture("checkerboard_color", "<vector2 name='scale' value='1,0'/>"), "is 0 along an axis"},
       {texture("checkerboard_color", "<vector2 name='scale' value='1,2,3'/>"), "has 3 numbers, expected two"},
       {texture("checkerboard_color", "<color name='scale' value='1'/>"), "is given as <color>, expected vector2"},
       {texture("image"), "texture 'image' needs the string 'filename'"},

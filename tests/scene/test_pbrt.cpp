@@ -426,7 +426,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     const std::string flat = "Shape \"curve\" \"point3 P\" [ 0 0 0  1 2 0  3 0 1  4 4 4 ]\n";
     const std::vector<std::string> notes = read_world(flat + flat).notes;
     REQUIRE(notes.size() == 1);
-    CHECK(contains(notes[0], "type 'flat' is shown as a round tube"));
+    CHECK(contains(notes[0], "type 'flat' rendered as a round tube"));
     CHECK(contains(error_of_world("Shape \"curve\""), "has 0 points, expected 4 or more"));
     CHECK(
         contains(error_of_world("Shape \"curve\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 4 0 0 ]"), "1 and a multiple"));
@@ -517,12 +517,12 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
     check("Shape \"sphere\" \"flot radius\" 1",
           "scene.pbrt:3: unknown type 'flot' of a parameter, did you mean 'float'? (known: integer, float, point2, "
           "vector2, point3, vector3, normal3, point, vector, normal, rgb, blackbody, spectrum, bool, string, texture)");
-    check("AttributeBegin", "scene.pbrt:3: AttributeBegin is not ended before the file is");
+    check("AttributeBegin", "scene.pbrt:3: AttributeBegin is not closed at the end of the file");
     check("AttributeEnd", "scene.pbrt:3: an end without AttributeBegin before");
     check("ObjectInstance \"o\"", "scene.pbrt:3: the object 'o' is not defined");
-    check("NamedMaterial \"m\"", "scene.pbrt:3: the material 'm' is not defined so far");
+    check("NamedMaterial \"m\"", "scene.pbrt:3: the material 'm' is not defined yet");
     CHECK(contains(error_of_world("Scale 0 1 1"), "scene.pbrt:3: transform is not invertible"));
-    check("Film \"rgb\"", "scene.pbrt:3: Film behind WorldBegin, expected it before");
+    check("Film \"rgb\"", "scene.pbrt:3: Film after WorldBegin, expected it before");
     CHECK(contains(error_of_world("Include \"none.pbrt\""), "scene.pbrt:3: file 'none.pbrt' not found in "));
     CHECK(contains(error_of_world("Include \"scene.pbrt\""), "includes itself"));
     CHECK(

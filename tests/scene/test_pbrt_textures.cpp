@@ -172,7 +172,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
       CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == Approx(c.expected).epsilon(1e-3));
       // A note lists encodings without effect.
       const bool told = std::any_of(d.notes.begin(), d.notes.end(),
-                                    [](const std::string& note) { return contains(note, "for PNG files alone"); });
+                                    [](const std::string& note) { return contains(note, "for PNG files only"); });
       const std::string name = c.file;
       CHECK(told == (*c.encoding != 0 && std::string_view(c.encoding) != "sRGB" && !name.ends_with("png")));
     }

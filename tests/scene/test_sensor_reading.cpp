@@ -36,7 +36,7 @@ TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
   CHECK(distorted.fov == 30);
   CHECK(with_sensor("perspective_rdist", "").camera.distortion == std::array{0.0f, 0.0f});
   CHECK(contains(sensor_error("perspective_rdist", "<string name='kc' value='1, 2, 3'/>"),
-                 "holds 3 numbers, expected two"));
+                 "has 3 numbers, expected two"));
   CHECK(contains(sensor_error("perspective", "<string name='kc' value='1, 2'/>"), "'kc'"));
   // Lengths are in world space.
   const CameraDescription lens =
@@ -74,11 +74,11 @@ TEST_CASE("sensors: films of Mitsuba 0.6 may have labels and metadata and channe
     CHECK(contains(notes[0], expected));
   };
   notes_about("<string name='label[10, 10]' value='Hello'/><string name='label[0, 0]' value='x'/>",
-              "labels are not drawn");
+              "film labels ignored");
   notes_about("<string name=\"metadata['key']\" value='Hello'/><float name=\"metadata['n']\" value='1'/>",
-              "'metadata' is not written");
+              "film metadata ignored");
   notes_about("<string name='pixelFormat' value='rgb, rgb'/><string name='channelNames' value='color, position'/>",
-              "'channelNames' is ignored");
+              "'channelNames' ignored");
   CHECK(film("<string name='pixelFormat' value='rgba'/>").empty());
   CHECK(contains(sensor_error("perspective", "<film type='hdrfilm'><string name='labels' value='x'/></film>"),
                  "unknown property 'labels'"));
@@ -118,8 +118,7 @@ TEST_CASE("sensors: meters are read") {
   CHECK_FALSE(target("rectangle").round);
   CHECK(target("disk").round);
   CHECK(near(target("disk").to_world.point({0, 0, 0}), {5, 0, 0}));
-  CHECK(contains(sensor_error("distant", down + "<shape type='sphere'/>" + kPixel),
-                 "expected a 'rectangle' or a 'disk'"));
+  CHECK(contains(sensor_error("distant", down + "<shape type='sphere'/>" + kPixel), "expected 'rectangle' or 'disk'"));
   CHECK(contains(sensor_error("distant", "<vector name='direction' value='0,0,0'/>" + kPixel), "no length"));
 
   const std::string meter = "<sensor type='irradiancemeter'>" + kPixel + "</sensor>";
@@ -150,8 +149,8 @@ TEST_CASE("sensors: batches share a film and specfilm is read as a film") {
   REQUIRE(batch.more_cameras.size() == 1);
   CHECK(batch.more_cameras[0].projection == Projection::kSpherical);
   CHECK(batch.film.width == 64);
-  CHECK(contains(sensor_error("batch", film), "holds no <sensor>"));
-  CHECK(contains(sensor_error("batch", "<sensor type='distant'/>"), "expected a camera that makes a picture"));
+  CHECK(contains(sensor_error("batch", film), "has no <sensor>"));
+  CHECK(contains(sensor_error("batch", "<sensor type='distant'/>"), "expected a camera that forms an image"));
   CHECK(contains(sensor_error("bach", ""), "did you mean 'batch'"));
 
   const Description spectra =

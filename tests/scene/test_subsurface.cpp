@@ -41,7 +41,7 @@ TEST_CASE("subsurface: a preset gives the medium and the index of refraction") {
   CHECK(boundary(d).ext_ior == 1.0f);
   CHECK_FALSE(boundary(d).roughness.has_value());
   REQUIRE(d.notes.size() == 1);
-  CHECK(contains(d.notes[0], "'dipole' is rendered as a dielectric around a scattering medium"));
+  CHECK(contains(d.notes[0], "'dipole' rendered as a dielectric around a scattering medium"));
   // skin1 is the default.
   CHECK(coefficients(read_text(sphere(dipole("")))) == measured({0.032f, 0.17f, 0.48f}, {0.74f, 0.88f, 1.01f}));
   CHECK(boundary(read_text(sphere(dipole("<string name='material' value='marble'/>")))).int_ior == 1.5f);
@@ -91,7 +91,7 @@ TEST_CASE("subsurface: errors have line and nearest name") {
   CHECK(
       contains(error_of_text(sphere(dipole("<string name='material' value='skimilk'/>"))), "did you mean 'skimmilk'?"));
   CHECK(contains(error_of_text(sphere(dipole("<string name='material' value='skin1'/><rgb name='sigmaA' value='1'/>"))),
-                 "is given beside coefficients"));
+                 "is set together with coefficients"));
   CHECK(contains(error_of_text(sphere(dipole("<float name='sgima' value='1'/>"))), "unknown property 'sgima'"));
 }
 

@@ -61,8 +61,8 @@ const std::vector<Foreign>& foreign_files() {
       {"a.blend", "BLENDER-v404", "a Blender file", "Blender"},
       {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
       {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
-      {"a.nvdb", "NanoVDB2", "a NanoVDB file", "scenes name"},
-      {"a.mtl", "newmtl x\n", "a library of materials", "scenes name"},
+      {"a.nvdb", "NanoVDB2", "a NanoVDB file", "use it in a scene"},
+      {"a.mtl", "newmtl x\n", "a library of materials", "use it in a scene"},
       {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
   return files;
 }

@@ -87,7 +87,7 @@ Box read_box(std::vector<ShapeDescription>& shapes, Description& description, bo
         load(shape, MeshFileShape(*file), description);
     } catch (const SceneError& error) {
       if (!lenient) throw;
-      description.stand_ins.push_back(std::string(error.what()) + " (shape left out)");
+      description.stand_ins.push_back(std::string(error.what()) + " (shape ignored)");
       continue;
     }
     grow(box, shape);
@@ -149,7 +149,7 @@ void frame_box(const std::array<Vec3f, 2>& box, const ModelView& view, Descripti
 void stand_in_camera(const XmlElement& root, const char* what, ReadContext& context) {
   const std::string message = std::string("the scene has no ") + what;
   if (!context.lenient) throw SceneError(root.where, message);
-  context.stand_in(root.where, message + " (one that sees all of it stands in)");
+  context.stand_in(root.where, message + " (rendered with an automatic camera)");
   context.frames_scene = true;
 }
 

@@ -3,7 +3,7 @@
 
 namespace sheaf {
 
-void read_light_sampling(Properties& p, IntegratorSettings& integrator) {
+void read_light_sampling(NamedValues& p, IntegratorSettings& integrator) {
   integrator.candidates = p.integer("candidates", integrator.candidates, 1, kMaxCandidates);
   integrator.light_selector = p.choice("light_sampler", kLightSelectors, integrator.light_selector);
 }

@@ -2,8 +2,8 @@
 // light sampling.
 #pragma once
 
-#include "core/name_table.h"
-#include "scene/xml/properties.h"
+#include "scene/description/description.h"
+#include "scene/xml/named_values.h"
 
 namespace sheaf {
 
@@ -11,6 +11,6 @@ inline constexpr NameTable<LightSelector> kLightSelectors{
     {{"uniform", LightSelector::kUniform}, {"power", LightSelector::kPower}, {"bvh", LightSelector::kBvh}}};
 
 /// Reads `light_sampler` (a name) and `candidates` (light samples per vertex; RIS keeps one). Throws SceneError.
-void read_light_sampling(Properties& p, IntegratorSettings& integrator);
+void read_light_sampling(NamedValues& p, IntegratorSettings& integrator);
 
 }  // namespace sheaf

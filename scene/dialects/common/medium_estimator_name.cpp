@@ -3,7 +3,7 @@
 
 namespace sheaf {
 
-void read_medium_estimation(Properties& p, IntegratorSettings& integrator) {
+void read_medium_estimation(NamedValues& p, IntegratorSettings& integrator) {
   integrator.step_size = p.number("step_size", integrator.step_size, kPositive);
   integrator.medium_estimator = p.choice("medium_estimator", kMediumEstimators, integrator.medium_estimator);
 }

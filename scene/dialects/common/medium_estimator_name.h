@@ -2,8 +2,8 @@
 // distance sampling and transmittance estimation in media.
 #pragma once
 
-#include "core/name_table.h"
-#include "scene/xml/properties.h"
+#include "scene/description/description.h"
+#include "scene/xml/named_values.h"
 
 namespace sheaf {
 
@@ -13,6 +13,6 @@ inline constexpr NameTable<MediumEstimator> kMediumEstimators{{{"null_mis", Medi
                                                                {"marching", MediumEstimator::kMarching}}};
 
 /// Reads `medium_estimator` (a name) and `step_size` (m, positive). Throws SceneError.
-void read_medium_estimation(Properties& p, IntegratorSettings& integrator);
+void read_medium_estimation(NamedValues& p, IntegratorSettings& integrator);
 
 }  // namespace sheaf

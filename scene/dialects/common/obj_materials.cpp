@@ -194,7 +194,7 @@ class MaterialLibraries {
         if (const auto file = find_file(folder, name)) {
           found.push_back(&read(*file));
         } else {
-          note(line.where, "material library '" + name + "' not found, its materials become diffuse");
+          note(line.where, "material library '" + name + "' not found, its materials are rendered as diffuse");
           complete = false;
         }
       }
@@ -215,7 +215,7 @@ class MaterialLibraries {
   void fail(const SourceLocation& where, const std::string& message) {
     const SceneError error(where, message);
     if (!lenient_) throw error;
-    description_.stand_ins.push_back(std::string(error.what()) + " (a diffuse surface stands in)");
+    description_.stand_ins.push_back(std::string(error.what()) + " (rendered as a diffuse surface)");
   }
 
  private:
@@ -284,7 +284,7 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
     if (complete) {
       libraries.fail(where, "material '" + name + "' is in no material library of the file" + similar);
     } else {
-      libraries.note(where, "material '" + name + "' is in no material library, it becomes diffuse" + similar);
+      libraries.note(where, "material '" + name + "' is in no material library, rendered as diffuse" + similar);
     }
   }
   return found;
@@ -326,7 +326,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibrari
   for (const std::string& warning : obj.file.warnings) libraries.note({geometry.file.string()}, warning);
   const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased);
   if (dropped > 0) {
-    libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles left out");
+    libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles ignored");
   }
   const Mesh& mesh = obj.file.mesh;
   // Collect the triangles of each material
@@ -361,7 +361,7 @@ void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries,
         // A model without a scene file has no line; the error already names the file.
         const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;
         if (left_out == nullptr) throw placed;
-        left_out->push_back(std::string(placed.what()) + " (shape left out)");
+        left_out->push_back(std::string(placed.what()) + " (shape ignored)");
         continue;
       }
     }

@@ -5,12 +5,12 @@
 
 namespace sheaf {
 
-void read_clip(Properties& p, CameraDescription& camera, float near_clip) {
+void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
   camera.near_clip = p.number("near_clip", near_clip, kPositive);
   camera.far_clip = p.number("far_clip", 10'000, kPositive);
   if (camera.near_clip < camera.far_clip) return;
-  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip", "puts the far plane, at " + std::to_string(camera.far_clip) +
-                                                              ", not behind the near one, at " +
+  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip", "puts the far plane at " + std::to_string(camera.far_clip) +
+                                                              ", expected it beyond the near plane at " +
                                                               std::to_string(camera.near_clip));
 }
 
@@ -18,10 +18,10 @@ void read_shutter(Properties& p) {
   const bool is_given = p.has("shutter_open") || p.has("shutter_close");
   const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
   if (is_given && open != close)
-    p.context().note(p.where(), "'shutter_open' and 'shutter_close' are not used: there is no motion blur");
+    p.context().note(p.where(), "'shutter_open' and 'shutter_close' ignored: motion blur is not supported");
 }
 
-CameraDescription::FovAxis read_fov_axis(Properties& p) {
+CameraDescription::FovAxis read_fov_axis(NamedValues& p) {
   using Axis = CameraDescription::FovAxis;
   static constexpr NameTable<Axis> kAxes{{{"x", Axis::kX},
                                           {"y", Axis::kY},

@@ -6,10 +6,10 @@
 namespace sheaf {
 
 /// Reads near_clip and far_clip (default 10,000) of a camera. Throws SceneError if they are out of order.
-void read_clip(Properties& p, CameraDescription& camera, float near_clip);
+void read_clip(NamedValues& p, CameraDescription& camera, float near_clip);
 
 /// Reads `fov_axis` (default x). Throws SceneError for an unknown axis.
-CameraDescription::FovAxis read_fov_axis(Properties& p);
+CameraDescription::FovAxis read_fov_axis(NamedValues& p);
 
 /// Reads `shutter_open` and `shutter_close`, which have no effect. Adds a note if the exposure time is not 0.
 void read_shutter(Properties& p);

@@ -56,7 +56,7 @@ SunTime read_time(Properties& p) {
 Vec3f read_sun(Properties& p, const DaylightSpace& space) {
   if (!p.has("sun_direction")) return space.direction(sun_position(read_time(p)));
   for (const char* other : {"year", "month", "day", "hour", "minute", "second", "latitude", "longitude", "timezone"})
-    if (p.has(other)) p.fail_at(other, "is given beside 'sun_direction', expected one or the other");
+    if (p.has(other)) p.fail_at(other, "is set together with 'sun_direction', expected one of them");
   const Vec3f direction = *p.find_vec3("sun_direction");
   const float length = sheaf::length(direction);
   if (!(length > 0.0f) || !std::isfinite(length)) p.fail_at("sun_direction", "has no length");
@@ -75,7 +75,8 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   end.month = p.integer("end_month", begin.month, 1, 12);
   end.day = p.integer("end_day", begin.day, 1, 31);
   const double days = days_since_2000(end) - days_since_2000(begin);
-  if (days < 0) p.fail_at("end_year", "makes the last day, " + std::to_string(-days) + " days before the first");
+  if (days < 0)
+    p.fail_at("end_year", "puts the last day " + std::to_string(-days) + " days before the first, expected it after");
   const double first_hour = double(p.number("window_start_time", 7, {0, 24, false}));
   const double last_hour = double(p.number("window_end_time", 19, {first_hour, 24, false}));
   p.ignore({"shutter_open", "shutter_close"});
@@ -93,7 +94,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
 /// Reads the angular radius of the sun, degrees.
 float read_radius(Properties& p) {
   if (p.has("sun_aperture") && p.has("sun_radius_scale"))
-    p.fail_at("sun_aperture", "is given beside 'sunRadiusScale', expected one or the other");
+    p.fail_at("sun_aperture", "is set together with 'sunRadiusScale', expected one of them");
   const auto aperture = p.find_number("sun_aperture", {0, 180, true});
   const float scale = p.number("sun_radius_scale", 1, {0, 89 / double(SunDescription::kSunRadius), false});
   return aperture ? 0.5f * *aperture : SunDescription::kSunRadius * scale;
@@ -128,7 +129,7 @@ std::vector<LightDescription> read_daylight(Properties& p, bool y_is_up) {
   sky.resolution = p.integer("resolution", timed ? kTimedResolution : 512, 4, 16384) & ~1;
   sun.radius = read_radius(p);
   if (p.boolean("complex_sun", false))
-    p.context().note(p.where(), "'complex_sun' is not used: the sun is as bright at its limb as on average");
+    p.context().note(p.where(), "'complex_sun' ignored: the sun has uniform radiance");
   if (timed) sky.sun_scale = sun.scale;
   std::vector<LightDescription> lights;
   if (p.type() != "sun") lights.push_back({std::move(sky), p.where()});

@@ -26,7 +26,7 @@ void read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
     mesh.flip_tex_coords = p.boolean("flip_tex_coords", flips_obj && mesh.format == Format::kObj);
   }
   if (p.find_number("max_smooth_angle"))
-    p.context().note(p.where(), "'max_smooth_angle' is not used: normals are as 'face_normals' and the file say");
+    p.context().note(p.where(), "'max_smooth_angle' ignored: normals follow 'face_normals' and the file");
   p.ignore({"collapse"});
   if (mesh.format == Format::kPly) p.ignore({"srgb"});
   shape.geometry = std::move(mesh);
@@ -42,7 +42,7 @@ void read_cylinder(Properties& p, bool, ShapeDescription& shape) {
   cylinder.p0 = p.vec3("p0", cylinder.p0);
   cylinder.p1 = p.vec3("p1", cylinder.p1);
   cylinder.radius = p.number("radius", 1, kPositive);
-  if (cylinder.p0 == cylinder.p1) p.fail("has no length: p0 and p1 coincide");
+  if (cylinder.p0 == cylinder.p1) p.fail("has no length: 'p0' and 'p1' coincide");
   shape.geometry = cylinder;
 }
 
@@ -58,7 +58,7 @@ void read_hair(Properties& p, bool, ShapeDescription& shape) {
   reading.radius *= length(p.transform("to_world").vector({0, 0, 1}));
   reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
   reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
-  if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less: nothing would be left");
+  if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less than 1");
   shape.geometry = read_hair_file(p.file("filename"), reading);
 }
 
@@ -75,7 +75,7 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
     shape.geometry = read_height_field(p.file("filename"), scale, smooth, false);
     return;
   }
-  if (p.has("filename")) p.fail_at("filename", "is given beside a texture, expected one or the other");
+  if (p.has("filename")) p.fail_at("filename", "is set together with a texture, expected one of them");
   const SpectrumInput input = p.context().readers.texture(*nested, p.context());
   const auto* id = std::get_if<TextureId>(&input);
   const BitmapDescription* bitmap =
@@ -87,17 +87,19 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
     return;
   }
   if (bitmap->change.invert || bitmap->change.exponent != 1.0f)
-    throw ElementError(*nested, "the texture of a height field must not be inverted or raised to a power");
+    throw ElementError(*nested, "is inverted or raised to a power, expected a plain texture for a height field");
   shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
 }
 
 void read_sdf_grid(Properties& p, bool, ShapeDescription& shape) {
   const std::filesystem::path file = p.file("filename");
   DenseVolume volume = read_vol(file, false);
-  if (volume.channels != 1) throw SceneError({file.string()}, "a grid of colours, expected one channel of distances");
+  if (volume.channels != 1)
+    throw SceneError({file.string()}, "is a grid of colours, expected one channel of distances");
   SdfGrid grid{volume.size, std::move(volume.values)};
   for (const int side : grid.size)
-    if (side < 2) throw SceneError({file.string()}, "a grid of distances needs two points along each axis at least");
+    if (side < 2)
+      throw SceneError({file.string()}, "has a side of 1 point, expected at least 2 points along each axis");
   static constexpr NameTable<bool> kNormals{{{"smooth", true}, {"analytic", false}}};
   grid.smooth_normals = p.choice("normals", kNormals, true);
   shape.geometry = std::move(grid);

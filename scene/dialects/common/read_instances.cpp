@@ -38,7 +38,7 @@ const XmlElement* find_named_group(Properties& p) {
     const std::string *type = child.find_attribute("type"), *own = child.find_attribute("name");
     if (type != nullptr && is_group(*type) && own != nullptr && *own == *name) return &child;
   }
-  p.fail_at("ref", "is " + in_quotes(*name) + ", which names no group of shapes");
+  p.fail_at("ref", "is " + in_quotes(*name) + ", expected the name of a shape group");
 }
 
 void read_instance(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
@@ -53,7 +53,7 @@ void read_instance(const XmlElement& element, ReadContext& context, const ShapeR
   const Transform to_world = p.transform("to_world");
   for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(to_world.matrix().m[i / 4][i % 4]);
   if (!is_usable_instance(instance.to_world))
-    p.fail_at("to_world", "is singular or too extreme: it must scale by factors between 1e-9 and 1e9");
+    p.fail_at("to_world", "is singular or too extreme, expected scale factors between 1e-9 and 1e9");
   p.reject_unused();
   context.description.instances.push_back(instance);
 }
@@ -64,8 +64,7 @@ bool read_instancing(const XmlElement& element, ReadContext& context, const Shap
   const std::string* type = element.find_attribute("type");
   if (type == nullptr || (!is_group(*type) && *type != "instance")) return false;
   if (context.in_group)
-    throw SceneError(element.where, "a shape group cannot hold a " + in_quotes(*type) +
-                                        ": groups and instances are not nested, expected plain shapes");
+    throw SceneError(element.where, in_quotes(*type) + " inside a shape group, expected plain shapes");
   if (*type == "instance") {
     read_instance(element, context, read_shape);
   } else {

@@ -31,7 +31,7 @@ bool read_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescri
   const auto sigma_a = find_constant_volume(p, "sigma_a", SpectrumRole::kIor, dialect);
   const auto sigma_s = find_constant_volume(p, "sigma_s", SpectrumRole::kIor, dialect);
   if ((sigma_t || albedo) && (sigma_a || sigma_s))
-    p.fail("mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s', expected one pair or the other");
+    p.fail("mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s', expected one of the pairs");
   if (sigma_a || sigma_s) {
     const SpectrumDescription nothing;
     medium.coefficients = AbsorptionScatteringDescription{sigma_a.value_or(nothing), sigma_s.value_or(nothing)};
@@ -57,7 +57,7 @@ void expect_homogeneous(const Properties& p, const MediumDescription& medium) {
   const auto* pair = std::get_if<ExtinctionAlbedoDescription>(&medium.coefficients);
   const bool varies = medium.density || medium.temperature || (medium.emission && is_grid(*medium.emission)) ||
                       (pair != nullptr && (is_grid(pair->sigma_t) || is_grid(pair->albedo)));
-  if (varies) p.fail("has a grid, expected values that are the same everywhere: type 'heterogeneous' takes grids");
+  if (varies) p.fail("has a grid, expected constants; use type 'heterogeneous' for grids");
 }
 
 std::optional<MediumId> find_read_medium(const XmlElement& element, const ReadContext& context) {

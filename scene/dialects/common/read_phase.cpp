@@ -29,14 +29,14 @@ PhaseModel read_blend(Properties& p) {
   if (const auto weight = find_constant_volume(p, "weight", SpectrumRole::kReflectance, {}))
     blend.weight = number_of(p, "weight", *weight);
   const std::vector<const XmlElement*> both = nested_phases(p);
-  if (both.size() != 2) p.fail("holds " + std::to_string(both.size()) + " nested <phase>, expected two");
+  if (both.size() != 2) p.fail("has " + std::to_string(both.size()) + " nested <phase>, expected two");
   for (std::size_t i = 0; i < 2; ++i) blend.nested[i] = read_phase(*both[i], p.context());
   return blend;
 }
 
 PhaseModel read_sggx(Properties& p) {
   const XmlElement* matrix = p.named_object("volume", "S");
-  if (matrix == nullptr) p.fail("needs a <volume> of the name 'S'");
+  if (matrix == nullptr) p.fail("needs the <volume> 'S'");
   return SggxDescription{read_matrix_volume(*matrix, p.context(), {})};
 }
 
@@ -61,20 +61,17 @@ PhaseId add_mixture(Properties& p, const std::vector<PhaseId>& nested, const std
 
 /// Reads any number of phase functions with `weights` that sum to 1.
 PhaseId read_mixture(Properties& p) {
-  const auto text = p.find_string("weights");
-  if (!text) p.fail("needs the string 'weights'");
-  const std::vector<float> weights = parse_floats(*text, p.where(), "weights");
+  const std::vector<float> weights = parse_floats(p.required_string("weights"), p.where(), "weights");
   const std::vector<const XmlElement*> elements = nested_phases(p);
   if (elements.size() != weights.size() || elements.empty())
-    p.fail("holds " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +
-           " weights, expected as many");
+    p.fail("has " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +
+           " weights, expected equal numbers");
   for (const float weight : weights)
-    if (!(weight >= 0.0f)) p.fail_at("weights", "holds " + std::to_string(weight) + ", expected no negative weight");
+    if (!(weight >= 0.0f)) p.fail_at("weights", "has " + std::to_string(weight) + ", expected no negative number");
   const float all = std::accumulate(weights.begin(), weights.end(), 0.0f);
   if (!(all > 0.999f))
-    p.fail_at("weights", "add up to " + std::to_string(all) + ", expected 1: what absorbs belongs into the albedo");
-  if (all > 1.001f)
-    p.context().note(p.where(), "the weights add up to " + std::to_string(all) + "; they are divided by it");
+    p.fail_at("weights", "add up to " + std::to_string(all) + ", expected 1; absorption belongs in the albedo");
+  if (all > 1.001f) p.context().note(p.where(), "the weights add up to " + std::to_string(all) + ", normalized to 1");
   std::vector<PhaseId> nested;
   for (const XmlElement* element : elements) nested.push_back(read_phase(*element, p.context()));
   return add_mixture(p, nested, weights, 0, nested.size());
@@ -90,7 +87,7 @@ PhaseModel read_table(Properties& p) {
               "has " + std::to_string(values.size()) + " numbers, expected at most " + std::to_string(kMaxPhaseValues));
   for (const float value : values)
     if (!(value >= 0.0f) || !std::isfinite(value))
-      p.fail_at("values", "holds " + std::to_string(value) + ", expected no negative numbers");
+      p.fail_at("values", "has " + std::to_string(value) + ", expected no negative number");
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
   if (!(sum > 0)) p.fail_at("values", "add up to " + std::to_string(sum) + ", expected more than 0");
   return TabulatedPhaseDescription{values};
@@ -131,7 +128,7 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
 
 std::optional<PhaseId> find_phase(Properties& p) {
   const std::vector<const XmlElement*> found = nested_phases(p);
-  if (found.size() > 1) p.fail("holds " + std::to_string(found.size()) + " nested <phase>, expected one");
+  if (found.size() > 1) p.fail("has " + std::to_string(found.size()) + " nested <phase>, expected one");
   if (found.empty()) return std::nullopt;
   return read_phase(*found[0], p.context());
 }

@@ -12,14 +12,9 @@ namespace {
 
 /// Reads a named illuminant with luminance `scale`.
 SpectrumDescription read_illuminant(Properties& p) {
-  const std::optional<std::string> name = p.find_string("name");
-  if (!name) p.fail("needs the string 'name'");
-  std::optional<SpectrumDescription::Table> table = find_illuminant(*name);
-  if (!table) {
-    std::string list;
-    for (const std::string& known : illuminant_names()) list += (list.empty() ? "" : ", ") + known;
-    p.fail_at("name", "is '" + *name + "', expected one of " + list);
-  }
+  const std::string name = p.required_string("name");
+  std::optional<SpectrumDescription::Table> table = find_illuminant(name);
+  if (!table) p.fail_choice("name", name, illuminant_names());
   const float scale = p.number("scale", 1, kNotNegative);
   for (float& value : table->values) value *= scale;
   return {std::move(*table)};
@@ -62,9 +57,7 @@ SpectrumDescription read_blackbody_plugin(Properties& p) {
 
 /// Reads a string of numbers.
 std::vector<float> read_list(Properties& p, const char* name) {
-  const std::optional<std::string> text = p.find_string(name);
-  if (!text) p.fail("needs the string '" + std::string(name) + "'");
-  return parse_floats(*text, p.where(), name);
+  return parse_floats(p.required_string(name), p.where(), name);
 }
 
 /// Reads wavelengths and values.
@@ -88,7 +81,7 @@ SpectrumDescription read_regular(Properties& p) {
 /// Reads a spectrum plugin, <spectrum type="...">.
 SpectrumDescription read_spectrum_plugin(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  SpectrumDescription result = p.plugin(kSpectra)(p);
+  SpectrumDescription result = p.plugin(kSpectrumPlugins)(p);
   p.reject_unused();
   if (const auto* table = std::get_if<SpectrumDescription::Table>(&result.value)) check_table(*table, element.where);
   return result;
@@ -109,14 +102,14 @@ SpectrumDescription read_blackbody(const XmlElement& element) {
 
 }  // namespace
 
-constexpr NameTable<SpectrumPluginReader> kSpectra{{{"blackbody", read_blackbody_plugin},
-                                                    {"d65", read_d65},
-                                                    {"illuminant", read_illuminant},
-                                                    {"irregular", read_irregular},
-                                                    {"rawconstant", read_raw_constant},
-                                                    {"regular", read_regular},
-                                                    {"srgb", read_srgb},
-                                                    {"uniform", read_uniform}}};
+constexpr NameTable<SpectrumPluginReader> kSpectrumPlugins{{{"blackbody", read_blackbody_plugin},
+                                                            {"d65", read_d65},
+                                                            {"illuminant", read_illuminant},
+                                                            {"irregular", read_irregular},
+                                                            {"rawconstant", read_raw_constant},
+                                                            {"regular", read_regular},
+                                                            {"srgb", read_srgb},
+                                                            {"uniform", read_uniform}}};
 
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context) {
   if (element.name == "blackbody") return read_blackbody(element);

@@ -13,7 +13,7 @@ const char* only_name(Properties& p, std::initializer_list<const char*> names) {
   const char* found = nullptr;
   for (const char* name : names) {
     if (!p.has(name)) continue;
-    if (found != nullptr) p.fail_at(name, "is given beside '" + std::string(found) + "', expected one or the other");
+    if (found != nullptr) p.fail_at(name, "is set together with '" + std::string(found) + "', expected one of them");
     found = name;
   }
   return found != nullptr ? found : *names.begin();
@@ -41,7 +41,7 @@ TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, T
 bool read_raw(Properties& p) {
   const bool raw = p.boolean("raw", false);
   if (!p.has("gamma")) return raw;
-  if (p.has("raw")) p.fail_at("gamma", "is given beside 'raw', expected one or the other");
+  if (p.has("raw")) p.fail_at("gamma", "is set together with 'raw', expected one of them");
   return read_linear_gamma(p);
 }
 
@@ -56,14 +56,14 @@ std::array<float, 6> read_to_uv(Properties& p) {
   const bool given = p.has("to_uv");
   const std::array<float, 6> to_uv = from_transform(p.transform("to_uv"));
   for (const char* name : {"uscale", "vscale", "uvscale", "uoffset", "voffset"})
-    if (p.has(name) && given) p.fail_at(name, "is given beside 'to_uv', expected one or the other");
+    if (p.has(name) && given) p.fail_at(name, "is set together with 'to_uv', expected one of them");
   if (given) return to_uv;
   const float both = p.number("uvscale", 1);
   const float u_scale = p.number("uscale", both), v_scale = p.number("vscale", both);
   return {u_scale, 0, p.number("uoffset", 0), 0, v_scale, p.number("voffset", 0)};
 }
 
-void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) {
   CheckerboardDescription board;
   board.color0 = p.spectrum_input("color0", board.color0, SpectrumRole::kIor);
   board.color1 = p.spectrum_input("color1", board.color1, SpectrumRole::kIor);
@@ -71,7 +71,7 @@ void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture
   texture.to_uv = read_to_uv(p);
 }
 
-void read_grid(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_grid(Properties& p, ImageOrigin, TextureDescription& texture) {
   GridTextureDescription grid;
   grid.color0 = p.spectrum_input("color0", grid.color0, SpectrumRole::kIor);
   grid.color1 = p.spectrum_input("color1", grid.color1, SpectrumRole::kIor);
@@ -80,7 +80,7 @@ void read_grid(Properties& p, PictureOrigin, TextureDescription& texture) {
   texture.to_uv = read_to_uv(p);
 }
 
-void read_wireframe(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_wireframe(Properties& p, ImageOrigin, TextureDescription& texture) {
   WireframeDescription frame;
   frame.interior = p.spectrum_input("interior_color", frame.interior, SpectrumRole::kIor);
   frame.edge = p.spectrum_input("edge_color", frame.edge, SpectrumRole::kIor);
@@ -89,22 +89,21 @@ void read_wireframe(Properties& p, PictureOrigin, TextureDescription& texture) {
   texture.model = std::move(frame);
 }
 
-void read_mesh_attribute(Properties& p, PictureOrigin, TextureDescription& texture) {
-  const std::optional<std::string> name = p.find_string("name");
-  if (!name) p.fail("needs the string 'name'");
-  if (!name->starts_with("vertex_") && !name->starts_with("face_"))
-    p.fail_at("name", "is " + in_quotes(*name) + ", expected a name that begins with vertex_ or face_");
-  texture.model = MeshAttributeDescription{*name, p.number("scale", 1)};
+void read_mesh_attribute(Properties& p, ImageOrigin, TextureDescription& texture) {
+  const std::string name = p.required_string("name");
+  if (!name.starts_with("vertex_") && !name.starts_with("face_"))
+    p.fail_at("name", "is " + in_quotes(name) + ", expected a name that begins with vertex_ or face_");
+  texture.model = MeshAttributeDescription{name, p.number("scale", 1)};
 }
 
-void read_vertex_colors(Properties&, PictureOrigin, TextureDescription& texture) {
+void read_vertex_colors(Properties&, ImageOrigin, TextureDescription& texture) {
   texture.model = MeshAttributeDescription{"vertex_color"};
 }
 
-void read_bitmap_texture(Properties& p, PictureOrigin origin, TextureDescription& texture) {
+void read_bitmap_texture(Properties& p, ImageOrigin origin, TextureDescription& texture) {
   texture.model = read_bitmap(p);
   texture.to_uv = read_to_uv(p);
-  if (origin == PictureOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
+  if (origin == ImageOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
 }
 
 }  // namespace
@@ -117,7 +116,7 @@ BitmapDescription read_bitmap(Properties& p) {
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
-  if (p.has("channel")) p.fail_at("channel", "is not supported: a picture is read with all its channels");
+  if (p.has("channel")) p.fail_at("channel", "is not supported: all channels of the image are read");
   p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;
 }
@@ -130,7 +129,7 @@ bool read_linear_gamma(Properties& p) {
   const float gamma = p.number("gamma", -1);
   constexpr float kLow = 2.15f, kHigh = 2.25f;
   if (gamma > kLow && gamma < kHigh) {
-    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
+    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has 'gamma' 2.2, rendered as sRGB");
   } else if (gamma != 1 && gamma != -1 && gamma != 0) {
     p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
   }

@@ -7,10 +7,10 @@
 namespace sheaf {
 
 /// Corner of an image at uv = (0, 0).
-enum class PictureOrigin { kUpperLeft, kLowerLeft };
+enum class ImageOrigin { kUpperLeft, kLowerLeft };
 
 /// Reads a plugin into `texture`. Its properties come from `p`, which the caller finishes. Throws SceneError.
-using TexturePluginReader = void (*)(Properties& p, PictureOrigin origin, TextureDescription& texture);
+using TexturePluginReader = void (*)(Properties& p, ImageOrigin origin, TextureDescription& texture);
 
 /// Readers of texture plugins.
 extern const NameTable<TexturePluginReader> kSharedTextures;

@@ -40,9 +40,8 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
   if (head.starts_with("NanoVDB")) return Grid::Format::kNanoVdb;
   if (extension == ".vdb" || head.starts_with(" BDV"))
     p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
-                              ", a file of OpenVDB, expected .nvdb or .vol: its tool nanovdb_convert makes an .nvdb");
-  p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
-                            ", which is neither a .vol nor a .nvdb file by its name or its first bytes");
+                              ", an OpenVDB file, expected .nvdb or .vol; convert it with nanovdb_convert");
+  p.fail_at("filename", "is " + in_quotes(file.filename().string()) + ", expected a .vol or .nvdb file");
 }
 
 GridFilter read_grid_filter(Properties& p) {
@@ -63,9 +62,8 @@ void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
   if (!dialect.fits_shapes) return;
   grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
-  if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true beside 'toWorld', expected one or the other");
-  if (grid.fit_to_shape && !dialect.in_shape)
-    p.fail_at("fitToShape", "is true in a medium of the whole scene, which no shape holds");
+  if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true together with 'toWorld', expected one of them");
+  if (grid.fit_to_shape && !dialect.in_shape) p.fail_at("fitToShape", "is true in a medium without a shape");
 }
 
 VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
@@ -73,7 +71,7 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
 
 VolumeInput read_constant(Properties& p, SpectrumRole role, const VolumeDialect&) {
   const auto value = p.find_spectrum("value", role);
-  if (!value) p.fail("has no 'value'");
+  if (!value) p.fail("needs the spectrum 'value'");
   p.ignore({"to_world"});
   return *value;
 }
@@ -88,7 +86,7 @@ template <Grid::Format format> VolumeInput read_grid_of(Properties& p, SpectrumR
 VolumeInput read_cache(Properties& p, SpectrumRole role, const VolumeDialect& dialect) {
   p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
   const XmlElement* cached = p.object("volume");
-  if (cached == nullptr) p.fail("holds no <volume>");
+  if (cached == nullptr) p.fail("has no <volume>, expected one");
   return read_volume(*cached, p.context(), role, dialect);
 }
 
@@ -116,7 +114,7 @@ MatrixVolume read_constant_matrix(Properties& p, const VolumeDialect&) {
   const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
   std::array<float, 6> matrix;
   if (numbers.size() != matrix.size())
-    p.fail_at("value", "holds " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
+    p.fail_at("value", "has " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
   std::copy(numbers.begin(), numbers.end(), matrix.begin());
   p.ignore({"to_world"});
   return matrix;
@@ -194,7 +192,7 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
                               (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
   grid.grid = p.string("grid_name", "");
   if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
-    p.fail_at("grid_name", "is given for a .vol file, whose one grid has no name");
+    p.fail_at("grid_name", "is set for a .vol file, expected a .nvdb file");
   read_placement(p, dialect, grid);
   grid.filter = read_grid_filter(p);
   grid.wrap = read_wrap(p);
@@ -207,7 +205,7 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
                                              const VolumeDialect& dialect) {
   const XmlElement* nested = p.named_object("volume", name);
   if (nested != nullptr && p.has(name))
-    p.fail_at(name, "is given beside a <volume> of this name, expected one or the other");
+    p.fail_at(name, "is set together with a <volume> of this name, expected one of them");
   if (nested != nullptr) return read_volume(*nested, p.context(), role, dialect);
   if (const auto spectrum = p.find_spectrum(name, role)) return *spectrum;
   return std::nullopt;

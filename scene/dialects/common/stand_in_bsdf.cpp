@@ -91,7 +91,7 @@ MaterialId read_bsdf_leniently(const XmlElement& bsdf, ReadContext& context,
   const auto say = [&](const std::string& what) { context.description.stand_ins.push_back(*error + what); };
   // Try the nested material, then a similar plugin, then a diffuse surface
   if (const XmlElement* held = held_material(bsdf, context)) {
-    say(" (the material that it holds stands in)");
+    say(" (rendered as its nested material)");
     return read_bsdf_leniently(*held, context, read);
   }
   std::string nearest;
@@ -101,10 +101,10 @@ MaterialId read_bsdf_leniently(const XmlElement& bsdf, ReadContext& context,
   });
   if (!nearest.empty() && context.types.emplace(&bsdf, nearest).second &&
       !read_what_can_be(bsdf, context, [&] { id = read(bsdf); })) {
-    say(" ('" + nearest + "' stands in)");
+    say(" (rendered as '" + nearest + "')");
     return id;
   }
-  say(" (a diffuse surface stands in)");
+  say(" (rendered as a diffuse surface)");
   return add_diffuse(bsdf, context);
 }
 

@@ -28,7 +28,7 @@ void read_spot_light(Properties& p, LightDescription& out) {
   const std::optional<SpectrumInput> texture = p.find_spectrum_input("texture", SpectrumRole::kEmission);
   if (!texture) return;
   if (!(light.cutoff_angle < 90))
-    p.fail_at("cutoff_angle", "is not below 90 degrees, as a spot with a texture needs it");
+    p.fail_at("cutoff_angle", "is too large for a spot with a texture, expected less than 90 degrees");
   light.texture = texture_showing(*texture, p.where(), p.context());
 }
 

@@ -60,24 +60,25 @@ void read_direct(Properties& p, IntegratorSettings& integrator) {
   const int shading = p.integer("shading_samples", 1, 1, kMax);
   const int lights = p.integer("emitter_samples", shading, 0, kMax);
   const int bsdfs = p.integer("bsdf_samples", shading, 0, kMax);
-  if (lights + bsdfs == 0) p.fail("has neither emitter_samples nor bsdf_samples");
+  if (lights + bsdfs == 0) p.fail("has 0 'emitter_samples' and 0 'bsdf_samples', expected at least 1 of either");
   if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
   if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   if (std::max(lights, bsdfs) > 1)
-    p.context().note(p.where(), "direct light is sampled once per path; raise sample_count for less noise");
+    p.context().note(p.where(),
+                     "sample counts per strategy rendered as 1: raise the sampler's sample_count for less noise");
   p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
 }
 
 void read_wrapper(Properties& p, Reader& reader) {
   if (p.type() == "aov" && p.find_string("aovs"))
-    p.context().note(p.where(), "the layers of 'aovs' are not written by the integrator");
-  if (p.type() == "stokes") p.context().note(p.where(), "light is rendered without its polarisation");
+    p.context().note(p.where(), "'aovs' ignored: choose layers with --aov");
+  if (p.type() == "stokes") p.context().note(p.where(), "integrator 'stokes' ignored: polarization is not simulated");
   const std::vector<const XmlElement*> nested = p.objects("integrator");
-  if (nested.empty()) p.fail("holds no nested <integrator>, expected one");
+  if (nested.empty()) p.fail("has no nested <integrator>, expected one");
   if (nested.size() > 1 && p.type() != "multichannel")
-    p.fail("holds " + std::to_string(nested.size()) + " nested <integrator>, expected one");
+    p.fail("has " + std::to_string(nested.size()) + " nested <integrator>, expected one");
   p.ignore_all();
   read_integrator(*nested[0], reader);
 }

@@ -11,14 +11,14 @@ const MeasuredMedium& read_measured_medium(Properties& p) {
   if (found == nullptr) {
     p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
                               did_you_mean(name, measured_medium_names()) + known_names(measured_medium_names()) +
-                              "; others can be given by 'sigma_s' and 'sigma_a'");
+                              "; use 'sigma_s' and 'sigma_a' for others");
   }
   return *found;
 }
 
 void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   if (read_coefficients(p, dialect, medium)) {
-    if (p.has("material")) p.fail_at("material", "is given beside coefficients, expected one or the other");
+    if (p.has("material")) p.fail_at("material", "is set together with coefficients, expected one of them");
     return;
   }
   const MeasuredMedium& measured = read_measured_medium(p);
@@ -42,14 +42,14 @@ void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_v
 void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   ExtinctionAlbedoDescription pair;
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
-  if (!density) p.fail("needs a <volume> of the name 'density'");
+  if (!density) p.fail("needs the <volume> 'density'");
   pair.sigma_t = *density;
   if (const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect)) pair.albedo = *albedo;
   medium.coefficients = std::move(pair);
   if (p.named_object("volume", "orientation") != nullptr)
     p.fail(
-        "has a <volume> of the name 'orientation', which is not supported: the directions of fibres are expected in "
-        "the matrices of the phase function 'sggx'");
+        "has the unsupported <volume> 'orientation', expected fibre directions in the matrices of the phase function "
+        "'sggx'");
   static constexpr NameTable<bool> kMethods{{{"woodcock", false}, {"simpson", true}}};
   if (p.choice("method", kMethods, false)) {
     IntegratorSettings& integrator = p.context().description.integrator;

@@ -17,8 +17,7 @@ bool is_before_version_2(const XmlElement& root) {
 /// Rejects a top-level object that needs a parent unless another object refers to it.
 void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
   if (!context.scene.is_referenced(element))
-    throw SceneError(element.where,
-                     "<" + element.name + "> at the top level, which nothing refers to; it belongs " + place);
+    throw SceneError(element.where, "<" + element.name + "> at the top level is not referenced, expected it " + place);
 }
 
 [[noreturn]] void fail_unknown(const XmlElement& element) {
@@ -58,7 +57,7 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
     mitsuba::read_emitter(child, reader);
   } else if (kind == "sensor") {
     if (last.sensor != nullptr)
-      context.note(child.where, "a scene is rendered through its first sensor; this one is left out");
+      context.note(child.where, "sensor ignored: only the first one is rendered");
     else
       last.sensor = &child;
   } else if (kind == "integrator") {
@@ -76,7 +75,7 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
   } else if (kind == "subsurface") {
     expect_referenced(child, "inside a <shape>", context);
   } else if (kind == "ref") {
-    throw SceneError(child.where, "<ref> at the top level: the object it refers to is in the scene already");
+    throw SceneError(child.where, "<ref> at the top level, expected it inside an object");
   } else {
     fail_unknown(child);
   }
@@ -95,8 +94,7 @@ void read_mitsuba(ReadContext& context) {
   // Warn about unused sensors
   const std::size_t used = last.sensor != nullptr || reader.shape_sensors.empty() ? 0 : 1;
   for (std::size_t i = used; i < reader.shape_sensors.size(); ++i)
-    context.note(reader.shape_sensors[i].element->where,
-                 "a scene is rendered through its first sensor; this one is left out");
+    context.note(reader.shape_sensors[i].element->where, "sensor ignored: only the first one is rendered");
   // Read the camera, then the integrator
   if (last.sensor != nullptr) {
     read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
@@ -110,7 +108,7 @@ void read_mitsuba(ReadContext& context) {
   if (last.integrator != nullptr) {
     mitsuba::read_integrator(*last.integrator, reader);
   } else {
-    context.note(root.where, "the scene has no <integrator>; rendering with 'path'");
+    context.note(root.where, "the scene has no <integrator>, rendered with 'path'");
   }
 }
 

@@ -82,8 +82,7 @@ void read_frame(Properties& p, FilmSettings& film) {
 
 /// Reads the bands of a film that is rendered as an `hdrfilm`.
 void read_bands(Properties& p) {
-  p.context().note(p.where(),
-                   "the film is rendered as an 'hdrfilm': its bands are not told apart (see --spectral-bins)");
+  p.context().note(p.where(), "film 'specfilm' rendered as 'hdrfilm': for spectral bands use --spectral-bins");
   for (const XmlElement& child : p.element().children)
     if (child.name == "spectrum") p.ignore({std::string(child.attribute("name")).c_str()});
 }
@@ -104,10 +103,9 @@ void read_film(const XmlElement& element, ReadContext& context) {
   film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
     read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
-  if (p.ignore_prefixed("label[")) context.note(p.where(), "labels are not drawn on the image");
-  if (p.ignore_prefixed("metadata[")) context.note(p.where(), "'metadata' is not written to the image");
-  if (p.find_string("channel_names"))
-    context.note(p.where(), "'channelNames' is ignored: the image has the layers that --aov asks for");
+  if (p.ignore_prefixed("label[")) context.note(p.where(), "film labels ignored");
+  if (p.ignore_prefixed("metadata[")) context.note(p.where(), "film metadata ignored");
+  if (p.find_string("channel_names")) context.note(p.where(), "'channelNames' ignored: choose layers with --aov");
   p.ignore({"file_format", "pixel_format", "component_format", "banner", "high_quality_edges", "compensate", "gamma",
             "exposure", "key", "burn", "tonemap_method", "attach_log", "digits", "variable", "fprec"});
   p.reject_unused();
@@ -134,7 +132,7 @@ float parse_focal_length(Properties& p, std::string text) {
 /// Reads the distortion coefficients `kc`: a string of two numbers.
 std::array<float, 2> read_distortion(Properties& p) {
   const std::vector<float> kc = parse_floats(p.string("kc", "0, 0"), p.where(), "kc");
-  if (kc.size() != 2) p.fail_at("kc", "holds " + std::to_string(kc.size()) + " numbers, expected two");
+  if (kc.size() != 2) p.fail_at("kc", "has " + std::to_string(kc.size()) + " numbers, expected two");
   return {kc[0], kc[1]};
 }
 
@@ -169,7 +167,8 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   camera.near_clip = 0;
   const bool origin = p.has("origin"), direction = p.has("direction");
   if (p.has("to_world")) return p.ignore({"origin", "direction"});
-  if (origin != direction) p.fail_at(origin ? "origin" : "direction", "is given without the other: expected both");
+  if (origin != direction)
+    p.fail_at(origin ? "origin" : "direction", "is set alone, expected both 'origin' and 'direction'");
   if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
 }
 
@@ -177,7 +176,7 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
 CameraDescription::TargetArea read_target(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (p.type() != "rectangle" && p.type() != "disk")
-    p.fail("is the target of a sensor, expected a 'rectangle' or a 'disk'");
+    p.fail("is the target of a sensor, expected 'rectangle' or 'disk'");
   CameraDescription::TargetArea target{p.transform("to_world"), p.type() == "disk"};
   p.ignore({"flip_normals"});
   p.objects("bsdf");
@@ -190,7 +189,7 @@ void read_distant(Properties& p, CameraDescription& camera) {
   camera.near_clip = 0;
   const bool placed = p.has("to_world");
   if (p.has("direction")) {
-    if (placed) p.fail_at("direction", "is given beside 'to_world', expected one or the other");
+    if (placed) p.fail_at("direction", "is set together with 'to_world', expected one of them");
     camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
   }
   if (const XmlElement* shape = p.object("shape")) {
@@ -270,13 +269,13 @@ void read_batch(Properties& p, Reader& reader) {
     Properties child(*element, reader.context);
     const CameraReader* read = kCameras.find(child.type());
     if (read == nullptr || *read == read_radiance_meter || *read == read_distant)
-      child.fail("is part of a batch, expected a camera that makes a picture");
+      child.fail("is part of a batch, expected a camera that forms an image");
     cameras.emplace_back().where = element->where;
     read_camera(child, *read, cameras.back());
     child.objects("film"), child.objects("sampler");
     child.reject_unused();
   }
-  if (cameras.empty()) p.fail("holds no <sensor>, expected one at least");
+  if (cameras.empty()) p.fail("has no <sensor>, expected at least one");
   read_shutter(p);
   description.camera = cameras.front();
   description.more_cameras.assign(cameras.begin() + 1, cameras.end());
@@ -323,9 +322,7 @@ void read_sensor(const XmlElement& element, Reader& reader) {
 void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   Properties p(*sensor.element, reader.context);
   if (p.type() != "irradiancemeter") p.fail_plugin({"irradiancemeter"});
-  if (sensor.shape_type != "rectangle")
-    p.fail("is in a " + in_quotes(sensor.shape_type) +
-           ", expected a 'rectangle': irradiance is measured on these alone");
+  if (sensor.shape_type != "rectangle") p.fail("is in a " + in_quotes(sensor.shape_type) + ", expected a 'rectangle'");
   CameraDescription& camera = reader.context.description.camera;
   camera.where = sensor.element->where;
   camera.projection = CameraDescription::Projection::kIrradianceMeter;

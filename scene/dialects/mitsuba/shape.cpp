@@ -39,7 +39,7 @@ constexpr NameTable<void (*)(Properties&, Reader&)> kAggregates{{{"merge", read_
 /// Returns the transforms of the unit spheres of an ellipsoids shape.
 std::vector<Transform> read_many_ellipsoids(Properties& p) {
   if (p.type() == "ellipsoidsmesh" && p.find_string("shell"))
-    p.context().note(p.where(), "'shell' is not used: ellipsoids are exact");
+    p.context().note(p.where(), "'shell' ignored: ellipsoids are exact");
   const float extent = p.number("extent", 3, kPositive);
   return read_ellipsoids(p.file("filename"), extent * p.number("scale_factor", 1, kPositive));
 }
@@ -84,7 +84,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   // Read the media
   read_media(p, reader, shape);
   if (const XmlElement* subsurface = p.object("subsurface")) {
-    if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one or the other");
+    if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one of them");
     read_subsurface(*subsurface, reader, shape);
   }
   if (shape.radiance && !shape.material) shape.material = black_material(reader);

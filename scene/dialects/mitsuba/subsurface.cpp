@@ -41,9 +41,10 @@ Subsurface read_dipole(Properties& p, Reader& reader) {
   expect_homogeneous(p, medium);
   p.ignore({"irr_samples", "irr_indirect", "samples_per_pass", "quality", "sample_multiplier"});
   subsurface.medium = add_medium(p, std::move(medium));
-  reader.context.note(p.where(),
-                      "'dipole' is rendered as a dielectric around a scattering medium, which replaces the bsdf: its "
-                      "shape must be closed, and 'maxDepth' counts every scattering event");
+  reader.context.note(
+      p.where(),
+      "'dipole' rendered as a dielectric around a scattering medium in place of the bsdf: its shape must be "
+      "closed, and 'maxDepth' counts every scattering event");
   return subsurface;
 }
 

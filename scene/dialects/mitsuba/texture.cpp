@@ -27,7 +27,7 @@ SpectrumInput read_volume_texture(Properties& p) {
 SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
   if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
   constexpr int kMaxNesting = 8;
-  if (depth > kMaxNesting) p.fail("holds textures that are nested too deep");
+  if (depth > kMaxNesting) p.fail("has textures nested deeper than 8 levels");
   std::vector<TextureDescription>& textures = p.context().description.textures;
   TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
   const auto scale_colors = [&](auto& model) {
@@ -66,11 +66,11 @@ constexpr NameTable<SpectrumInput (*)(Properties&)> kInputs{{{"scale", read_scal
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
   if (element.name != "texture") return read_spectrum(element, context);
-  if (kSpectra.find(element.attribute("type")) != nullptr) return read_spectrum(element, context);
+  if (kSpectrumPlugins.find(element.attribute("type")) != nullptr) return read_spectrum(element, context);
   Properties p(element, context);
   if (const auto* read = kInputs.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  p.plugin(kSharedTextures, kSpectra, kInputs)(p, PictureOrigin::kUpperLeft, texture);
+  p.plugin(kSharedTextures, kSpectrumPlugins, kInputs)(p, ImageOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -35,7 +35,7 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
   if (p.type() != "dielectric" && p.type() != "roughdielectric" && p.type() != "null") return;
   const auto sigma_a = p.find_spectrum("sigmaA", SpectrumRole::kIor);
   if (!sigma_a) return;
-  if (absorption) p.fail_at("sigmaA", "is given by two materials of one surface, expected one");
+  if (absorption) p.fail_at("sigmaA", "is set by two materials of one surface, expected one");
   absorption = *sigma_a;
 }
 

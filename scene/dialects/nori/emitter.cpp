@@ -80,7 +80,7 @@ void read_directional_light(Properties& p, LightDescription& out) {
   light.direction = read_direction(p, "toWorld");
   const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
   const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
-  if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', which mean the same here; expected one");
+  if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', expected one");
   if (irradiance) light.irradiance = *irradiance;
   if (intensity) light.irradiance = *intensity;
 }
@@ -94,7 +94,7 @@ void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescrip
   }
   const auto index = static_cast<std::size_t>(std::get<TextureId>(radiance));
   const auto* bitmap = std::get_if<BitmapDescription>(&p.context().description.textures[index].model);
-  if (bitmap == nullptr) p.fail("holds a texture that is no picture, expected a picture or a colour");
+  if (bitmap == nullptr) p.fail("has a texture that is no image, expected an image or a colour");
   EnvmapDescription map;
   map.file = bitmap->file;
   map.to_world = p.transform("toWorld");

@@ -28,7 +28,7 @@ bool read_exercise(Properties& p) {
     (*read)(p, description);
   } else if (const Visibility* visibility = kVisibilityIntegrators.find(p.type())) {
     const auto length = p.find_number("length", kPositive);
-    if (*visibility == Visibility::kAverage && !length) p.fail("needs the number 'length'");
+    if (*visibility == Visibility::kAverage && !length) p.fail("needs the float 'length'");
     apply_visibility_integrator(*visibility, length.value_or(kInfinity), false, description);
   } else {
     return false;

@@ -26,7 +26,7 @@ void check_radius(Properties& p, const PixelFilter& filter) {
   const float radius = p.number("radius", filter.radius, kPositive);
   if (radius != filter.radius)
     p.context().note(p.where(), "rfilter '" + p.type() + "' has the radius " + std::to_string(filter.radius) +
-                                    " pixels; the given radius is not used");
+                                    " pixels, the given radius is ignored");
 }
 
 PixelFilter read_gaussian(Properties& p) {
@@ -73,9 +73,9 @@ std::optional<float> find_either(Properties& p, const char* name, const char* ot
 void read_lens(Properties& p, CameraDescription& camera) {
   const auto radius = find_either(p, "apertureRadius", "lensRadius", kNotNegative);
   const auto distance = find_either(p, "focusDistance", "focalDistance", kPositive);
-  if (p.type() == "thinlens" && !radius) p.fail("has no 'apertureRadius'");
+  if (p.type() == "thinlens" && !radius) p.fail("needs the float 'apertureRadius'");
   camera.aperture_radius = radius.value_or(0.0f);
-  if (camera.aperture_radius > 0 && !distance) p.fail("has a lens but no 'focusDistance'");
+  if (camera.aperture_radius > 0 && !distance) p.fail("has a lens but no 'focusDistance', expected both");
   camera.focus_distance = distance.value_or(kInfinity);
 }
 
@@ -143,7 +143,7 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
 void read_parallelogram(Properties& p, bool, ShapeDescription& shape) {
   const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
   const Vec3f n = cross(u, v);
-  if (!(length_squared(n) > 0.0f)) p.fail("has no area: u and v are parallel");
+  if (!(length_squared(n) > 0.0f)) p.fail("has no area: 'u' and 'v' are parallel");
   const Vec3f columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + u * 0.5f + v * 0.5f};
   Matrix4 m;
   for (std::size_t j = 0; j < 4; ++j) {
@@ -164,7 +164,7 @@ void read_inside(Properties& p, ShapeDescription& shape) {
   const XmlElement* bsdf = p.object("bsdf");
   const XmlElement* medium = p.object("medium");
   if (bsdf != nullptr) shape.material = nori::read_bsdf(*bsdf, context, absorption);
-  if (absorption && medium != nullptr) p.fail("holds a <medium> and a bsdf with 'sigmaA', expected one or the other");
+  if (absorption && medium != nullptr) p.fail("has a <medium> and a bsdf with 'sigmaA', expected one of them");
   if (medium != nullptr) shape.interior = nori::read_medium(*medium, context, true);
   if (absorption) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
   shape.exterior_is_surrounding = shape.interior.has_value();
@@ -219,7 +219,7 @@ void read_child(const XmlElement& child, ReadContext& context, Last& last) {
   } else if (child.name == "emitter") {
     nori::read_emitter(child, context);
   } else if (child.name == "denoiser") {
-    context.note(child.where, "the picture is not denoised");
+    context.note(child.where, "<denoiser> ignored: use --denoise");
   } else {
     throw SceneError(child.where, "unknown element <" + child.name + "> in a Nori scene" +
                                       did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter",
@@ -244,7 +244,7 @@ void read_nori(ReadContext& context) {
     read_or_as(*last.integrator, context, "path", [&] { read_integrator(*last.integrator, context); });
   } else {
     if (!context.lenient) throw SceneError(root.where, "the scene has no <integrator>");
-    context.stand_in(root.where, "the scene has no <integrator> ('path' stands in)");
+    context.stand_in(root.where, "the scene has no <integrator> (rendered with 'path')");
   }
   context.description.sampler.sample_count = 1;
   if (last.sampler != nullptr)

@@ -10,14 +10,14 @@ namespace {
 /// Reads `scale`, the size of a repeated unit in uv, and `delta`, its uv offset.
 std::array<float, 6> read_placement(Properties& p, float repeated) {
   const Vec2f scale = p.find_vec2("scale").value_or(Vec2f{1, 1}), delta = p.find_vec2("delta").value_or(Vec2f{0, 0});
-  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is zero along an axis");
+  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is 0 along an axis, expected other factors");
   const float u = 1 / (repeated * scale.x), v = 1 / (repeated * scale.y);
   return {u, 0, -delta.x * u, 0, v, -delta.y * v};
 }
 
 /// Reads a checkerboard: value1 (default 0) in the square at `delta`, value2 (default 1) beside it. `scale` is the size
 /// of a square.
-void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) {
   const SpectrumDescription black = SpectrumDescription::constant(0), white = SpectrumDescription::constant(1);
   texture.model = CheckerboardDescription{p.spectrum_input("value1", black, SpectrumRole::kIor),
                                           p.spectrum_input("value2", white, SpectrumRole::kIor)};
@@ -27,7 +27,8 @@ void read_checkerboard(Properties& p, PictureOrigin, TextureDescription& texture
 /// Rejects a nonzero `eulerAngles`, because images are not rotated. Ignores `sphericalTexture`, because spheres always
 /// have spherical texture coordinates.
 void read_turn(Properties& p) {
-  if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0}) p.fail_at("eulerAngles", "is not zero, expected no turn");
+  if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0})
+    p.fail_at("eulerAngles", "is not 0 0 0: rotation of images is not supported");
   p.ignore({"sphericalTexture"});
 }
 
@@ -38,7 +39,7 @@ SpectrumInput read_constant(Properties& p) {
   return value;
 }
 
-void read_image(Properties& p, PictureOrigin, TextureDescription& texture) {
+void read_image(Properties& p, ImageOrigin, TextureDescription& texture) {
   texture.model = read_bitmap(p);
   texture.to_uv = read_placement(p, 1);
   read_turn(p);
@@ -59,14 +60,15 @@ constexpr NameTable<TexturePluginReader> kTextures{{{"checkerboard_color", read_
 
 SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const SpectrumInput* known = find_read_texture(element, context)) return *known;
-  if (element.name != "texture" || kSpectra.find(element.attribute("type")) != nullptr)
+  if (element.name != "texture" || kSpectrumPlugins.find(element.attribute("type")) != nullptr)
     return read_spectrum(element, context);
   Properties p(element, context);
   if (const auto* read = kConstants.find(p.type())) return (*read)(p);
   TextureDescription texture;
   const TexturePluginReader* own = kTextures.find(p.type());
-  const TexturePluginReader read = own != nullptr ? *own : p.plugin(kSharedTextures, kSpectra, kConstants, kTextures);
-  read(p, PictureOrigin::kLowerLeft, texture);
+  const TexturePluginReader read =
+      own != nullptr ? *own : p.plugin(kSharedTextures, kSpectrumPlugins, kConstants, kTextures);
+  read(p, ImageOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

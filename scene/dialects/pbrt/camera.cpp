@@ -24,7 +24,7 @@ ScreenWindow read_window(Parameters& p, const FilmSettings& film) {
   const std::vector<float> window = p.numbers("screenwindow", 4);
   if (!window.empty()) {
     if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3]))
-      p.fail_at("screenwindow", "must be four numbers: left, right, bottom, top");
+      p.fail_at("screenwindow", "is invalid, expected four numbers: left, right, bottom, top");
     return {double{window[0]}, double{window[1]}, double{window[2]}, double{window[3]}, false};
   }
   const double wide = std::max(told ? aspect : own, 1.0), high = std::max(1 / (told ? aspect : own), 1.0);
@@ -39,7 +39,7 @@ Transform frame_window(Parameters& p, const ScreenWindow& window, const FilmSett
   const double stretch = height / width * film.width / film.height;
   if (std::fabs(stretch - 1) < 1e-6) return {};
   if (camera.aperture_radius > 0.0f)
-    p.unsupported("a lens together with pixels that are not square", "it is an ellipse");
+    p.unsupported("a lens together with pixels that are not square", "rendered with an elliptical lens");
   return Transform::scale({1, static_cast<float>(stretch), 1});
 }
 
@@ -91,7 +91,7 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
 
 /// Reads a camera with a lens system as a perspective one.
 void read_realistic(Parameters& p, CameraDescription& camera, const Transform& world_from_camera) {
-  p.unsupported("cameras of this kind", "a perspective one is taken");
+  p.unsupported("cameras of this kind", "rendered as perspective");
   p.ignore({"lensfile", "aperturediameter", "focusdistance", "aperture"});
   read_perspective(p, camera, world_from_camera);
   camera.fov = 40;
@@ -104,7 +104,7 @@ constexpr NameTable<void (*)(Parameters&, CameraDescription&, const Transform& w
      {"spherical", read_spherical}}};
 
 PixelRect read_crop_window(Parameters& p, const FilmSettings& film, std::vector<float> c) {
-  if (c.size() != 4) p.fail_at("cropwindow", "must be four numbers: x0, x1, y0, y1");
+  if (c.size() != 4) p.fail_at("cropwindow", "is invalid, expected four numbers: x0, x1, y0, y1");
   const auto pixel = [](float share, int size) {
     // Single precision, as in pbrt.
     const float edge = std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size));
@@ -126,7 +126,7 @@ void read_crop(Parameters& p, FilmSettings& film) {
             bounded(bounds[3], film.height)};
   }
   if (crop.x0 >= crop.x1 || crop.y0 >= crop.y1)
-    p.fail_at(window.empty() ? "pixelbounds" : "cropwindow", "leaves no pixel of the film");
+    p.fail_at(window.empty() ? "pixelbounds" : "cropwindow", "is empty, expected at least one pixel of the film");
   film.crop = crop;
 }
 
@@ -138,7 +138,7 @@ PixelFilter read_gaussian(Parameters& p, float) {
 }
 
 PixelFilter read_mitchell(Parameters& p, float radius) {
-  if (radius != 2.0f) p.unsupported("a radius other than 2", "2 is taken");
+  if (radius != 2.0f) p.unsupported("a radius other than 2", "rendered with 2");
   return {Kind::kMitchell, 2, 0.5f, p.number("B", 1.0f / 3), p.number("C", 1.0f / 3)};
 }
 
@@ -183,11 +183,10 @@ void read_film(Reader& reader, Entity entity, float shutter) {
   check_frame(film.width, film.height, entity.where);
   read_crop(p, film);
   const std::string sensor = p.string("sensor", "cie1931");
-  if (sensor != "cie1931")
-    p.unsupported("the sensor '" + sensor + "', expected cie1931", "cie1931 is taken, whose colours differ");
-  if (p.number("whitebalance", 0, kNotNegative) != 0.0f) p.unsupported("'whitebalance'", "there is none");
+  if (sensor != "cie1931") p.unsupported("the sensor '" + sensor + "', expected cie1931", "rendered as cie1931");
+  if (p.number("whitebalance", 0, kNotNegative) != 0.0f) p.unsupported("'whitebalance'", "ignored");
   if (p.has("maxcomponentvalue")) {
-    reader.note(entity.where, p.title() + ": 'maxcomponentvalue' is not used: samples are not clamped");
+    reader.note(entity.where, p.title() + ": 'maxcomponentvalue' ignored: samples are not clamped");
     p.ignore({"maxcomponentvalue"});
   }
   reader.exposure = shutter * p.number("iso", 100, kPositive) / 100;
@@ -200,7 +199,7 @@ void read_filter(Reader& reader, Entity entity) {
   const FilterReader& filter_reader = plugin(kFilters, "filter", entity.type, entity.where);
   const float radius = p.number("xradius", filter_reader.radius, kPositive);
   if (p.number("yradius", filter_reader.radius, kPositive) != radius)
-    p.unsupported("a filter of different 'xradius' and 'yradius'", "'xradius' is taken for both");
+    p.unsupported("a filter of different 'xradius' and 'yradius'", "rendered with 'xradius' for both");
   reader.description.film.sample_border = true;
   PixelFilter& filter = reader.description.film.filter;
   filter = filter_reader.read(p, radius);

@@ -58,7 +58,8 @@ float width_scale(Parameters& p, const Transform& to_world) {
                            length(to_world.vector({0, 0, 1}))};
   const auto [least, most] = std::minmax_element(std::begin(lengths), std::end(lengths));
   if (*most > 1.001f * *least)
-    p.reader().note_once(p.where(), p.title() + " is stretched; its width is scaled by the mean of all directions");
+    p.reader().note_once(p.where(),
+                         p.title() + " is stretched: its width is scaled by the geometric mean over the axes");
   return std::cbrt(lengths[0] * lengths[1] * lengths[2]);
 }
 
@@ -67,7 +68,7 @@ void read_type(Parameters& p) {
   const bool is_round = p.choice("type", kIsRound, false);
   if (!is_round)
     p.reader().note_once(
-        p.where(), p.title() + " of type '" + p.string("type", "flat") + "' is shown as a round tube of its width");
+        p.where(), p.title() + " of type '" + p.string("type", "flat") + "' rendered as a round tube of its width");
   p.ignore({"N", "splitdepth"});
 }
 

@@ -47,7 +47,7 @@ void SceneBuilder::save(const char* by) {
 
 Attributes SceneBuilder::restore(const char* by) {
   if (saved_.empty() || std::string_view(saved_.back().by) != by)
-    throw SceneError(where_, std::string("an end without ") + by + " before" +
+    throw SceneError(where_, std::string("an end without ") + by +
                                  (saved_.empty() ? "" : ", expected the end of " + std::string(saved_.back().by)));
   Attributes attributes = std::move(saved_.back().attributes);
   saved_.pop_back();
@@ -145,7 +145,7 @@ void SceneBuilder::named_material(Tokens& tokens) {
   if (found == reader_.materials.end()) {
     std::vector<std::string> known;
     for (const auto& entry : reader_.materials) known.push_back(entry.first);
-    throw SceneError(where_, "the material '" + name + "' is not defined so far" + did_you_mean(name, known));
+    throw SceneError(where_, "the material '" + name + "' is not defined yet" + did_you_mean(name, known));
   }
   reader_.attributes.material = found->second;
 }
@@ -168,13 +168,17 @@ void SceneBuilder::object_end(Tokens&) {
 
 void SceneBuilder::object_instance(Tokens& tokens) {
   const std::string name = read_string(tokens, "an object");
-  if (reader_.object != nullptr) throw SceneError(where_, "ObjectInstance inside of an object");
+  if (reader_.object != nullptr)
+    throw SceneError(where_, "ObjectInstance inside an object, expected it after ObjectEnd");
   Object& object = reader_.objects[name];
   if (object.where.file.empty()) object.where = where_;
   std::array<float, 12> place;
   for (std::size_t i = 0; i < 12; ++i)
     place[i] = static_cast<float>(reader_.attributes.transform.matrix().m[i / 4][i % 4]);
-  if (!is_usable_instance(place)) throw SceneError(where_, "the transform of the instance is too large or flattens it");
+  if (!is_usable_instance(place))
+    throw SceneError(
+        where_,
+        "the transform of the instance is singular or too extreme, expected scale factors between 1e-9 and 1e9");
   object.places.push_back(place);
 }
 
@@ -198,7 +202,7 @@ void SceneBuilder::option(Tokens& tokens) {
         parameter.numbers[0] < 4294967296.0)
       reader_.description.sampler.seed = static_cast<std::uint32_t>(parameter.numbers[0]);
     else if (parameter.name == "forcediffuse" || parameter.name == "disablepixeljitter")
-      reader_.note(parameter.where, "the option '" + parameter.name + "' is not used");
+      reader_.note(parameter.where, "option '" + parameter.name + "' ignored");
   }
 }
 
@@ -224,7 +228,9 @@ void SceneBuilder::world_begin(Tokens&) {
   for (const Parameter& parameter : camera.parameters)
     if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
       shutter[parameter.name == "shutterclose" ? 1 : 0] = parameter.numbers[0];
-  if (!(shutter[0] < shutter[1])) throw SceneError(camera.where, "Camera: the shutter closes before it opens");
+  if (!(shutter[0] < shutter[1]))
+    throw SceneError(camera.where,
+                     "Camera: the shutter closes before it opens, expected 'shutteropen' below 'shutterclose'");
   // Read the rendering options, then reset the transform
   read_film(reader_, option("Film", "rgb"), static_cast<float>(shutter[1] - shutter[0]));
   read_filter(reader_, option("PixelFilter", "gaussian"));

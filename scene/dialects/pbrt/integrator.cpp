@@ -43,7 +43,7 @@ void read_visibility(Parameters& p, Visibility visibility, Reader& reader) {
   const bool average = visibility == Visibility::kAverage;
   const float length = p.number(average ? "length" : "maxdistance", kInfinity, kPositive);
   if (!average && std::isfinite(length))
-    p.unsupported("ambient occlusion within 'maxdistance'", "nothing is too far away to occlude");
+    p.unsupported("ambient occlusion within 'maxdistance'", "rendered without a maximum distance");
   p.ignore({"cossample"});
   reader.visibility = {visibility, length};
 }
@@ -53,7 +53,7 @@ Counterpart find_counterpart(Parameters& p, const Entity& entity) {
   const std::string& type = entity.type;
   if (const Counterpart* found = kIntegrators.find(type)) return *found;
   if (type == "function") {
-    p.unsupported("integrators of this kind", "the light is rendered, by 'path'");
+    p.unsupported("integrators of this kind", "rendered with 'path'");
     p.ignore({"function", "filename", "skipbad"});
     return {"path", false};
   }

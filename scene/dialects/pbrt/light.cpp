@@ -20,7 +20,7 @@ float read_scale(Parameters& p) { return p.number("scale", 1, kNotNegative) * p.
 /// Returns a coordinate system with its origin at `from` and +z towards `to`.
 Transform along_axis(Parameters& p) {
   const Vec3f from = p.vec3("from", {0, 0, 0}), to = p.vec3("to", {0, 0, 1});
-  if (from == to) p.fail("has 'from' and 'to' at the same place, expected a direction");
+  if (from == to) p.fail("has equal 'from' and 'to', expected a direction");
   const Vec3f axis = to - from;
   const bool upright = std::fabs(axis.y) > std::fabs(axis.x) + std::fabs(axis.z);
   return p.reader().attributes.transform * Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
@@ -59,7 +59,7 @@ LightKinds::Model read_distant(Parameters& p) {
 
 LightKinds::Model read_infinite(Parameters& p) {
   if (!p.numbers("portal", 3).empty())
-    p.reader().note(p.where(), p.title() + ": 'portal' only helps to find the light, and is not used");
+    p.reader().note(p.where(), p.title() + ": 'portal' ignored: it affects sampling only");
   float scale = read_scale(p);
   const auto illuminance = p.find_number("illuminance");
   const bool lit = illuminance && *illuminance > 0.0f;
@@ -79,7 +79,8 @@ LightKinds::Model read_infinite(Parameters& p) {
           return std::max(0.0, double{equal_area_direction<Scalar>(static_cast<float>(x), static_cast<float>(y)).z});
         },
         nullptr);
-    if (!(mean > 0)) p.fail_at("illuminance", "cannot be that of a picture that is black towards +z");
+    if (!(mean > 0))
+      p.fail_at("illuminance", "is set for an image that is black towards +z, expected a brighter image");
     light.scale *= *illuminance / (4 * kPi * static_cast<float>(mean));
   }
   light.to_world = p.reader().attributes.transform;
@@ -123,7 +124,7 @@ LightKinds::Model read_projection(Parameters& p) {
   const double half = std::tan(double{light.fov} * double{kPi} / 360), aspect = double(picture.width) / picture.height;
   const double about[] = {half * std::max(aspect, 1.0), half * std::max(1 / aspect, 1.0)};
   const double mean = mean_luminance(picture, cosine_cubed, about);
-  if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+  if (!(mean > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
   light.scale *= static_cast<float>(double{*power} / (4 * about[0] * about[1] * mean));
   return light;
 }
@@ -142,13 +143,13 @@ LightKinds::Model read_goniometric(Parameters& p) {
   const std::filesystem::path file = p.file("filename");
   const std::shared_ptr<const Image> picture = grey_picture(read_linear_picture(file, false, p.where()));
   if (picture->width != picture->height)
-    p.fail_at("filename", "is a picture of " + std::to_string(picture->width) + " x " +
-                              std::to_string(picture->height) + " pixels, expected a square one of equal areas");
+    p.fail_at("filename", "is an image of " + std::to_string(picture->width) + " x " + std::to_string(picture->height) +
+                              " pixels, expected a square equal-area image");
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) {
     double sum = 0;
     for (const float value : picture->data) sum += double{value};
-    if (!(sum > 0)) p.fail_at("power", "cannot be that of a black picture");
+    if (!(sum > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
     scale *= *power / (4 * kPi * static_cast<float>(sum / static_cast<double>(picture->data.size())));
   }
   light.intensity = scaled(read_emission(p, "I"), scale);
@@ -207,7 +208,7 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
     picture.change.scale = scale;
     if (light.power) {
       const double mean = mean_luminance(read_linear_picture(picture.file, false, entity.where));
-      if (!(mean > 0)) p.fail_at("power", "cannot be that of a black picture");
+      if (!(mean > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
       picture.change.scale *= static_cast<float>(1 / mean);
     }
     light.radiance = add_picture(reader, std::move(picture), entity.where);

@@ -23,7 +23,7 @@ ScalarInput read_alpha(Parameters& p, const char* parameter, const char* default
   if (!roughness) return 0.0f;
   if (remap) {
     if (std::optional<ScalarInput> root = root_of(p.reader(), *roughness)) return *root;
-    p.unsupported("remapping of the roughness of this texture", "it is taken as the slope");
+    p.unsupported("remapping of the roughness of this texture", "rendered as the slope");
   }
   return *roughness;
 }
@@ -79,7 +79,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
     if (const auto* constant = std::get_if<SpectrumDescription>(&*reflectance)) {
       metal.ior = metal_of(*constant);
     } else {
-      p.unsupported("a texture of 'reflectance'", "it is what is reflected in all directions");
+      p.unsupported("a texture of 'reflectance'", "rendered as the reflectance at all angles");
       metal.specular_reflectance = *reflectance;
     }
     return metal;
@@ -106,13 +106,13 @@ Layer read_clear_layer(Parameters& p) {
   const SpectrumDescription* constant = albedo ? std::get_if<SpectrumDescription>(&*albedo) : nullptr;
   const auto* rgb = constant != nullptr ? std::get_if<SpectrumDescription::Rgb>(&constant->value) : nullptr;
   if (albedo && !(rgb != nullptr && rgb->value == Vec3f{0, 0, 0}))
-    p.unsupported("scattering between the layers ('albedo')", "there is none");
+    p.unsupported("scattering between the layers ('albedo')", "ignored");
   p.ignore({"g", "nsamples"});
   constexpr float kDefaultThickness = 0.01f;
   const ScalarInput thickness = find_scalar_input(p, "thickness").value_or(kDefaultThickness);
   const float* number = std::get_if<float>(&thickness);
   if (number == nullptr)
-    p.reader().note(p.where(), p.title() + ": 'thickness' is a texture, expected a number; 0.01 is taken");
+    p.reader().note(p.where(), p.title() + ": 'thickness' is a texture, expected a number; rendered with 0.01");
   return {number != nullptr ? std::max(*number, 0.0f) : kDefaultThickness, p.integer("maxdepth", 10, 0, 1 << 20)};
 }
 
@@ -127,10 +127,10 @@ Model coated_diffuse(Parameters& p, bool remap) {
     float* u = std::get_if<float>(&plastic.roughness->alpha_u);
     float* v = std::get_if<float>(&plastic.roughness->alpha_v);
     if (u == nullptr || v == nullptr) {
-      p.unsupported("a texture of the coat's roughness", "a slope of 0.3 is taken");
+      p.unsupported("a texture of the coat's roughness", "rendered with a slope of 0.3");
       plastic.roughness->alpha_u = plastic.roughness->alpha_v = 0.3f;
     } else if (*u != *v) {
-      p.unsupported("a coat whose roughness differs along and across", "the mean is taken");
+      p.unsupported("a coat whose roughness differs along and across", "rendered with the mean");
       *u = *v = 0.5f * (*u + *v);
     }
   }
@@ -151,7 +151,8 @@ Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
   metal.roughness = read_roughness(p, "conductor.", remap);
   coat.roughness = read_roughness(p, "interface.", remap);
   const Layer layer = read_clear_layer(p);
-  p.reader().note(where, p.title() + " is shown as a blend of the metal and of what the coat reflects at right angles");
+  p.reader().note(where,
+                  p.title() + " rendered as a blend of the metal and the reflection of the coat at normal incidence");
   const float at_right_angles = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1));
   // Light passes the coat twice and the absorbing layer twice, here for incidence at 45 degrees. A metal of reflectance
   // 0.8 reflects again the light that the coat returns to it.
@@ -216,7 +217,7 @@ Model subsurface(Parameters& p, bool remap, std::optional<MediumId>& interior) {
 Model mix(Parameters& p) {
   const Parameter* names = p.find("materials");
   if (names == nullptr || names->type != "string" || names->strings.size() != 2)
-    p.fail_at("materials", "must be the names of two materials");
+    p.fail_at("materials", "is invalid, expected the names of two materials");
   BlendDescription blend;
   blend.weight = find_scalar_input(p, "amount").value_or(0.5f);
   if (float* weight = std::get_if<float>(&blend.weight)) *weight = std::clamp(*weight, 0.0f, 1.0f);
@@ -224,9 +225,9 @@ Model mix(Parameters& p) {
   for (std::size_t i = 0; i < 2; ++i) {
     const auto found = reader.materials.find(names->strings[i]);
     if (found == reader.materials.end())
-      p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined so far");
+      p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined yet");
     reader.used_texture = reader.used_texture || found->second.textured;
-    if (found->second.interior) p.unsupported("subsurface scattering in a mix", "only its boundary is part of it");
+    if (found->second.interior) p.unsupported("subsurface scattering in a mix", "rendered as its boundary");
     blend.nested[i] = *found->second.id;
   }
   return blend;
@@ -275,7 +276,8 @@ MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where)
     // Only PNG files are linear; see read_encoding() of textures.
     picture.raw = is_png(picture.file);
     if (!picture.raw && may_hold_integers(picture.file))
-      p.reader().note(where, p.title() + ": pbrt takes normal maps other than PNG, OpenEXR and PFM files for sRGB");
+      p.reader().note(
+          where, p.title() + ": as in pbrt, normal maps other than PNG, OpenEXR and PFM files are decoded from sRGB");
     p.reader().used_texture = true;
     return add(p.reader(), NormalMapDescription{add_picture(p.reader(), std::move(picture), where), false, nested},
                where);

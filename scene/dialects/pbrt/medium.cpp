@@ -44,7 +44,7 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
     set_temperature(p, medium, std::move(temperature), scale);
   } else {
     if (p.has("temperaturename") && scale > 0.0f)
-      p.reader().note(p.where(), p.title() + " does not glow: its file has no grid '" + temperature.grid + "'");
+      p.reader().note(p.where(), p.title() + " does not emit: its file has no grid '" + temperature.grid + "'");
     p.ignore({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
   }
 }
@@ -59,7 +59,7 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
   if (found == nullptr) {
     p.unsupported("the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) +
                       known_names(measured_medium_names()),
-                  "sigma_a and sigma_s of 1 are taken");
+                  "rendered with sigma_a and sigma_s of 1");
     return {one, one};
   }
   p.ignore({"sigma_a", "sigma_s"});
@@ -89,7 +89,7 @@ constexpr NameTable<void (*)(Parameters&, MediumDescription&)> kMedia{{{"cloud",
 
 void read_medium(Reader& reader, const std::string& name, Entity entity) {
   Parameters p(reader, "MakeNamedMedium '" + name + "'", entity.where, std::move(entity.parameters));
-  if (reader.media.contains(name)) p.fail("is the second medium of this name");
+  if (reader.media.contains(name)) p.fail("has the name of an earlier medium, expected another name");
   MediumDescription medium;
   medium.where = entity.where;
   medium.id = name;
@@ -106,7 +106,7 @@ std::optional<MediumId> medium_of(const Reader& reader, const std::string& name,
   if (found != reader.media.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& entry : reader.media) known.push_back(entry.first);
-  throw SceneError(where, "the medium '" + name + "' is not defined so far" + did_you_mean(name, known));
+  throw SceneError(where, "the medium '" + name + "' is not defined yet" + did_you_mean(name, known));
 }
 
 }  // namespace sheaf::pbrt

@@ -25,7 +25,7 @@ DenseVolume read_box(Parameters& p) {
 void place_box(Parameters& p, DenseVolume& box) {
   const Vec3f a = p.vec3("p0", {0, 0, 0}), b = p.vec3("p1", {1, 1, 1});
   const Vec3f low{std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}, size = abs(b - a);
-  if (!(std::min({size.x, size.y, size.z}) > 0.0f)) p.fail("is flat: 'p0' and 'p1' do not differ along all axes");
+  if (!(std::min({size.x, size.y, size.z}) > 0.0f)) p.fail("is flat, expected 'p0' and 'p1' to differ along all axes");
   const auto side = [&](float length, std::size_t axis) { return length / static_cast<float>(box.size[axis]); };
   box.grid_to_local = Transform::translate(low) *
                       Transform::scale({side(size.x, 0), side(size.y, 1), side(size.z, 2)}) *
@@ -62,7 +62,7 @@ std::optional<GridVolumeDescription> find_grid(Parameters& p, const char* name, 
       values[i] = rgb.x, values[i + 1] = rgb.y, values[i + 2] = rgb.z;
     }
   for (const float value : values)
-    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected nothing below 0");
+    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected no negative number");
   return made_grid(p, box, channels, std::move(values));
 }
 

@@ -38,8 +38,8 @@ std::vector<std::uint32_t> read_indices(Parameters& p, std::size_t vertices, std
     return indices;
   }
   if (list->type != "integer" || list->numbers.size() % corners != 0)
-    p.fail_at("indices", "must be integers, a multiple of " + std::to_string(corners) + ", has " +
-                             std::to_string(list->numbers.size()));
+    p.fail_at("indices", "has " + std::to_string(list->numbers.size()) + " values, expected integers, a multiple of " +
+                             std::to_string(corners));
   for (const double index : list->numbers) {
     if (index < 0 || index >= static_cast<double>(vertices))
       p.fail_at("indices", "has " + std::to_string(static_cast<long long>(index)) + ", expected an index of " +
@@ -55,11 +55,11 @@ Mesh read_vertices(Parameters& p) {
   mesh.positions = read_vectors(p, "P");
   mesh.normals = read_vectors(p, "N");
   mesh.uvs = read_coordinates(p);
-  if (mesh.positions.empty()) p.fail("has no points 'P'");
+  if (mesh.positions.empty()) p.fail("needs the points 'P'");
   for (const auto& [name, size] : {std::pair("N", mesh.normals.size()), std::pair("uv", mesh.uvs.size())})
     if (size != 0 && size != mesh.positions.size())
-      p.fail_at(name,
-                "is there for " + std::to_string(size) + " of " + std::to_string(mesh.positions.size()) + " vertices");
+      p.fail_at(name, "has " + std::to_string(size) + " entries, expected " + std::to_string(mesh.positions.size()) +
+                          ", one for each vertex");
   p.ignore({"S", "faceIndices"});
   return mesh;
 }

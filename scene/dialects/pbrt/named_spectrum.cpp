@@ -87,14 +87,13 @@ double luminance_of(const SpectrumDescription& spectrum) {
 
 SpectrumDescription with_unit_luminance(SpectrumDescription spectrum, const Parameters& p) {
   const double y = luminance_of(spectrum);
-  if (!(y > 0) || !std::isfinite(y)) p.fail("has a spectrum of light without any luminance, expected one that is seen");
+  if (!(y > 0) || !std::isfinite(y)) p.fail("has a spectrum of light without luminance, expected a positive luminance");
   return scaled(std::move(spectrum), static_cast<float>(1 / y));
 }
 
 SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const std::string& name, Use use) {
   if (std::optional<SpectrumDescription> illuminant = find_illuminant_spectrum(name)) {
-    if (use != Use::kLight)
-      p.fail_at(parameter, "is '" + name + "', an illuminant, expected a spectrum of another quantity");
+    if (use != Use::kLight) p.fail_at(parameter, "is '" + name + "', an illuminant, expected another kind of spectrum");
     return *illuminant;
   }
   std::optional<SpectrumDescription> spectrum = find_metal_spectrum(name);
@@ -103,7 +102,7 @@ SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const s
                                name.starts_with("stdillum-") || name.starts_with("illum-");
     if (known_to_pbrt) {
       p.unsupported("'" + std::string(parameter) + "' is '" + name + "', expected " + known_spectra(),
-                    "a grey is taken");
+                    "rendered as grey");
       return SpectrumDescription::constant(1);
     }
     spectrum = read_spectrum_file(p.reader().find_file(name, p.find(parameter)->where));

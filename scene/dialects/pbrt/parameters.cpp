@@ -48,7 +48,7 @@ void read_value(Tokens& tokens, const Type& type, Parameter& parameter) {
   } else {
     const double number = number_of(token, tokens.where(), expected);
     if (type.values == Values::kWholeNumbers && number != std::floor(number))
-      throw SceneError(tokens.where(), "found " + shown(token) + ", expected " + expected + ", a whole number");
+      throw SceneError(tokens.where(), "found " + shown(token) + ", expected " + expected + ", an integer");
     if (std::fabs(number) > static_cast<double>(std::numeric_limits<float>::max()))
       throw SceneError(tokens.where(), "found " + shown(token) + ", a number too large for single precision");
     parameter.numbers.push_back(number);
@@ -82,8 +82,8 @@ Parameter read_parameter(Tokens& tokens) {
   } else {
     for (tokens.advance(); tokens.current().kind != Token::Kind::kClose;) {
       if (tokens.current().kind == Token::Kind::kEnd)
-        throw SceneError(parameter.where, "the values of '" + parameter.name +
-                                              "' do not end before the file does, expected a closing ']'");
+        throw SceneError(parameter.where,
+                         "the values of '" + parameter.name + "' are not closed at the end of the file, expected ']'");
       read_value(tokens, type, parameter);
     }
     tokens.advance();
@@ -104,7 +104,7 @@ std::vector<Parameter> read_parameters(Tokens& tokens) {
     list.push_back(read_parameter(tokens));
     const auto same = [&](const Parameter& other) { return other.name == list.back().name; };
     if (std::find_if(list.begin(), list.end() - 1, same) != list.end() - 1)
-      throw SceneError(list.back().where, "the parameter '" + list.back().name + "' is given twice");
+      throw SceneError(list.back().where, "parameter '" + list.back().name + "' is set twice, expected once");
   }
   return list;
 }
@@ -171,7 +171,7 @@ void Parameters::raise(const NamedValue* value, const std::string& message) cons
 
 void Parameters::leave_out(const NamedValue& value, const std::string& message) const {
   if (!reader_.lenient) raise(&value, message);
-  reader_.stand_in(static_cast<const Parameter&>(value).where, message + " (left out)");
+  reader_.stand_in(static_cast<const Parameter&>(value).where, message + " (ignored)");
 }
 
 void Parameters::unsupported(const std::string& what, const std::string& instead) const {

@@ -111,7 +111,7 @@ const Value& plugin(const NameTable<Value>& table, const char* kind, const std::
                    std::string("unknown ") + kind + " '" + type + "'" + did_you_mean(type, known) + known_names(known));
 }
 
-// pbrt_spectrum.cpp
+// spectrum.cpp
 /// Purpose of a spectrum; determines range and scaling.
 enum class Use {
   kReflectance,  ///< within [0, 1]
@@ -129,21 +129,21 @@ struct Index {
 };
 Index read_index(Parameters& p, const char* name, float default_value);
 
-// pbrt_color_space.cpp
+// color_space.cpp
 /// Names that ColorSpace accepts. The first one is Rec.709.
 const std::vector<std::string>& color_space_names();
 /// Converts a colour from the current colour space to Rec.709, clamped to the range of `use`; reflectances keep white.
 /// Adds a note for the first clamped colour.
 Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use);
 
-// pbrt_named_spectrum.cpp
+// named_spectrum.cpp
 /// Returns the spectrum of a name ("metal-Au-eta", "stdillum-D65") or of a file. For lights, it is scaled to unit
 /// luminance.
 SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const std::string& name, Use use);
 /// Scales a spectrum to unit luminance. Throws SceneError if it is black.
 SpectrumDescription with_unit_luminance(SpectrumDescription spectrum, const Parameters& p);
 
-// pbrt_texture.cpp
+// texture.cpp
 /// Directive Texture: appends the texture to the description and registers its name.
 void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity);
 /// Returns the texture with all values scaled by `by`; nullopt if the texture description cannot express it.
@@ -157,7 +157,7 @@ TextureId append(Reader& reader, TextureDescription texture);
 /// Appends a bitmap texture that appears upright in the unit square.
 TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where);
 
-// pbrt_picture.cpp
+// picture.cpp
 /// Whether pbrt reads the file with its PNG reader, by file extension. Only PNG files may specify an encoding.
 bool is_png(const std::filesystem::path& file);
 /// Whether the file may hold integers, by file extension: false for OpenEXR, PFM and Radiance files.
@@ -177,19 +177,19 @@ double mean_luminance(const Image& picture, double (*weight)(const double* about
                       const double* about);
 double mean_luminance(const Image& picture);
 
-// pbrt_material.cpp
+// material.cpp
 Material make_material(Reader& reader, const std::string& name, Entity entity);
 MaterialId add(Reader& reader, decltype(MaterialDescription::model) model, const SourceLocation& where);
 
-// pbrt_subsurface.cpp
+// subsurface.cpp
 /// Appends the medium inside a surface with the material "subsurface" and index of refraction `eta`.
 MediumId read_subsurface(Parameters& p, float eta);
 
-// pbrt_light.cpp
+// light.cpp
 void read_light(Reader& reader, Entity entity);
 AreaLight read_area_light(Reader& reader, Entity entity);
 
-// pbrt_medium.cpp
+// medium.cpp
 /// Reads sigma_a and sigma_s, or a preset of both.
 AbsorptionScatteringDescription read_coefficients(Parameters& p);
 /// Sets blackbody emission from a temperature grid.
@@ -198,7 +198,7 @@ void read_medium(Reader& reader, const std::string& name, Entity entity);
 /// Returns the medium of a name; nullopt for the empty name.
 std::optional<MediumId> medium_of(const Reader& reader, const std::string& name, const SourceLocation& where);
 
-// pbrt_medium_grid.cpp
+// medium_grid.cpp
 /// The integral of the CIE 1931 y-bar function over wavelengths, in nm. Where pbrt does not scale emission to unit
 /// luminance, its emission is brighter by this factor.
 inline constexpr float kLuminanceIntegral = 106.856895f;
@@ -206,10 +206,10 @@ void read_uniform_grid(Parameters& p, MediumDescription& medium);
 void read_rgb_grid(Parameters& p, MediumDescription& medium);
 void read_cloud(Parameters& p, MediumDescription& medium);
 
-// pbrt_shape.cpp
+// shape.cpp
 void read_shape(Reader& reader, Entity entity);
 
-// pbrt_mesh.cpp
+// mesh.cpp
 /// A patch of a surface of revolution or a bilinear patch, tessellated into `steps_u` x `steps_v` quads of two
 /// triangles. `point` and `normal` take (u, v) in the unit square, which also become the texture coordinates.
 struct Patch {
@@ -226,13 +226,13 @@ Mesh read_subdivision(Parameters& p, bool textured);
 /// Reads the shape "bilinearmesh". Flat patches become two triangles, curved ones a grid of quads.
 Mesh read_bilinear_mesh(Parameters& p);
 
-// pbrt_curve.cpp
+// curve.cpp
 /// Reads the shape "curve", transformed by `to_world`.
 Curves read_curve(Parameters& p, const Transform& to_world);
 /// Merges a curve into the last of `shapes` if that also holds curves with the same material. Returns whether it did.
 bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription& shape);
 
-// pbrt_camera.cpp
+// camera.cpp
 /// `world_from_camera` is the inverse of the current transformation matrix at the Camera directive.
 void read_camera(Reader& reader, Entity entity, const Transform& world_from_camera, const std::string& outside);
 /// Reads Film and PixelFilter. Call these before read_camera(), which needs the frame's size. `shutter` is the exposure
@@ -240,7 +240,7 @@ void read_camera(Reader& reader, Entity entity, const Transform& world_from_came
 void read_film(Reader& reader, Entity entity, float shutter);
 void read_filter(Reader& reader, Entity entity);
 
-// pbrt_integrator.cpp
+// integrator.cpp
 void read_integrator(Reader& reader, Entity entity);
 void read_sampler(Reader& reader, Entity entity);
 

@@ -46,7 +46,7 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
     const fs::path candidate = base / name;
     if (!fs::exists(candidate, error)) continue;
     if (!fs::is_regular_file(candidate, error))
-      throw SceneError(where, "'" + candidate.string() + "' is not a file that can be read");
+      throw SceneError(where, "'" + candidate.string() + "' is not a regular file");
     std::vector<fs::path>& files = description.files;
     if (std::find(files.begin(), files.end(), candidate) == files.end()) files.push_back(candidate);
     return candidate;
@@ -110,7 +110,7 @@ const SceneBuilder::Directive& SceneBuilder::directive(const Token& token, const
       known.emplace_back(candidate.name);
     }
   if (token.text == "WorldEnd")
-    throw SceneError(where, "WorldEnd is of pbrt-v3, expected a scene of pbrt-v4, into which pbrt --upgrade makes it");
+    throw SceneError(where, "WorldEnd belongs to pbrt-v3, expected a scene of pbrt-v4; convert it with pbrt --upgrade");
   throw SceneError(where, "found " + shown(token) + ", expected a directive" +
                               did_you_mean(std::string(token.text.substr(0, 40)), known));
 }
@@ -119,9 +119,9 @@ void SceneBuilder::read_directive(Tokens& tokens) {
   where_ = tokens.where();
   const Directive& found = directive(tokens.current(), where_);
   if (found.place == Place::kWorld && !in_world_)
-    throw SceneError(where_, std::string(found.name) + " before WorldBegin, expected it behind");
+    throw SceneError(where_, std::string(found.name) + " before WorldBegin, expected it after");
   if (found.place == Place::kOptions && in_world_)
-    throw SceneError(where_, std::string(found.name) + " behind WorldBegin, expected it before");
+    throw SceneError(where_, std::string(found.name) + " after WorldBegin, expected it before");
   tokens.advance();
   (this->*found.handler)(tokens);
 }
@@ -132,7 +132,7 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
     if (open == file || fs::equivalent(open, file, error))
       throw SceneError(where, "'" + file.string() + "' includes itself");
   if (open_.size() > kMaxIncludeDepth)
-    throw SceneError(where, "files include each other more than " + std::to_string(kMaxIncludeDepth) + " deep");
+    throw SceneError(where, "files are included more than " + std::to_string(kMaxIncludeDepth) + " deep");
   if (++included_ > kMaxIncludes)
     throw SceneError(where, "more than " + std::to_string(kMaxIncludes) + " files are included");
   open_.push_back(file);
@@ -146,7 +146,7 @@ void SceneBuilder::read(const fs::path& file) {
   reader_.description.files.push_back(file);
   read_file(file, {file.string(), 0});
   if (!saved_.empty())
-    throw SceneError(saved_.back().where, std::string(saved_.back().by) + " is not ended before the file is");
+    throw SceneError(saved_.back().where, std::string(saved_.back().by) + " is not closed at the end of the file");
   if (!in_world_) throw SceneError({file.string(), 0}, "the scene has no WorldBegin");
   finish();
 }

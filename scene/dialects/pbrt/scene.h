@@ -36,7 +36,7 @@ class SceneBuilder {
   void read_directive(Tokens& tokens);
   void finish();
 
-  // pbrt_directives.cpp
+  // directives.cpp
   std::string read_string(Tokens& tokens, const char* what);
   Entity read_entity(Tokens& tokens, const char* target);
   void save(const char* by);
@@ -69,7 +69,7 @@ class SceneBuilder {
   void texture(Tokens& tokens);
   void world_begin(Tokens& tokens);
 
-  // pbrt_transforms.cpp
+  // transforms.cpp
   void apply_transform(const Transform& transform);
 
   void active_transform(Tokens& tokens);

@@ -78,7 +78,7 @@ Geometry read_cylinder(Parameters& p, ShapeDescription& shape, bool) {
   const float radius = p.number("radius", 1, kPositive), phimax = read_phimax(p);
   const float a = p.number("zmin", -1), b = p.number("zmax", 1);
   const float low = std::min(a, b), high = std::max(a, b);
-  if (low == high) p.fail("has no height: 'zmin' and 'zmax' are the same");
+  if (low == high) p.fail("has no height: 'zmin' and 'zmax' are equal");
   const float area = radians(phimax) * radius * (high - low);
   if (phimax == 360.0f) {
     shape.geometry = CylinderShape{{0, 0, low}, {0, 0, high}, radius};
@@ -122,7 +122,7 @@ Geometry read_ply_shape(Parameters& p, ShapeDescription& shape, bool) {
   mesh.flip_tex_coords = false;
   mesh.smooth_normals = false;
   if (p.has("displacement")) {
-    p.unsupported("displacement of its vertices", "there is none");
+    p.unsupported("displacement of its vertices", "ignored");
     p.ignore({"displacement"});
   }
   p.ignore({"edgelength"});
@@ -186,10 +186,10 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
   const std::optional<AreaLight>& light = reader.attributes.area_light;
   if (!light) return;
   if (reader.object != nullptr)
-    return reader.note(p.where(), p.title() + " is part of an object, whose shapes do not shine in pbrt");
+    return reader.note(p.where(), p.title() + " is part of an object, its AreaLightSource is ignored as in pbrt");
   if (reader.attributes.material.is_interface)
-    return reader.note(p.where(), p.title() + " has the material 'interface', and so does not shine");
-  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "they do not shine");
+    return reader.note(p.where(), p.title() + " has the material 'interface', its AreaLightSource is ignored");
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "ignored");
   shape.radiance = light->radiance;
   shape.emits_on_both_sides = light->two_sided;
   if (!light->power) return;
@@ -205,7 +205,7 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
 void add_media(Parameters& p, ShapeDescription& shape) {
   const Attributes& a = p.reader().attributes;
   if (a.inside == a.outside && !a.material.interior) return;
-  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("media inside of curves", "there are none");
+  if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("media inside of curves", "ignored");
   shape.interior = a.material.interior ? a.material.interior : medium_of(p.reader(), a.inside, p.where());
   shape.exterior = medium_of(p.reader(), a.outside, p.where());
 }

@@ -42,10 +42,10 @@ SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parame
 SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
   constexpr double kWien = 2.8977721e6;  // Wien's displacement constant, nm K
   if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0))
-    p.fail_at(name, "must be one temperature in kelvin, above 0");
+    p.fail_at(name, "is invalid, expected one positive temperature (kelvin)");
   const double temperature = parameter.numbers[0];
   const double largest = blackbody_radiance(kWien / temperature, temperature);
-  if (!(largest > 0)) p.fail_at(name, "is too cold a black body");
+  if (!(largest > 0)) p.fail_at(name, "is too cold, expected a temperature with visible emission (kelvin)");
   return {SpectrumDescription::Blackbody{static_cast<float>(temperature), static_cast<float>(1 / largest)}};
 }
 
@@ -68,7 +68,7 @@ SpectrumDescription read_spectrum(Parameters& p, const char* name, const Paramet
 template <class Input, class Other>
 const Input& texture_of(Parameters& p, const char* name, const Parameter& parameter, const char* kind,
                         const std::map<std::string, Input, std::less<>>& known, const Other& others) {
-  if (parameter.strings.size() != 1) p.fail_at(name, "must name one texture");
+  if (parameter.strings.size() != 1) p.fail_at(name, "is invalid, expected the name of one texture");
   const std::string& texture = parameter.strings[0];
   const auto found = known.find(texture);
   if (found == known.end()) {
@@ -76,9 +76,9 @@ const Input& texture_of(Parameters& p, const char* name, const Parameter& parame
     for (const auto& entry : known) names.push_back(entry.first);
     const bool other = others.find(texture) != others.end();
     p.fail_at(name, "is the texture '" + texture + "', " +
-                        (other ? "which is of the other kind, expected one of the kind " + std::string(kind)
-                               : "which is not defined so far" + did_you_mean(texture, names) + " (known of the kind " +
-                                     kind + ": " + (names.empty() ? "none" : joined(names)) + ")"));
+                        (other ? "of the other kind, expected one of the kind " + std::string(kind)
+                               : "not defined yet" + did_you_mean(texture, names) + " (known of the kind " + kind +
+                                     ": " + (names.empty() ? "none" : joined(names)) + ")"));
   }
   p.reader().used_texture = true;
   return found->second;
@@ -123,13 +123,13 @@ Index read_index(Parameters& p, const char* name, float default_value) {
     // pbrt's names of Schott's SF5, SF10 and SF11.
     if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
     if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
-    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] + "', of which no formula is known" +
+    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] + "', an unknown glass" +
                       known_names(dispersion_names()),
-                  "an index of " + std::to_string(default_value) + " is taken");
+                  "rendered with an index of " + number_text(double{default_value}));
     return {default_value, std::nullopt};
   }
   if (parameter->type == "spectrum" && parameter->numbers.size() >= 2) {
-    p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "the first of them is taken");
+    p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "rendered with the first one");
     return {static_cast<float>(parameter->numbers[1]), std::nullopt};
   }
   p.fail_at(name, "is of the type " + parameter->type + ", expected a float or the name of a glass");

@@ -27,7 +27,7 @@ std::optional<SpectrumDescription> find_constant(Parameters& p, const char* name
   const std::optional<SpectrumInput> input = find_spectrum_input(p, name, use);
   if (!input) return std::nullopt;
   if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
-  p.unsupported("a texture of '" + std::string(name) + "'", "0.5 is taken");
+  p.unsupported("a texture of '" + std::string(name) + "'", "rendered as 0.5");
   return SpectrumDescription::constant(0.5f);
 }
 
@@ -48,7 +48,7 @@ float albedo_of(float reflectance, float internal, float g) {
 void set_by_name(Parameters& p, MediumDescription& medium, const std::string& name) {
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
-    p.unsupported("the medium '" + name + "'" + did_you_mean(name, measured_medium_names()), "\"skin1\" is taken");
+    p.unsupported("the medium '" + name + "'" + did_you_mean(name, measured_medium_names()), "rendered as 'skin1'");
     found = find_measured_medium("skin1");
   }
   const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
@@ -82,7 +82,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
   } else if (sigma_a || sigma_s) {
     if (!sigma_a || !sigma_s)
       p.fail(std::string("has '") + (sigma_a ? "sigma_a" : "sigma_s") + "' alone, expected both");
-    if (reflectance) p.fail_at("reflectance", "is given beside 'sigma_a' and 'sigma_s', expected one or the other");
+    if (reflectance) p.fail_at("reflectance", "is set together with 'sigma_a' and 'sigma_s', expected one of them");
     medium.coefficients = AbsorptionScatteringDescription{*sigma_a, *sigma_s};
   } else if (reflectance) {
     set_by_reflectance(p, medium, *reflectance, eta, g);
@@ -96,8 +96,8 @@ MediumId read_subsurface(Parameters& p, float eta) {
     medium.phase = static_cast<PhaseId>(description.phases.size() - 1);
   }
   p.reader().note_once(p.where(), p.title() +
-                                      " is shown as a dielectric around the medium that scatters light within: "
-                                      "shapes of it must be closed, and 'maxdepth' counts every scattering");
+                                      " rendered as a dielectric around a scattering medium: its shapes must be "
+                                      "closed, and 'maxdepth' counts every scattering event");
   description.media.push_back(std::move(medium));
   return static_cast<MediumId>(description.media.size() - 1);
 }

@@ -51,7 +51,7 @@ struct Source {
 std::array<float, 6> read_mapping(Parameters& p) {
   const std::string mapping = p.string("mapping", "uv");
   if (mapping != "uv") {
-    p.unsupported("the mapping '" + mapping + "'", "the surface's own coordinates are taken");
+    p.unsupported("the mapping '" + mapping + "'", "rendered with the texture coordinates of the surface");
     p.ignore({"v1", "v2", "udelta", "vdelta", "uscale", "vscale"});
     return {1, 0, 0, 0, 1, 0};
   }
@@ -66,14 +66,14 @@ void read_encoding(Parameters& p, BitmapDescription& picture) {
   picture.raw = png && encoding == "linear";
   if (encoding == "sRGB") return;
   if (!png && may_hold_integers(picture.file))
-    p.reader().note(p.where(), p.title() + ": pbrt takes 'encoding' for PNG files alone, and others for sRGB");
+    p.reader().note(p.where(), p.title() + ": 'encoding' ignored: pbrt honours it for PNG files only, others are sRGB");
   if (encoding == "linear") return;
   const bool is_gamma = encoding.starts_with("gamma ");
   const float gamma = is_gamma ? std::strtof(encoding.c_str() + std::string_view("gamma ").size(), nullptr) : 0.0f;
   if (!(gamma > 0.0f && std::isfinite(gamma)))
     p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
   if (!png) return;
-  if (picture.change.invert) return p.unsupported("'invert' of a picture of another encoding", "sRGB is taken");
+  if (picture.change.invert) return p.unsupported("'invert' of an image with another encoding", "rendered as sRGB");
   // Apply the scale before the power.
   picture.raw = true;
   picture.change.exponent = gamma;
@@ -83,7 +83,7 @@ void read_encoding(Parameters& p, BitmapDescription& picture) {
 TextureWrap read_wrap(Parameters& p) {
   const std::string wrap = p.string("wrap", "repeat");
   if (wrap == "repeat") return TextureWrap::kRepeat;
-  if (wrap != "clamp") p.unsupported("wrap '" + wrap + "', expected repeat or clamp", "clamp is taken");
+  if (wrap != "clamp") p.unsupported("wrap '" + wrap + "', expected repeat or clamp", "rendered as clamp");
   return TextureWrap::kClamp;
 }
 
@@ -107,7 +107,7 @@ SpectrumInput read_image(Parameters& p, const Source& source) {
 SpectrumInput read_checkerboard(Parameters& p, const Source& source) {
   CheckerboardDescription board{source.find("tex1", 1), source.find("tex2", 0)};
   if (p.integer("dimension", 2, 2, 3) == 3) {
-    p.unsupported("a checkerboard in three dimensions", "its first texture is shown");
+    p.unsupported("a checkerboard in three dimensions", "rendered as its first texture");
     return board.color0;
   }
   TextureDescription texture;
@@ -228,7 +228,7 @@ SpectrumInput read_dots(Parameters& p, const Source& source) {
 
 SpectrumInput read_constant(Parameters&, const Source& source) { return source.find("value", 1); }
 
-/// Reads an unsupported texture; reports `instead`, what is shown in its place.
+/// Reads an unsupported texture; reports `instead`, the replacement.
 SpectrumInput replaced(Parameters& p, SpectrumInput input, const char* instead) {
   p.ignore({"octaves", "roughness", "scale", "variation", "filename", "encoding", "mapping", "uscale", "vscale",
             "udelta", "vdelta", "v1", "v2"});
@@ -236,15 +236,15 @@ SpectrumInput replaced(Parameters& p, SpectrumInput input, const char* instead) 
   return input;
 }
 
-/// Reads a texture whose mean is shown.
+/// Reads an unsupported texture as its mean.
 SpectrumInput read_grey(Parameters& p, const Source&) {
-  return replaced(p, SpectrumDescription::constant(0.5f), "a grey of 0.5 is shown");
+  return replaced(p, SpectrumDescription::constant(0.5f), "rendered as a grey of 0.5");
 }
 
 SpectrumInput read_direction_mix(Parameters& p, const Source& source) {
   const SpectrumInput first = source.find("tex1", 0);
   p.ignore({"tex2", "dir"});
-  return replaced(p, first, "the first of its textures is shown");
+  return replaced(p, first, "rendered as its first texture");
 }
 
 constexpr NameTable<SpectrumInput (*)(Parameters&, const Source&)> kTextures{{{"bilerp", read_bilerp},
@@ -269,7 +269,7 @@ std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& 
                                            int depth) {
   if (const SpectrumDescription* constant = constant_of(input)) return change_constant(*constant);
   TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
-  if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested too deep");
+  if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested deeper than 16 levels");
   const auto change = [&](const SpectrumInput& nested) {
     return changed_input(reader, nested, change_constant, change_picture, depth + 1);
   };

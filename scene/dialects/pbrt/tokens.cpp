@@ -71,7 +71,7 @@ void Tokens::read_string() {
       string_ += text_[at_];
     }
   }
-  throw SceneError(where(), "a string that begins here does not end on its line, expected a closing '\"'");
+  throw SceneError(where(), "a string is not closed on its line, expected '\"'");
 }
 
 void Tokens::advance() {

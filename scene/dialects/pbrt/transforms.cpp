@@ -32,7 +32,7 @@ Matrix4 read_matrix(Tokens& tokens) {
   for (std::size_t i = 0; i < 16; ++i) matrix.m[i % 4][i / 4] = numbers[i];
   for (std::size_t j = 0; j < 4; ++j)
     if (matrix.m[3][j] != (j == 3 ? 1.0 : 0.0))
-      throw SceneError(tokens.where(), "the matrix has a last row other than 0 0 0 1");
+      throw SceneError(tokens.where(), "the matrix has another last row, expected 0 0 0 1");
   return matrix;
 }
 
@@ -53,7 +53,7 @@ void SceneBuilder::active_transform(Tokens& tokens) {
   const std::string_view word = tokens.current().text;
   if (word != "StartTime" && word != "EndTime" && word != "All")
     throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected StartTime, EndTime or All");
-  if (!noted_motion_) reader_.note(where_, "nothing moves: what a transform is at the start counts");
+  if (!noted_motion_) reader_.note(where_, "motion is not supported, rendered with the transforms at the start");
   noted_motion_ = true;
   reader_.attributes.start_is_active = word != "EndTime";
   tokens.advance();
@@ -68,7 +68,7 @@ void SceneBuilder::coord_sys_transform(Tokens& tokens) {
   const std::string name = read_string(tokens, "a coordinate system");
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end())
-    throw SceneError(where_, "the coordinate system '" + name + "' is not defined so far");
+    throw SceneError(where_, "the coordinate system '" + name + "' is not defined yet");
   if (reader_.attributes.start_is_active) reader_.attributes.transform = found->second;
 }
 
@@ -81,7 +81,7 @@ void SceneBuilder::identity(Tokens&) {
 }
 
 void SceneBuilder::look_at(Tokens& tokens) {
-  const auto n = read_numbers<9>(tokens, "nine numbers: where from, where to, what is up");
+  const auto n = read_numbers<9>(tokens, "nine numbers: eye, target and up");
   apply_transform(
       transform_at(where_, [&] { return Transform::look_at(vec3(&n[0]), vec3(&n[3]), vec3(&n[6])).inverse(); }));
 }

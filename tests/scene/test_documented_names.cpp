@@ -1,0 +1,39 @@
+// The names that readers of scenes accept, against the documentation.
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/read_geometry.h"
+#include "scene/dialects/common/read_spectrum.h"
+#include "scene/dialects/common/read_texture.h"
+#include "scene/dialects/common/sampler_name.h"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <iterator>
+
+namespace sheaf::test_documented_names {
+
+TEST_CASE("the documentation names every shape, texture, spectrum, sampler, integrator and estimator") {
+  std::string text;
+  for (const char* page : {"/docs/scene-format.md", "/docs/pbrt.md"}) {
+    std::ifstream file(std::string(SHEAF_SOURCE_DIR) + page);
+    REQUIRE(file);
+    text.append(std::istreambuf_iterator<char>(file), {});
+  }
+  const auto check = [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+      CAPTURE(name);
+      CHECK(text.find("`" + name + "`") != std::string::npos);
+    }
+  };
+  check(kSharedShapes.names());
+  check(kSharedTextures.names());
+  check(kSpectrumPlugins.names());
+  check(kSamplers.names());
+  check(kLightSelectors.names());
+  check(kMediumEstimators.names());
+  check(integrator_names());
+}
+
+}  // namespace sheaf::test_documented_names
