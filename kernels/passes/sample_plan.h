@@ -44,7 +44,7 @@ class SamplePlan {
   /// Number of samples and photons taken before the render was resumed.
   std::uint64_t samples_before() const;
   /// Whether the time limit may end the render: every tile has samples, and adaptive sampling decides their number.
-  bool may_end_early() const { return state_.adaptive && state_.adaptive->has_picture(); }
+  bool may_end_early() const { return state_.adaptive && state_.adaptive->has_image(); }
 
   /// Begins the next round, or continues an unfinished one. Returns false if no samples remain.
   bool begin_round();
