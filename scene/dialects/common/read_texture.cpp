@@ -125,17 +125,6 @@ std::array<float, 6> flipped(const std::array<float, 6>& to_uv) {
   return {to_uv[0], to_uv[1], to_uv[2], -to_uv[3], -to_uv[4], 1 - to_uv[5]};
 }
 
-bool read_linear_gamma(Properties& p) {
-  const float gamma = p.number("gamma", -1);
-  constexpr float kLow = 2.15f, kHigh = 2.25f;
-  if (gamma > kLow && gamma < kHigh) {
-    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has 'gamma' 2.2, rendered as sRGB");
-  } else if (gamma != 1 && gamma != -1 && gamma != 0) {
-    p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
-  }
-  return gamma == 1;
-}
-
 constexpr NameTable<TexturePluginReader> kSharedTextures{{{"bitmap", read_bitmap_texture},
                                                           {"checkerboard", read_checkerboard},
                                                           {"gridtexture", read_grid},
