@@ -6,7 +6,7 @@ bool read_linear_gamma(Properties& p) {
   const float gamma = p.number("gamma", -1);
   constexpr float kLow = 2.15f, kHigh = 2.25f;
   if (gamma > kLow && gamma < kHigh) {
-    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has a gamma of 2.2; the curve of sRGB is used");
+    p.context().note(p.where(), p.element().name + " '" + p.type() + "' has 'gamma' 2.2, rendered as sRGB");
   } else if (gamma != 1 && gamma != -1 && gamma != 0) {
     p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
   }

@@ -388,7 +388,7 @@ TEST_CASE("curves: segments without a surface are dropped") {
   const auto scene = lone(curves);
   CHECK(scene->info().curve_segments == 1);
   REQUIRE(scene->warnings().size() == 1);
-  CHECK(contains(scene->warnings()[0], "2 degenerate or non-finite segments"));
+  CHECK(contains(scene->warnings()[0], "2 degenerate or non-finite curve segments"));
   CHECK(trace_ray(scene->view(), {-5, 0, 0.5f}, {1, 0, 0}));
   CHECK_FALSE(trace_ray(scene->view(), {0, 0, 0.5f}, {1, 0, 0}));  // from inside
   curves.points.resize(2);

@@ -81,7 +81,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='181'/>"), "'cutoff_angle'"));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='90'/><texture name='texture' type='bitmap'>" +
                                            kPicture + "</texture>"),
-                 "below 90"));
+                 "less than 90"));
   CHECK(mitsuba_error("spot", "<rgb name='texture' value='1,1,1'/>").empty());
 }
 

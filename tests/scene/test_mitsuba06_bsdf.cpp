@@ -86,7 +86,7 @@ TEST_CASE("old materials: lobes that reflect too much are scaled down with a not
   CHECK(rgb(phong.diffuse_reflectance).y + rgb(phong.specular_reflectance).y == doctest::Approx(0.99));
   CHECK(rgb(phong.diffuse_reflectance).x == doctest::Approx(0.5 * 0.99 / 1.5));
   REQUIRE(scaled.notes.size() == 1);
-  CHECK(scaled.notes[0].find("scaled down") != std::string::npos);
+  CHECK(scaled.notes[0].find("normalized to 1") != std::string::npos);
   const Description as_is = read_new(bsdf("ward", much + "<boolean name='ensureEnergyConservation' value='false'/>"));
   CHECK(rgb(std::get<WardDescription>(as_is.materials.back().model).diffuse_reflectance).y == 0.9f);
   CHECK(as_is.notes.empty());
@@ -190,7 +190,7 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   const Description bright = read_new(bsdf("mixturebsdf", word("weights", "2, 1, 1") + three));
   CHECK(shares(bright).at(0.1f) == doctest::Approx(0.5));
   REQUIRE(bright.notes.size() == 1);
-  CHECK(bright.notes[0].find("scaled down") != std::string::npos);
+  CHECK(bright.notes[0].find("normalized to 1") != std::string::npos);
   // The depth of nested blends is logarithmic: 100 materials are accepted.
   std::string many, weights;
   for (int i = 1; i <= 100; ++i) many += grey_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";

@@ -518,7 +518,7 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
           "scene.pbrt:3: unknown type 'flot' of a parameter, did you mean 'float'? (known: integer, float, point2, "
           "vector2, point3, vector3, normal3, point, vector, normal, rgb, blackbody, spectrum, bool, string, texture)");
     check("AttributeBegin", "scene.pbrt:3: AttributeBegin is not closed at the end of the file");
-    check("AttributeEnd", "scene.pbrt:3: an end without AttributeBegin before");
+    check("AttributeEnd", "scene.pbrt:3: an end without AttributeBegin");
     check("ObjectInstance \"o\"", "scene.pbrt:3: the object 'o' is not defined");
     check("NamedMaterial \"m\"", "scene.pbrt:3: the material 'm' is not defined yet");
     CHECK(contains(error_of_world("Scale 0 1 1"), "scene.pbrt:3: transform is not invertible"));

@@ -410,7 +410,7 @@ TEST_CASE("sdf grid: unsupported grids are errors and grids without a surface ar
   CHECK(contains(error(good, [](ShapeDescription& s) { emit(s, 1); }), "cannot emit light"));
   SdfGrid bad = good;
   bad.size = {3, 9, 1};
-  CHECK(contains(error(bad, keep), "1 points along an axis, expected 2"));
+  CHECK(contains(error(bad, keep), "1 points along an axis (expected 2"));
   bad = good;
   bad.values.pop_back();
   CHECK(contains(error(bad, keep), "26 values (expected 27)"));

@@ -85,7 +85,7 @@ TEST_CASE("subsurface: shapes share a common definition") {
 TEST_CASE("subsurface: errors have line and nearest name") {
   CHECK(contains(error_of_text(sphere("<subsurface type='dipol'/>")),
                  "unknown subsurface plugin 'dipol', did you mean 'dipole'?"));
-  CHECK(contains(error_of_text(old_scene("<subsurface type='dipole'/>")), "it belongs inside a <shape>"));
+  CHECK(contains(error_of_text(old_scene("<subsurface type='dipole'/>")), "expected it inside a <shape>"));
   CHECK(contains(error_of_text(sphere(dipole("") + "<medium name='interior' type='homogeneous'/>")),
                  "has an interior medium and a <subsurface>"));
   CHECK(

@@ -309,10 +309,10 @@ TEST_CASE("texture: checkerboards may be nested to a limited depth but not conta
   CHECK(compile_error(chain).empty());
   chain.back() = board(white, TextureId{kMaxTextureDepth});
   chain.push_back(board(white, white));
-  CHECK(contains(compile_error(chain), "more than 8 checkerboards"));
+  CHECK(contains(compile_error(chain), "more than 8 nested checkerboards"));
   std::vector<TextureDescription> reversed{board(white, white)};
   for (std::uint32_t i = 0; i < kMaxTextureDepth; ++i) reversed.push_back(board(white, TextureId{i}));
-  CHECK(contains(compile_error(reversed), "more than 8 checkerboards"));
+  CHECK(contains(compile_error(reversed), "more than 8 nested checkerboards"));
   reversed.pop_back();
   CHECK(compile_error(reversed).empty());
 
@@ -322,7 +322,7 @@ TEST_CASE("texture: checkerboards may be nested to a limited depth but not conta
   std::vector<TextureDescription> longest;
   for (std::uint32_t i = 1; i < 100000; ++i) longest.push_back(board(TextureId{i}, TextureId{i}));
   longest.push_back(board(white, white));
-  CHECK(contains(compile_error(longest), "more than 8 checkerboards"));
+  CHECK(contains(compile_error(longest), "more than 8 nested checkerboards"));
 }
 
 TEST_CASE("texture: the attribute table holds all attributes that textures read") {
