@@ -76,16 +76,17 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   return needs;
 }
 
-Wave::Wave(int paths, const WaveNeeds& what) : capacity(paths), needs(what), arena(wave_bytes(paths, what)) {
+Wave::Wave(int path_count, const WaveNeeds& what)
+    : capacity(path_count), needs(what), arena(wave_bytes(path_count, what)) {
   PathPool::for_each_state(*this, needs, [&](auto& state, bool needed) {
-    if (needed) bind_state(state, arena, paths);
+    if (needed) bind_state(state, arena, path_count);
   });
-  for (SlotList PathPool::*list : kLists) (this->*list).bind(arena, paths);
-  sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(paths));
-  ShadingColumns::for_each(*this, paths, needs, [&](auto& soa, int rows, int count) {
+  for (SlotList PathPool::*list : kLists) (this->*list).bind(arena, path_count);
+  sort_keys = arena.take<std::uint8_t>(static_cast<std::size_t>(path_count));
+  ShadingColumns::for_each(*this, path_count, needs, [&](auto& soa, int rows, int count) {
     if (count > 0) soa.bind(arena, rows, count);
   });
-  for (int slot = paths - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
+  for (int slot = path_count - 1; slot >= 0; --slot) free.push(static_cast<Slot>(slot));
   stats.lights.resize(needs.counted_lights);
 }
 

@@ -64,11 +64,16 @@ template <class... Closures> struct ClosureList {
 /// The closures of two lists.
 template <class... A, class... B> ClosureList<A..., B...> operator+(ClosureList<A...>, ClosureList<B...>);
 
-/// A name of a model in files, and the function that reads its properties. nullptr: they are read as kParameters.
+/// A name of a model in files, and the function that reads its properties. Without one they are read as kParameters.
 template <class Model> struct Plugin {
+  using Reader = Model (*)(Properties& p, const BsdfDialect& dialect);
+
+  constexpr Plugin(const char* name_in) : name(name_in) {}
+  constexpr Plugin(const char* name_in, Reader read_in) : name(name_in), read(read_in), has_reader(true) {}
+
   const char* name;
-  Model (*read)(Properties& p, const BsdfDialect& dialect) = nullptr;
-  constexpr bool has_reader() const { return read != nullptr; }
+  Reader read = nullptr;
+  bool has_reader = false;  ///< g++ does not compare `read` with nullptr in constant expressions under sanitizers
 };
 /// kPlugins of a model whose names belong to a dialect alone.
 inline constexpr std::array<Plugin<void>, 0> kNoPlugins{};

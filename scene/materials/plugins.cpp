@@ -11,7 +11,7 @@ namespace {
 /// Reads plugin I of a model.
 template <class Model, std::size_t I> MaterialModel read_as(Properties& p, const BsdfDialect& dialect) {
   constexpr Plugin<Model> kPlugin = Model::kPlugins[I];
-  if constexpr (kPlugin.has_reader()) {
+  if constexpr (kPlugin.has_reader) {
     return kPlugin.read(p, dialect);
   } else {
     static_assert(DeclarativeBsdf<Model>, "a plugin has no reader");

@@ -234,8 +234,7 @@ TEST_CASE("media tracking: coefficients beyond the float range are errors with f
       [&](auto& m) { m.emission = large, m.emission_scale = 3; },
       [&](auto& m) { m.temperature = large, m.temperature_scale = 3; }};
   for (const ColorMode mode : {ColorMode::kRgb, ColorMode::kSpectral}) {
-    for (const auto& change : too_dense)
-      CHECK(error_of(change, mode).starts_with("a.xml:9: the medium's extinction "));
+    for (const auto& change : too_dense) CHECK(error_of(change, mode).starts_with("a.xml:9: the medium's extinction "));
     for (const auto& change : too_bright)
       CHECK(error_of(change, mode).starts_with("a.xml:9: the medium's emission exceeds 32-bit floats"));
     CHECK(error_of([&](auto& m) { m.scale = 1e30f, m.density = one; }, mode).empty());
