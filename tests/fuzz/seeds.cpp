@@ -45,13 +45,13 @@ class Seeds {
         add(target, read_bytes(entry.path()));
   }
 
-  /// Adds the words in string literals of the sources whose names begin with a prefix.
+  /// Adds the words in string literals of the sources whose paths begin with a prefix, which may be a folder.
   void add_words(const std::string& target, const std::vector<std::string>& sources) {
     std::set<std::string> words;
     for (const std::string& source : sources) {
       const fs::path path = fs::path(SHEAF_SOURCE_DIR) / source;
       for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path()))
-        if (entry.path().filename().string().starts_with(path.filename().string()))
+        if (entry.is_regular_file() && entry.path().filename().string().starts_with(path.filename().string()))
           add_words(words, read_bytes(entry.path()));
     }
     std::string dictionary;
@@ -78,9 +78,10 @@ class Seeds {
 void add_scenes(Seeds& seeds) {
   for (const char* const below : {"scenes", "tests/references/scenes", "tests/renders/pbrt_twins"})
     seeds.add_files("xml", below, ".xml");
-  seeds.add_words("xml", {"scene/dialects/mitsuba", "scene/dialects/nori", "scene/dialects/read_", "scene/xml/"});
+  seeds.add_words("xml", {"scene/dialects/common/", "scene/dialects/mitsuba/", "scene/dialects/nori/",
+                          "scene/materials/", "scene/lights/", "scene/xml/"});
   for (const char* const below : {"scenes", "tests/renders/pbrt_twins"}) seeds.add_files("pbrt", below, ".pbrt");
-  seeds.add_words("pbrt", {"scene/dialects/pbrt"});
+  seeds.add_words("pbrt", {"scene/dialects/pbrt/"});
 }
 
 void add_meshes(Seeds& seeds) {
