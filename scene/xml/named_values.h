@@ -6,6 +6,7 @@
 #include "core/name_table.h"
 #include "core/vec.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
@@ -102,7 +103,12 @@ class NamedValues {
   /// Returns the regular file of this name. Throws SceneError if it does not exist.
   virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
   /// Throws SceneError at the value, or at the object if it is null.
-  [[noreturn]] virtual void raise(const NamedValue* value, const std::string& message) const = 0;
+  [[noreturn]] virtual void throw_error(const NamedValue* value, const std::string& message) const = 0;
+  /// Calls throw_error(). g++ takes virtual functions to return, whatever their attributes.
+  [[noreturn]] void raise(const NamedValue* value, const std::string& message) const {
+    throw_error(value, message);
+    std::abort();
+  }
   /// Throws SceneError at the value; in lenient mode only reports that it is left out.
   virtual void leave_out(const NamedValue& value, const std::string& message) const = 0;
 

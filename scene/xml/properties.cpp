@@ -363,7 +363,7 @@ void Properties::fail_unused_object(const Entry& entry) const {
   raise(&entry, message);
 }
 
-void Properties::raise(const NamedValue* value, const std::string& message) const {
+void Properties::throw_error(const NamedValue* value, const std::string& message) const {
   throw ElementError(value != nullptr ? *entry_of(*value).written : object_, message);
 }
 

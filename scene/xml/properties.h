@@ -203,7 +203,7 @@ class Properties : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3f read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  [[noreturn]] void raise(const NamedValue* value, const std::string& message) const override;
+  [[noreturn]] void throw_error(const NamedValue* value, const std::string& message) const override;
   void leave_out(const NamedValue& value, const std::string& message) const override;
   /// The attribute `value` of a property that must have one of the types.
   const std::string& text_of(const Entry& entry, std::initializer_list<const char*> types) const;

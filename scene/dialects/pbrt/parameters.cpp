@@ -165,7 +165,7 @@ void Parameters::reject_unused() {
     if (!parameter.used && !parameter.optional) reject(parameter);
 }
 
-void Parameters::raise(const NamedValue* value, const std::string& message) const {
+void Parameters::throw_error(const NamedValue* value, const std::string& message) const {
   throw SceneError(value != nullptr ? static_cast<const Parameter&>(*value).where : where_, message);
 }
 

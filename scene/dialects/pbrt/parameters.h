@@ -52,7 +52,7 @@ class Parameters : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3f read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  [[noreturn]] void raise(const NamedValue* value, const std::string& message) const override;
+  [[noreturn]] void throw_error(const NamedValue* value, const std::string& message) const override;
   void leave_out(const NamedValue& value, const std::string& message) const override;
   /// Checks the type and the number of values of a parameter, and returns it.
   const Parameter& expect(const NamedValue& value, std::initializer_list<const char*> types, std::size_t count) const;
