@@ -51,7 +51,7 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-/// The first line of `a` that is not in `b`; an empty string if there is none.
+/// The first line of `a` that is not in `b`; an empty string if all are.
 std::string first_only_in(const std::vector<std::string>& a, const std::vector<std::string>& b) {
   for (const std::string& line : a)
     if (std::find(b.begin(), b.end(), line) == b.end()) return line;

@@ -65,8 +65,9 @@ void check_layers(const RenderOptions& options, const IntegratorSettings& transp
   const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
   const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
   if ((options.light_groups || of_surfaces) && !follows_paths)
-    refuse("layers of surfaces and of lights need an integrator that follows light from the camera, such as path; " +
-           integrator_name(transport) + " is none");
+    refuse(
+        "layers of surfaces and of lights need an integrator that follows light from the camera, such as path (got '" +
+        integrator_name(transport) + "')");
   if (of_surfaces && transport.max_depth == 1)
     refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
   if (options.aovs.contains(aov_named("half")) && transport.kind == IntegratorKind::kLightTracer)
@@ -78,15 +79,16 @@ void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, st
   if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
     refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
   if (transport.kind != IntegratorKind::kPath)
-    refuse("a noise target or a time limit needs an integrator that follows paths from the camera, such as path; " +
-           integrator_name(transport) + " is none");
+    refuse(
+        "a noise target or a time limit needs an integrator that follows paths from the camera, such as path (got '" +
+        integrator_name(transport) + "')");
   if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
 }
 
 void check_guiding(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
-  refuse("guiding needs an integrator that follows paths from the camera, such as path; " +
-         integrator_name(integrator) + " is none");
+  refuse("guiding needs an integrator that follows paths from the camera, such as path (got '" +
+         integrator_name(integrator) + "')");
 }
 
 /// Sets the light groups with layers.
@@ -122,8 +124,8 @@ SampleRange requested_range(const SampleRange& asked, const SampleLayout& layout
   const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
   const std::uint32_t samples = layout.spp / layout.rays;
   if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
-    refuse("the samples " + name + " are none of the " + std::to_string(samples) +
-           " samples per pixel, which count from 0");
+    refuse("the samples " + name + " are out of range (expected samples from 0 to " + std::to_string(samples - 1) +
+           " of each pixel)");
   if (transport.kind == IntegratorKind::kLightTracer)
     refuse("some of the samples can be taken alone where they come from the camera; " + integrator_name(transport) +
            " follows light the other way");
@@ -134,7 +136,7 @@ SampleRange requested_range(const SampleRange& asked, const SampleLayout& layout
   if (is_whole || set == layout.spp) return range;  // a single set may be split anywhere
   const std::string size = std::to_string(set);
   refuse("the samples " + name + " cut through one of the " + std::to_string((layout.spp + set - 1) / set) +
-         " sets of " + size + " samples that tell the variance: they must begin and end at multiples of " + size +
+         " sets of " + size + " samples for the variance: they must begin and end at multiples of " + size +
          (layout.rays > 1 ? " gather rays" : "") + ", or --replicates make other sets");
 }
 

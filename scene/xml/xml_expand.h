@@ -32,7 +32,7 @@ class ExpandedScene {
   void rename_plugin(std::string_view element, std::string_view plugin, std::string_view other) {
     rename_plugin(root_, element, plugin, other);
   }
-  /// The element to which `<ref id="...">` at `where` refers. Throws SceneError if there is none.
+  /// The element to which `<ref id="...">` at `where` refers. Throws SceneError if it does not exist.
   const XmlElement& find(const std::string& id, const SourceLocation& where) const;
   /// Whether a <ref> refers to this element.
   bool is_referenced(const XmlElement& element) const { return referenced_.count(&element) != 0; }

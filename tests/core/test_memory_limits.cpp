@@ -28,7 +28,7 @@ TEST_CASE("memory: sizes are printed in readable units") {
   CHECK(format_bytes(12.34e9) == "12.3 GB");
 }
 
-TEST_CASE("memory that is no file's is told apart") {
+TEST_CASE("anonymous memory is counted apart from mapped files") {
   constexpr std::size_t kBytes = std::size_t{200} << 20;
   const std::uint64_t before = peak_private_bytes();
   if (before == 0) return;

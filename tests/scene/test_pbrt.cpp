@@ -33,7 +33,7 @@ Description read_world(const std::string& world, bool lenient = false, const std
   return read_scene(write_below(folder, "scene.pbrt", options + "\nWorldBegin\n" + world + "\n"), how);
 }
 
-/// The error of a world whose lines start at 3, empty if there is none.
+/// The error of a world whose lines start at 3; empty without an error.
 std::string error_of_world(const std::string& world, const std::string& options = "") {
   const TemporaryFolder folder;
   write_below(folder, "image.png", "");

@@ -13,7 +13,7 @@ using namespace test;
 
 namespace {
 
-/// The error of reading and compiling a scene in this folder without folder names, empty if there is none.
+/// The error of reading and compiling a scene in this folder without folder names; empty without an error.
 std::string compile_error(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
   try {
     compile_scene(read_scene(write_below(folder, name, text)));
