@@ -12,7 +12,7 @@ set(SHEAF_LONG_TESTS
   preview cli_signals cli cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
   light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes
   media_estimators smoke_benchmarks
-  uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
+  uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking furnaces light_estimators spectral_render
   instancing_render determinism)
 
 # Tests with leaks of a library inside other libraries without frame pointers. cmake/lsan.supp matches these leaks only
