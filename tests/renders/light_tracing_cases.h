@@ -77,13 +77,6 @@ inline void check_agree(const Description& d, ColorMode color = ColorMode::kRgb)
   }
 }
 
-/// A checkerboard of two colours.
-inline TextureId add_board(Description& d, Vec3f first, Vec3f second) {
-  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
-  d.textures.push_back({CheckerboardDescription{rgb(first), rgb(second)}, {}, {}, {}});
-  return static_cast<TextureId>(d.textures.size() - 1);
-}
-
 /// An interpolated texture of 16 x 16 heights between 0 and 1.
 inline TextureId add_hills(Description& d) {
   static const TemporaryFolder folder;
@@ -108,7 +101,8 @@ inline Description room(std::uint32_t samples = 25) {
   d.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   look_at(d, {0, -4, 2.5f}, {0, 0, 0.6f}, {0, 0, 1}, 40);
   d.integrator.max_depth = 6;
-  const MaterialId floor = add_material(d, DiffuseDescription{add_board(d, {0.7f, 0.5f, 0.3f}, {0.3f, 0.5f, 0.8f})});
+  const MaterialId floor =
+      add_material(d, DiffuseDescription{add_checkerboard(d, {0.7f, 0.5f, 0.3f}, {0.3f, 0.5f, 0.8f})});
   add_rectangle(d, Transform::scale({3, 3, 1}), add_two_sided(d, floor));
   return d;
 }
@@ -168,7 +162,7 @@ inline std::vector<NamedChange> area_emitters() {
       {"textured rectangle",
        [](Description& d) {
          add_rectangle(d, aim({-1, -1, 3}, {0, 0, 0}), add_diffuse(d, 0)).radiance =
-             add_board(d, {12, 2, 1}, {1, 4, 9});
+             add_checkerboard(d, {12, 2, 1}, {1, 4, 9});
        }},
       {"sphere",
        [](Description& d) {
@@ -213,14 +207,14 @@ inline std::vector<NamedChange> other_emitters() {
          SpotLightDescription spot;
          spot.to_world = aim({1.5f, -1, 3}, {0, 0, 0.3f});
          spot.intensity = SpectrumDescription::constant(40);
-         spot.texture = add_board(d, {1, 0.2f, 0.1f}, {0.1f, 0.7f, 1});
+         spot.texture = add_checkerboard(d, {1, 0.2f, 0.1f}, {0.1f, 0.7f, 1});
          d.lights.push_back({spot, {}});
        }},
       {"projector",
        [](Description& d) {
          ProjectorDescription projector;
          projector.to_world = aim({1.5f, -1, 3}, {0, 0, 0.3f});
-         projector.irradiance = add_board(d, {3, 1, 0.5f}, {0.5f, 2, 3});
+         projector.irradiance = add_checkerboard(d, {3, 1, 0.5f}, {0.5f, 2, 3});
          projector.scale = 4;
          d.lights.push_back({projector, {}});
        }},
@@ -326,7 +320,7 @@ inline std::vector<NamedChange> composite_balls() {
        }},
       {"normal map",
        [](Description& d) {
-         const TextureId normals = add_board(d, {0.65f, 0.4f, 0.95f}, {0.3f, 0.55f, 0.9f});
+         const TextureId normals = add_checkerboard(d, {0.65f, 0.4f, 0.95f}, {0.3f, 0.55f, 0.9f});
          add_ball(d, NormalMapDescription{normals, false, add_diffuse(d, 0.8f)});
        }},
       {"mask",

@@ -86,7 +86,7 @@ TEST_CASE("light tracing: filters wrap around the sides of a panorama") {
       d.integrator.max_depth = 2;
       d.camera.projection = CameraDescription::Projection::kSpherical;
       // The seam of the panorama is in the dark half of a sphere around the camera.
-      const TextureId board = add_board(d, {0.9f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f});
+      const TextureId board = add_checkerboard(d, {0.9f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f});
       d.textures.back().to_uv = {1, 0, 0.06f, 0, 1, 0};
       add_shape(d, SphereShape{{0, 0, 0}, 2}, Transform::rotate({1, 0, 0}, -90),
                 add_two_sided(d, add_material(d, DiffuseDescription{board})));
