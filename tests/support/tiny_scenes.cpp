@@ -27,7 +27,9 @@ MaterialId add_material(Description& d, const decltype(MaterialDescription::mode
 
 TextureId add_checkerboard(Description& d, Vec3f first, Vec3f second) {
   const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
-  d.textures.push_back({CheckerboardDescription{rgb(first), rgb(second)}, {}, {}, {}});
+  TextureDescription texture;
+  texture.model = CheckerboardDescription{rgb(first), rgb(second)};
+  d.textures.push_back(texture);
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
