@@ -2,6 +2,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
+#include "tests/support/xml_elements.h"
 
 #include <doctest/doctest.h>
 
@@ -35,17 +36,6 @@ std::string scene_of(const std::string& integrator, bool fog) {
          "<vector name='v' value='0,0,-4'/><bsdf type='diffuse'><color name='albedo' value='0.6,0.6,0.6'/></bsdf>"
          "</mesh><mesh type='sphere'><point name='center' value='0.6,3,0.3'/><float name='radius' value='0.15'/>"
          "<emitter type='area'><color name='radiance' value='60,60,60'/></emitter></mesh></scene>";
-}
-
-std::string number(const std::string& name, const std::string& value) {
-  return "<float name='" + name + "' value='" + value + "'/>";
-}
-std::string integer(const std::string& name, const std::string& value) {
-  return "<integer name='" + name + "' value='" + value + "'/>";
-}
-std::string flag(const std::string& name) { return "<boolean name='" + name + "' value='true'/>"; }
-std::string word(const std::string& name, const std::string& value) {
-  return "<string name='" + name + "' value='" + value + "'/>";
 }
 
 struct Picture {
