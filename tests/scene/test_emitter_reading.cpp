@@ -32,6 +32,19 @@ std::string nori_error(const std::string& type, const std::string& inside = "") 
 
 const std::string kPicture = "<string name='filename' value='image.png'/>";
 
+/// The lights of an emitter in a scene of the given version.
+std::vector<LightDescription> lights_of(const std::string& type, const std::string& inside,
+                                        const std::string& version) {
+  return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
+                                 "<sensor type='perspective'/>", "<integrator type='path'/>", version))
+      .lights;
+}
+
+/// A direction of the sun, and scales.
+const std::string kAimedSun =
+    "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
+    "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
+
 bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
@@ -131,15 +144,7 @@ TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documen
 }
 
 TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and parameters") {
-  const auto lights_of = [](const std::string& type, const std::string& inside, const std::string& version) {
-    return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
-                                   "<sensor type='perspective'/>", "<integrator type='path'/>", version))
-        .lights;
-  };
-  const std::string aimed =
-      "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
-      "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
-  const auto both = lights_of("sunsky", aimed + "<float name='sun_aperture' value='2'/>", "3.0.0");
+  const auto both = lights_of("sunsky", kAimedSun + "<float name='sun_aperture' value='2'/>", "3.0.0");
   REQUIRE(both.size() == 2);
   const auto sky = std::get<SkyDescription>(both[0].model);
   const auto sun = std::get<SunDescription>(both[1].model);
@@ -156,14 +161,6 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(sun.scale == 0.5f);
   CHECK(sun.radius == 1);
 
-  // By date and time: +x is south from version 2 on, and east before.
-  const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
-  const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
-  CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
-  CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
-  CHECK(near(before.up, {0, 1, 0}));
-  CHECK(before.scale == 3);
-  CHECK(later.radius == SunDescription::kSunRadius);
   const auto turned = lights_of("sky",
                                 "<transform name='toWorld'><rotate x='1' angle='90'/></transform>"
                                 "<float name='stretch' value='1.5'/><integer name='resolution' value='256'/>",
@@ -174,9 +171,22 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(old.stretch == 1.5f);
   CHECK(old.resolution == 256);
   CHECK(dump(old.albedo) == dump(SpectrumDescription::constant(0.2f)));
+}
+
+TEST_CASE("emitters of Mitsuba: suns are placed by date and time") {
+  // +x is south from version 2 on, and east before.
+  const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
+  const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
+  CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
+  CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
+  CHECK(near(before.up, {0, 1, 0}));
+  CHECK(before.scale == 3);
+  CHECK(later.radius == SunDescription::kSunRadius);
   CHECK(std::get<SunDescription>(lights_of("sunsky", "<float name='sunRadiusScale' value='0'/>", "0.6.0")[1].model)
             .radius == 0);
+}
 
+TEST_CASE("emitters of Mitsuba: timed skies average many positions of the sun") {
   const auto timed = lights_of("timed_sunsky",
                                "<integer name='end_day' value='3'/><integer name='end_year' value='2025'/>"
                                "<float name='window_end_time' value='9'/>",
@@ -186,8 +196,10 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(moving.suns.size() == 8192);
   CHECK(moving.sun_scale == 1);
   for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // before sunrise
+}
 
-  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"),
+TEST_CASE("emitters of Mitsuba: errors of sun and sky name the property") {
+  CHECK(contains(mitsuba_error("sunsky", kAimedSun + "<float name='hour' value='9'/>"),
                  "is set together with 'sun_direction'"));
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));
   CHECK(contains(mitsuba_error("sunsky", "<vector name='sun_direction' value='0,0,0'/>"), "no length"));
