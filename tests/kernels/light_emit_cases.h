@@ -187,10 +187,10 @@ inline Case goniometric_case() {
   light.to_world = kTilt * Transform::scale({-2, 2, 2});
   light.intensity = rgb({3, 1, 2});
   Case c = placed_case("goniometric", light, 1e-2);
-  auto picture = std::make_shared<Image>(4, 4, std::vector<std::string>{"Y"});
-  for (std::size_t i = 0; i < 16; ++i) picture->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
+  auto image = std::make_shared<Image>(4, 4, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < 16; ++i) image->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
   BitmapDescription bitmap;
-  bitmap.made = picture;
+  bitmap.made = image;
   bitmap.filter = TextureFilter::kNearest;
   c.scene.textures.push_back({bitmap, {1, 0, 0, 0, 1, 0}, {}, {}});
   return c;

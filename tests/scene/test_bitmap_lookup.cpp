@@ -7,8 +7,8 @@
 #include "scene/compile/compile_textures.h"
 #include "tests/scene/texture_lookups.h"
 #include "tests/support/capture.h"
+#include "tests/support/image_files.h"
 #include "tests/support/lanes_testing.h"
-#include "tests/support/picture_files.h"
 
 #include <doctest/doctest.h>
 

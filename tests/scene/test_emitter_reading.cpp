@@ -30,7 +30,7 @@ std::string nori_error(const std::string& type, const std::string& inside = "") 
   return error_of_text(nori_scene("<emitter type='" + type + "'>" + inside + "</emitter>"));
 }
 
-const std::string kPicture = "<string name='filename' value='image.png'/>";
+const std::string kImageFile = "<string name='filename' value='image.png'/>";
 
 /// The lights of an emitter in a scene of the given version.
 std::vector<LightDescription> lights_of(const std::string& type, const std::string& inside,
@@ -51,7 +51,7 @@ bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") {
   const auto envmap = [](const std::string& inside) {
-    return read_text(mitsuba_scene("<emitter type='envmap'>" + kPicture + inside + "</emitter>"));
+    return read_text(mitsuba_scene("<emitter type='envmap'>" + kImageFile + inside + "</emitter>"));
   };
   const auto is_raw = [&](const std::string& gamma) {
     const Description d = envmap("<float name='gamma' value='" + gamma + "'/><boolean name='cache' value='false'/>");
@@ -63,7 +63,7 @@ TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") 
   CHECK_FALSE(is_raw("2.2"));
   CHECK(contains(envmap("<float name='gamma' value='2.2'/>").notes.at(0),
                  "emitter 'envmap' has 'gamma' 2.2, rendered as sRGB"));
-  CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
+  CHECK(contains(mitsuba_error("envmap", kImageFile + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
 }
 
 TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and parameters") {
@@ -77,7 +77,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
                     "<transform name='to_world'><lookat origin='1,2,3' target='1,2,9' up='0,1,0'/></transform>"
                     "<rgb name='intensity' value='1,2,3'/><float name='cutoffAngle' value='40'/>"
                     "<float name='beam_width' value='8'/><texture name='texture' type='bitmap'>" +
-                        kPicture + "</texture><float name='sampling_weight' value='2'/>")
+                        kImageFile + "</texture><float name='sampling_weight' value='2'/>")
           .model);
   CHECK(full.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
   CHECK(near(full.to_world.vector({0, 0, 1}), {0, 0, 1}));
@@ -93,7 +93,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
   CHECK(contains(mitsuba_error("spot", "<float name='beam_width' value='60'/>"), "scene.xml:4: "));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='181'/>"), "'cutoff_angle'"));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='90'/><texture name='texture' type='bitmap'>" +
-                                           kPicture + "</texture>"),
+                                           kImageFile + "</texture>"),
                  "less than 90"));
   CHECK(mitsuba_error("spot", "<rgb name='texture' value='1,1,1'/>").empty());
 }
@@ -116,7 +116,7 @@ TEST_CASE("emitters of Mitsuba: directional lights have the documented defaults 
 
 TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documented parameters") {
   const auto projector = std::get<ProjectorDescription>(
-      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kPicture +
+      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kImageFile +
                                      "</texture>"
                                      "<float name='fov' value='30'/><string name='fov_axis' value='y'/>"
                                      "<float name='scale' value='4'/>")
@@ -129,18 +129,18 @@ TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documen
   CHECK(contains(mitsuba_error("projector", "<float name='scale' value='-1'/>"), "'scale'"));
 
   const auto map = std::get<EnvmapDescription>(
-      mitsuba_light("envmap", kPicture + "<float name='scale' value='2'/>"
-                                         "<boolean name='mis_compensation' value='false'/>"
-                                         "<transform name='to_world'><rotate y='1' angle='90'/></transform>")
+      mitsuba_light("envmap", kImageFile + "<float name='scale' value='2'/>"
+                                           "<boolean name='mis_compensation' value='false'/>"
+                                           "<transform name='to_world'><rotate y='1' angle='90'/></transform>")
           .model);
   CHECK(map.file.filename() == "image.png");
   CHECK(map.scale == 2);
   CHECK_FALSE(map.mis_compensation);
-  CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kPicture).model).mis_compensation);
+  CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kImageFile).model).mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(mitsuba_error("envmap"), "'filename'"));
   CHECK(contains(mitsuba_error("envmap", "<string name='filename' value='none.exr'/>"), "none.exr"));
-  CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
+  CHECK(contains(mitsuba_error("envmap", kImageFile + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
 }
 
 TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and parameters") {
@@ -227,7 +227,7 @@ TEST_CASE("emitters of Mitsuba: collimated beams and directional area lights are
 
 TEST_CASE("emitters on shapes may be textured even in shape groups") {
   const std::string area =
-      "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
+      "<emitter type='area'><texture name='radiance' type='bitmap'>" + kImageFile + "</texture></emitter>";
   const Description d = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='sphere'>" + area +
                                                 "</shape></shape><shape type='instance'><ref id='g'/></shape>"
                                                 "<shape type='rectangle'>" +
@@ -237,7 +237,7 @@ TEST_CASE("emitters on shapes may be textured even in shape groups") {
   CHECK(std::holds_alternative<TextureId>(d.shapes.at(0).radiance.value()));
   const Description nori =
       read_text(nori_scene("<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" +
-                           kPicture + "</texture></emitter></mesh>"));
+                           kImageFile + "</texture></emitter></mesh>"));
   CHECK(std::holds_alternative<TextureId>(nori.shapes.at(0).radiance.value()));
 }
 
@@ -283,11 +283,12 @@ TEST_CASE("emitters of Nori: directional lights and environment maps have the do
       nori_error("directional", "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
       "expected one"));
   const auto map = std::get<EnvmapDescription>(
-      nori_light("envmap", kPicture + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>").model);
+      nori_light("envmap", kImageFile + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>")
+          .model);
   CHECK(map.scale == 1);
   CHECK(map.mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
-  CHECK(contains(nori_error("envmapp", kPicture), "did you mean 'envmap'"));
+  CHECK(contains(nori_error("envmapp", kImageFile), "did you mean 'envmap'"));
 }
 
 }  // namespace sheaf::test_emitter_reading

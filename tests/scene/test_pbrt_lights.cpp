@@ -18,18 +18,18 @@ using doctest::Approx;
 namespace {
 
 /// Writes PPM files of 2 x 2 (red, green; blue, white), 4 x 2 grey and 16 x 16 white pixels.
-void add_pictures(const TemporaryFolder& folder) {
+void add_images(const TemporaryFolder& folder) {
   write_pnm(folder / "colours.ppm", 2, 2, 3, 255, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
   write_pnm(folder / "grey.ppm", 4, 2, 3, 255, std::vector<int>(24, 188));
   write_pnm(folder / "white.ppm", 16, 16, 3, 255, std::vector<int>(768, 255));
 }
 
-Description read(const std::string& world) { return read_pbrt_world(world, "", add_pictures); }
+Description read(const std::string& world) { return read_pbrt_world(world, "", add_images); }
 
 /// Luminance of the total power of all lights.
 double power_of(const std::string& world) {
   const TemporaryFolder folder;
-  add_pictures(folder);
+  add_images(folder);
   const auto scene = compile_scene(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n" + world)), {});
   double sum = 0;
   for (std::uint32_t i = 0; i < scene->view().lights.count; ++i)
@@ -105,10 +105,10 @@ TEST_CASE("pbrt lights: the power of an area light is the given one for each tri
     CHECK(power_of("AreaLightSource \"diffuse\" \"rgb L\" [ 3 3 3 ]" + sides + " Shape \"trianglemesh\"" + kSquare) ==
           Approx(3 * 6 * 3.14159265 * (sides.empty() ? 1 : 2)).epsilon(1e-4));
   }
-  const std::string picture = "AreaLightSource \"diffuse\" \"float power\" 60 \"string filename\" \"colours.ppm\"\n";
+  const std::string image = "AreaLightSource \"diffuse\" \"float power\" 60 \"string filename\" \"colours.ppm\"\n";
   const std::string uv = " \"point2 uv\" [ 0 0  1 0  1 1  0 1 ]";
-  CHECK(power_of(picture + "Shape \"trianglemesh\"" + kSquare + uv) == Approx(2 * 60).epsilon(5e-3));
-  CHECK(power_of(picture + "Shape \"disk\"") == Approx(60).epsilon(0.1));
+  CHECK(power_of(image + "Shape \"trianglemesh\"" + kSquare + uv) == Approx(2 * 60).epsilon(5e-3));
+  CHECK(power_of(image + "Shape \"disk\"") == Approx(60).epsilon(0.1));
 }
 
 TEST_CASE("pbrt lights: the power of a spot light includes its falloff") {

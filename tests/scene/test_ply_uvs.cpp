@@ -131,7 +131,7 @@ TEST_CASE("ply: the comment TextureFile names a texture and may contain spaces")
   const auto texture = [](const std::string& comment) {
     return read(header(comment + kTriangle) + kTriangleBody).texture;
   };
-  CHECK(texture("comment TextureFile my picture.png\ncomment TextureFile other.png\n") == "my picture.png");
+  CHECK(texture("comment TextureFile my image.png\ncomment TextureFile other.png\n") == "my image.png");
   CHECK(texture("comment TextureFile\n").empty());
   CHECK(texture("comment texture a.png\n").empty());
 }

@@ -1,7 +1,7 @@
 // Small scenes in pbrt's format.
 #pragma once
 
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 #include "tests/support/scene_files.h"
 
 namespace sheaf::test {
