@@ -11,7 +11,7 @@
 
 namespace sheaf::light_tree_cases {
 
-using Lights = std::vector<LightBounds>;
+using LightSet = std::vector<LightBounds>;
 
 /// The `i`-th random numbers of a stream, and a direction and a position from them.
 inline Random4<Scalar> numbers(std::uint32_t stream, std::uint32_t i) { return random4<Scalar>(stream, i, 3, 0); }
@@ -27,10 +27,10 @@ inline Vec3f place(std::uint32_t stream, std::uint32_t i, float extent) {
 /// A point light.
 inline LightBounds point_at(Vec3f p, float power = 1) { return {p, p, {0, 0, 1}, -1, 0, power, false}; }
 
-/// Lights of every kind within 10 units of the origin with powers over four decades: points, small one-sided and
+/// LightSet of every kind within 10 units of the origin with powers over four decades: points, small one-sided and
 /// two-sided emitters, spot lights, and curved emitters.
-inline Lights mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
-  Lights lights;
+inline LightSet mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
+  LightSet lights;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto u = numbers(seed + 100, i);
     LightBounds light = point_at(place(seed + 101, i, 10), std::pow(10.0f, 4 * u.x - 2));

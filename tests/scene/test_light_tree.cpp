@@ -39,7 +39,7 @@ double distance(Vec3f a, Vec3f b) {
 
 /// Checks the spheres. Boxes are not stored, and spheres of children need not nest, but those of leaves must contain
 /// their lights.
-void survey(const LightTree& tree, const Lights& lights, std::uint32_t index, std::uint32_t trail, int level,
+void survey(const LightTree& tree, const LightSet& lights, std::uint32_t index, std::uint32_t trail, int level,
             Survey& out) {
   REQUIRE(index < tree.nodes.size());
   REQUIRE(level < kMaxLightTreeDepth);
@@ -69,7 +69,7 @@ void survey(const LightTree& tree, const Lights& lights, std::uint32_t index, st
 }
 
 /// Builds a tree and checks that every light is found exactly once, by its trail.
-LightTree checked_tree(const Lights& lights) {
+LightTree checked_tree(const LightSet& lights) {
   const LightTree tree = build_light_tree(lights);
   REQUIRE(tree.trails.size() == lights.size());
   CHECK(tree.depth <= kMaxLightTreeDepth);
@@ -85,7 +85,7 @@ LightTree checked_tree(const Lights& lights) {
 
 TEST_CASE("light tree: every light has a leaf and equal lights give equal trees") {
   for (const std::uint32_t count : {1u, 2u, 3u, 17u, 1000u}) {
-    const Lights lights = mixed_lights(count);
+    const LightSet lights = mixed_lights(count);
     const LightTree tree = checked_tree(lights), again = build_light_tree(lights);
     CHECK(tree.nodes.size() < std::max(2u, 2 * count / 3));
     CHECK(tree.trails == again.trails);
@@ -107,14 +107,14 @@ TEST_CASE("light tree: degenerate sets of lights give valid trees") {
     CHECK(probability(tree, {1, 2, 3}, {0, 0, 1}, 0) == 1);
   }
   SUBCASE("thousands at one position") {
-    const LightTree tree = checked_tree(Lights(5000, point_at({1, 2, 3})));
+    const LightTree tree = checked_tree(LightSet(5000, point_at({1, 2, 3})));
     CHECK(tree.depth == 7);
     CHECK(std::fabs(probability(tree, {}, {}, 4999) * 5000 - 1) < 0.7);
     CHECK(std::fabs(sum_of_probabilities(tree, {}, {}) - 1) < 1e-4);
     CHECK(std::fabs(sum_of_probabilities(tree, {1, 2, 3}, {}) - 1) < 1e-4);
   }
   SUBCASE("distances that double") {
-    Lights lights;
+    LightSet lights;
     for (int i = 0; i < 120; ++i) lights.push_back(point_at({std::ldexp(1.0f, i - 60), 0, 0}));
     const LightTree tree = checked_tree(lights);
     CHECK(tree.depth > kMaxLightTreeDepth - 2);
@@ -124,7 +124,7 @@ TEST_CASE("light tree: degenerate sets of lights give valid trees") {
 
 TEST_CASE("light tree: awkward values of lights") {
   SUBCASE("no power") {
-    Lights lights = mixed_lights(40);
+    LightSet lights = mixed_lights(40);
     for (std::size_t i = 0; i < lights.size(); i += 2) lights[i].power = i % 4 == 0 ? 0.0f : -kInfinity;
     const LightTree some = checked_tree(lights);
     for (std::uint32_t i = 0; i < 40; i += 2) CHECK(probability(some, {}, {}, i) == 0);
@@ -134,7 +134,7 @@ TEST_CASE("light tree: awkward values of lights") {
     CHECK(!draw_light(none, {}, {}, 0.3f).valid);
   }
   SUBCASE("extreme powers and positions") {
-    Lights lights;
+    LightSet lights;
     for (int i = 0; i < 60; ++i)
       lights.push_back(point_at(direction(71, static_cast<std::uint32_t>(i)) * (i % 2 == 0 ? 1e37f : 1e-37f),
                                 i % 3 == 0 ? 1e38f : 1e-38f));
@@ -148,7 +148,7 @@ TEST_CASE("light tree: awkward values of lights") {
   }
   SUBCASE("NaN") {
     for (int field = 0; field < 3; ++field) {
-      Lights lights = mixed_lights(3);
+      LightSet lights = mixed_lights(3);
       const float nan = std::numeric_limits<float>::quiet_NaN();
       (field == 0 ? lights[1].upper.y : field == 1 ? lights[1].axis.z : lights[1].cos_theta_o) = nan;
       CHECK_THROWS_AS(build_light_tree(lights), SceneError);

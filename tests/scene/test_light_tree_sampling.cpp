@@ -69,7 +69,7 @@ TEST_CASE("light tree: probabilities add up to one or to zero where no light is 
       if (sum == 0) CHECK(valid == 0);
     }
   }
-  Lights points;
+  LightSet points;
   for (std::uint32_t i = 0; i < 500; ++i) points.push_back(point_at(place(14, i, 5), numbers(15, i).x + 0.01f));
   const LightTree tree = build_light_tree(points);
   for (std::uint32_t i = 0; i < 50; ++i)
@@ -113,7 +113,7 @@ TEST_CASE("light tree: the remapped random number is uniform") {
 }
 
 TEST_CASE("light tree: SIMD results equal scalar ones") {
-  const Lights lights = mixed_lights(777);
+  const LightSet lights = mixed_lights(777);
   const LightTree tree = build_light_tree(lights);
   int wrong = 0, other = 0, total = 0;
   for (std::uint32_t i = 0; i < 2000; ++i) {
@@ -200,7 +200,7 @@ TEST_CASE("light tree: candidates that share the upper levels of a traversal dra
 
 TEST_CASE("light tree: a light that illuminates a point has a positive probability") {
   for (const std::uint32_t count : {1u, 2u, 30u, 300u}) {
-    const Lights lights = mixed_lights(count, 50 + count);
+    const LightSet lights = mixed_lights(count, 50 + count);
     const LightTree tree = build_light_tree(lights);
     int missed = 0, shining = 0;
     for (std::uint32_t i = 0; i < 60000; ++i) {
@@ -218,7 +218,7 @@ TEST_CASE("light tree: a light that illuminates a point has a positive probabili
 }
 
 TEST_CASE("light tree: lights at grazing angles have a positive probability") {
-  Lights lights;
+  LightSet lights;
   for (std::uint32_t i = 0; i < 100; ++i) {
     LightBounds flat = point_at({i * 0.1f, 0, 1e4f});
     flat.cos_theta_o = 1;
@@ -237,7 +237,7 @@ TEST_CASE("light tree: lights at grazing angles have a positive probability") {
 }
 
 TEST_CASE("light tree: a single two-sided light is found behind one-sided ones") {
-  Lights lights;
+  LightSet lights;
   for (std::uint32_t i = 0; i < 16; ++i) {
     LightBounds flat = point_at({static_cast<float>(i), 0, 0});
     flat.cos_theta_o = 1;
@@ -250,7 +250,7 @@ TEST_CASE("light tree: a single two-sided light is found behind one-sided ones")
 
 TEST_CASE("light tree: distant lights are chosen by power over squared distance") {
   // Small groups of lights, far from each other and from the point in the middle.
-  Lights lights;
+  LightSet lights;
   std::vector<double> ideal;
   double sum = 0;
   for (std::uint32_t i = 0; i < 400; ++i) {
@@ -262,7 +262,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
   }
   const LightTree tree = build_light_tree(lights);
   // At a point from which every node is small, children are chosen by power over squared distance.
-  Lights cloud(lights.begin(), lights.begin() + 20);
+  LightSet cloud(lights.begin(), lights.begin() + 20);
   const LightTree small = build_light_tree(cloud);
   double cloud_sum = 0, worst = 0;
   for (std::uint32_t i = 0; i < 20; ++i) cloud_sum += ideal[i];
@@ -270,7 +270,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
     worst = std::max(worst, std::fabs(probability(small, {}, {}, i) / (ideal[i] / cloud_sum) - 1));
   CHECK(worst < 0.02);
   // In a row whose far end gets 1/80 of its near end, a node counts by the distance of its centre.
-  Lights row;
+  LightSet row;
   std::vector<double> row_ideal;
   double row_sum = 0;
   for (std::uint32_t i = 0; i < 16; ++i) {
@@ -296,13 +296,13 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   const auto near = [](double x) { return doctest::Approx(x).epsilon(3e-3); };
   // Equal distances, 60 and 0 degrees from the normal, then with the normal reversed, and without a normal.
   const Vec3f aslant = Vec3f{std::sqrt(0.75f), 0, 0.5f} * 5.0f, overhead{0, 0, 5};
-  const LightTree points = build_light_tree(Lights{point_at(aslant, 3), point_at(overhead, 3)});
+  const LightTree points = build_light_tree(LightSet{point_at(aslant, 3), point_at(overhead, 3)});
   CHECK(probability(points, {}, {0, 0, 1}, 0) == near(1 / 3.0));
   CHECK(probability(points, {}, {0, 0, -1}, 0) == near(1 / 3.0));
   CHECK(probability(points, {}, {}, 0) == near(0.5));
   CHECK(light_tree_probability<Scalar>(points.view(), {}, {0, 0, 1}, false, 0, true) == near(0.5));
   CHECK(sample_light_tree<Scalar>(points.view(), {}, {0, 0, 1}, false, 0.4f).probability == near(0.5));
-  const LightTree unequal = build_light_tree(Lights{point_at({0, 0, 5}, 1), point_at({0, 0, -10}, 2)});
+  const LightTree unequal = build_light_tree(LightSet{point_at({0, 0, 5}, 1), point_at({0, 0, -10}, 2)});
   CHECK(probability(unequal, {}, {0, 0, 1}, 0) == near(2 / 3.0));
   CHECK(draw_light(unequal, {}, {0, 0, 1}, 0.1f).probability + draw_light(unequal, {}, {0, 0, 1}, 0.9f).probability ==
         doctest::Approx(1));
@@ -312,7 +312,7 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   past.axis = {std::sqrt(0.75f), 0, -0.5f};
   direct.axis = {0, 0, -1};
   past.cos_theta_o = direct.cos_theta_o = 1;
-  const auto share_of_past = [&](Vec3f p) { return probability(build_light_tree(Lights{past, direct}), p, {}, 0); };
+  const auto share_of_past = [&](Vec3f p) { return probability(build_light_tree(LightSet{past, direct}), p, {}, 0); };
   CHECK(share_of_past({}) == near(1 / 3.0));
   past.cos_theta_o = std::cos(kPi / 9);
   const double exact = std::cos(kPi / 4.5), most = 0.5 * std::cos(kPi / 9) + std::sin(kPi / 9);
@@ -337,7 +337,7 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   const float half = 1 / std::sqrt(3.0f);
   ball.lower = aslant - Vec3f{half, half, half};
   ball.upper = aslant + Vec3f{half, half, half};
-  const LightTree balls = build_light_tree(Lights{ball, point_at(overhead)});
+  const LightTree balls = build_light_tree(LightSet{ball, point_at(overhead)});
   CHECK(probability(balls, {}, {0, 0, 1}, 0) == near(0.7 / 1.7));
 }
 
