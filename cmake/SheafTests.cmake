@@ -1,9 +1,9 @@
 # Tests: one program per folder of tests/, and one ctest entry per file.
 
-# Most tests compile for longer than they run, so optimised builds compile them with -O1, or with -O0 where all work is
-# done in libraries and programs. Results do not depend on it; see -ffp-contract in SheafFlags.cmake.
+# Optimised builds compile tests with -O1, because most tests compile for longer than they run. -O0 would take longer in
+# all: libraries call the tests' copies of inline functions. Results do not depend on it; see -ffp-contract in
+# SheafFlags.cmake.
 set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
-set(SHEAF_NO_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O0>)
 # This test looks for effects of stronger optimisation.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES
   COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
@@ -38,21 +38,6 @@ function(sheaf_test_support)
   add_custom_target(sheaf_tests)
 endfunction()
 
-# Precompiles the headers of a test program, or reuses those of a program with the same optimisation.
-function(sheaf_precompile_tests program is_unoptimised)
-  get_property(owner GLOBAL PROPERTY SHEAF_UNOPTIMISED_HEADERS)
-  if(NOT SHEAF_PRECOMPILE)
-    return()
-  elseif(NOT is_unoptimised)
-    target_precompile_headers(${program} REUSE_FROM sheaf_test_support)
-  elseif(owner)
-    target_precompile_headers(${program} REUSE_FROM ${owner})
-  else()
-    target_precompile_headers(${program} PRIVATE "${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h")
-    set_property(GLOBAL PROPERTY SHEAF_UNOPTIMISED_HEADERS ${program})
-  endif()
-endfunction()
-
 # Sets a variable to whether a file contains only slow tests: the suite "slow" begins before its first test.
 function(sheaf_is_slow variable source)
   file(STRINGS "${source}" first REGEX "^TEST_(CASE|SUITE)" LIMIT_COUNT 1)
@@ -63,11 +48,11 @@ function(sheaf_is_slow variable source)
   endif()
 endfunction()
 
-# sheaf_tests(<folder> [UNOPTIMISED] DEPENDS <target>... [RUNS <target>...]): adds the program sheaf_tests_<folder> from
-# the files tests/<folder>/*.cpp, and one ctest entry per file test_<unit>.cpp. UNOPTIMISED: compile with -O0. RUNS:
-# programs that the tests start. With SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled.
+# sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): adds the program sheaf_tests_<folder> from the files
+# tests/<folder>/*.cpp, and one ctest entry per file test_<unit>.cpp. RUNS: programs that the tests start. With
+# SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled.
 function(sheaf_tests folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "UNOPTIMISED" "" "DEPENDS;RUNS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;RUNS")
   sheaf_sources(sources tests/${folder}/*.cpp)
   set(units)
   foreach(source IN LISTS sources)
@@ -87,17 +72,15 @@ function(sheaf_tests folder)
   add_executable(${program} ${sources})
   sheaf_unite(${program})
   target_link_libraries(${program} PRIVATE sheaf_test_support ${arg_DEPENDS} sheaf_flags)
-  if(arg_UNOPTIMISED)
-    target_compile_options(${program} PRIVATE ${SHEAF_NO_TEST_OPTIMISATION})
-  else()
-    target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMISATION})
-  endif()
+  target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMISATION})
   target_compile_definitions(${program} PRIVATE SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(arg_RUNS)
     target_compile_definitions(${program} PRIVATE SHEAF_EXECUTABLE="$<TARGET_FILE:sheaf>")
     add_dependencies(${program} ${arg_RUNS})
   endif()
-  sheaf_precompile_tests(${program} "${arg_UNOPTIMISED}")
+  if(SHEAF_PRECOMPILE)
+    target_precompile_headers(${program} REUSE_FROM sheaf_test_support)
+  endif()
   add_dependencies(sheaf_tests ${program})
 
   foreach(unit IN LISTS units)
