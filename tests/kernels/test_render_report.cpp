@@ -104,7 +104,7 @@ TEST_CASE("a report tells which lights cost most, and what they bring") {
   CHECK_FALSE(contains(table, "noise"));
 }
 
-TEST_CASE("a report says how long a picture of less noise would take") {
+TEST_CASE("a report says how long an image of less noise would take") {
   RenderReport report;
   report.render_seconds = 10;
   report.spp = 64;

@@ -144,7 +144,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
   const TemporaryFolder folder;
   write_map(folder / "sky.exr", 4096, 2048);
   write_bytes(folder / "scene.xml", scene(24, 16, envmap("sky.exr")));
-  write_bytes(folder / "picture.xml",
+  write_bytes(folder / "image.xml",
               scene(24, 16,
                     "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
                     "<string name='filename' value='sky.exr'/></texture></bsdf></shape>"));
@@ -163,7 +163,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
     MESSAGE("skipped: no render succeeds under an address space limit");
     return;
   }
-  for (const char* name : {"scene.xml", "picture.xml"}) {
+  for (const char* name : {"scene.xml", "image.xml"}) {
     CAPTURE(std::string(name));
     const Outcome outcome = run(folder, "render " + std::string(name) + " --quiet -o big.exr", limited(megabytes));
     CAPTURE(outcome.err);

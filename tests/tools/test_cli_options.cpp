@@ -224,7 +224,7 @@ TEST_CASE("options: an unwritable standard output has exit code 4") {
 
 namespace {
 
-/// Each option that changes the picture, with a value that is not the standard.
+/// Each option that changes the image, with a value that is not the standard.
 const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"},
                                                                    {"color", "spectral"},
                                                                    {"spectral-bins", "4"},
@@ -257,7 +257,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"up", ""},
                                                                    {"fov", ""}};
 
-/// Options of the run, with which the same picture comes out.
+/// Options of the run, with which the same image comes out.
 const std::vector<std::pair<std::string, std::string>> kRuns = {
     {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
     {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},

@@ -60,7 +60,7 @@ for part in 0 1 2; do
   scontrol show job "${first}_$part" | grep -q 'Restarts=1 ' || fail "part $part was not run twice"
 done
 [[ $(scontrol show job "${first}_3") == *Restarts=0* ]] || fail "part 3 was run twice"
-[[ -e out_0001.exr && -e out_0002.exr ]] || fail "the pictures are not there"
+[[ -e out_0001.exr && -e out_0002.exr ]] || fail "the images are not there"
 )sh";
 
 }  // namespace
