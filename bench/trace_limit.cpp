@@ -78,7 +78,7 @@ std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, Ren
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
   if (spp == 0)
     throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
-                                              "or render a smaller picture",
+                                              "or render a smaller image",
                                               arguments.megabytes));
   const std::uint32_t asked = arguments.photons > 0 ? 1 : arguments.spp;
   if (spp >= asked) return asked;
@@ -170,7 +170,7 @@ void add_options(Command& program, Arguments& arguments) {
                      "name=value: what $name means in the scene; may be repeated");
   program
       .add_option("--photons", arguments.photons,
-                  "Measure instead how photons are stored: so many in a photon map, and a picture of one pixel")
+                  "Measure instead how photons are stored: so many in a photon map, and an image of one pixel")
       .in_range(0, 1'000'000'000);
   program.add_option("--filter-mode", arguments.filter_mode, "As in sheaf render").one_of({"weighted", "importance"});
   program.add_option("--sampler", arguments.sampler, "As in sheaf render").one_of(kSamplers.names());

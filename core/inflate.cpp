@@ -57,7 +57,7 @@ std::size_t Inflater::read(std::span<char> out) {
   return written;
 }
 
-std::uint64_t Inflater::most_left() const {
+std::uint64_t Inflater::max_remaining() const {
   constexpr std::uint64_t kLargestRatio = 1032;
   constexpr std::uint64_t kPending = 65536;  // input that zlib has read but not written yet: a match, a few bits
   if (state_->at_end) return 0;

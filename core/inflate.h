@@ -24,7 +24,7 @@ class Inflater {
   std::size_t read(std::span<char> out);
 
   /// An upper bound on the bytes that read() can still return. Deflate compresses at most 1032 to 1.
-  std::uint64_t most_left() const;
+  std::uint64_t max_remaining() const;
 
  private:
   struct State;

@@ -92,7 +92,7 @@ void LivePage::wait_until_seen(double seconds) {
 HttpResponse LivePage::answer(std::string_view path) {
   if (path == "/") return {200, "text/html; charset=utf-8", shared_text(kPreviewPage)};
   if (path == "/status.json") return status();
-  if (path == "/picture.png") return encoded_image();
+  if (path == "/image.png") return encoded_image();
   return {404, HttpResponse().type, nullptr};
 }
 
@@ -113,7 +113,7 @@ HttpResponse LivePage::status() {
                   {"fraction", fraction},
                   {"elapsed_seconds", elapsed},
                   {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
-                  {"picture", image_number_},
+                  {"image", image_number_},
                   {"messages", messages_},
                   {"report", Json::parse(report_)}};
   state_seen_ = true;

@@ -206,7 +206,7 @@ void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlock
 }
 
 int run(int argc, char** argv) {
-  Program program("make_cloud", "Writes a procedural volume as a NanoVDB file.");
+  Program program("make_cloud", "Write a procedural volume as a NanoVDB file.");
   std::string out;
   int resolution = 128;
   std::uint32_t seed = 1;
@@ -214,10 +214,10 @@ int run(int argc, char** argv) {
   bool with_temperature = false;
   const std::map<std::string, int> kinds{
       {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
-  program.add_option("OUT", out, "The file to write").required();
+  program.add_option("OUT", out, "Output file").required();
   program.add_option("--resolution", resolution, "Voxels along each side").in_range(1, 1024);
-  program.add_option("--seed", seed, "Another seed, another cloud");
-  program.add_option("--kind", kind, "cloud, smoke, ramp or constant").one_of_named(kinds);
+  program.add_option("--seed", seed, "Seed of the noise");
+  program.add_option("--kind", kind, "Kind of volume: cloud, smoke, ramp or constant").one_of_named(kinds);
   program.add_flag("--temperature", with_temperature, "Also write the grid 'temperature'");
   if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
   VoxelBlocks density(1), temperature(1);

@@ -44,13 +44,13 @@ std::shared_ptr<const Image> beauty_of(const Image& image) {
 
 void add_preview_options(Command& command, PreviewArguments& arguments) {
   command.add_option("--tev", arguments.tev,
-                     "HOST:PORT of the viewer tev, usually 127.0.0.1:14158, which shows the picture while it is "
-                     "rendered. The viewer may be started later and restarted");
-  command.add_option("--serve", arguments.serve,
-                     "Show picture, progress, stage times and messages to browsers, at PORT of this machine alone, or "
-                     "at ADDRESS:PORT (0.0.0.0: of all its addresses; there is no password). Port 0: any that is free. "
-                     "The page ends with the render; a browser that looks gets the finished picture first, within "
-                     "seconds. See docs/preview.md");
+                     "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
+                     "viewer may start later or restart");
+  command.add_option(
+      "--serve", arguments.serve,
+      "Serve a web page with the image, progress, stage times and messages at PORT on this machine, or at ADDRESS:PORT "
+      "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with the render, "
+      "after connected browsers have received the final image. See docs/preview.md");
 }
 
 Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
@@ -61,7 +61,7 @@ Preview::Preview(const PreviewArguments& arguments, const std::string& scene, co
                                        });
   if (arguments.serve.empty()) return;
   page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene);
-  if (!quiet) print_message("the render can be seen at " + page_->url());
+  if (!quiet) print_message("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
 

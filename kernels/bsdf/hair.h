@@ -90,8 +90,8 @@ template <class F> struct TrimmedLogistic {
   }
 
   SHEAF_INLINE F sample(F u) const {
-    const F one(1.0f), least = tail / (one + tail), all = (one - tail) / (one + tail);
-    const F below = max(fma(u, all, least), F(1e-30f)), above = max(fma(one - u, all, least), F(1e-30f));
+    const F one(1.0f), smallest = tail / (one + tail), all = (one - tail) / (one + tail);
+    const F below = max(fma(u, all, smallest), F(1e-30f)), above = max(fma(one - u, all, smallest), F(1e-30f));
     return clamp(s * log(below / above), F(-kPi), F(kPi));
   }
 };

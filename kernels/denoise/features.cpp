@@ -101,10 +101,10 @@ Feature make_depth_feature(const Plane& depth) {
   feature.scale = Plane(width, height);
   feature.slope_x = slope_of(inverse, 1, 0);
   feature.slope_y = slope_of(inverse, 0, 1);
-  const float least = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
+  const float smallest = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x)
-      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kMinDepthSquare * sqr(std::max(inverse.at(x, y), least)));
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kMinDepthSquare * sqr(std::max(inverse.at(x, y), smallest)));
   });
   feature.channels.push_back(std::move(inverse));
   return feature;

@@ -95,8 +95,8 @@ Film get_film(BinaryInput& in) {
   FilmLayout layout = get_layout(in);
   // Each pixel has at least its count and its row. Check this before allocating memory for pixels that the file cannot
   // hold.
-  const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
-  if (crop.area() > in.left() / least) in.fail("is truncated");
+  const std::uint64_t min_bytes = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
+  if (crop.area() > in.left() / min_bytes) in.fail("is truncated");
   Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), has_surface_ids);
   in.get(film.counts_);
   in.get(film.sums_);
@@ -146,7 +146,7 @@ void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
   out.put(static_cast<std::uint64_t>(film.tiles_.size()));
   for (const AdaptiveFilm::Tile& tile : film.tiles_) put_rect(out, tile.square);
   for (const AdaptiveFilm::Tile& tile : film.tiles_) {
-    for (const bool content : tile.content) out.put(static_cast<std::uint8_t>(content));
+    for (const bool converged : tile.converged) out.put(static_cast<std::uint8_t>(converged));
     for (const AdaptiveFilm::Set& set : tile.sets) {
       out.put(set.samples);
       out.put(set.used);
@@ -189,7 +189,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   // Read the samples of each tile
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
-    for (bool& content : tile.content) content = in.get<std::uint8_t>() != 0;
+    for (bool& converged : tile.converged) converged = in.get<std::uint8_t>() != 0;
     for (AdaptiveFilm::Set& set : tile.sets) {
       set.samples = in.get<std::uint32_t>();
       set.used = in.get<std::uint32_t>();

@@ -127,7 +127,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   const double edges = layout.adapts ? adaptive_bytes(film, layout) : border_bytes(film, layout);
   uses.push_back({layout.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
                   parts + ", or write fewer layers"});
-  uses.push_back({"the picture", film.pixels * image_bytes(film, options), parts + ", or write fewer layers"});
+  uses.push_back({"the image", film.pixels * image_bytes(film, options), parts + ", or write fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "use fewer photons"});
   uses.push_back({"rays", threads_of(options) * worker_bytes(film, layout, needs, wave_size_of(options, needs)),

@@ -28,7 +28,7 @@ std::string integrator_name(const IntegratorSettings& integrator) {
   return integrator.max_depth == 2 ? "direct" : "path";
 }
 
-std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) {
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t count) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < stats.lights.size(); ++i)
     if (stats.lights[i].rays > 0) order.push_back(i);
@@ -36,7 +36,7 @@ std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) 
     return std::pair(stats.lights[b].rays, a) < std::pair(stats.lights[a].rays, b);
   };
   std::sort(order.begin(), order.end(), more);
-  order.resize(std::min(order.size(), most));
+  order.resize(std::min(order.size(), count));
   return order;
 }
 
@@ -97,7 +97,7 @@ std::string lights_table(const RenderReport& report) {
 std::string adaptive_line(const RenderReport& report) {
   if (!report.adaptive) return {};
   const AdaptiveSummary& a = *report.adaptive;
-  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.least_samples, a.most_samples);
+  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.min_samples, a.max_samples);
   if (a.noise_target > 0)
     text += fmt::format("; {} of {} tiles are down to a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
   return text + "\n";
@@ -106,8 +106,8 @@ std::string adaptive_line(const RenderReport& report) {
 nlohmann::ordered_json adaptive_json(const RenderReport& report) {
   if (!report.adaptive) return {};
   const AdaptiveSummary& a = *report.adaptive;
-  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"least_spp", a.least_samples},
-          {"most_spp", a.most_samples},     {"tiles", a.tiles},           {"tiles_reached", a.reached}};
+  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"min_spp", a.min_samples},
+          {"max_spp", a.max_samples},       {"tiles", a.tiles},           {"tiles_reached", a.reached}};
 }
 
 /// The noise of the image, and the samples and time to halve it and to reduce it to 1 %.

@@ -67,7 +67,7 @@ struct RenderReport {
 /// Maximum number of lights in a report.
 inline constexpr std::size_t kReportedLights = 10;
 /// Indices of the lights with the most shadow rays, in descending order. Omits lights without shadow rays.
-std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most = kReportedLights);
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t count = kReportedLights);
 
 /// The report as JSON text, one object with the keys that the command line's help lists.
 std::string to_json(const RenderReport& report);

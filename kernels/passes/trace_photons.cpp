@@ -32,7 +32,7 @@ std::uint64_t first_photon(PhotonKind kind, std::uint32_t set) {
 /// Maximum length of the pieces into which beams are cut, relative to the radius of the scene's bounding sphere.
 constexpr float kPieceOfScene = 0.125f;
 
-constexpr const char* kMapNames[] = {"photon map", "caustics map", "volume photon map"};
+constexpr const char* kMapNames[] = {"photon map", "caustic map", "volume photon map"};
 
 /// Photons stored by one task.
 struct StoredPhotons {

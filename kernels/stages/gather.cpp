@@ -52,11 +52,16 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
                                              [words, column](int k, Float<L>& word)
                                                  SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
     const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
-    const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
-    GatheringVertex out{
-        item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
-        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot),
-        1.0f};
+    const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
+    GatheringVertex out{item,
+                        bsdf,
+                        ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item),
+                        mapped,
+                        item.ns,
+                        F(0.0f),
+                        Uint<L>(max_depth > depth ? max_depth - depth : 0u),
+                        has_single_wavelength(context, wave, slot),
+                        1.0f};
     if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {
       const Spectrum4& r_u = wave.rescaled_pdfs.row(slot).r_u;
       out.first_ratio = lane_mean<Scalar>(ColorMode::kSpectral, r_u) / r_u.c0;

@@ -128,9 +128,9 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
-  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
-                        F(kLargestSurvival));
-  return select(known, clamp(ratio, F(kMin), most), default_value);
+  const F max_ratio = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
+                             F(kLargestSurvival));
+  return select(known, clamp(ratio, F(kMin), max_ratio), default_value);
 }
 
 /// Records the directions sampled at the vertices of `lanes`. Must be called before throughput and RescaledPdfs change.

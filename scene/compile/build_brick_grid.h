@@ -21,6 +21,6 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
 /// Builds a grid with kBackground outside. Throws SceneError if the extent exceeds kMaxGridSide or kMaxBricks, for
 /// duplicate blocks, for voxel coordinates beyond 2^30, or if the grid would take more than `most_bytes` of memory. The
 /// last check matters because a few constant blocks can span a volume with a huge brick table.
-BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes = static_cast<std::size_t>(-1));
+BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t max_bytes = static_cast<std::size_t>(-1));
 
 }  // namespace sheaf

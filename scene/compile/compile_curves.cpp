@@ -14,7 +14,7 @@ constexpr float kShortLine = 5e-3f;
 
 /// Minimum radius of the convex hull of a cubic B-spline segment whose control points start at `p`, from its Bezier
 /// form. Radii that shrink linearly to zero have a negative control radius beyond the end.
-float least_radius(const Curves::Point* p) {
+float min_radius(const Curves::Point* p) {
   const float a = p[0].radius, b = p[1].radius, c = p[2].radius, d = p[3].radius;
   return std::min({(a + 4 * b + c) / 6, (2 * b + c) / 3, (b + 2 * c) / 3, (b + 4 * c + d) / 6});
 }
@@ -25,10 +25,10 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i + curves.order() <= end; ++i) {
     const Curves::Point* p = curves.points.data() + i;
     const bool linear = curves.basis == Curves::Basis::kLinear;
-    const float least = linear ? std::min(p[0].radius, p[1].radius) : least_radius(p);
-    const float most = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
-    if (!(least >= -kRounding * std::max(most, 0.0f)))
-      throw SceneError("the radius of a curve is " + std::to_string(least));
+    const float smallest = linear ? std::min(p[0].radius, p[1].radius) : min_radius(p);
+    const float largest = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
+    if (!(smallest >= -kRounding * std::max(largest, 0.0f)))
+      throw SceneError("the radius of a curve is " + std::to_string(smallest));
   }
 }
 

@@ -49,10 +49,10 @@ Vec3f spread_direction(int i) {
 std::uint32_t majority(std::vector<std::uint32_t> votes) {
   std::sort(votes.begin(), votes.end());
   std::uint32_t best = votes.front();
-  std::ptrdiff_t most = 0;
+  std::ptrdiff_t longest = 0;
   for (auto first = votes.begin(); first != votes.end();) {
     const auto last = std::upper_bound(first, votes.end(), *first);
-    if (last - first > most) most = last - first, best = *first;
+    if (last - first > longest) longest = last - first, best = *first;
     first = last;
   }
   return best;

@@ -163,8 +163,8 @@ class GridMemory {
 
   /// Allocates the grid's memory. Throws if the claimed size exceeds `most`, the maximum that the stored data can
   /// produce.
-  void allocate(std::uint64_t most) {
-    if (entry_.size > most) {
+  void allocate(std::uint64_t max_size) {
+    if (entry_.size > max_size) {
       fail("claims " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
     }
     if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is smaller than its header");
@@ -180,7 +180,7 @@ class GridMemory {
   void inflate() {
     if (entry_.stored.size() < 8) fail("the file is truncated");
     Inflater inflater(entry_.stored.substr(8));
-    allocate(inflater.most_left());
+    allocate(inflater.max_remaining());
     std::size_t found = 0;
     try {
       found = inflater.read({memory(), entry_.size});

@@ -140,10 +140,10 @@ bool triangulate_polygon(std::span<const Vec3f> corners, std::vector<PolygonTria
 
 std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh,
                                            std::vector<std::string>& warnings) {
-  const std::size_t most_triangles = polygons.corners.size() - 2 * polygons.ends.size();
-  mesh.triangles.reserve(most_triangles);
+  const std::size_t max_triangles = polygons.corners.size() - 2 * polygons.ends.size();
+  mesh.triangles.reserve(max_triangles);
   std::vector<std::uint32_t> sources;
-  sources.reserve(most_triangles);
+  sources.reserve(max_triangles);
   std::vector<Vec3f> outline;
   std::vector<PolygonTriangle> triangles;
   std::size_t begin = 0, crossed = 0, incomplete = 0;

@@ -37,16 +37,16 @@ double mean_sine(std::uint32_t j, std::uint32_t height) {
 /// The largest power of two not above the image's maximum.
 float unit_of(const EnvmapImage& image, float scale) {
   using Range = tbb::blocked_range<std::size_t>;
-  const auto most_of = [&](const Range& range, float most) {
+  const auto largest_of = [&](const Range& range, float largest) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const float value = image.rgb[i] * scale;
-      most = is_usable(value) ? std::max(most, value) : most;
+      largest = is_usable(value) ? std::max(largest, value) : largest;
     }
-    return most;
+    return largest;
   };
-  const float most = tbb::parallel_reduce(Range(0, image.rgb.size(), 1 << 16), 0.0f, most_of,
-                                          [](float a, float b) { return std::max(a, b); });
-  return most > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(most), 63))) : 1.0f;
+  const float largest = tbb::parallel_reduce(Range(0, image.rgb.size(), 1 << 16), 0.0f, largest_of,
+                                             [](float a, float b) { return std::max(a, b); });
+  return largest > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(largest), 63))) : 1.0f;
 }
 
 /// A node's value in channel `c`: 0 to 2 for red, green and blue.

@@ -271,15 +271,15 @@ MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where)
   const std::optional<ScalarInput> displacement = find_scalar_input(p, "displacement");
   if (p.has("normalmap")) {
     if (displacement) p.fail("has both 'displacement' and 'normalmap', expected one");
-    BitmapDescription picture;
-    picture.file = p.file("normalmap");
+    BitmapDescription bitmap;
+    bitmap.file = p.file("normalmap");
     // Only PNG files are linear; see read_encoding() of textures.
-    picture.raw = is_png(picture.file);
-    if (!picture.raw && may_hold_integers(picture.file))
+    bitmap.raw = is_png(bitmap.file);
+    if (!bitmap.raw && may_hold_integers(bitmap.file))
       p.reader().note(
           where, p.title() + ": as in pbrt, normal maps other than PNG, OpenEXR and PFM files are decoded from sRGB");
     p.reader().used_texture = true;
-    return add(p.reader(), NormalMapDescription{add_picture(p.reader(), std::move(picture), where), false, nested},
+    return add(p.reader(), NormalMapDescription{add_bitmap(p.reader(), std::move(bitmap), where), false, nested},
                where);
   }
   const TextureId* texture = displacement ? std::get_if<TextureId>(&*displacement) : nullptr;
