@@ -66,7 +66,7 @@ def compare(arguments, scene, folder):
         print(f"{name:22} {'off':4} {off:7.2f} {error[0]:10.3e} {error[1]:8.4f} {error[2]:9.5f}")
         ratios = guided[:2] * on / (error[:2] * off)
         print(f"{'':22} {'on':4} {on:7.2f} {guided[0]:10.3e} {guided[1]:8.4f} {guided[2]:9.5f}   ratio mse {ratios[0]:.2f}"
-              f"  rel {ratios[1]:.2f}   {guide['places']} places", flush=True)
+              f"  rel {ratios[1]:.2f}   {guide['cells']} cells", flush=True)
 
 
 def main():

@@ -71,7 +71,7 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
     const F inverse_i = F(1.0f) / i;
     const auto back = wo.z * wi.z > F(0.0f);
     // In both cases the result is the mean of the transmittance over the depth of the vertex, where the path length
-    // grows from `least` by `more`, in units of the thickness.
+    // grows from `min_inverse` by `more`, in units of the thickness.
     const F min_inverse = select(back, F(0.0f), min(inverse_o, inverse_i));
     const F more = select(back, inverse_o + inverse_i, abs(inverse_i - inverse_o));
     const Spectrum<L> sigma_s = select<L>(is_by_albedo(), this->first * this->second, this->first);

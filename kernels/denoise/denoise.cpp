@@ -59,8 +59,8 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
   Planes3 color = find_colors(image, ""), variance = find_colors(image, "variance.");
   if (variance[0].is_empty())
     throw Error(ExitCode::kUsage,
-                "the image has no layers variance.R, variance.G and variance.B, without which noise and detail "
-                "cannot be distinguished: render it with --replicates 4 (any number above 1)");
+                "the image lacks the layers variance.R/G/B that non-local means require: render it with --replicates "
+                "4, or any number above 1");
   combine(variance, variance, [](float v, float) { return std::max(v, 0.0f); });
   // Recover both halves from the mean and one half, and remove fireflies.
   NlMeansInput input;
@@ -136,7 +136,7 @@ DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
   }
   for (const char* name : kColorNames)
     if (image.find_channel(name) < 0)
-      throw Error(ExitCode::kUsage, std::string("the image has no channel ") + name + " to be denoised");
+      throw Error(ExitCode::kUsage, std::string("the image has no channel ") + name + " to denoise");
   DenoiseResult result;
   const Planes3 denoised = denoiser == Denoiser::kOidn ? denoise_oidn(image, result.description)
                                                        : denoise_nl_means(image, result.description);

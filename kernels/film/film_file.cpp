@@ -23,7 +23,7 @@ PixelRect get_rect(BinaryInput& in, const PixelRect& outer) {
   for (int* const value : {&rect.x0, &rect.y0, &rect.x1, &rect.y1}) *value = in.get<std::int32_t>();
   if (rect.x0 < outer.x0 || rect.y0 < outer.y0 || rect.x1 > outer.x1 || rect.y1 > outer.y1 || rect.x1 < rect.x0 ||
       rect.y1 < rect.y0)
-    in.fail("has a rectangle that cannot be: damaged");
+    in.fail("is damaged (invalid rectangle)");
   return rect;
 }
 
@@ -85,13 +85,13 @@ void put_film(BinaryOutput& out, const Film& film) {
 
 Film get_film(BinaryInput& in) {
   const auto width = in.get<std::int32_t>(), height = in.get<std::int32_t>();
-  if (width > kMaxFrameSide || height > kMaxFrameSide) in.fail("has a frame that cannot be: damaged");
+  if (width > kMaxFrameSide || height > kMaxFrameSide) in.fail("is damaged (invalid frame size)");
   const PixelRect crop = get_rect(in, {0, 0, width, height});
   const auto bins = in.get<std::int32_t>();
   const auto unit = in.get<std::uint8_t>();
   const bool has_surface_ids = in.get<std::uint8_t>() != 0;
   if (bins < 0 || bins > kMaxSpectralBins || unit > static_cast<std::uint8_t>(VarianceUnit::kReplicate))
-    in.fail("has bins or variances that cannot be: damaged");
+    in.fail("is damaged (invalid spectral bins or variance unit)");
   FilmLayout layout = get_layout(in);
   // Each pixel has at least its count and its row. Check this before allocating memory for pixels that the file cannot
   // hold.
@@ -129,9 +129,9 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
       FilmBorder::Strip& strip = border.strips.emplace_back();
       strip.pixels = get_rect(in, film.crop());
       const auto numbers = in.get<std::uint64_t>();
-      if (numbers != strip.pixels.area() * film.tile_row_size()) in.fail("has a border of another size: damaged");
+      if (numbers != strip.pixels.area() * film.tile_row_size()) in.fail("is damaged (border of the wrong size)");
       strip.sums = in.get_vector<double>(numbers);
-      if ((in.get<std::uint8_t>() != 0) != film.has_surface_ids()) in.fail("has a border of another film: damaged");
+      if ((in.get<std::uint8_t>() != 0) != film.has_surface_ids()) in.fail("is damaged (border of another film)");
       if (!film.has_surface_ids()) continue;
       strip.coverage.resize(strip.pixels.area());
       get_coverage(in, strip.coverage);
@@ -173,8 +173,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   const AdaptiveGoal goal{noise, in.get<std::uint32_t>()};
   const auto reach = in.get<std::int32_t>();
   const auto count = in.get<std::uint64_t>();
-  if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect))
-    in.fail("has tiles that cannot be: damaged");
+  if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect)) in.fail("is damaged (invalid tiles)");
   // Read the tiles' rectangles
   const PixelRect around = PixelRect{0, 0, of.width(), of.height()}.grown(kMaxReach);
   std::vector<PixelRect> squares;
@@ -201,7 +200,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   }
   // Read the units of work
   const auto units = in.get<std::uint64_t>();
-  if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("has more units than tiles: damaged");
+  if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("is damaged (more units than tiles)");
   film.units_.resize(static_cast<std::size_t>(units));
   for (AdaptiveUnit& unit : film.units_) {
     unit.tile = in.get<std::uint32_t>();
@@ -209,7 +208,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
     unit.samples = in.get<std::uint32_t>();
     unit.set = in.get<std::uint8_t>();
     unit.done = in.get<std::uint8_t>();
-    if (unit.tile >= film.tiles_.size() || unit.set >= AdaptiveFilm::kSets) in.fail("has a unit of no tile: damaged");
+    if (unit.tile >= film.tiles_.size() || unit.set >= AdaptiveFilm::kSets) in.fail("is damaged (unit without a tile)");
   }
   film.rounds_ = in.get<std::uint32_t>();
   in.get(film.expected_);

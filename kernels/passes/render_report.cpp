@@ -90,7 +90,7 @@ std::string lights_table(const RenderReport& report) {
                    100 * ratio(light.radiance, total_light_radiance(report.stats)));
   }
   if (text.empty() || report.stats.lights.size() < 2) return {};
-  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
+  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "unoccluded", "contribution") + text;
 }
 
 /// The result of adaptive sampling.
@@ -99,7 +99,7 @@ std::string adaptive_line(const RenderReport& report) {
   const AdaptiveSummary& a = *report.adaptive;
   std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.min_samples, a.max_samples);
   if (a.noise_target > 0)
-    text += fmt::format("; {} of {} tiles are down to a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
+    text += fmt::format("; {} of {} tiles have reached a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
   return text + "\n";
 }
 
@@ -119,7 +119,7 @@ std::string noise_line(const RenderReport& report) {
     const double factor = report.samples_factor(target);
     if (factor < 1.5) continue;
     text += fmt::format(
-        "; {:.2g} % would take about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
+        "; {:.2g} % takes about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
         report.render_seconds * factor > 180 ? report.render_seconds * factor / 60 : report.render_seconds * factor,
         report.render_seconds * factor > 180 ? "min" : "s");
   }
@@ -166,7 +166,7 @@ std::string to_json(const RenderReport& report) {
        {{"passes", report.guiding.passes},
         {"samples", report.guiding.samples},
         {"records", report.guiding.records},
-        {"places", report.guiding.places},
+        {"cells", report.guiding.cells},
         {"trace_seconds", report.guiding.trace_seconds},
         {"fit_seconds", report.guiding.fit_seconds}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
@@ -195,17 +195,16 @@ std::string to_table(const RenderReport& report) {
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
-  if (report.interrupted)
-    fmt::format_to(out, "interrupted: {:.4g} samples per pixel were taken\n", report.mean_samples);
+  if (report.interrupted) fmt::format_to(out, "interrupted after {:.4g} samples per pixel\n", report.mean_samples);
   fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
                  report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
   if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
-    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} put into maps in {:.3f} s\n", photons.emitted,
+    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} stored in maps in {:.3f} s\n", photons.emitted,
                    photons.trace_seconds, photons.stored, photons.index_seconds);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
-    fmt::format_to(
-        out, "guide: {} samples in {} passes in {:.3f} s, {} places learned from {} directions in {:.3f} s\n",
-        guiding.samples, guiding.passes, guiding.trace_seconds, guiding.places, guiding.records, guiding.fit_seconds);
+    fmt::format_to(out, "guide: {} samples in {} passes in {:.3f} s, {} cells trained with {} directions in {:.3f} s\n",
+                   guiding.samples, guiding.passes, guiding.trace_seconds, guiding.cells, guiding.records,
+                   guiding.fit_seconds);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
@@ -221,7 +220,7 @@ std::string to_table(const RenderReport& report) {
   text += lights_table(report);
   text += adaptive_line(report) + noise_line(report);
   if (const TrackingCounts& c = stats.collisions; c.real + c.null + c.shadow > 0)
-    fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
+    fmt::format_to(out, "medium collisions: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
                    c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);
   if (stats.dropped.rays + stats.dropped.samples > 0) {
     fmt::format_to(out, "dropped: {} rays, {} samples\n", stats.dropped.rays, stats.dropped.samples);

@@ -33,7 +33,7 @@ struct RenderReport {
   int wave_size = 0;          ///< paths per wave
   double load_seconds = 0;    ///< reading files
   double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
-  double render_seconds = 0;  ///< wall clock of the render alone
+  double render_seconds = 0;  ///< wall-clock time of rendering only
   /// Number of photons in photon maps, and the time to make the maps.
   struct Photons {
     std::uint64_t emitted = 0, stored = 0;
@@ -43,7 +43,7 @@ struct RenderReport {
   /// Training of the guide, and its time. The times of the stages include its passes.
   struct Guiding {
     std::uint64_t passes = 0, samples = 0;  ///< training passes, and their camera samples
-    std::uint64_t records = 0, places = 0;  ///< training samples with light, and guide cells that learned from them
+    std::uint64_t records = 0, cells = 0;   ///< training samples with light, and guide cells that learned from them
     double trace_seconds = 0;               ///< tracing paths
     double fit_seconds = 0;                 ///< fitting the guide to the training samples
   } guiding;

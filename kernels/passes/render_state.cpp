@@ -15,7 +15,7 @@ constexpr std::size_t kMaxReported = 5;
 
 RenderSettings get_settings(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
-  if (count > kMaxSettings) in.fail("has " + std::to_string(count) + " settings (the file is damaged)");
+  if (count > kMaxSettings) in.fail("is damaged (it lists " + std::to_string(count) + " settings)");
   RenderSettings settings;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
@@ -95,7 +95,7 @@ RenderState read_checkpoint(const std::filesystem::path& file, const RenderSetti
   state.photons = in.get<std::uint64_t>();
   state.dropped.rays = in.get<std::uint64_t>();
   state.dropped.samples = in.get<std::uint64_t>();
-  if (in.left() > 0) in.fail("goes on behind its end: damaged");
+  if (in.left() > 0) in.fail("is damaged (data after the end)");
   return state;
 }
 

@@ -1,5 +1,5 @@
-// Which samples a render takes, as its options give them: pixels, samples per pixel, replicates, and the channels of
-// the film.
+// The samples of a render, derived from its options: pixels, samples per pixel, replicates, and the channels of the
+// film.
 #pragma once
 
 #include "core/pixel_rect.h"

@@ -1,4 +1,4 @@
-// Divides samples into rounds and tasks, and adds what the tasks have found to the film.
+// Divides samples into rounds and tasks, and adds the results of the tasks to the film.
 #include "kernels/passes/sample_plan.h"
 
 #include "core/error.h"
@@ -15,7 +15,9 @@ constexpr std::uint32_t kAdaptiveSamples = 16;
 /// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
-[[noreturn]] void refuse_checkpoint() { throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render"); }
+[[noreturn]] void refuse_checkpoint() {
+  throw Error(ExitCode::kCheckpoint, "the checkpoint belongs to another render");
+}
 
 }  // namespace
 

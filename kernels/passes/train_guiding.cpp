@@ -134,7 +134,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     ++training.report.passes;
   }
   training.report.samples = training_samples(width, height, passes);
-  training.report.places = field.places();
+  training.report.cells = field.cells();
   // Statistics count only samples of the image.
   for (Worker& worker : workers) worker.wave.stats.samples = 0;
   return field;

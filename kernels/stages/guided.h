@@ -62,9 +62,9 @@ template <class L> struct GuidedSample {
   BsdfSample<L> bsdf;  ///< of BSDF and guide combined
   Vec3<L> direction;   ///< world space
   GuideValue<L> guide;
-  typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling alone; 0: delta lobe
-  /// Pdf over that of the BSDF alone. Russian roulette multiplies the throughput by it: guiding lowers the throughput
-  /// of directions that it samples often, and these paths are the important ones.
+  typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling only; 0: delta lobe
+  /// Combined pdf over that of the BSDF. Russian roulette multiplies the throughput by it: guiding lowers the
+  /// throughput of directions that it samples often, and these paths are the important ones.
   typename L::Float guided_pdf_ratio = typename L::Float(1.0f);
 };
 

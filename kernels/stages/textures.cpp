@@ -37,7 +37,7 @@ SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, con
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
-/// Whether the textures of a material's parameters depend on uv coordinates alone.
+/// Whether the textures of a material's parameters depend only on uv coordinates.
 bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
   const auto is_flat = [&](const TextureBinding& binding) {
     const TextureKind kind = scene.textures.rows[binding.texture].kind;

@@ -146,8 +146,8 @@ TEST_CASE("samples that cannot be split are usage errors with the reason") {
     CHECK(outcome.code == 2);
     return outcome.err;
   };
-  CHECK(contains(error("--spp 64 --replicates 4 --samples 8:16"), "multiples of 16, or --replicates"));
-  CHECK(contains(error("--spp 64 --replicates 4 --samples 0:17"), "multiples of 16, or --replicates"));
+  CHECK(contains(error("--spp 64 --replicates 4 --samples 8:16"), "multiples of 16; --replicates"));
+  CHECK(contains(error("--spp 64 --replicates 4 --samples 0:17"), "multiples of 16; --replicates"));
   CHECK(contains(error("--samples 30:3"), "out of range (expected samples from 0 to 31"));
   CHECK(contains(error("--samples 0:0"), "FIRST:COUNT"));
   CHECK(contains(error("--samples 4294967295:2"), "FIRST:COUNT"));
@@ -175,7 +175,7 @@ TEST_CASE("mismatched parts are rejected by name") {
   scene.render("b.exr", common + "--samples 8:8");
   REQUIRE(run(scene.folder, "merge a.exr b.exr -o whole.exr").code == 0);
   CHECK(contains(scene.refused("a.exr"), "pixels 0,0,27,18 lack samples 8:8 of 16"));
-  CHECK(contains(scene.refused("b.exr a.exr b.exr"), "b.exr: has samples that 'b.exr' has too: 8:8"));
+  CHECK(contains(scene.refused("b.exr a.exr b.exr"), "b.exr: shares samples with 'b.exr': 8:8"));
   scene.render("plain.exr", common);
   CHECK(contains(scene.refused("a.exr plain.exr"), "plain.exr: is not a part of an image"));
   CHECK(contains(scene.refused("a.exr whole.exr"), "whole.exr: is not a part of an image"));
