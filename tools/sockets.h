@@ -21,7 +21,7 @@ struct Endpoint {
 };
 
 /// Parses the value of `option`: "host:port", "[IPv6 address]:port", or only the port if `default_host` is not empty.
-/// Throws Error (exit code 2) for malformed text, and for ports below `least_port` or above 65535.
+/// Throws Error (exit code 2) for malformed text, and for ports below `min_port` or above 65535.
 Endpoint parse_endpoint(const std::string& option, const std::string& text, const std::string& default_host,
                         int min_port);
 

@@ -117,17 +117,18 @@ void set_replicates(const RenderOptions& options, SamplerKind sampler, SampleLay
 }
 
 /// Converts the requested samples to samples of the layout. Throws Error (usage) for an invalid range.
-SampleRange requested_range(const SampleRange& asked, const SampleLayout& layout, const IntegratorSettings& transport) {
-  const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
+SampleRange requested_range(const SampleRange& requested, const SampleLayout& layout,
+                            const IntegratorSettings& transport) {
+  const std::string name = std::to_string(requested.first) + ":" + std::to_string(requested.count);
   const std::uint32_t samples = layout.spp / layout.rays;
-  if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
+  if (requested.count == 0 || requested.first >= samples || requested.count > samples - requested.first)
     refuse("the samples " + name + " are out of range (expected samples from 0 to " + std::to_string(samples - 1) +
            " of each pixel)");
   if (transport.kind == IntegratorKind::kLightTracer)
     refuse("sample ranges need an integrator that traces paths from the camera, such as path (got '" +
            integrator_name(transport) + "')");
   if (layout.adapts) refuse("sample ranges cannot be combined with a noise target or a time limit");
-  const SampleRange range{asked.first * layout.rays, asked.count * layout.rays};
+  const SampleRange range{requested.first * layout.rays, requested.count * layout.rays};
   const std::uint32_t set = layout.replicate_samples;
   const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == layout.spp);
   if (is_whole || set == layout.spp) return range;  // a single set may be split anywhere

@@ -70,8 +70,8 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   Mask<L> single = loses_wavelengths<L>(bsdf, item.wo, wi);
   GuideValue<L> guide;
   if (context.samples_guide()) {
-    const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
-    guide = guide_value<L>(context, wave, column, asked, light.direction);
+    const auto queried = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
+    guide = guide_value<L>(context, wave, column, queried, light.direction);
   }
   if (context.samples_guide() && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   // Replace the value by that of the whole blend

@@ -52,7 +52,7 @@ void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t max_
 /// Stores bricks. Constant bricks are shared: one per value.
 class BrickStore {
  public:
-  /// Throws SceneError as soon as the grid takes more than `most_bytes`.
+  /// Throws SceneError as soon as the grid takes more than `max_bytes`.
   BrickStore(BrickGrid& grid, std::size_t max_bytes)
       : grid_(grid),
         max_bytes_(max_bytes),

@@ -29,7 +29,7 @@ Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& tex
   Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
   const auto* texture = std::get_if<TextureId>(&field.texture);
   if (texture != nullptr && needs_a_shape(textures, static_cast<std::uint32_t>(*texture)))
-    throw SceneError("the texture of a height field depends on meshes (expected one that depends on uv alone)");
+    throw SceneError("the texture of a height field depends on meshes (expected one that depends only on uv)");
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
   const TextureView view{textures.rows.data(), textures.tiles.get()};

@@ -181,7 +181,7 @@ class MtlReader {
     slot = std::move(texture);
   }
 
-  /// Whether the text starts with a minus and a letter. Names may start with a minus alone or a minus and a digit.
+  /// Whether the text starts with a minus and a letter. Names may be a single minus, or start with a minus and a digit.
   static bool is_option(std::string_view text) {
     return text.size() > 1 && text[0] == '-' &&
            ((text[1] >= 'a' && text[1] <= 'z') || (text[1] >= 'A' && text[1] <= 'Z'));

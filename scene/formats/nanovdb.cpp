@@ -161,7 +161,7 @@ class GridMemory {
     char bytes[32];
   };
 
-  /// Allocates the grid's memory. Throws if the claimed size exceeds `most`, the maximum that the stored data can
+  /// Allocates the grid's memory. Throws if the claimed size exceeds `max_size`, the maximum that the stored data can
   /// produce.
   void allocate(std::uint64_t max_size) {
     if (entry_.size > max_size) {

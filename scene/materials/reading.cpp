@@ -85,7 +85,9 @@ RoughnessDescription read_roughness(Properties& p) {
     p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
-  if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
+  if (along != across)
+    p.fail(std::string("has only 'alpha_") + (along ? "u" : "v") +
+           "', expected both 'alpha_u' and 'alpha_v', or 'alpha'");
   if (along && p.has("alpha")) p.fail_at("alpha", "is set together with 'alpha_u' and 'alpha_v', expected one of them");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;

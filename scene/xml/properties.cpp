@@ -282,7 +282,7 @@ const XmlElement* Properties::any_texture() {
     if (found != nullptr) throw ElementError(*entry.written, title() + " has a second <texture>, expected one");
     found = &entry;
   }
-  asked_kinds_.emplace_back("texture");
+  queried_kinds_.emplace_back("texture");
   if (found == nullptr) return nullptr;
   found->used = true;
   return found->target;
@@ -295,7 +295,7 @@ std::filesystem::path Properties::find_file(const std::string& file, const Named
 }
 
 std::vector<const XmlElement*> Properties::objects(const char* kind) {
-  asked_kinds_.emplace_back(kind);
+  queried_kinds_.emplace_back(kind);
   std::vector<const XmlElement*> found;
   for (Entry& entry : entries_)
     if (entry.key.empty() && entry.target->name == kind) {
@@ -312,8 +312,8 @@ const XmlElement* Properties::object(const char* kind) {
 }
 
 const XmlElement* Properties::named_object(const char* kind, const char* name) {
-  if (!contains(asked_kinds_, kind)) asked_kinds_.emplace_back(kind);
-  asked_objects_[kind].emplace_back(name);
+  if (!contains(queried_kinds_, kind)) queried_kinds_.emplace_back(kind);
+  queried_objects_[kind].emplace_back(name);
   const std::string key = spelling_key(name);
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
@@ -354,12 +354,12 @@ void Properties::fail_unused_object(const Entry& entry) const {
   const std::string& kind = entry.target->name;
   if (kind == "texture") raise(&entry, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
   std::string message = title() + " takes no nested <" + kind + ">";
-  if (const auto known = asked_objects_.find(kind); known != asked_objects_.end()) {
+  if (const auto known = queried_objects_.find(kind); known != queried_objects_.end()) {
     message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
     message += did_you_mean(spelling_key(entry.name), known->second);
     raise(&entry, message + known_names(known->second));
   }
-  if (!asked_kinds_.empty()) message += " (known: " + joined(asked_kinds_) + ")";
+  if (!queried_kinds_.empty()) message += " (known: " + joined(queried_kinds_) + ")";
   raise(&entry, message);
 }
 

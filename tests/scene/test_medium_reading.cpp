@@ -273,7 +273,7 @@ TEST_CASE("media: mixtures of phase functions become nested blends and constant 
   };
   CHECK(contains(error("1"), "has 2 nested <phase> and 1 weights"));
   CHECK(contains(error("0.5, 0.2"), "expected 1"));
-  CHECK(contains(error("2, -1"), "no negative number"));
+  CHECK(contains(error("2, -1"), "a non-negative number"));
   CHECK(error("3, 1").empty());
 }
 
@@ -455,16 +455,16 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
        "scene.xml:4: unknown medium plugin 'homogenous', did you mean 'homogeneous'?"},
       {homogeneous("<rgb name='sigma_q' value='1'/>"),
        "unknown property 'sigma_q' of medium 'homogeneous', did you mean 'sigma_"},
-      {homogeneous("<rgb name='sigma_t' value='-1'/>"), "expected no negative value"},
+      {homogeneous("<rgb name='sigma_t' value='-1'/>"), "expected non-negative values"},
       {homogeneous("<rgb name='albedo' value='1.5'/>"), "expected values within [0, 1]"},
-      {homogeneous("<float name='scale' value='-1'/>"), "expected no negative number"},
+      {homogeneous("<float name='scale' value='-1'/>"), "expected a non-negative number"},
       {phase("<phase type='sggx'/>"), "scene.xml:5: phase 'sggx' needs the <volume> 'S'"},
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<string name='value' value='1 2 3'/>") + "</phase>"),
        "has 3 numbers, expected six: xx yy zz xy xz yz"},
       {phase("<phase type='sggx'>" + volume("S", "constvolume", "<float name='value' value='1'/>") + "</phase>"),
        "given as <float>, expected string"},
       {phase("<phase type='sggx'>" + volume("S", "gridvolume", file("a.nvdb")) + "</phase>"), "expected a .vol file"},
-      {homogeneous("<rgb name='emission' value='-1'/>"), "expected no negative value"},
+      {homogeneous("<rgb name='emission' value='-1'/>"), "expected non-negative values"},
       {homogeneous("<rgb name='sigma_t' value='1'/><rgb name='sigma_a' value='1'/>"),
        "mixes 'sigma_t' and 'albedo' with"},
       {homogeneous("<string name='material' value='skin1'/>"), "unknown property 'material'"},
@@ -480,8 +480,8 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
       {homogeneous(volume("albedo", "constvolume", "")), "volume 'constvolume' needs the spectrum 'value'"},
       {homogeneous(volume("albedo", "constvolum", "")),
        "unknown volume plugin 'constvolum', did you mean 'constvolume'?"},
-      {homogeneous("<float name='temperature' value='-5'/>"), "expected no negative value"},
-      {homogeneous("<float name='temperature_scale' value='-5'/>"), "expected no negative number"},
+      {homogeneous("<float name='temperature' value='-5'/>"), "expected non-negative values"},
+      {homogeneous("<float name='temperature_scale' value='-5'/>"), "expected a non-negative number"},
       {homogeneous("<rgb name='temperature' value='1,2,3'/>"), "has a colour for 'temperature', expected a number"},
       {homogeneous("<float name='temperature' value='5'/><float name='emission' value='5'/>"),
        "has both 'emission' and 'temperature', expected one"},
@@ -505,7 +505,7 @@ TEST_CASE("media: errors in Mitsuba scenes have line and nearest name") {
       {grid(file("a.vol") + "<boolean name='fit_to_shape' value='true'/>"), "unknown property 'fit_to_shape'"},
       {tabphase(""), "phase 'tabphase' needs the string 'values'"},
       {tabphase("<string name='values' value='1'/>"), "has 1 numbers, expected at least two"},
-      {tabphase("<string name='values' value='1, -2, 3'/>"), "has -2.000000, expected no negative number"},
+      {tabphase("<string name='values' value='1, -2, 3'/>"), "has -2.000000, expected a non-negative number"},
       {tabphase("<string name='values' value='0, 0'/>"), "add up to 0.000000, expected more than 0"},
       {tabphase("<string name='values' value='1, x'/>"), "'x'"},
       {mitsuba_scene("<phase type='hg'/>"),
@@ -561,7 +561,7 @@ TEST_CASE("media: errors in Nori scenes have line and nearest name") {
       {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='1'/></bsdf>" + medium("homogeneous", "")),
        "has a <medium> and a bsdf with 'sigmaA'"},
       {nori_mesh("<bsdf type='diffuse'><color name='sigmaA' value='1'/></bsdf>"), "unknown property 'sigmaA'"},
-      {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"), "expected no negative value"},
+      {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"), "expected non-negative values"},
       {nori_mesh("<bsdf type='blendbsdf'><bsdf type='null'><color name='sigmaA' value='1'/></bsdf>"
                  "<bsdf type='null'><color name='sigmaA' value='1'/></bsdf></bsdf>"),
        "is set by two materials of one surface"},

@@ -65,7 +65,7 @@ TEST_CASE("Mitsuba: errors have line and fault and nearest name") {
       {mitsuba_scene("<emitter type='point'><point name='position' x='0'/><transform name='to_world'/></emitter>"),
        "has both 'position' and 'to_world'"},
       {mitsuba_scene("<emitter type='constant'><rgb name='radiance' value='-1'/></emitter>"),
-       "expected no negative value"},
+       "expected non-negative values"},
       {mitsuba_scene("", ""), "scene.xml:1: the scene has no <sensor>"},
       {mitsuba_scene("", "<sensor type='fisheye'/>"), "scene.xml:2: unknown sensor plugin 'fisheye'"},
       {sensor("<float name='fov' value='180'/>"), "is '180', expected a number between 0 and 180"},

@@ -62,7 +62,7 @@ const std::vector<Foreign>& foreign_files() {
       {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
       {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
       {"a.nvdb", "NanoVDB2", "a NanoVDB file", "use it in a scene"},
-      {"a.mtl", "newmtl x\n", "a library of materials", "use it in a scene"},
+      {"a.mtl", "newmtl x\n", "a material library", "use it in a scene"},
       {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
   return files;
 }

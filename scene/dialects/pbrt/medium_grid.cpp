@@ -62,7 +62,7 @@ std::optional<GridVolumeDescription> find_grid(Parameters& p, const char* name, 
       values[i] = rgb.x, values[i + 1] = rgb.y, values[i + 2] = rgb.z;
     }
   for (const float value : values)
-    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected no negative number");
+    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected a non-negative number");
   return made_grid(p, box, channels, std::move(values));
 }
 

@@ -81,7 +81,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
     set_by_name(p, medium, *name);
   } else if (sigma_a || sigma_s) {
     if (!sigma_a || !sigma_s)
-      p.fail(std::string("has '") + (sigma_a ? "sigma_a" : "sigma_s") + "' alone, expected both");
+      p.fail(std::string("has only '") + (sigma_a ? "sigma_a" : "sigma_s") + "', expected 'sigma_a' and 'sigma_s'");
     if (reflectance) p.fail_at("reflectance", "is set together with 'sigma_a' and 'sigma_s', expected one of them");
     medium.coefficients = AbsorptionScatteringDescription{*sigma_a, *sigma_s};
   } else if (reflectance) {
