@@ -203,6 +203,7 @@ Farm plan_farm(const FarmArguments& arguments) {
 int make_farm(const FarmArguments& arguments) {
   const Farm farm = plan_farm(arguments);
   std::error_code error;
+  // Write the scripts
   fs::create_directories(farm.folder, error);
   if (error) throw Error(ExitCode::kOutput, "cannot create the folder '" + farm.folder + "': " + error.message());
   const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
@@ -215,6 +216,7 @@ int make_farm(const FarmArguments& arguments) {
     print_message(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
                               farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
                               farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+  // Submit the jobs if requested
   if (!arguments.submit) {
     if (!arguments.quiet) print_message("to submit the jobs: bash " + shell_quoted(submit.string()));
     return static_cast<int>(ExitCode::kDone);

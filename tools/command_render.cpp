@@ -104,6 +104,7 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
   const Description& scene = job.description;
   const SceneNames& names = job.scene->names();
   ExrMetadata metadata;
+  // Set the standard attributes
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
   metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
@@ -116,6 +117,7 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
                          {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
                          {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  // Add attributes that depend on the options
   if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
   if (arguments.noise_target)
     metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});

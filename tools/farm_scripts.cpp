@@ -34,6 +34,7 @@ std::string shell_quoted(std::string_view word) {
 }
 
 std::string render_script(const Farm& farm) {
+  // Define the part and its options
   std::string text = job_start(farm, "Renders part SLURM_ARRAY_TASK_ID of frame $1.");
   text += "part=${SLURM_ARRAY_TASK_ID:?}\nexec >>\"$parts/$part.log\" 2>&1\n";
   text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
@@ -41,6 +42,7 @@ std::string render_script(const Farm& farm) {
           shell_array("values", farm.part_values);
   if (farm.has_frames) text += "options+=(--define \"frame=$frame\")\n";
   text += fmt::format("max_restarts={}\n", farm.max_restarts);
+  // Render, and requeue the job if the render was stopped
   text += "options+=(" + farm.part_option + R"sh( "${values[part]}" --threads "${SLURM_CPUS_PER_TASK:-1}")
 options+=(--output "$parts/$part.exr" --checkpoint "$parts/$part.state" --resume)
 # Slurm signals only this shell before the time limit. Forward the signal, so that Sheaf writes a checkpoint and exits.

@@ -101,10 +101,12 @@ HttpResponse LivePage::status() {
   const double now = Progress::steady_seconds();
   looked_ = now;
   const std::lock_guard lock(mutex_);
+  // Estimate the progress
   const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
   const double fraction = state_ == "done" ? 1.0 : total > 0 ? std::min(done / total, 0.9999) : 0.0;
   const double elapsed = start_ > 0 ? (end_ > 0 ? end_ : now) - start_ : 0.0;
   const bool can_tell = state_ == "rendering" && fraction > 0;
+  // Build the response
   const Json json{{"run", run_},
                   {"scene", scene_},
                   {"state", state_},

@@ -212,6 +212,7 @@ int run(int argc, char** argv) {
   std::uint32_t seed = 1;
   int kind = kCloud;
   bool with_temperature = false;
+  // Parse the options
   const std::map<std::string, int> kinds{
       {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
   program.add_option("OUT", out, "Output file").required();
@@ -220,6 +221,7 @@ int run(int argc, char** argv) {
   program.add_option("--kind", kind, "Kind of volume: cloud, smoke, ramp or constant").one_of_named(kinds);
   program.add_flag("--temperature", with_temperature, "Also write the grid 'temperature'");
   if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
+  // Sample the model and write the grids
   VoxelBlocks density(1), temperature(1);
   sample(*make_model(kind, seed), resolution, density, temperature);
   const float side = 2.0f / static_cast<float>(resolution), first = 0.5f * side - 1;

@@ -163,6 +163,7 @@ void check_same_image(const PartFile& first, const PartFile& other) {
     throw SceneError(where, fmt::format("is not a part of the same image as '{}': {} is '{}' here and '{}' there",
                                         first.part.name, what, here, there));
   };
+  // Compare attributes, sizes and settings
   for (const auto& [name, what] : kSame)
     if (first.text(name) != other.text(name)) fail(what, other.text(name), first.text(name));
   const auto size = [](const PartFile& file) { return fmt::format("{}x{}", file.frame_width, file.frame_height); };
@@ -175,6 +176,7 @@ void check_same_image(const PartFile& first, const PartFile& other) {
     const std::string only_here = first_only_in(here, there), only_there = first_only_in(there, here);
     fail("a setting", only_here.empty() ? "not given" : only_here, only_there.empty() ? "not given" : only_there);
   }
+  // Compare the layers
   if (first.channels == other.channels) return;
   const std::string more = first_only_in(other.channels, first.channels);
   throw SceneError(where, fmt::format("is not a part of the same image as '{}': the layer '{}' is {}", first.part.name,

@@ -57,9 +57,11 @@ Transform map_of(const openvdb::GridBase& grid) {
 }
 
 int run(const std::string& in, const std::string& out) {
+  // Open the file
   openvdb::initialize();
   openvdb::io::File file(in);
   file.open();
+  // Convert the fog volumes
   std::list<VoxelBlocks> voxels;
   std::vector<NanoVdbGrid> grids;
   const openvdb::GridPtrVecPtr found = file.getGrids();
@@ -75,6 +77,7 @@ int run(const std::string& in, const std::string& out) {
     voxels.push_back(scalar ? to_blocks(*scalar) : to_blocks(*vector));
     grids.push_back({base->getName(), &voxels.back(), map_of(*base)});
   }
+  // Write them
   if (grids.empty()) throw SceneError({in}, "contains no float fog volumes");
   write_nanovdb(out, grids);
   return 0;

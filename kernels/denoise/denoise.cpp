@@ -98,6 +98,7 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
 
 /// The image with denoised.R/G/B, added or replaced.
 Image with_denoised(const Image& image, const Planes3& denoised) {
+  // Find or add the channels
   Image out = image;
   int index[3];
   for (int c = 0; c < 3; ++c) {
@@ -107,6 +108,7 @@ Image with_denoised(const Image& image, const Planes3& denoised) {
     index[c] = static_cast<int>(out.channels.size());
     out.channels.push_back(name);
   }
+  // Copy the existing values and write the denoised ones
   const std::size_t before = image.channels.size(), after = out.channels.size();
   out.data.assign(out.pixel_count() * after, 0.0f);
   tbb::parallel_for(0, out.height, [&](int y) {

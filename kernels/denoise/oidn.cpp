@@ -69,13 +69,16 @@ void* open_library() {
     }
     return nullptr;
   };
+  // Search the folders next to the program
   if (void* const handle = try_folders(folders.before)) return handle;
+  // Search with the dynamic linker
   std::string names;
   for (const std::string& name : oidn_names()) {
     names += (names.empty() ? "" : ", ") + name;
     if (void* const handle = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
   }
   looked += (looked.empty() ? "" : ", ") + std::string("the dynamic linker's folders (") + names + ")";
+  // Search the folders of Python packages and of Blender
   if (void* const handle = try_folders(folders.behind)) return handle;
   throw no_library((refused.empty() ? "libOpenImageDenoise.so was not found in " : "looked in ") + looked + refused);
 }

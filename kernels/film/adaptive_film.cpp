@@ -171,6 +171,7 @@ std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, do
 
 std::vector<double> AdaptiveFilm::spread_noise(int half) const {
   const double mean = mean_luminance(half);
+  // Estimate the noise of each tile
   std::vector<double> own(tiles_.size());
   std::map<std::pair<int, int>, double> known;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
@@ -178,6 +179,7 @@ std::vector<double> AdaptiveFilm::spread_noise(int half) const {
       own[i] = *noise;
       known[{tiles_[i].square.x0, tiles_[i].square.y0}] = *noise;
     }
+  // Raise it to the mean of the neighbourhood
   std::vector<double> spread = own;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     const PixelRect& square = tiles_[i].square;

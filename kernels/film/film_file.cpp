@@ -140,12 +140,14 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
 }
 
 void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
+  // Write the goal and the rectangles of the tiles
   out.put(film.goal_.noise);
   out.put(film.goal_.max_samples);
   out.put(static_cast<std::int32_t>(film.reach_));
   out.put(static_cast<std::uint64_t>(film.tiles_.size()));
   for (const AdaptiveFilm::Tile& tile : film.tiles_) put_rect(out, tile.square);
   for (const AdaptiveFilm::Tile& tile : film.tiles_) {
+    // Write the samples of the tile
     for (const bool converged : tile.converged) out.put(static_cast<std::uint8_t>(converged));
     for (const AdaptiveFilm::Set& set : tile.sets) {
       out.put(set.samples);
@@ -156,6 +158,7 @@ void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
       out.put(set.luminance);
     }
   }
+  // Write the units of work
   out.put(static_cast<std::uint64_t>(film.units_.size()));
   for (const AdaptiveUnit& unit : film.units_) {
     out.put(unit.tile);

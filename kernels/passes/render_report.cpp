@@ -130,6 +130,7 @@ std::string noise_line(const RenderReport& report) {
 
 std::string to_json(const RenderReport& report) {
   using Json = nlohmann::ordered_json;
+  // Collect the stages
   Json stages = Json::array();
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = report.stats.stages[i];
@@ -140,6 +141,7 @@ std::string to_json(const RenderReport& report) {
                       {"ns_per_item", stage.ns_per_item()},
                       {"lane_fill", stage.lane_fill()}});
   }
+  // Build the report
   const Stats::Rays& rays = report.stats.rays;
   const Json json{
       {"scene", report.scene},
@@ -193,6 +195,7 @@ std::string to_table(const RenderReport& report) {
   const Stats& stats = report.stats;
   std::string text;
   const auto out = std::back_inserter(text);
+  // Describe the render and its times
   fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
   if (report.interrupted) fmt::format_to(out, "interrupted after {:.4g} samples per pixel\n", report.mean_samples);
@@ -209,6 +212,7 @@ std::string to_table(const RenderReport& report) {
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
       report.rays_per_second() * 1e-6, report.trace_share() * 100);
+  // List the stages
   fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
                  "lane fill");
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
@@ -217,6 +221,7 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i], stage.items,
                    stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
+  // Add lights, noise and media
   text += lights_table(report);
   text += adaptive_line(report) + noise_line(report);
   if (const TrackingCounts& c = stats.collisions; c.real + c.null + c.shadow > 0)

@@ -150,6 +150,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   SampleLayout layout;
   const IntegratorSettings& transport = scene.integrator();
   const SamplerKind sampler = scene.sampler().kind;
+  // Set the samples per pixel, with gather rays
   layout.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
   if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
     layout.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
@@ -157,6 +158,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
     refuse("samples per pixel times gather rays must not exceed " + std::to_string(kMaxSamples));
   layout.spp *= layout.rays;
   if (layout.spp == 0) refuse("samples per pixel must be at least 1");
+  // Check the crop window and the options
   layout.crop = checked_crop(scene, options);
   check_spectral_bins(scene, options.spectral_bins);
   check_layers(options, transport, layout.spp);
@@ -164,12 +166,14 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   if (layout.adapts) check_adaptive(sampler, transport, layout.spp);
 
   const FilmSettings& film = scene.film();
+  // Determine the sampled pixels
   layout.filter_weights = scene.view().sensor.filter_weights;
   layout.reach = layout.filter_weights != nullptr ? layout.filter_weights->reach() : 0;
   layout.frame = {film.width, film.sample_border ? layout.reach : 0};
   check_frame(film, layout.frame);
   const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
   layout.wanted = layout.crop.grown(layout.reach).intersection(sampled);
+  // Divide the samples into replicates and passes
   set_replicates(options, sampler, layout);
   layout.range = options.samples ? requested_range(*options.samples, layout, transport) : SampleRange{0, layout.spp};
   const bool has_map_sets = transport.kind == IntegratorKind::kPhotonMapper &&

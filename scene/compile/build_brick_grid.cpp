@@ -243,12 +243,14 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
   grid.channels = channels;
   grid.border = border;
   set_size(grid, size, kAnySize);
+  // Check the number of values
   const auto stride_y = static_cast<std::size_t>(size[0]), stride_z = stride_y * static_cast<std::size_t>(size[1]);
   if (values.size() != stride_z * static_cast<std::size_t>(size[2]) * static_cast<std::size_t>(channels)) {
     throw SceneError(std::to_string(values.size()) + " values for a grid of " + text_of(size) + " voxels with " +
                      std::to_string(channels) + " channels");
   }
   grid.voxel_max = {size[0] - 1, size[1] - 1, size[2] - 1};
+  // Copy the voxels of each brick, with one layer of its neighbours
   const auto wrap = [&](int i, std::size_t axis) {
     return static_cast<std::size_t>(i < size[axis] ? i : border == GridBorder::kRepeat ? 0 : size[axis] - 1);
   };

@@ -50,8 +50,10 @@ class MediaCompiler {
     const GridBox box = around(medium);
     MediumRow row;
     row.phase = medium.phase;
+    // Set the step size of ray marching
     const float diagonal = length(box.max - box.min);
     row.step_size = step_size_ > 0.0f ? step_size_ : std::max(0.01f * diagonal, 1e-6f);
+    // Set coefficients and emission
     SpectrumRow spectra[kMediumSpectra] = {};
     if (const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients)) {
       row.first_grid = input(by_albedo->sigma_t, SpectrumUse::kUnbounded, m.scale, box, m.where, row.first, spectra[0]);
@@ -65,6 +67,7 @@ class MediaCompiler {
     if (m.density) row.density = grid(*m.density, box, m.where, 1);
     add_emission(m, box, row, spectra[2]);
     if (medium.flakes != nullptr) add_flakes(*medium.flakes, m.where, row);
+    // Bound the extinction
     set_flags(row, spectra);
     if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
     tables_.rows.push_back(row);

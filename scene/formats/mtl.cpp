@@ -188,6 +188,7 @@ class MtlReader {
   }
 
   std::string_view take_image_name(std::string_view& arguments) const {
+    // Take a quoted name
     if (arguments.starts_with('"')) {
       const std::size_t end = arguments.find('"', 1);
       if (end == arguments.npos) fail("a name has no closing quotation mark");
@@ -195,6 +196,7 @@ class MtlReader {
       arguments = trimmed(arguments.substr(end + 1));
       return name;
     }
+    // Take all words up to an option or comment, unless the whole text names a file
     std::size_t end = arguments.size();
     std::error_code failure;
     if (!std::filesystem::exists(find_image(arguments), failure))

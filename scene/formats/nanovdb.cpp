@@ -366,6 +366,7 @@ VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
 SparseVolume read_volume(const GridMemory& memory) {
   const auto* const header = reinterpret_cast<const nanovdb::GridData*>(memory.data());
   if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
+  // Check the grid class
   switch (header->mGridClass) {
     case nanovdb::GridClass::LevelSet:
       memory.fail("is a level set (expected a fog volume)");
@@ -377,6 +378,7 @@ SparseVolume read_volume(const GridMemory& memory) {
     default:
       memory.fail("is not a fog volume");
   }
+  // Convert the transform
   Matrix4 m;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) m.m[row][column] = header->mMap.mMatD[3 * row + column];
@@ -387,6 +389,7 @@ SparseVolume read_volume(const GridMemory& memory) {
   try {
     volume.grid_to_local = Transform(m);
   } catch (const SceneError& error) { memory.fail(error.what()); }
+  // Read the voxels
   volume.voxels = read_tree(memory, header->mGridType);
   return volume;
 }

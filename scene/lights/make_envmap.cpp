@@ -203,6 +203,7 @@ void uplift_nodes(Envmap& map) {
   tbb::parallel_for(std::size_t{0}, std::size_t{map.height}, [&](std::size_t row) {
     for (std::size_t first = 0; first < width; first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, width - first));
+      // Gather the colours of a register of nodes
       alignas(kSimdAlignment) float colors[3][kWidth];
       float* to[kWidth];
       for (int lane = 0; lane < kWidth; ++lane) {
@@ -210,6 +211,7 @@ void uplift_nodes(Envmap& map) {
         for (std::size_t c = 0; c < 3; ++c) colors[c][lane] = value_of(map, row, column, c) * unit;
         to[lane] = &map.spectra[4 * (row * width + column)];
       }
+      // Upsample them
       WideFloat rgb[3];
       for (int c = 0; c < 3; ++c) load(colors[c], rgb[c]);
       const ScaledSigmoid<Wide> s = uplift_unbounded<Wide>(table, {rgb[0], rgb[1], rgb[2]});

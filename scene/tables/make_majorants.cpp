@@ -321,6 +321,7 @@ float MajorantGrid::max_value() const {
 
 MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs) {
   MajorantGrid result;
+  // Bound the values outside
   Range outside;
   for (const MajorantSource& source : sources) {
     const BrickGrid& grid = *source.grid;
@@ -334,10 +335,12 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFil
   const BrickGrid& grid = *sources.front().grid;
   if (grid.is_empty()) return result;
   result.box = row_box(grid, filter);
+  // Choose the size of the base cells
   const int longest = *std::max_element(grid.bricks.begin(), grid.bricks.end());
   while ((longest - 1) >> (result.base_log2 - kBrickLog2) >= needs.max_side) ++result.base_log2;
   for (std::size_t axis = 0; axis < 3; ++axis)
     result.cells[axis] = ((grid.bricks[axis] - 1) >> (result.base_log2 - kBrickLog2)) + 1;
+  // Build, with fewer subdivisions if the result is too large
   std::size_t max_bytes = 1u << 16;
   for (const MajorantSource& source : sources) max_bytes = std::max(max_bytes, source.grid->bytes() / 2);
   for (int max_cut = kMaxCut; max_cut == kMaxCut || (max_cut > 0 && result.bytes() > max_bytes); --max_cut)

@@ -80,6 +80,7 @@ void Properties::expect_attributes(const XmlElement& element, std::initializer_l
 void Properties::add(const XmlElement& child) {
   const XmlElement* target = &child;
   if (context_.left_out.count(&child) != 0) return;
+  // Resolve references
   if (child.name == "ref") {
     expect_attributes(child, {"id", "name"});
     try {
@@ -89,6 +90,7 @@ void Properties::add(const XmlElement& child) {
   }
   const std::string* name = child.find_attribute("name");
   const bool nameless = name == nullptr || name->empty();
+  // Add nested objects
   if (contains(kObjectTags, target->name) || (target->name == "texture" && nameless)) {
     entries_.emplace_back("", name != nullptr ? *name : "", child, *target);
     return;
@@ -100,6 +102,7 @@ void Properties::add(const XmlElement& child) {
     throw ElementError(child,
                        "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
   }
+  // Add properties, each once
   if (nameless) throw ElementError(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
   const std::string key = spelling_key(*name);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });

@@ -49,6 +49,7 @@ std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const L
 }
 
 std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
+  // Read the image and find its channels
   StoredImage pixels;
   try {
     pixels = read_stored_image(bitmap.file);
@@ -60,6 +61,7 @@ std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
   const std::ptrdiff_t r = channel("R"), g = channel("G"), b = channel("B"), a = channel("A");
   if (r == count || g == count || b == count) return nullptr;
   const bool decode = !bitmap.raw && (pixels.integers || !pixels.bytes.empty());
+  // Access pixels as stored and as linear values
   const auto stored = [&](std::size_t pixel, std::ptrdiff_t c) {
     const std::size_t at = pixel * pixels.channels.size() + static_cast<std::size_t>(c);
     return pixels.bytes.empty() ? pixels.floats[at] : static_cast<float>(pixels.bytes[at]) / 255;
@@ -69,6 +71,7 @@ std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
   };
   auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
   const bool has_alpha = a < count && (is_png(bitmap.file) || has_extension(bitmap.file, "exr"));
+  // Use alpha unless it is 1 everywhere, otherwise the mean colour
   bool uses_alpha = false;
   for (std::size_t i = 0; has_alpha && !uses_alpha && i < out->pixel_count(); ++i) uses_alpha = stored(i, a) != 1;
   for (std::size_t i = 0; i < out->pixel_count(); ++i)

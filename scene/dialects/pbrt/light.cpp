@@ -197,6 +197,7 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
     throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}));
   AreaLight light;
   light.where = entity.where;
+  // Read the power and the radiance, which may be an image
   const float scale = read_scale(p);
   const auto power = p.find_number("power");
   if (power && *power > 0.0f) light.power = *power;

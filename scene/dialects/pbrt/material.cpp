@@ -74,6 +74,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   const auto reflectance = find_spectrum_input(p, "reflectance", Use::kReflectance);
   const auto eta = find_spectrum_input(p, eta_name.c_str(), Use::kUnbounded);
   const auto k = find_spectrum_input(p, k_name.c_str(), Use::kUnbounded);
+  // Convert a reflectance to an index of refraction
   if (reflectance && (eta || k)) p.fail("has both 'reflectance' and '" + (eta ? eta_name : k_name) + "', expected one");
   if (reflectance) {
     if (const auto* constant = std::get_if<SpectrumDescription>(&*reflectance)) {
@@ -84,6 +85,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
     }
     return metal;
   }
+  // Make eta and k relative to the surrounding dielectric
   const auto relative = [&](const std::optional<SpectrumInput>& given, const char* copper) -> SpectrumInput {
     const SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
     if (const auto* spectrum = std::get_if<SpectrumDescription>(&input))
@@ -118,6 +120,7 @@ Layer read_clear_layer(Parameters& p) {
 
 Model coated_diffuse(Parameters& p, bool remap) {
   PlasticDescription plastic;
+  // Read the coat and the base
   plastic.int_ior = read_index(p, "eta", 1.5f).value;
   plastic.ext_ior = 1;
   plastic.diffuse_reflectance = std::get<DiffuseDescription>(diffuse(p)).reflectance;
@@ -134,6 +137,7 @@ Model coated_diffuse(Parameters& p, bool remap) {
       *u = *v = 0.5f * (*u + *v);
     }
   }
+  // Match the energy of pbrt's random walk
   const Layer layer = read_clear_layer(p);
   const double alpha = plastic.roughness ? double{std::get<float>(plastic.roughness->alpha_u)} : 0.0;
   const LayeredBase base(alpha, double{plastic.int_ior}, double{layer.thickness}, layer.max_depth);
@@ -301,6 +305,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     p.reject_unused();
     return {add(reader, NullDescription{}, entity.where), false, true};
   }
+  // Read the material by its type
   const bool layered = type == "coateddiffuse" || type == "coatedconductor";
   const bool rough = layered || type == "conductor" || type == "dielectric" || type == "subsurface";
   const bool remap = rough ? p.boolean("remaproughness", true) : true;
@@ -340,6 +345,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
         "interface",       "measured",      "mix",       "subsurface", "thindielectric"};
     throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known));
   }
+  // Wrap it in maps and as two-sided
   MaterialId id = mapped(p, add(reader, std::move(model), entity.where), entity.where);
   if (both_sides) id = add(reader, TwoSidedDescription{id, id}, entity.where);
   reader.description.materials.at(static_cast<std::size_t>(id)).id = name;

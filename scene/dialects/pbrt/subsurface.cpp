@@ -73,6 +73,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
   medium.where = p.where();
   medium.scale = p.number("scale", 1, kPositive);
   const float g = p.number("g", 0, {-1, 1, true});
+  // Read the coefficients
   const std::optional<std::string> name = p.find_string("name");
   const auto sigma_a = find_constant(p, "sigma_a", Use::kUnbounded),
              sigma_s = find_constant(p, "sigma_s", Use::kUnbounded);
@@ -91,6 +92,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
                                                           SpectrumDescription::rgb(2.55f, 3.21f, 3.77f)};
   }
   Description& description = p.reader().description;
+  // Append the phase function and the medium
   if (g != 0.0f && !name) {
     description.phases.push_back({HenyeyGreensteinDescription{g}, p.where()});
     medium.phase = static_cast<PhaseId>(description.phases.size() - 1);
