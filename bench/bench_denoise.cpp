@@ -35,7 +35,7 @@ void denoise_image(benchmark::State& state, bool complete) {
 }
 
 BENCHMARK_CAPTURE(denoise_image, halves_and_features, true)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(denoise_image, colors_alone, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(denoise_image, without_features, false)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

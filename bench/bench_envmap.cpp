@@ -1,6 +1,6 @@
 // The cost of environment maps per item, by size and content of the map: sampling a direction with its radiance, and
 // looking one up. In `sky` most directions go to a sun. In `noise` they go to all of the map, so each lookup reads from
-// memory. "per_item" is in seconds. `numbers` is the cost of the random numbers alone.
+// memory. "per_item" is in seconds. `numbers` is the cost of only the random numbers.
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"

@@ -91,7 +91,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
   const FlushDenormals flush;
   // Advance the wave to the stage
   WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons ? PassKind::kLight : PassKind::kPath);
-  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene has no use for this stage");
+  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene does not use this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();
   const WaveSnapshot snapshot(wave);

@@ -14,7 +14,7 @@ Frames are --width pixels wide; 0 keeps the width of the scene. Prints for each 
 and `gain`, noisy over denoised, and the CPU seconds of denoising. `relative`: the same for the squared error over the
 squared mean of the pixel.
 
-There are two references of --reference-spp samples each, with different seeds. If a and b are the differences of a
+There are two references of --reference-spp samples each, with different seeds. If a and b are the differences of an
 image from them, the mean of a b is the squared error without the noise of the references.
 """
 
