@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLERS = {"independent": "#888888", "stratified": "#d08020", "multijitter": "#3060c0", "sobol": "#c02040"}
-PANELS = [("path, direct light alone", 2), ("path, all light", -1)]
+PANELS = [("path, direct light only", 2), ("path, all light", -1)]
 SEEDS = [1, 2]
 
 

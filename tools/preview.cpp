@@ -83,7 +83,7 @@ void Preview::watch(RenderOptions& options) {
   options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
   options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {
     if (before) before(state);
-    if (asked_ > 0) show(state);
+    if (pause_requested_ > 0) show(state);
   };
 }
 
@@ -92,7 +92,7 @@ bool Preview::is_due() {
   if (now < next_.load(std::memory_order_relaxed)) return false;
   const bool looked_at = (page_ && page_->wants_image()) || (tev_ && tev_->is_ready());
   double never = 0;
-  if (looked_at) asked_.compare_exchange_strong(never, now, std::memory_order_relaxed);
+  if (looked_at) pause_requested_.compare_exchange_strong(never, now, std::memory_order_relaxed);
   return looked_at;
 }
 
@@ -103,11 +103,11 @@ void Preview::show(const RenderState& state) {
   if (page_) page_->set_image(beauty);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
   const double now = Progress::steady_seconds();
-  double cost = now - asked_;
+  double cost = now - pause_requested_;
   // The page encodes in parallel to the render, on one of its processors.
   if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
   next_ = now + std::max(kMinInterval, kCostFactor * cost);
-  asked_ = 0;
+  pause_requested_ = 0;
 }
 
 void Preview::begin_writing() {
