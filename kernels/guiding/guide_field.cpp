@@ -90,7 +90,7 @@ std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::ve
 }
 
 /// Splits a cell, then its first half, while it holds more than `split_records` records. Second halves are appended to
-/// `spans` and split by learn().
+/// `spans` and split by train().
 void GuideField::split(std::size_t cell, std::vector<Span>& spans, std::size_t split_records) {
   while (spans[cell].end - spans[cell].begin > split_records && cells_[cell].depth < kGuideBits) {
     const auto [begin, end] = spans[cell];
@@ -145,7 +145,7 @@ void GuideField::fit(std::size_t cell, const Span& span) {
   if (p.vertices > kMinVertices) means_[cell + 1] = static_cast<float>(p.found / p.vertices);
 }
 
-void GuideField::learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
+void GuideField::train(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
   std::vector<Span> spans = sort_records(tasks);
   // Newly created cells are appended, and are split in turn.
   for (std::size_t cell = 0; cell < spans.size(); ++cell) split(cell, spans, split_records);

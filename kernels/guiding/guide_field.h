@@ -2,8 +2,8 @@
 // The same records in the same order give the same guide, for any number of threads.
 //
 // A cell is a leaf of the tree of its side; see GuideView. It is split if a pass yields more than `split_records`
-// records for it, so cells are smaller where more is known, as in Mueller, Gross and Novak, "Practical
-// Path Guiding for Efficient Light-Transport Simulation", 2017.
+// records for it, so cells are smaller where more is known, as in Mueller, Gross and Novak, "Practical Path Guiding for
+// Efficient Light-Transport Simulation", 2017.
 #pragma once
 
 #include "kernels/guiding/fit_mixture.h"
@@ -18,9 +18,9 @@ class GuideField {
   GuideField();
 
   /// Trains the guide with the records of a pass's tasks, in the order of the tasks.
-  void learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records);
+  void train(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records);
 
-  /// Valid until the next call of learn(), or until the guide is moved.
+  /// Valid until the next call of train(), or until the guide is moved.
   GuideView view() const;
   /// Mean of GuideRecord::found for each row of the view's mixtures; -1: unknown. Valid as long as the view.
   std::span<const float> means() const { return means_; }

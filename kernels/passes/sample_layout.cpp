@@ -171,8 +171,8 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   layout.reach = layout.filter_weights != nullptr ? layout.filter_weights->reach() : 0;
   layout.frame = {film.width, film.sample_border ? layout.reach : 0};
   check_frame(film, layout.frame);
-  const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
-  layout.wanted = layout.crop.grown(layout.reach).intersection(sampled);
+  const PixelRect frame_pixels = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
+  layout.sampled = layout.crop.grown(layout.reach).intersection(frame_pixels);
   // Divide the samples into replicates and passes
   set_replicates(options, sampler, layout);
   layout.range = options.samples ? requested_range(*options.samples, layout, transport) : SampleRange{0, layout.spp};

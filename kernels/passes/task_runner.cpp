@@ -109,7 +109,7 @@ void TaskRunner::take_samples(const TileTask& task, std::uint32_t first_sample, 
   const FlushDenormals flush;
   const SampleLayout& layout = plan_.layout();
   const Film& film = plan_.state().film;
-  const std::vector<PixelSamples> pixels = samples_of(task.tile.wanted, layout.frame, first_sample, sample_count);
+  const std::vector<PixelSamples> pixels = samples_of(task.tile.sampled, layout.frame, first_sample, sample_count);
   worker.camera.begin(pixels, layout.frame, film.layout().size(), film.spectral_bins(),
                       AovChannels(film.layout(), options_.aovs));
   worker.wave.light_groups = group_sink(worker.camera);

@@ -129,7 +129,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     training.report.trace_seconds += seconds_since(start);
     start = timestamp();
     for (const auto& task : records) training.report.records += task.size();
-    field.learn(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
+    field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
     training.report.fit_seconds += seconds_since(start);
     ++training.report.passes;
   }

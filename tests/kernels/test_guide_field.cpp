@@ -180,7 +180,7 @@ TEST_CASE("guiding: cells shrink with the number of training samples and do not 
       for (auto& task : told)
         for (GuideRecord& r : task)
           r.row_and_side |= guide_row<Scalar>(field.view(), r.side(), guide_code<Scalar>(field.view(), r.p)) << 3;
-      field.learn(told, 400);
+      field.train(told, 400);
     }
     const GuideView view = field.view();
     CHECK(field.cells() > 40);
