@@ -40,7 +40,7 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   typename L::Float terminator;
   typename L::Uint edges_left;  ///< maximum number of segments of a photon's path
   bool single_wavelength;       ///< the camera path has a single wavelength
-  float first_ratio;            ///< pdf of the camera path over that of its first wavelength alone
+  float first_ratio;            ///< pdf of the camera path over that of only its first wavelength
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
