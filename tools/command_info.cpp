@@ -210,7 +210,7 @@ void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
   Command command =
       program.add_command("info",
-                          "Print the contents and bounds of a scene file, the positions of its grids, and the memory "
+                          "Print the contents and bounds of a scene file, the bounds of its grids, and the memory "
                           "for loading and rendering it; or print the header of an OpenEXR file.");
   command.add_option("scene", arguments->scene, "Scene file, or image (.exr)").required();
   add_read_options(command, arguments->read);

@@ -38,9 +38,10 @@ void add_image_options(Command& command, RenderArguments& arguments) {
       .share()
       .positive();
   command
-      .add_option("--time-limit", arguments.time_limit,
-                  "Time limit of rendering: no new samples start after it, once all pixels are sampled. Combines with "
-                  "--noise-target, or with --spp as the maximum. Seconds, or with units: 90s, 5m, 1h30m")
+      .add_option(
+          "--time-limit", arguments.time_limit,
+          "Stop sampling after this time, but not before every pixel has samples. Combines with --noise-target, "
+          "or with --spp as the maximum. Seconds, or with units: 90s, 5m, 1h30m")
       .seconds()
       .positive();
   command.add_option("--seed", arguments.seed, "Seed of the random numbers. Default: the scene's")
