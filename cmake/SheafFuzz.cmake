@@ -46,7 +46,7 @@ function(sheaf_fuzz_targets)
       target_link_options(${target} PRIVATE -fsanitize=fuzzer)
     endif()
     string(REPLACE fuzz_ "" name ${target})
-    # A fixed seed: apart from the time limit, the result depends on the code alone.
+    # A fixed seed: apart from the time limit, the result depends only on the code.
     add_test(NAME ${target} COMMAND tests/fuzz/run.sh "${PROJECT_BINARY_DIR}" ${name} -seed=1 -max_total_time=1
       WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     set_tests_properties(${target} PROPERTIES LABELS fuzz TIMEOUT 300)

@@ -160,10 +160,10 @@ class GridMemory {
     char bytes[32];
   };
 
-  /// Allocates the grid's memory. Throws if the claimed size exceeds `most`, the maximum that the stored data can
+  /// Allocates the grid's memory. Throws if the claimed size exceeds `max_size`, the maximum that the stored data can
   /// produce.
-  void allocate(std::uint64_t most) {
-    if (entry_.size > most) {
+  void allocate(std::uint64_t max_size) {
+    if (entry_.size > max_size) {
       fail("claims " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
     }
     if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is smaller than its header");
@@ -179,7 +179,7 @@ class GridMemory {
   void inflate() {
     if (entry_.stored.size() < 8) fail("the file is truncated");
     Inflater inflater(entry_.stored.substr(8));
-    allocate(inflater.most_left());
+    allocate(inflater.max_remaining());
     std::size_t found = 0;
     try {
       found = inflater.read({memory(), entry_.size});
@@ -365,6 +365,7 @@ VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
 SparseVolume read_volume(const GridMemory& memory) {
   const auto* const header = reinterpret_cast<const nanovdb::GridData*>(memory.data());
   if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
+  // Check the grid class
   switch (header->mGridClass) {
     case nanovdb::GridClass::LevelSet:
       memory.fail("is a level set (expected a fog volume)");
@@ -376,6 +377,7 @@ SparseVolume read_volume(const GridMemory& memory) {
     default:
       memory.fail("is not a fog volume");
   }
+  // Convert the transform
   Matrix4 m;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) m.m[row][column] = header->mMap.mMatD[3 * row + column];
@@ -386,6 +388,7 @@ SparseVolume read_volume(const GridMemory& memory) {
   try {
     volume.grid_to_local = Transform(m);
   } catch (const SceneError& error) { memory.fail(error.what()); }
+  // Read the voxels
   volume.voxels = read_tree(memory, header->mGridType);
   return volume;
 }

@@ -164,7 +164,7 @@ TEST_CASE("Nori materials and textures: errors have line and fault and nearest n
           {bsdf("disney", number("metalic", "0.5")), "did you mean 'metallic'?"},
           {bsdf("disney", "\n" + number("roughness", "2")),
            "scene.xml:5: property 'roughness' of bsdf 'disney' is '2'"},
-          {bsdf("microfacet", number("alpha", "-1")), "expected no negative number"},
+          {bsdf("microfacet", number("alpha", "-1")), "expected a non-negative number"},
           {bsdf("microfacet", "<color name='ks' value='1'/>"), "unknown property 'ks' of bsdf 'microfacet'"},
           {bsdf("diffuse", number("reflectivity", "0.5")), "unknown property 'reflectivity' of bsdf 'diffuse'"},
           {texture("checkerbord_color"),
