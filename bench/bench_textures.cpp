@@ -1,7 +1,8 @@
 // The cost of texture lookups per item: every format and filter, one path at a time and in registers. Positions are
 // close together (paths that see the same part of a surface) or anywhere in the image. "per_item" is in seconds.
 #include "core/rng.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/list.h"
+#include "scene/textures/texture_lookup.h"
 
 #include <benchmark/benchmark.h>
 
@@ -33,10 +34,10 @@ struct NoiseImage {
         std::memcpy(tiles[i].bytes + 4 * word, &bits, sizeof(bits));
       }
     constexpr auto kRepeat = TextureWrap::kRepeat;
-    rows[0].kind = TextureKind::kBitmap;
-    rows[0].bitmap = {0, per_row, size, size, kRepeat, kRepeat, filter, format};
-    rows[1].kind = TextureKind::kCheckerboard;
-    rows[1].checkerboard = {{0, 0}, 0};
+    rows[0].kind = kTextureKind<BitmapDescription>;
+    rows[0].set_data(BitmapRow{0, per_row, size, size, kRepeat, kRepeat, filter, format});
+    rows[1].kind = kTextureKind<CheckerboardDescription>;
+    rows[1].input_count = 2;  // both are texture 0
     view.rows = rows;
     view.tiles = tiles.data();
   }

@@ -39,12 +39,11 @@ SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, con
 
 /// Whether the textures of a material's parameters depend only on uv coordinates.
 bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
-  const auto is_flat = [&](const TextureBinding& binding) {
-    const TextureKind kind = scene.textures.rows[binding.texture].kind;
-    return kind == TextureKind::kBitmap || kind == TextureKind::kConstant;
+  const auto needs_nothing_else = [&](const TextureBinding& binding) {
+    return scene.textures.rows[binding.texture].needs == 0;
   };
   const TextureBinding* const first = scene.materials.bindings + material.first_binding;
-  return std::all_of(first, first + material.binding_count, is_flat);
+  return std::all_of(first, first + material.binding_count, needs_nothing_else);
 }
 
 template <class L, ColorMode Mode>

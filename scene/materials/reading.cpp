@@ -3,7 +3,7 @@
 #include "scene/data/glasses.h"
 #include "scene/data/named_ior.h"
 #include "scene/description/scaled_spectrum.h"
-#include "scene/xml/constant_texture.h"
+#include "scene/textures/constant_map.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>

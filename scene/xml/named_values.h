@@ -5,6 +5,7 @@
 
 #include "core/name_table.h"
 #include "core/vec.h"
+#include "scene/description/inputs.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -15,17 +16,6 @@
 #include <vector>
 
 namespace sheaf {
-
-/// Valid range of a number.
-struct NumberRange {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool open = false;  ///< excludes the ends
-};
-inline constexpr NumberRange kAnyNumber{};
-inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
-inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
-inline constexpr NumberRange kUnitInterval{0, 1, false};
 
 /// Formats a number without trailing zeros for messages.
 std::string number_text(double number);

@@ -151,13 +151,4 @@ XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>*
   return converter.convert(root, 1);
 }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string shown(text.substr(0, kLongest));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-  if (text.size() > kLongest) shown += "...";
-  return "'" + shown + "'";
-}
-
 }  // namespace sheaf

@@ -261,8 +261,8 @@ constexpr NameTable<SpectrumInput (*)(Parameters&, const Source&)> kTextures{{{"
                                                                               {"windy", read_grey},
                                                                               {"wrinkled", read_grey}}};
 
-/// Returns a copy of the input with its constants and images modified, also inside checkerboards and mixes. Returns
-/// nullopt for other textures, or if `change_bitmap` returns false.
+/// Returns a copy of the input with its constants and images modified, also those that other textures combine. Returns
+/// nullopt for textures of other kinds, or if `change_bitmap` returns false.
 template <class ChangeConstant, class ChangeBitmap>
 std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& input,
                                            const ChangeConstant& change_constant, const ChangeBitmap& change_bitmap,
@@ -275,17 +275,17 @@ std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& 
   };
   if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) {
     if (!change_bitmap(*bitmap)) return std::nullopt;
-  } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
-    const auto first = change(board->color0), second = change(board->color1);
-    if (!first || !second) return std::nullopt;
-    *board = {*first, *second};
-  } else if (auto* mix = std::get_if<MixTextureDescription>(&copy.model)) {
-    const auto first = change(mix->color0), second = change(mix->color1);
-    if (!first || !second) return std::nullopt;
-    *mix = {*first, *second, mix->amount};
-  } else {
-    return std::nullopt;
+    return append(reader, std::move(copy));
   }
+  if (auto* constant = std::get_if<ConstantTextureDescription>(&copy.model)) return change_constant(constant->value);
+  bool has_colors = false, all_change = true;
+  for_each_color(copy.model, [&](SpectrumInput& color) {
+    const std::optional<SpectrumInput> changed = change(color);
+    if (changed) color = *changed;
+    has_colors = true;
+    all_change = all_change && changed;
+  });
+  if (!has_colors || !all_change) return std::nullopt;
   return append(reader, std::move(copy));
 }
 
