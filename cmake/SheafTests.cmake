@@ -1,7 +1,8 @@
 # Tests: one program per folder of tests/, and one ctest entry per file.
 
-# Optimised builds compile tests with -O1, because most tests compile for longer than they run. Their results do not
-# depend on it; see -ffp-contract in SheafFlags.cmake.
+# Optimised builds compile tests with -O1, because most tests compile for longer than they run. -O0 would take longer in
+# all: libraries call the tests' copies of inline functions. Results do not depend on it; see -ffp-contract in
+# SheafFlags.cmake.
 set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
 # This test looks for effects of stronger optimisation.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES

@@ -265,7 +265,7 @@ TEST_CASE("films without channels keep their adaptive tile sums and impossible f
 
   write(Film(std::numeric_limits<int>::max(), 5, {2, 1, 5, 3}, kLayout));
   BinaryInput wide(file, kLine);
-  CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("has a frame that cannot be"), Error);
+  CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("is damaged (invalid frame size)"), Error);
 }
 
 }  // namespace sheaf::test_film

@@ -169,7 +169,7 @@ TEST_CASE("media tracking: rays whose steps vanish in rounding are terminated") 
     CHECK(result.report.stats.collisions.abandoned == 1);
     CHECK(result.report.stats.dropped.samples + result.report.stats.dropped.rays == 0);
     REQUIRE(result.warnings.size() == 1);
-    CHECK(result.warnings[0].find("rays were given up in a medium") != std::string::npos);
+    CHECK(result.warnings[0].find("rays were abandoned in a medium") != std::string::npos);
     return result.film.to_image().at(0, 0, 0);
   };
   // Light along camera rays.

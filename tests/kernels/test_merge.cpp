@@ -157,7 +157,7 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
     check_overlaps(std::vector<ImagePart>{{"a.exr", frame, {0, 8}}, {"b.exr", frame_part(3, 2, 4, 3), {4, 8}}});
     CHECK(false);
   } catch (const SceneError& error) {
-    CHECK(std::string(error.what()) == "b.exr: has samples that 'a.exr' has too: 4:4 of the pixel 3,2");
+    CHECK(std::string(error.what()) == "b.exr: shares samples with 'a.exr': 4:4 of pixel 3,2");
   }
   const std::vector<ImagePart> parts{{"a", top, {0, 8}},
                                      {"b", bottom, {0, 3}},

@@ -229,8 +229,8 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
   };
   const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   CHECK(message_of(kSettings).empty());
-  CHECK(contains(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}), "--spp is '9' now, and was '8' then"));
-  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given now"));
+  CHECK(contains(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}), "--spp is '9', but the checkpoint has '8'"));
+  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given"));
   CHECK(contains(message_of({{"--spp", "8"}, {"scene.xml", "1 bytes"}, {"--seed", "2"}}), "--seed is '2' now"));
 
   const std::string good = read_bytes(file);

@@ -1,10 +1,11 @@
 // Lookups of bitmaps against a reference in double precision: formats, wrap modes, filters and slopes. Checkerboards of
 // bitmaps.
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 #include "core/color.h"
 #include "core/exr.h"
 #include "scene/compile/compile_textures.h"
+#include "scene/textures/lookups/bitmap.h"
 #include "tests/scene/texture_lookups.h"
 #include "tests/support/capture.h"
 #include "tests/support/image_files.h"

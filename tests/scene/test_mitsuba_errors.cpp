@@ -68,7 +68,7 @@ TEST_CASE("Mitsuba: errors of properties and colours and spectra have line and f
       {mitsuba_scene("<emitter type='point'><point name='position' x='0'/><transform name='to_world'/></emitter>"),
        "has both 'position' and 'to_world'"},
       {mitsuba_scene("<emitter type='constant'><rgb name='radiance' value='-1'/></emitter>"),
-       "expected no negative value"},
+       "expected non-negative values"},
   });
 }
 
@@ -141,18 +141,19 @@ TEST_CASE("Mitsuba materials: errors of parameters have line and fault and neare
           {bsdf("conductor", word("material", "Aux")),
            "property 'material' of bsdf 'conductor' is 'Aux', expected the name of a metal, did you mean 'Au'? (known: "
            "Ag, Al, AlAs,"},
-          {bsdf("conductor", number("eta", "1")), "has 'eta' alone, expected both 'eta' and 'k'"},
-          {bsdf("conductor", number("k", "1")), "has 'k' alone"},
+          {bsdf("conductor", number("eta", "1")), "has only 'eta', expected both 'eta' and 'k'"},
+          {bsdf("conductor", number("k", "1")), "has only 'k'"},
           {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")),
            "is set together with 'eta' and"},
           {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
           {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
           {bsdf("roughconductor", word("distribution", "fong")), "is 'fong', expected beckmann or ggx"},
           {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
-          {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
+          {bsdf("roughconductor", number("alpha_u", "0.1")),
+           "has only 'alpha_u', expected both 'alpha_u' and 'alpha_v', or 'alpha'"},
           {bsdf("roughconductor", number("alphaU", "0.1") + number("alphaV", "0.1") + number("alpha", "0.1")),
            "property 'alpha' of bsdf 'roughconductor' is set together with 'alpha_u' and 'alpha_v'"},
-          {bsdf("roughconductor", number("alpha", "-1")), "expected no negative number"},
+          {bsdf("roughconductor", number("alpha", "-1")), "expected a non-negative number"},
           {bsdf("roughplastic", number("alpha_u", "0.1") + number("alpha_v", "0.2")), "differs from 'alpha_u'"},
           {bsdf("roughplastic", "<texture type='checkerboard' name='alpha'/>"), "is a texture, expected a number"},
           {bsdf("dielectric", word("int_ior", "diamant")),

@@ -104,7 +104,8 @@ TEST_CASE("media: errors in Nori scenes have line and nearest name") {
           {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='1'/></bsdf>" + medium("homogeneous", "")),
            "has a <medium> and a bsdf with 'sigmaA'"},
           {nori_mesh("<bsdf type='diffuse'><color name='sigmaA' value='1'/></bsdf>"), "unknown property 'sigmaA'"},
-          {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"), "expected no negative value"},
+          {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='-1'/></bsdf>"),
+           "expected non-negative values"},
           {nori_mesh("<bsdf type='blendbsdf'><bsdf type='null'><color name='sigmaA' value='1'/></bsdf>"
                      "<bsdf type='null'><color name='sigmaA' value='1'/></bsdf></bsdf>"),
            "is set by two materials of one surface"},

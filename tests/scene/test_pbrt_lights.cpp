@@ -148,7 +148,7 @@ TEST_CASE("pbrt lights: a projection is uniform over directions and keeps its po
 TEST_CASE("pbrt lights: a goniometric light is a point light times the luminance of its image") {
   const Description d = read("LightSource \"goniometric\" \"string filename\" \"colours.ppm\" \"rgb I\" [ 1 2 3 ]");
   const auto& light = std::get<GoniometricLightDescription>(d.lights.at(0).model);
-  const auto& bitmap = std::get<BitmapDescription>(d.textures.at(static_cast<std::size_t>(light.picture)).model);
+  const auto& bitmap = std::get<BitmapDescription>(d.textures.at(static_cast<std::size_t>(light.image)).model);
   REQUIRE(bitmap.made);
   CHECK(bitmap.made->data[0] == Approx(1.0 / 3));
   CHECK(bitmap.made->data[3] == 1);

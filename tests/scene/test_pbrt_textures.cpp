@@ -3,7 +3,7 @@
 #include "core/image.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/dialects/pbrt/noise.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>

@@ -71,7 +71,7 @@ TEST_CASE("media: mixtures of phase functions become nested blends and constant 
   };
   CHECK(contains(error("1"), "has 2 nested <phase> and 1 weights"));
   CHECK(contains(error("0.5, 0.2"), "expected 1"));
-  CHECK(contains(error("2, -1"), "no negative number"));
+  CHECK(contains(error("2, -1"), "a non-negative number"));
   CHECK(error("3, 1").empty());
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("media: errors of phase functions in Mitsuba scenes have line and near
            "has a grid for 'weight', expected the same value everywhere"},
           {tabphase(""), "phase 'tabphase' needs the string 'values'"},
           {tabphase("<string name='values' value='1'/>"), "has 1 numbers, expected at least two"},
-          {tabphase("<string name='values' value='1, -2, 3'/>"), "has -2.000000, expected no negative number"},
+          {tabphase("<string name='values' value='1, -2, 3'/>"), "has -2.000000, expected a non-negative number"},
           {tabphase("<string name='values' value='0, 0'/>"), "add up to 0.000000, expected more than 0"},
           {tabphase("<string name='values' value='1, x'/>"), "'x'"},
           {mitsuba_scene("<phase type='hg'/>"),

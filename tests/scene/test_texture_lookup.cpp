@@ -1,5 +1,5 @@
 // Lookups of grid textures, mesh attributes, volumes and wireframes, and of values for material parameters.
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 #include "core/color.h"
 #include "scene/compile/compile.h"
@@ -52,7 +52,7 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces are interpolate
   table.add(1, 2, 2, 4, {"vertex_color", 3, {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0.5f}}, {});
   table.add(1, 2, 2, 4, {"vertex_weight", 1, {1, 2, 4, 8}}, {});
   table.add(1, 2, 2, 4, {"face_color", 3, {1, 2, 3, 4, 5, 6}}, {});
-  table.finish(3, textures);
+  table.finish(3);
   TextureView view = view_of(textures);
   view.attributes = table.entries().data();
   view.attribute_values = table.values().data();
@@ -137,6 +137,8 @@ TEST_CASE("texture lookup: volumes as light or bump textures are rejected") {
   d.textures.push_back(board);
   d.shapes[0].radiance = TextureId{1};
   CHECK_THROWS_AS(compile_scene(d), SceneError);
+  d.textures[1].model = MixTextureDescription{SpectrumDescription::constant(1), TextureId{0}, 0.5f};
+  CHECK_THROWS_AS(compile_scene(d), SceneError);
   d.shapes[0].radiance.reset();
   CHECK_NOTHROW(compile_scene(d));
   d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
@@ -157,7 +159,7 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
   AttributeTable table(textures.attribute_names);
   table.add(0, 0, 2, 6, {kEdgeDistances, 3, edge_distances(mesh, false)}, {});
   table.add(0, 0, 2, 6, {kRelativeEdgeDistances, 3, edge_distances(mesh, true)}, {});
-  table.finish(2, textures);
+  table.finish(2);
   TextureView view = view_of(textures);
   view.attributes = table.entries().data();
   view.attribute_values = table.values().data();

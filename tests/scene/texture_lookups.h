@@ -3,7 +3,7 @@
 
 #include "core/rng.h"
 #include "scene/compile/compile_textures.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/records_testing.h"
 

@@ -254,7 +254,7 @@ def check_benchmarks(arguments, folder, failures):
     if not good:
         return failures.add("sheaf_bench", output)
     benchmarks = json.loads(report.read_text())["benchmarks"]
-    nothing_to_do = ("no items reach this stage", "the scene has no use for this stage")
+    nothing_to_do = ("no items reach this stage", "the scene does not use this stage")
     idle = [b for b in benchmarks if b.get("error_message") in nothing_to_do]
     print(f"{len(benchmarks)} benchmarks, {len(idle)} of them without items: {', '.join(b['name'] for b in idle)}")
     if len(benchmarks) == len(idle):

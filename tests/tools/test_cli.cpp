@@ -59,7 +59,7 @@ TEST_CASE("unknown names are errors that suggest the nearest") {
         {"render scene.xml --sp 4", "unknown option '--sp', did you mean '--spp'?"},
         {"render scene.xml other.xml", "unexpected argument 'other.xml'"},
         {"render scene.xml --step-size nan", "'nan' is not a finite number"},
-        {"render scene.xml --scale -1", "--scale: '-1' is not a number above 0"},
+        {"render scene.xml --scale -1", "--scale: '-1' is not a positive number"},
         {"render scene.xml --sampler foo", "(known: independent, stratified, multijitter, sobol, zsobol, "},
         {"render scene.xml --light-sampler foo", "(known: uniform, power, bvh)"},
         {"render scene.xml --integrator foo", "direct_ris, "},
@@ -151,7 +151,7 @@ TEST_CASE("--lenient renders invalid scenes with a warning for each problem and 
   CHECK(outcome.code == 0);
   CHECK(contains(outcome.err, "warning: scene.xml:12: unknown element <mode>"));
   CHECK(contains(outcome.err, "unknown shape plugin 'torus'"));
-  CHECK(contains(outcome.err, "2 things of the scene could not be read"));
+  CHECK(contains(outcome.err, "2 scene elements could not be read"));
   CHECK(contains(run(folder, "info scene.xml --lenient").out, "unknown shape plugin 'torus'"));
 }
 

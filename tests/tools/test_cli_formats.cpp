@@ -29,9 +29,9 @@ constexpr Reader kSceneReaders[] = {
     {"farm FILE --parts 2 --quiet", "expected a scene of Mitsuba or Nori"}};
 constexpr Reader kImageReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR image"},
                                     {"merge FILE --quiet -o out.exr", "expected an OpenEXR image"},
-                                    {"compare FILE FILE", "expected a picture"},
-                                    {"compare image.exr FILE", "expected a picture"},
-                                    {"compare image.exr image.exr --variance-a FILE", "expected a picture"}};
+                                    {"compare FILE FILE", "expected an image"},
+                                    {"compare image.exr FILE", "expected an image"},
+                                    {"compare image.exr image.exr --variance-a FILE", "expected an image"}};
 
 std::string with_file(const Reader& reader, const std::string& file) {
   std::string arguments = reader.arguments;
@@ -62,7 +62,7 @@ const std::vector<Foreign>& foreign_files() {
       {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
       {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
       {"a.nvdb", "NanoVDB2", "a NanoVDB file", "use it in a scene"},
-      {"a.mtl", "newmtl x\n", "a library of materials", "use it in a scene"},
+      {"a.mtl", "newmtl x\n", "a material library", "use it in a scene"},
       {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
   return files;
 }
@@ -114,12 +114,12 @@ TEST_CASE("formats: images are rejected as scenes and images without layers are 
         place.check_refused(with_file(reader, file), file, "image, expected a scene of Mitsuba or Nori");
   for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
     place.check_refused(with_file(reader, "image.png"), "image.png",
-                        "is a PNG image, expected an OpenEXR image, as 'sheaf render -o NAME.exr' writes it; other "
-                        "formats lack the layers");
+                        "is a PNG image, expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'; other "
+                        "formats lack the required layers");
   // Scenes are not images.
   for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
     place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
-                        "this is not an OpenEXR file, expected an OpenEXR image");
+                        "has an unknown format, expected an OpenEXR image");
 }
 
 TEST_CASE("formats: empty and malformed files are errors") {
@@ -138,9 +138,9 @@ TEST_CASE("formats: empty and malformed files are errors") {
       place.check_refused(with_file(reader, file), file, "is empty, expected ");
   }
   write_bytes(place.folder / "b.exr", "nothing of the kind");
-  place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR image does");
+  place.check_refused("info b.exr", "b.exr", "does not start like an OpenEXR file");
   for (const Reader& reader : kImageReaders)
-    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR image does");
+    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not start like an OpenEXR file");
   // Truncated at any length.
   const std::string whole = read_bytes(place.folder / "image.exr");
   for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {

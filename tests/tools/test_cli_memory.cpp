@@ -114,7 +114,7 @@ TEST_CASE("memory: renders beyond the available memory have exit code 1 and leav
   const std::string whole = "render scene.xml --quiet -o out.exr --size 46000x46000";
   const Outcome film = run(folder, whole);
   CHECK(film.code == 1);
-  CHECK(contains(film.err, "not enough memory for a picture of 46000 x 46000 pixels: it takes "));
+  CHECK(contains(film.err, "not enough memory for an image of 46000 x 46000 pixels: it takes "));
   CHECK(contains(film.err, " GB for the film, "));
   CHECK(contains(film.err, "--crop"));
   CHECK(folder.entry_count() == 1);
@@ -134,7 +134,7 @@ TEST_CASE("memory: renders beyond the available memory have exit code 1 and leav
   CHECK(run(folder, "render scene.xml --quiet -o out.exr").code == 2);
   const Outcome info = run(folder, "info scene.xml");
   CHECK(info.code == 0);
-  CHECK(contains(info.out, "while loading; as it is the scene cannot be rendered: samples per pixel"));
+  CHECK(contains(info.out, "while loading; the scene cannot be rendered: samples per pixel"));
   CHECK(folder.entry_count() == 1);
 }
 

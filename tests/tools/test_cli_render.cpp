@@ -174,7 +174,7 @@ TEST_CASE("a model file is rendered without a scene") {
   CHECK(run(folder, "info model.obj").code == 0);
   const Outcome scene = run(folder, "render scene.xml --view 40,10");
   CHECK(scene.code == 2);
-  CHECK(contains(scene.err, "are for models"));
+  CHECK(contains(scene.err, "apply to models"));
 }
 
 }  // namespace sheaf::test_cli_render

@@ -114,8 +114,8 @@ nlohmann::json wait_for_image(int port, int number) {
   nlohmann::json now;
   for (int i = 0; i < 600; ++i, pause_for(0.05)) {
     now = status(port);
-    if (now.is_discarded() || now["picture"] >= number) break;
-    get(port, "/picture.png");
+    if (now.is_discarded() || now["image"] >= number) break;
+    get(port, "/image.png");
   }
   return now;
 }
@@ -159,14 +159,14 @@ TEST_CASE("the page and the status and the image of a render are served and noth
   CHECK(contains(second["messages"][0].get<std::string>(), "rendered with 'sobol'"));
   CHECK(second["report"]["stages"][0]["name"] == "camera_rays");
   CHECK(second["report"]["stages"][0]["items"] > first["report"]["stages"][0]["items"]);
-  const std::string image = get(port, "/picture.png");
+  const std::string image = get(port, "/image.png");
   CHECK(contains(image, "Content-Type: image/png"));
   write_bytes(render.file("seen.png"), body_of(image));
   const Image seen = read_image(render.file("seen.png"));
   CHECK(seen.width == 48);
   CHECK(seen.height == 32);
 
-  CHECK(status_of(get(port, "/picture.exr")) == 404);
+  CHECK(status_of(get(port, "/image.exr")) == 404);
   CHECK(status_of(get(port, "/../scene.xml")) == 404);
   CHECK(status_of(get(port, "/status.json?a=b")) == 200);
   CHECK(status_of(get(port, "/", "localhost:" + std::to_string(port))) == 200);
@@ -221,8 +221,8 @@ TEST_CASE("viewers get the finished image and do not change its bytes") {
   for (int i = 0; i < 6000; ++i, pause_for(0.02)) {
     const nlohmann::json now = status(port);
     if (now.is_discarded() || !now.is_object()) break;
-    if (now["picture"] != (last.is_object() ? last["picture"] : nlohmann::json(0))) {
-      image = body_of(get(port, "/picture.png"));
+    if (now["image"] != (last.is_object() ? last["image"] : nlohmann::json(0))) {
+      image = body_of(get(port, "/image.png"));
       ++images;
     }
     last = now;

@@ -35,7 +35,7 @@ trap '"$source_folder/tools/slurm.sh" stop "$slurm"' EXIT
 "$sheaf" farm "a scene.xml" --frames 1:2 --parts 4 -o "out.exr" --submit -- --no-timestamps --checkpoint-every 0.1 >jobs.txt ||
   fail "not submitted"
 cat jobs.txt
-read -r first joining < <(sed -n 's/^frame 1: parts are job \([0-9]*\), joining them is job \([0-9]*\)$/\1 \2/p' jobs.txt)
+read -r first joining < <(sed -n 's/^frame 1: parts are job \([0-9]*\), merging is job \([0-9]*\)$/\1 \2/p' jobs.txt)
 parts=$PWD/"a scene_farm/parts/0001"
 # In the middle: there is a checkpoint, and the job runs.
 in_the_middle() {
