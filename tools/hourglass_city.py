@@ -6,8 +6,8 @@ from hourglass_meshes import Mesh, box, merged, oriented, quads, revolved
 from hourglass_textures import fractal
 
 FLOOR, WINDOW = 0.155, (0.078, 0.098)  # height of a floor, size of a window, in cm
-BLOCK, STREET = 0.92, 0.24
-RADIUS = 4.45
+BLOCK, STREET = 0.98, 0.25
+RADIUS = 4.6
 MATERIALS = ("concrete", "brick", "limestone", "steel")
 
 
@@ -77,8 +77,8 @@ def make_building(height, width, depth, kind, rng, lit_share):
         walls.extend(roof_details(top, (x, z), rng))
     if kind == "setback":
         x = 0.5 * width * 0.54
-        walls.append(revolved([(x * 0.7, height), (x * 0.55, height + 0.1), (0.02, height + 0.5), (0.012, height + 0.95),
-                               (0.0, height + 0.96)], 16))
+        walls.append(revolved([(x * 0.7, height), (x * 0.5, height + 0.08), (0.022, height + 0.24), (0.012, height + 0.46),
+                               (0.0, height + 0.47)], 16))
     if kind == "gable":
         walls.append(gable(width * 0.5 + 0.02, depth * 0.5 + 0.02, height, 0.55 * depth))
     return merged(walls), quads(*lit) if lit[0] else None, quads(*dark)
@@ -99,8 +99,8 @@ def gable(x, z, bottom, rise):
 
 
 # Height, width, depth, kind and material of each kind of building.
-MODELS = [(4.3, 0.62, 0.62, "setback", "limestone"), (3.7, 0.56, 0.56, "podium", "steel"),
-          (3.2, 0.58, 0.52, "setback", "brick"), (2.9, 0.52, 0.52, "flat", "steel"),
+MODELS = [(4.35, 0.66, 0.66, "setback", "limestone"), (3.9, 0.60, 0.60, "podium", "steel"),
+          (3.5, 0.60, 0.52, "setback", "brick"), (2.9, 0.52, 0.52, "flat", "steel"),
           (2.5, 0.56, 0.48, "podium", "concrete"), (2.1, 0.50, 0.50, "setback", "limestone"),
           (1.8, 0.44, 0.50, "flat", "concrete"), (1.5, 0.42, 0.42, "flat", "brick"),
           (1.25, 0.46, 0.40, "flat", "limestone"), (1.0, 0.40, 0.42, "flat", "brick"),
@@ -130,14 +130,14 @@ def placements(rng):
             if (i, j) in ((1, 1), (-2, 2)):  # parks
                 trees += [(cx + rng.uniform(-0.4, 0.4), cz + rng.uniform(-0.4, 0.4)) for _ in range(16)]
                 continue
-            target = 0.42 + 4.0 * np.exp(-(reach / 1.75)**2)
+            target = 0.45 + 4.6 * np.exp(-(reach / 1.9)**2)
             lots = [(0, 0)] if target > 2.4 and rng.random() < 0.45 else [(a, b) for a in (-1, 1) for b in (-1, 1)]
             for a, b in lots:
                 wanted = target * rng.uniform(0.5, 1.15)
                 model = int(np.argmin(np.abs(heights - wanted) + rng.uniform(0, 0.35, len(heights))))
                 size = max(MODELS[model][1:3])
                 scale = min(rng.uniform(0.92, 1.08), 0.44 / size) if len(lots) > 1 else 0.80 / size
-                scale = min(scale, 1.3)
+                scale = min(scale, 1.0 if MODELS[model][0] > 3 else 1.3)
                 buildings.append((model, cx + 0.225 * a, cz + 0.225 * b, 90 * rng.integers(4), scale))
     return buildings, blocks, trees, lamps
 
@@ -168,7 +168,7 @@ def make_models(folder, rng):
         if lit:
             lit.write(folder / f"building_{k}_lit.ply")
             color = ("1.0, 0.60, 0.26", "1.0, 0.70, 0.38", "1.0, 0.52, 0.20", "0.95, 0.80, 0.62")[k % 4]
-            radiance = ", ".join(f"{float(c) * 2.6:.3f}" for c in color.split(","))
+            radiance = ", ".join(f"{float(c) * 2.0:.3f}" for c in color.split(","))
             parts.append((f"building_{k}_lit.ply", f'<emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter>'))
         text.append(group(f"building_{k}", parts))
     crown = revolved([(0, 0.05), (0.05, 0.06), (0.075, 0.11), (0.06, 0.17), (0.03, 0.21), (0, 0.225)], 10)
@@ -178,7 +178,7 @@ def make_models(folder, rng):
     revolved([(0.012, 0), (0.012, 0.16), (0.0, 0.165)], 6).write(folder / "lamp_post.ply")
     revolved([(0, 0.155), (0.020, 0.16), (0.020, 0.185), (0, 0.19)], 8).write(folder / "lamp_light.ply")
     text.append(group("tree", [("tree.ply", '<ref id="leaves"/>')]))
-    light = '<emitter type="area"><rgb name="radiance" value="22, 12, 4.6"/></emitter>'
+    light = '<emitter type="area"><rgb name="radiance" value="7, 4, 1.6"/></emitter>'
     text.append(group("lamp", [("lamp_post.ply", '<ref id="asphalt"/>'), ("lamp_light.ply", light)]))
     return text
 

@@ -85,9 +85,9 @@ def make_window(folder):
     box((left - 3, 0.1, back + 1), (right + 3, 1.5, wall + 4.2), 0.28).write(folder / "sill.ply")
     t, h = np.meshgrid(np.linspace(0, 1, 260), np.linspace(0, 1, 90), indexing="xy")
     folds = 2 * np.pi * (5.2 * t + 0.35 * np.sin(4 * t + 0.8) + 0.12 * np.sin(3.1 * h + 7 * t))
-    depth = (1.35 - 0.35 * h) * (np.sin(folds) + 0.25 * np.sin(2 * folds + 1)) + 0.5 * (fractal(9 * t, 5 * h, seed=170) - 0.5)
+    depth = (1.35 - 0.35 * h) * (np.sin(folds) + 0.25 * np.sin(2 * folds + 1)) + 0.9 * (fractal(9 * t, 4 * h, octaves=5, seed=170) - 0.5)
     x = 17.0 + 21 * t + (1 - t) * (2.6 * np.sin(1.2 + 2.2 * h) - 0.6) + 0.4 * np.cos(folds)
-    surface(np.stack([x, -24 + 92 * h, -36.2 + depth], -1)).write(folder / "curtain.ply")
+    surface(np.stack([x, -24 + 92 * h, -33.4 + depth], -1)).write(folder / "curtain.ply")
 
 
 def page_block(low, high):
@@ -170,9 +170,24 @@ def make_coins(folder, place):
     merged([*coins, leaning]).write(folder / "coins.ply")
 
 
+def make_town(folder, distance=900.0, count=64):
+    """Writes the lights of a town in the distance: small hexagons that face the window."""
+    rng = np.random.default_rng(21)
+    ring = np.stack([np.cos(np.arange(6) * np.pi / 3), np.sin(np.arange(6) * np.pi / 3), np.zeros(6)], -1)
+    fan = np.array([(0, k, k + 1) for k in range(1, 5)])
+    lights = []
+    for _ in range(count):
+        x, depth = rng.normal(-40, 150), rng.uniform(0, 1) ** 1.5
+        place = (x, -46 - 40 * depth + 5 * np.sin(x / 60), -distance - 40 * rng.random())
+        corners = ring * rng.uniform(1.5, 2.9) + place
+        lights.append(Mesh(corners, np.tile((0.0, 0.0, 1.0), (6, 1)), np.zeros((6, 2)), fan))
+    merged(lights).write(folder / "town.ply")
+
+
 def make_room(folder):
+    make_town(folder)
     make_window(folder)
     make_book_meshes(folder, (-27.5, 0.0, -7.0), 28)
     make_letter(folder, (-19.5, 0.0, 6.5), -14)
-    make_pen(folder, (-17.8, 0.16, 6.6), 24)
+    make_pen(folder, (-17.8, 0.06, 6.6), 24)
     make_coins(folder, (-8.6, 0.0, 9.6))

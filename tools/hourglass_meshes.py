@@ -37,13 +37,16 @@ class Mesh:
         return Mesh(self.positions, unit(sums), self.uvs, self.triangles)
 
     def write(self, path):
-        """Writes a binary PLY file with normals and texture coordinates."""
+        """Writes a binary PLY file with normals and texture coordinates, without degenerate triangles."""
+        positions = self.positions.astype("<f4").astype(float)
+        a, b, c = (positions[self.triangles[:, k]] for k in range(3))
+        triangles = self.triangles[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-12]
         names = ["x", "y", "z", "nx", "ny", "nz", "u", "v"]
         header = ["ply", "format binary_little_endian 1.0", "comment written by tools/make_hourglass.py",
                   f"element vertex {len(self.positions)}", *(f"property float {name}" for name in names),
-                  f"element face {len(self.triangles)}", "property list uchar int vertex_indices", "end_header"]
-        faces = np.zeros(len(self.triangles), dtype=[("count", "u1"), ("indices", "<i4", 3)])
-        faces["count"], faces["indices"] = 3, self.triangles
+                  f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]
+        faces = np.zeros(len(triangles), dtype=[("count", "u1"), ("indices", "<i4", 3)])
+        faces["count"], faces["indices"] = 3, triangles
         with open(path, "wb") as file:
             file.write(("\n".join(header) + "\n").encode())
             file.write(np.hstack([self.positions, self.normals, self.uvs]).astype("<f4").tobytes())
@@ -126,11 +129,7 @@ def revolved(profile, sides, normals=None):
         return np.stack([radius * c, np.broadcast_to(height, (len(values), sides + 1)), -radius * s], -1)
 
     u, v = np.meshgrid(steps / steps[-1], np.linspace(0, 1, sides + 1), indexing="ij")
-    triangles = grid_triangles(len(profile), sides + 1)
-    mesh = Mesh(around(profile), around(normals), np.stack([u, v], -1), triangles)
-    a, b, d = (mesh.positions[mesh.triangles[:, k]] for k in range(3))
-    mesh.triangles = mesh.triangles[np.linalg.norm(np.cross(b - a, d - a), axis=1) > 1e-12]
-    return mesh
+    return Mesh(around(profile), around(normals), np.stack([u, v], -1), grid_triangles(len(profile), sides + 1))
 
 
 def box(low, high, bevel=0.0):

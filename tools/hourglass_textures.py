@@ -157,13 +157,26 @@ def make_brass(folder, name, profile, seed, size=(1024, 512)):
     c, d = np.cos(2 * np.pi * t) * 3, np.sin(2 * np.pi * t) * 3
     spots = fractal(s * 0.9, c, d, octaves=5, seed=seed)
     broad = fractal(s * 0.3, c * 0.5, d * 0.5, octaves=3, seed=seed + 7)
-    lines = value_noise(s * 45, c * 0.3, d * 0.3, seed=seed + 11) - 0.5
-    patina = np.clip(smooth_step(0.52, 0.72, spots) * 0.55 + 0.8 * groove + 0.5 * (broad - 0.45) - 0.7 * edge, 0, 1)
-    color = mix(patina, np.array([0.83, 0.60, 0.27]), np.array([0.36, 0.20, 0.075]))
+    lines = value_noise(s * 28, c * 0.4, d * 0.4, seed=seed + 11) - 0.5
+    dents = smooth_step(0.78, 0.86, value_noise(s * 5, c * 6, d * 6, seed=seed + 13))
+    patina = np.clip(smooth_step(0.47, 0.60, spots) * 0.62 + 0.95 * groove + 0.9 * (broad - 0.40) - 0.7 * edge, 0, 1)
+    patina = np.clip(patina + 0.5 * dents, 0, 1)
+    color = mix(patina, np.array([0.80, 0.56, 0.235]), np.array([0.24, 0.125, 0.045]))
     color = mix(0.8 * edge * (0.5 + spots), color, np.array([0.93, 0.74, 0.42]))
-    roughness = 0.27 + 0.22 * patina + 0.10 * lines + 0.12 * (broad - 0.5) - 0.09 * edge
-    write_png(folder / f"{name}_color.png", encoded(color * (1 + 0.16 * lines[..., None])))
+    roughness = 0.27 + 0.26 * patina + 0.18 * lines + 0.16 * (broad - 0.5) - 0.09 * edge
+    write_png(folder / f"{name}_color.png", encoded(color * (1 + 0.30 * lines[..., None])))
     write_png(folder / f"{name}_roughness.png", np.clip(roughness, 0.12, 0.8))
+
+
+def make_snow(folder, points, normals):
+    """Writes where frost and snow cover the iceberg, and its colour, on the grid of the iceberg's vertices."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    patches = fractal(1.3 * x, 1.3 * y, 1.3 * z, octaves=5, seed=300)
+    snow = smooth_step(0.05, 0.55, normals[..., 1] + 1.3 * (patches - 0.5))
+    veins = smooth_step(0.10, 0.0, np.abs(fractal(0.9 * x + 0.6 * y, 0.5 * y, 0.9 * z, octaves=3, seed=310) - 0.5))
+    cover = np.clip(0.42 + 0.50 * snow - 0.30 * veins, 0, 0.94)
+    write_png(folder / "snow_cover.png", cover)
+    write_png(folder / "snow_color.png", encoded(mix(snow, np.array([0.50, 0.76, 0.90]), np.array([0.92, 0.94, 0.96]))))
 
 
 def make_paper(folder):
@@ -193,7 +206,7 @@ def make_book(folder):
     weave = 0.5 * np.sin(x * 1.9) * np.sin(y * 1.9) + 0.6 * (fractal(x / 3, y / 3, octaves=2, seed=50) - 0.5)
     edge = np.minimum(np.minimum(x, columns - x), np.minimum(y, rows - y))
     wear = smooth_step(34, 0, edge + 26 * (fractal(x / 30, y / 30, octaves=4, seed=51) - 0.5))
-    color = np.array([0.055, 0.085, 0.11]) * (1 + 0.35 * weave + 0.5 * fractal(x / 150, y / 150, seed=52))[..., None]
+    color = np.array([0.012, 0.045, 0.075]) * (1 + 0.35 * weave + 0.5 * fractal(x / 150, y / 150, seed=52))[..., None]
     color = mix(0.55 * wear, color, np.array([0.30, 0.27, 0.22]))
     gold = (np.abs(edge - 52) < 4) | (np.abs(edge - 68) < 1.6)
     radius = np.hypot(x - columns / 2, y - rows / 2)
@@ -218,7 +231,7 @@ def make_environment(path, sun, height=512):
     clouds = fractal(4.5 * x, 13.0 * y, 4.5 * z, octaves=6, seed=60)
     veils = fractal(1.6 * x + 5, 14.0 * y, 1.6 * z, octaves=5, seed=70)
     sky = mix(smooth_step(-7, 14, elevation), np.array([0.78, 0.42, 0.22]), np.array([0.16, 0.23, 0.36]))
-    glow = np.exp(-(1 - near_sun) * 9)[..., None] * np.array([1.5, 0.80, 0.34])
+    glow = np.exp(-(1 - near_sun) * 9)[..., None] * np.array([1.15, 0.62, 0.27])
     sky = sky + glow
     shade = mix(smooth_step(-4, 25, elevation), np.array([0.17, 0.12, 0.125]), np.array([0.055, 0.07, 0.105]))
     cover = smooth_step(0.47, 0.66, 0.7 * clouds + 0.3 * veils)
@@ -227,8 +240,10 @@ def make_environment(path, sun, height=512):
     hills = -4.5 + 3.0 * fractal(4 * x, 4 * z, octaves=5, seed=80)
     haze = np.array([0.11, 0.10, 0.125]) * (0.7 + 0.5 * np.exp(-(1 - near_sun) * 4))[..., None]
     sky = mix(smooth_step(0.6, -0.6, elevation - hills), sky, haze)
+    core = np.exp(-(np.degrees(np.arccos(near_sun)) / 11)**2)
+    sky = sky + core[..., None] * np.array([17, 10.2, 4.6])
     room = np.array([0.13, 0.105, 0.085]) * (0.55 + 0.9 * smooth_step(-0.5, 0.8, y))[..., None]
-    room = room + soft_box(direction, (-0.80, 0.42, 0.62), 0.34, 0.46, 2.2)[..., None] * np.array([0.86, 0.97, 1.15])
+    room = room + soft_box(direction, (-0.93, 0.42, 0.40), 0.36, 0.48, 4.4)[..., None] * np.array([0.72, 0.95, 1.25])
     room = room + soft_box(direction, (0.95, 0.25, 0.35), 0.16, 0.30, 1.1)[..., None] * np.array([1.2, 0.92, 0.62])
     write_pfm(path, mix(smooth_step(-0.04, 0.04, z), sky, room))
 

@@ -17,7 +17,7 @@ import numpy as np
 from hourglass_city import RADIUS, ground_height, make_city
 from hourglass_furniture import make_frame, make_room, make_table
 from hourglass_meshes import Mesh, grid_triangles, profile_normals, revolved, spline, surface
-from hourglass_textures import fractal, make_book, make_brass, make_environment, make_paper, make_wood
+from hourglass_textures import fractal, make_book, make_brass, make_environment, make_paper, make_snow, make_wood
 from make_media_scenes import find_make_cloud
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "hourglass" / "generated"
@@ -30,7 +30,7 @@ THICKNESS = 0.26
 SIDES = 320
 MENISCUS = 0.09
 LAKE = 15.2  # water level in the upper bulb
-FLOOD = 4.02  # water level in the lower bulb
+FLOOD = 4.12  # water level in the lower bulb
 STREETS = 4.10  # height of the city's ground level
 SUN = (-0.55, 0.34, -0.77)
 
@@ -95,6 +95,7 @@ def make_iceberg(wall, rows=180):
     phi, theta = np.meshgrid(elevation, azimuth, indexing="ij")
     directions = np.stack([np.cos(phi) * np.cos(theta), np.sin(phi), -np.cos(phi) * np.sin(theta)], -1)
     directions[rows, :, 1] = 0
+    directions[0], directions[-1] = (0, -1, 0), (0, 1, 0)
     directions[:, -1] = directions[:, 0]
     radius = iceberg_radius(directions, wall)
     radius[0], radius[-1] = radius[0].mean(), radius[-1].mean()
@@ -108,6 +109,7 @@ def make_iceberg(wall, rows=180):
     uvs = whole.uvs.reshape(2 * rows + 1, SIDES + 1, 2)
     for name, part in (("ice_below", slice(0, rows + 1)), ("ice_above", slice(rows, 2 * rows + 1))):
         Mesh(points[part], normals[part], uvs[part], grid_triangles(rows + 1, SIDES + 1)).write(FOLDER / f"{name}.ply")
+    make_snow(FOLDER, points, normals)
     return points[rows]
 
 
@@ -156,20 +158,19 @@ def make_glass():
 
 
 def make_island():
-    """Writes the rock that the city stands on: ground, shore and cliffs down to the bottom of the bulb."""
+    """Writes the ground under the city, and the cliffs from its shore down to the bottom of the bulb."""
     radii = np.linspace(0, RADIUS, 90)
     ground = np.stack([radii, STREETS + ground_height(radii, 0)], -1)
     edge = ground[-1]
-    cliff = spline([edge, edge + (0.25, -0.22), (4.78, 3.35), (4.3, 2.92), (3.2, 2.5), (0.0, 2.3)], 24)[1:]
-    profile = np.vstack([ground, cliff])[::-1]
-    mesh = revolved(profile, SIDES)
+    cliff = spline([edge, edge + (0.12, -0.16), (4.35, 3.45), (3.5, 3.05), (2.6, 2.75), (2.2, 2.3), (0.0, 2.2)], 24)[1:]
+    revolved(ground[::-1], SIDES).write(FOLDER / "streets.ply")
+    mesh = revolved(np.vstack([edge, cliff])[::-1], SIDES)
     p = mesh.positions
-    r = np.hypot(p[:, 0], p[:, 2])
     rough = fractal(*(1.6 * p.T), octaves=5, seed=150) - 0.5
     strata = np.sin(14 * p[:, 1] + 4 * fractal(0.7 * p[:, 0], 0.7 * p[:, 2], octaves=3, seed=160))
-    rock = np.clip((r - 0.93 * RADIUS) / (0.1 * RADIUS), 0, 1) * (p[:, 1] < edge[1] + 0.05)
-    p += mesh.normals * (rock * (0.35 * (rough - 0.25) + 0.03 * strata))[:, None]
-    mesh.smoothed().write(FOLDER / "island.ply")
+    depth = np.clip(3 * (edge[1] - p[:, 1]), 0, 1)
+    p += mesh.normals * (depth * (0.5 * rough - 0.09 + 0.035 * strata))[:, None]
+    mesh.smoothed().write(FOLDER / "cliffs.ply")
 
 
 def main():
