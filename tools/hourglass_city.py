@@ -45,7 +45,8 @@ def roof_details(top, half, rng):
     """A parapet, boxes of machinery, and now and then a water tank or a mast."""
     parts = []
     x, z, rim = half[0], half[1], 0.025
-    for low, high in (((-x, -z), (x, -z + rim)), ((-x, z - rim), (x, z)), ((-x, -z), (-x + rim, z)), ((x - rim, -z), (x, z))):
+    for low, high in (((-x, -z), (x, -z + rim)), ((-x, z - rim), (x, z)), ((-x, -z), (-x + rim, z)),
+                      ((x - rim, -z), (x, z))):
         parts.append(box((low[0], top - 0.01, low[1]), (high[0], top + 0.045, high[1]), 0.006))
     for _ in range(rng.integers(1, 4)):
         w, d, h = rng.uniform(0.05, 0.12), rng.uniform(0.05, 0.12), rng.uniform(0.04, 0.11)
@@ -77,8 +78,8 @@ def make_building(height, width, depth, kind, rng, lit_share):
         walls.extend(roof_details(top, (x, z), rng))
     if kind == "setback":
         x = 0.5 * width * 0.54
-        walls.append(revolved([(x * 0.7, height), (x * 0.5, height + 0.08), (0.022, height + 0.24), (0.012, height + 0.46),
-                               (0.0, height + 0.47)], 16))
+        spire = [(x * 0.7, 0.0), (x * 0.5, 0.08), (0.022, 0.24), (0.012, 0.46), (0.0, 0.47)]
+        walls.append(revolved(spire, 16).moved((0, height, 0)))
     if kind == "gable":
         walls.append(gable(width * 0.5 + 0.02, depth * 0.5 + 0.02, height, 0.55 * depth))
     return merged(walls), quads(*lit) if lit[0] else None, quads(*dark)
@@ -130,6 +131,9 @@ def placements(rng):
             if (i, j) in ((1, 1), (-2, 2)):  # parks
                 trees += [(cx + rng.uniform(-0.4, 0.4), cz + rng.uniform(-0.4, 0.4)) for _ in range(16)]
                 continue
+            if (i, j) == (0, 0):  # the tower under the drops
+                buildings.append((0, cx, cz, 0, 1.0))
+                continue
             target = 0.45 + 4.6 * np.exp(-(reach / 1.9)**2)
             lots = [(0, 0)] if target > 2.4 and rng.random() < 0.45 else [(a, b) for a in (-1, 1) for b in (-1, 1)]
             for a, b in lots:
@@ -151,9 +155,13 @@ def group(name, parts):
     return f'  <shape type="shapegroup" id="{name}">{shapes}\n  </shape>\n'
 
 
+def emitter(radiance):
+    return f'<emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter>'
+
+
 def instance(name, x, y, z, angle=0.0, scale=1.0):
     return (f'  <shape type="instance"><ref id="{name}"/><transform name="to_world"><scale value="{scale:.4f}"/>'
-            f'<rotate y="1" angle="{angle:.2f}"/><translate x="{x:.4f}" y="{y:.4f}" z="{z:.4f}"/></transform></shape>\n')
+            f'<rotate y="1" angle="{angle:.2f}"/><translate value="{x:.4f}, {y:.4f}, {z:.4f}"/></transform></shape>\n')
 
 
 def make_models(folder, rng):
@@ -169,17 +177,17 @@ def make_models(folder, rng):
             lit.write(folder / f"building_{k}_lit.ply")
             color = ("1.0, 0.60, 0.26", "1.0, 0.70, 0.38", "1.0, 0.52, 0.20", "0.95, 0.80, 0.62")[k % 4]
             radiance = ", ".join(f"{float(c) * 2.0:.3f}" for c in color.split(","))
-            parts.append((f"building_{k}_lit.ply", f'<emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter>'))
+            parts.append((f"building_{k}_lit.ply", emitter(radiance)))
         text.append(group(f"building_{k}", parts))
     crown = revolved([(0, 0.05), (0.05, 0.06), (0.075, 0.11), (0.06, 0.17), (0.03, 0.21), (0, 0.225)], 10)
     p = crown.positions
     bumps = 1 + 0.5 * (fractal(p[:, 0] * 40, p[:, 1] * 40, p[:, 2] * 40, octaves=2, seed=91) - 0.5)
-    Mesh(p * np.stack([bumps, np.ones_like(bumps), bumps], -1), crown.normals, crown.uvs, crown.triangles).write(folder / "tree.ply")
+    p *= np.stack([bumps, np.ones_like(bumps), bumps], -1)
+    crown.write(folder / "tree.ply")
     revolved([(0.012, 0), (0.012, 0.16), (0.0, 0.165)], 6).write(folder / "lamp_post.ply")
     revolved([(0, 0.155), (0.020, 0.16), (0.020, 0.185), (0, 0.19)], 8).write(folder / "lamp_light.ply")
     text.append(group("tree", [("tree.ply", '<ref id="leaves"/>')]))
-    light = '<emitter type="area"><rgb name="radiance" value="7, 4, 1.6"/></emitter>'
-    text.append(group("lamp", [("lamp_post.ply", '<ref id="asphalt"/>'), ("lamp_light.ply", light)]))
+    text.append(group("lamp", [("lamp_post.ply", '<ref id="asphalt"/>'), ("lamp_light.ply", emitter("7, 4, 1.6"))]))
     return text
 
 
@@ -204,6 +212,6 @@ def make_city(folder, centre, level, turn):
         y = ground_height(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]))
         pavements.append(box((low[0], y - 0.5, low[1]), (high[0], y + 0.03, high[1]), 0.012))
     merged(pavements).turned(1, turn).moved((centre[0], level, centre[1])).write(folder / "pavements.ply")
-    (folder / "city.xml").write_text('<?xml version="1.0" encoding="utf-8"?>\n<!-- The city of hourglass.xml, written by '
-                                     'tools/make_hourglass.py. -->\n<scene version="3.0.0">\n' + "".join(text) + "</scene>\n")
-    return len(buildings), len(lamps)
+    head = ('<?xml version="1.0" encoding="utf-8"?>\n<!-- The city, written by tools/make_hourglass.py. -->\n'
+            '<scene version="3.0.0">\n')
+    (folder / "city.xml").write_text(head + "".join(text) + "</scene>\n")

@@ -52,7 +52,7 @@ def make_frame(folder):
     both_ways(revolved(plate, 256)).write(folder / "plates.ply")
     both_ways(revolved(collar, 256)).write(folder / "collars.ply")
     around(revolved(column, 64), COLUMN_CIRCLE, COLUMN_ANGLES).write(folder / "columns.ply")
-    both_ways(around(revolved(foot, 64), 5.6, (0, 120, 240))).write(folder / "feet.ply")
+    both_ways(around(revolved(foot, 64), 5.85, (50, 170, 290))).write(folder / "feet.ply")
     return ("plate", plate, 200), ("collar", collar, 220), ("column", column, 240), ("foot", foot, 260)
 
 
@@ -62,7 +62,8 @@ def make_table(folder, plank=9.6, rows=3, half_length=62.0):
               for k in range(-rows, rows)]
     mesh = merged(planks)
     p = mesh.positions
-    mesh.uvs = np.stack([(p[:, 0] + half_length) / (2 * half_length), (p[:, 2] + p[:, 1] + rows * plank) / (2 * rows * plank)], -1)
+    across = (p[:, 2] + p[:, 1] + rows * plank) / (2 * rows * plank)
+    mesh.uvs = np.stack([(p[:, 0] + half_length) / (2 * half_length), across], -1)
     mesh.write(folder / "table.ply")
     return (-half_length, half_length), (-rows * plank, rows * plank), plank
 
@@ -79,13 +80,13 @@ def make_window(folder):
         bars.append(box((x - half, 1, back), (x + half, top, back + 3.2), 0.22))
     for y in (24.5, 46.0):
         bars.append(box((left, y - 0.7, back + 0.6), (right, y + 0.7, back + 2.4), 0.25))
-    for x in (-39.0,):
-        bars.append(box((x - 0.7, 3, back + 0.7), (x + 0.7, top, back + 2.3), 0.25))
+    bars.append(box((-39.7, 3, back + 0.7), (-38.3, top, back + 2.3), 0.25))
     merged(bars).write(folder / "window_frame.ply")
     box((left - 3, 0.1, back + 1), (right + 3, 1.5, wall + 4.2), 0.28).write(folder / "sill.ply")
     t, h = np.meshgrid(np.linspace(0, 1, 260), np.linspace(0, 1, 90), indexing="xy")
     folds = 2 * np.pi * (5.2 * t + 0.35 * np.sin(4 * t + 0.8) + 0.12 * np.sin(3.1 * h + 7 * t))
-    depth = (1.35 - 0.35 * h) * (np.sin(folds) + 0.25 * np.sin(2 * folds + 1)) + 0.9 * (fractal(9 * t, 4 * h, octaves=5, seed=170) - 0.5)
+    depth = (1.35 - 0.35 * h) * (np.sin(folds) + 0.25 * np.sin(2 * folds + 1))
+    depth = depth + 0.9 * (fractal(9 * t, 4 * h, octaves=5, seed=170) - 0.5)
     x = 17.0 + 21 * t + (1 - t) * (2.6 * np.sin(1.2 + 2.2 * h) - 0.6) + 0.4 * np.cos(folds)
     surface(np.stack([x, -24 + 92 * h, -33.4 + depth], -1)).write(folder / "curtain.ply")
 
@@ -122,7 +123,8 @@ def make_book_meshes(folder, place, turn):
     covers.append(spine)
     covers.append(spine.flipped().moved((0.05, 0, 0)))
     placed(merged(covers)).write(folder / "book_cover.ply")
-    pages = page_block((-width / 2 + 0.1, board, -length / 2 + 0.35), (width / 2 - 0.35, height - board, length / 2 - 0.35))
+    pages = page_block((-width / 2 + 0.1, board, -length / 2 + 0.35),
+                       (width / 2 - 0.35, height - board, length / 2 - 0.35))
     placed(pages).write(folder / "book_pages.ply")
 
 
@@ -141,18 +143,21 @@ def make_pen(folder, place, turn):
     barrel = merged([revolved(dense(body, 0.1), 64), revolved(dense(cap, 0.1), 64)])
     ring = rounded([(0.50, 0.0), (0.64, 0.0), (0.64, 0.22), (0.50, 0.22)], 0.05)
     clip = box((0.585, 1.6, -0.10), (0.68, 5.35, 0.10), 0.03)
-    ball = revolved(spline([(0.0, -0.14), (0.11, -0.09), (0.14, 0.0), (0.11, 0.09), (0.0, 0.14)], 6), 24).moved((0.64, 1.65, 0))
+    ball = revolved(spline([(0.0, -0.14), (0.11, -0.09), (0.14, 0.0), (0.11, 0.09), (0.0, 0.14)], 6), 24)
+    ball = ball.moved((0.64, 1.65, 0))
     bands = [revolved(ring, 64), revolved(ring * (1.0, 0.35) + (0.0, 0.55), 64), clip, ball,
              revolved(ring * (0.88, 1.0) + (0.0, 5.2), 64), revolved(ring * (0.75, 0.8) + (0.02, -6.1), 64)]
     for name, mesh in (("pen_body", barrel), ("pen_metal", merged(bands))):
-        mesh.turned(1, -62).turned(2, -90).moved((0, 0.64, 0)).turned(1, turn).moved(place).write(folder / f"{name}.ply")
+        mesh = mesh.turned(1, -62).turned(2, -90).moved((0, 0.64, 0))
+        mesh.turned(1, turn).moved(place).write(folder / f"{name}.ply")
 
 
 def coin():
     """A coin with a raised rim and, on its upper face, a profile in low relief."""
     radius, thick = 1.16, 0.21
-    mesh = revolved(dense(rounded([(0.0, 0.0), (radius, 0.0), (radius, thick), (radius - 0.1, thick), (radius - 0.14, thick - 0.035),
-                                   (0.0, thick - 0.035)], 0.025), 0.015), 160)
+    outline = [(0.0, 0.0), (radius, 0.0), (radius, thick), (radius - 0.1, thick), (radius - 0.14, thick - 0.035),
+               (0.0, thick - 0.035)]
+    mesh = revolved(dense(rounded(outline, 0.025), 0.02), 128)
     p = mesh.positions
     r = np.hypot(p[:, 0], p[:, 2])
     top = (p[:, 1] > thick - 0.06) & (r < radius - 0.16)
@@ -166,7 +171,7 @@ def make_coins(folder, place):
     metal = coin()
     lying = [(0.0, 0.0, 0.0), (0.10, 0.215, 0.05), (-0.05, 0.43, -0.06), (2.7, 0.0, 1.1), (-2.1, 0.0, 2.0)]
     coins = [metal.turned(1, 70 * k).moved(np.add(place, offset)) for k, offset in enumerate(lying)]
-    leaning = metal.turned(0, 0).turned(2, 17).moved(np.add(place, (1.42, 0.36, -0.55)))
+    leaning = metal.turned(2, 17).moved(np.add(place, (1.42, 0.36, -0.55)))
     merged([*coins, leaning]).write(folder / "coins.ply")
 
 

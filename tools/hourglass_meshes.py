@@ -49,7 +49,8 @@ class Mesh:
         faces["count"], faces["indices"] = 3, triangles
         with open(path, "wb") as file:
             file.write(("\n".join(header) + "\n").encode())
-            file.write(np.hstack([self.positions, self.normals, self.uvs]).astype("<f4").tobytes())
+            rows = np.hstack([self.positions, self.normals, self.uvs]) + 0.0  # without negative zeros, which are not equal
+            file.write(rows.astype("<f4").tobytes())
             file.write(faces.tobytes())
 
 
@@ -93,7 +94,7 @@ def spline(points, steps):
 
 
 def rounded(points, radius, steps=6):
-    """Replaces the inner corners of a polyline by arcs (quadratic Bezier curves) that start `radius` from the corner."""
+    """Replaces the inner corners of a polyline by quadratic Bezier curves that start `radius` from the corner."""
     points = np.asarray(points, dtype=float)
     out = [points[:1]]
     t = np.linspace(0, 1, steps)[:, None]
@@ -135,44 +136,29 @@ def revolved(profile, sides, normals=None):
 def box(low, high, bevel=0.0):
     """A box with bevelled edges that shade smoothly. uv are the two coordinates along each face."""
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
-    positions, normals, uvs, index = [], [], [], {}
+    positions, normals, uvs, faces = [], [], [], []
+    # Each corner has a vertex on each of its three faces, at 8 * axis + the corner's bits
+    for axis in range(3):
+        for corner in np.ndindex(2, 2, 2):
+            p = np.where(corner, high - bevel, low + bevel)
+            p[axis] = (low, high)[corner[axis]][axis]
+            positions.append(p)
+            normals.append((2 * corner[axis] - 1) * np.eye(3)[axis])
+            uvs.append(p[list(((2, 1), (0, 2), (0, 1))[axis])])
+
+    def vertex(face, axis, along, side_i, side_j):
+        """The vertex on the face of axis `face` at a corner given by its sides along `axis` and the next two axes."""
+        bits = {axis: along, (axis + 1) % 3: side_i, (axis + 2) % 3: side_j}
+        return 8 * face + 4 * bits[0] + 2 * bits[1] + bits[2]
+
     for axis in range(3):
         i, j = (axis + 1) % 3, (axis + 2) % 3
         for side in (0, 1):
-            for a in (0, 1):
-                for b in (0, 1):
-                    p = np.empty(3)
-                    p[axis] = (low, high)[side][axis]
-                    p[i] = (low + bevel, high - bevel)[a][i]
-                    p[j] = (low + bevel, high - bevel)[b][j]
-                    corner = [0, 0, 0]
-                    corner[axis], corner[i], corner[j] = side, a, b
-                    index[axis, tuple(corner)] = len(positions)
-                    normal = np.zeros(3)
-                    normal[axis] = 2 * side - 1
-                    positions.append(p)
-                    normals.append(normal)
-                    uvs.append((p[i], p[j]) if axis != 1 else (p[j], p[i]))
-    quads = []
-    for axis in range(3):
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        for side in (0, 1):  # faces
-            def at(a, b, axis=axis, side=side, i=i, j=j):
-                corner = [0, 0, 0]
-                corner[axis], corner[i], corner[j] = side, a, b
-                return index[axis, tuple(corner)]
-            quads.append((at(0, 0), at(1, 0), at(1, 1), at(0, 1)))
-        for a in (0, 1):  # the four bevels along this axis
-            for b in (0, 1):
-                ends = []
-                for end in (0, 1):
-                    corner = [0, 0, 0]
-                    corner[axis], corner[i], corner[j] = end, a, b
-                    ends.append(tuple(corner))
-                quads.append((index[i, ends[0]], index[i, ends[1]], index[j, ends[1]], index[j, ends[0]]))
-    triangles = [t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))]
-    corners = {key[1] for key in index}
-    triangles += [tuple(index[axis, corner] for axis in range(3)) for corner in sorted(corners)]
+            faces.append([vertex(axis, axis, side, *ab) for ab in ((0, 0), (1, 0), (1, 1), (0, 1))])
+        for ab in np.ndindex(2, 2):
+            faces.append([vertex(face, axis, end, *ab) for face, end in ((i, 0), (i, 1), (j, 1), (j, 0))])
+    triangles = [t for q in faces for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))]
+    triangles += [(corner, 8 + corner, 16 + corner) for corner in range(8)]
     return oriented(Mesh(positions, normals, uvs, triangles), 0.5 * (low + high))
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 def lattice(*coordinates, seed=0):
     """Uniform numbers in [0, 1) that depend only on integer coordinates and the seed."""
-    h = np.full(np.broadcast(*coordinates).shape or (1,), (seed * 0x9E3779B9 + 0x7F4A7C15) & 0xFFFFFFFF, dtype=np.uint32)
+    start = (seed * 0x9E3779B9 + 0x7F4A7C15) & 0xFFFFFFFF
+    h = np.full(np.broadcast(*coordinates).shape or (1,), start, dtype=np.uint32)
     for c in coordinates:
         h = (h ^ np.asarray(c).astype(np.int64).astype(np.uint32)) * np.uint32(0xCC9E2D51)
         h ^= h >> np.uint32(15)
@@ -257,6 +258,7 @@ def soft_box(direction, centre, half_width, half_height, radiance):
     depth = direction @ n
     safe = np.where(depth > 0.05, depth, 1)
     a, b = direction @ side / safe, direction @ up / safe
-    inside = smooth_step(half_width, 0.94 * half_width, np.abs(a)) * smooth_step(half_height, 0.94 * half_height, np.abs(b))
+    inside = smooth_step(half_width, 0.94 * half_width, np.abs(a))
+    inside = inside * smooth_step(half_height, 0.94 * half_height, np.abs(b))
     bars = smooth_step(0.012, 0.02, np.abs(a)) * smooth_step(0.012, 0.02, np.abs(b - 0.1))
     return np.where(depth > 0.05, radiance * inside * bars, 0)

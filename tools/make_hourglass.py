@@ -151,9 +151,11 @@ def make_glass():
     water_surface(ring, lake[-1, 0], LAKE, 60, 130, 0.05).write(FOLDER / "lake.ply")
     centre = np.zeros((SIDES + 1, 3)) + (0, FLOOD, 0)
     water_surface(centre, flood[-1, 0], FLOOD, 120, 140, 0.045).write(FOLDER / "flood.ply")
-    pendant = spline([(0.0, 11.28), (0.16, 11.31), (0.31, 11.45), (0.37, 11.68), (0.38, 11.9), (0.43, 12.12), (0.5, 12.3)], 8)
+    pendant = spline([(0.0, 11.28), (0.16, 11.31), (0.31, 11.45), (0.37, 11.68), (0.38, 11.9), (0.43, 12.12),
+                      (0.5, NECK)], 8)
     revolved(pendant, SIDES).write(FOLDER / "pendant.ply")
-    drop = spline([(0.0, -0.20), (0.12, -0.165), (0.195, -0.05), (0.17, 0.09), (0.09, 0.22), (0.03, 0.30), (0.0, 0.32)], 8)
+    drop = spline([(0.0, -0.20), (0.12, -0.165), (0.195, -0.05), (0.17, 0.09), (0.09, 0.22), (0.03, 0.30),
+                   (0.0, 0.32)], 8)
     revolved(drop, 48).write(FOLDER / "drop.ply")
 
 
