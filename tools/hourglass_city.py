@@ -14,9 +14,11 @@ MATERIALS = ("concrete", "brick", "limestone", "steel")
 def facade_windows(low, high, rng, lit_share, ribbon):
     """Windows on the four sides of a box, as quads and normals: those that are lit and those that are dark."""
     lit, dark = ([], []), ([], [])
+    # Find the size of a window and of a floor
     floors = int((high[1] - low[1] - 0.08) / FLOOR)
     width = WINDOW[0] * (1.25 if ribbon else 1)
     busy = rng.uniform(0.6, 1.3, floors)  # whole floors work late, others have gone home
+    # Place windows on each side
     for axis, side in ((0, 0), (0, 1), (2, 0), (2, 1)):
         other = 2 - axis
         length = high[other] - low[other] - 0.07
@@ -66,6 +68,7 @@ def make_building(height, width, depth, kind, rng, lit_share):
         tiers = [(0.0, a * height, 1.0), (a * height, b * height, 0.78), (b * height, height, 0.54)]
     elif kind == "podium":
         tiers = [(0.0, 0.32, 1.0), (0.32, height, 0.74)]
+    # Walls and windows of each tier
     walls, lit, dark = [], ([], []), ([], [])
     for bottom, top, scale in tiers:
         x, z = 0.5 * width * scale, 0.5 * depth * scale
@@ -76,6 +79,7 @@ def make_building(height, width, depth, kind, rng, lit_share):
             target[0].extend(found[0])
             target[1].extend(found[1])
         walls.extend(roof_details(top, (x, z), rng))
+    # Roof
     if kind == "setback":
         x = 0.5 * width * 0.54
         spire = [(x * 0.7, 0.0), (x * 0.5, 0.08), (0.022, 0.24), (0.012, 0.46), (0.0, 0.47)]
@@ -134,6 +138,7 @@ def placements(rng):
             if (i, j) == (0, 0):  # the tower under the drops
                 buildings.append((0, cx, cz, 0, 1.0))
                 continue
+            # High buildings near the centre, four to a block further out
             target = 0.45 + 4.6 * np.exp(-(reach / 1.9)**2)
             lots = [(0, 0)] if target > 2.4 and rng.random() < 0.45 else [(a, b) for a in (-1, 1) for b in (-1, 1)]
             for a, b in lots:
@@ -179,6 +184,7 @@ def make_models(folder, rng):
             radiance = ", ".join(f"{float(c) * 2.0:.3f}" for c in color.split(","))
             parts.append((f"building_{k}_lit.ply", emitter(radiance)))
         text.append(group(f"building_{k}", parts))
+    # Tree and lamp
     crown = revolved([(0, 0.05), (0.05, 0.06), (0.075, 0.11), (0.06, 0.17), (0.03, 0.21), (0, 0.225)], 10)
     p = crown.positions
     bumps = 1 + 0.5 * (fractal(p[:, 0] * 40, p[:, 1] * 40, p[:, 2] * 40, octaves=2, seed=91) - 0.5)
@@ -207,6 +213,7 @@ def make_city(folder, centre, level, turn):
         text.append(instance("tree", *placed(x, z, 0.0), 360 * rng.random(), rng.uniform(0.8, 1.5)))
     for x, z in lamps:
         text.append(instance("lamp", *placed(x, z, 0.03), turn))
+    # Pavements
     pavements = []
     for low, high in blocks:
         y = ground_height(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]))

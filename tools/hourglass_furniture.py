@@ -71,9 +71,11 @@ def make_table(folder, plank=9.6, rows=3, half_length=62.0):
 def make_window(folder):
     """Writes the wall around the window, the window's frame and sill, and the curtain."""
     left, right, bottom, top, wall, back = -64.0, 31.0, 1.2, 64.0, -40.0, -49.0
+    # Wall
     merged([box((left - 80, -90, back), (left, 110, wall), 0.3), box((right, -90, back), (right + 80, 110, wall), 0.3),
             box((left - 1, -90, back), (right + 1, bottom, wall), 0.3),
             box((left - 1, top, back), (right + 1, 110, wall), 0.3)]).write(folder / "wall.ply")
+    # Frame and sill
     bars = [box((left - 1, 0.9, back), (right + 1, 3.6, back + 3.2), 0.22),
             box((left - 1, top - 3, back), (right + 1, top + 1, back + 3.2), 0.22)]
     for x, half in ((left, 3.0), (-15.5, 1.9), (right, 3.0)):
@@ -83,6 +85,7 @@ def make_window(folder):
     bars.append(box((-39.7, 3, back + 0.7), (-38.3, top, back + 2.3), 0.25))
     merged(bars).write(folder / "window_frame.ply")
     box((left - 3, 0.1, back + 1), (right + 3, 1.5, wall + 4.2), 0.28).write(folder / "sill.ply")
+    # Curtain
     t, h = np.meshgrid(np.linspace(0, 1, 260), np.linspace(0, 1, 90), indexing="xy")
     folds = 2 * np.pi * (5.2 * t + 0.35 * np.sin(4 * t + 0.8) + 0.12 * np.sin(3.1 * h + 7 * t))
     depth = (1.35 - 0.35 * h) * (np.sin(folds) + 0.25 * np.sin(2 * folds + 1))
@@ -106,12 +109,14 @@ def make_book_meshes(folder, place, turn):
     def placed(mesh):
         return mesh.turned(1, turn).moved(place)
 
+    # Boards
     covers = []
     for y in (0.0, height - board):
         cover = box((-width / 2, y, -length / 2), (width / 2, y + board, length / 2), 0.07)
         p = cover.positions
         cover.uvs = np.stack([(p[:, 0] + width / 2) / width, (p[:, 2] + length / 2) / length], -1)
         covers.append(cover)
+    # Spine with ribs
     angle = np.linspace(0.5 * np.pi, 1.5 * np.pi, 25)
     outline = np.stack([0.75 * np.cos(angle) - width / 2 + 0.12, height / 2 + height / 2 * np.sin(angle)], -1)
     along = np.linspace(-length / 2, length / 2, 40)
@@ -123,6 +128,7 @@ def make_book_meshes(folder, place, turn):
     covers.append(spine)
     covers.append(spine.flipped().moved((0.05, 0, 0)))
     placed(merged(covers)).write(folder / "book_cover.ply")
+    # Pages
     pages = page_block((-width / 2 + 0.1, board, -length / 2 + 0.35),
                        (width / 2 - 0.35, height - board, length / 2 - 0.35))
     placed(pages).write(folder / "book_pages.ply")

@@ -28,13 +28,14 @@ class Mesh:
         return Mesh(self.positions, -self.normals, self.uvs, self.triangles[:, ::-1])
 
     def smoothed(self):
-        """Replaces the normals by the mean of the adjacent triangles, weighted by area."""
+        """Replaces the normals by the mean of the triangles around each position, weighted by area."""
         a, b, c = (self.positions[self.triangles[:, k]] for k in range(3))
         faces = np.cross(b - a, c - a)
-        sums = np.zeros_like(self.positions)
+        places, place = np.unique(self.positions.round(7) + 0.0, axis=0, return_inverse=True)
+        sums = np.zeros_like(places)
         for k in range(3):
-            np.add.at(sums, self.triangles[:, k], faces)
-        return Mesh(self.positions, unit(sums), self.uvs, self.triangles)
+            np.add.at(sums, place.ravel()[self.triangles[:, k]], faces)
+        return Mesh(self.positions, unit(sums)[place.ravel()], self.uvs, self.triangles)
 
     def write(self, path):
         """Writes a binary PLY file with normals and texture coordinates, without degenerate triangles."""
@@ -49,8 +50,7 @@ class Mesh:
         faces["count"], faces["indices"] = 3, triangles
         with open(path, "wb") as file:
             file.write(("\n".join(header) + "\n").encode())
-            rows = np.hstack([self.positions, self.normals, self.uvs]) + 0.0  # without negative zeros, which are not equal
-            file.write(rows.astype("<f4").tobytes())
+            file.write((np.hstack([self.positions, self.normals, self.uvs]) + 0.0).astype("<f4").tobytes())  # no -0
             file.write(faces.tobytes())
 
 

@@ -92,11 +92,13 @@ KNOTS = [(-31.0, -14.5, 0.9), (13.0, 13.5, 1.0), (-12.0, 8.5, 0.75), (38.0, -4.0
 
 def wood(x, z, plank):
     """Ring position, darkness of knots, pores and fibres of planks along x; lengths in cm."""
+    # Each plank is cut from a trunk of its own, whose axis is nearly parallel to x
     number = np.floor(z / plank)
     k, local = number * 31.7, z - (number + 0.5) * plank
     centre = plank * 1.6 * (lattice(number, seed=3) - 0.5)
     depth = 1.5 + 5 * lattice(number, seed=4) + 0.012 * x * (lattice(number, seed=5) - 0.5) * 4
     bend = 1.6 * (fractal(x * 0.035 + k, local * 0.06, octaves=3, seed=6) - 0.5) * 3
+    # Knots bend the fibres around them
     knot = np.zeros_like(x)
     for kx, kz, size in KNOTS:
         across = np.where(number == np.floor(kz / plank), z - kz, 1e3)
@@ -105,6 +107,7 @@ def wood(x, z, plank):
         distance = distance * (1 + 0.16 * np.sin(3 * angle + kx) + 0.1 * np.sin(7 * angle))
         bend = bend + 2.2 * size * np.exp(-0.5 * (distance / 1.7)**2) * np.sign(across + 1e-6) * 0.8
         knot = np.maximum(knot, smooth_step(1.25, 0.75, distance) * (0.65 + 0.35 * np.sin(distance * 16)))
+    # Annual rings, fibres and pores
     rings = np.hypot(local - centre + bend, depth + 0.5 * (fractal(x * 0.05, k, octaves=2, seed=8) - 0.5))
     rings = rings / 0.62 + 0.5 * fractal(x * 0.08 + k, local * 0.9, octaves=4, seed=9)
     fibres = fractal(x * 0.55 + k, z * 14, octaves=3, seed=10)
@@ -119,6 +122,7 @@ def make_wood(folder, x_range, z_range, plank, texels_per_cm):
     x = np.linspace(*x_range, columns)[None, :] + np.zeros((rows, 1))
     z = np.linspace(*z_range, rows)[:, None] + np.zeros((1, columns))
     rings, knot, pores, fibres, tint = wood(x, z, plank)
+    # Colour: dark latewood, pores and knots, and stains
     phase = rings - np.floor(rings)
     late = smooth_step(0.35, 0.92, phase) * smooth_step(1.0, 0.93, phase)
     pores = pores * (0.35 + 0.65 * smooth_step(0.5, 0.1, phase))
@@ -128,6 +132,7 @@ def make_wood(folder, x_range, z_range, plank, texels_per_cm):
     color = mix(0.85 * knot, color, np.array([0.045, 0.018, 0.009]))
     stains = fractal(x * 0.09, z * 0.11, octaves=4, seed=20)
     color = color * (0.72 + 0.5 * tint + 0.35 * (stains - 0.5))[..., None]
+    # Wear: scratches and smudges
     scratches = smooth_step(0.80, 0.9, value_noise(x * 0.5 + 0.45 * z, z * 17 - x * 5.1, seed=30))
     scratches = scratches * smooth_step(0.5, 0.7, fractal(x * 0.14, z * 0.14, octaves=2, seed=31))
     smudges = smooth_step(0.4, 0.75, fractal(x * 0.2, z * 0.2, octaves=5, seed=33))
@@ -143,6 +148,7 @@ def make_brass(folder, name, profile, seed, size=(1024, 512)):
 
     Convex edges are polished by touch; grooves keep a dark patina.
     """
+    # Find edges and grooves from the curvature of the profile
     steps = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
     position = np.linspace(0, steps[-1], size[0])
     line = np.stack([np.interp(position, steps, profile[:, k]) for k in (0, 1)], -1)
@@ -153,6 +159,7 @@ def make_brass(folder, name, profile, seed, size=(1024, 512)):
     curvature = np.convolve(curvature, window, "same")
     edge = smooth_step(0.8, 5.0, curvature)[None, :]
     groove = smooth_step(-0.5, -3.5, curvature)[None, :]
+    # Spots, lines of the lathe and dents, periodic around the axis
     s = position[None, :] + np.zeros((size[1], 1))
     t = np.linspace(0, 1, size[1], endpoint=False)[:, None] + np.zeros((1, size[0]))
     c, d = np.cos(2 * np.pi * t) * 3, np.sin(2 * np.pi * t) * 3
@@ -160,6 +167,7 @@ def make_brass(folder, name, profile, seed, size=(1024, 512)):
     broad = fractal(s * 0.3, c * 0.5, d * 0.5, octaves=3, seed=seed + 7)
     lines = value_noise(s * 28, c * 0.4, d * 0.4, seed=seed + 11) - 0.5
     dents = smooth_step(0.78, 0.86, value_noise(s * 5, c * 6, d * 6, seed=seed + 13))
+    # Combine them
     patina = np.clip(smooth_step(0.47, 0.60, spots) * 0.62 + 0.95 * groove + 0.9 * (broad - 0.40) - 0.7 * edge, 0, 1)
     patina = np.clip(patina + 0.5 * dents, 0, 1)
     color = mix(patina, np.array([0.80, 0.56, 0.235]), np.array([0.24, 0.125, 0.045]))
@@ -184,6 +192,7 @@ def make_paper(folder):
     """Writes a letter: lines of words in ink on paper of uneven colour."""
     rows, columns = 1400, 1000
     y, x = np.mgrid[0:rows, 0:columns].astype(float)
+    # Write lines of words
     ink = np.zeros((rows, columns))
     for line in range(26):
         base = 150 + 44 * line + 3 * np.sin(x / 130 + line)
@@ -193,6 +202,7 @@ def make_paper(folder):
         stroke = base + 9 * (value_noise(x / 4.3, np.full_like(x, line), seed=43) - 0.5) * 2.2
         stroke = stroke - 12 * smooth_step(0.66, 0.8, value_noise(x / 7, np.full_like(x, line), seed=44))
         ink = np.maximum(ink, inside * smooth_step(2.6, 0.9, np.abs(y - stroke)))
+    # Darken the paper towards its edges
     tone = 0.86 + 0.09 * (fractal(x / 240, y / 240, octaves=5, seed=45) - 0.5)
     edge = np.minimum(np.minimum(x, columns - x), np.minimum(y, rows - y))
     tone = tone - 0.12 * smooth_step(90, 0, edge + 60 * fractal(x / 60, y / 60, octaves=3, seed=46) - 30)
@@ -204,17 +214,20 @@ def make_book(folder):
     """Writes the cloth cover of the book, with a frame stamped in gold, and the layered edge of its pages."""
     rows, columns = 900, 640
     y, x = np.mgrid[0:rows, 0:columns].astype(float)
+    # Cloth, worn at the edges
     weave = 0.5 * np.sin(x * 1.9) * np.sin(y * 1.9) + 0.6 * (fractal(x / 3, y / 3, octaves=2, seed=50) - 0.5)
     edge = np.minimum(np.minimum(x, columns - x), np.minimum(y, rows - y))
     wear = smooth_step(34, 0, edge + 26 * (fractal(x / 30, y / 30, octaves=4, seed=51) - 0.5))
     color = np.array([0.012, 0.045, 0.075]) * (1 + 0.35 * weave + 0.5 * fractal(x / 150, y / 150, seed=52))[..., None]
     color = mix(0.55 * wear, color, np.array([0.30, 0.27, 0.22]))
+    # A frame and an hourglass in gold
     gold = (np.abs(edge - 52) < 4) | (np.abs(edge - 68) < 1.6)
     radius = np.hypot(x - columns / 2, y - rows / 2)
     gold |= (np.abs(radius - 95) < 4) | ((radius < 78) & (np.abs(x - columns / 2) < 0.55 * np.abs(y - rows / 2) + 3))
     gold = gold & (fractal(x / 9, y / 9, octaves=3, seed=53) > 0.36)
     write_png(folder / "book_color.png", encoded(mix(gold.astype(float), color, np.array([0.80, 0.55, 0.22]))))
     write_png(folder / "book_metal.png", 0.9 * gold)
+    # The edges of the pages
     sheets = value_noise(y[:, :64] / 1.7, x[:, :64] / 300, seed=54)
     pages = (0.55 + 0.45 * sheets)[..., None] * np.array([0.74, 0.66, 0.50])
     write_png(folder / "pages_color.png", encoded(pages))
@@ -227,6 +240,7 @@ def make_environment(path, sun, height=512):
     sine = np.sin(np.pi * v)
     direction = np.stack([sine * np.sin(2 * np.pi * u), np.cos(np.pi * v), -sine * np.cos(2 * np.pi * u)], -1)
     x, y, z = np.moveaxis(direction, -1, 0)
+    # Sky with a glow around the sun
     near_sun = np.clip(direction @ (np.asarray(sun) / np.linalg.norm(sun)), -1, 1)
     elevation = np.degrees(np.arcsin(y))
     clouds = fractal(4.5 * x, 13.0 * y, 4.5 * z, octaves=6, seed=60)
@@ -234,15 +248,18 @@ def make_environment(path, sun, height=512):
     sky = mix(smooth_step(-7, 14, elevation), np.array([0.78, 0.42, 0.22]), np.array([0.16, 0.23, 0.36]))
     glow = np.exp(-(1 - near_sun) * 9)[..., None] * np.array([1.15, 0.62, 0.27])
     sky = sky + glow
+    # Clouds, bright at their edges near the sun
     shade = mix(smooth_step(-4, 25, elevation), np.array([0.17, 0.12, 0.125]), np.array([0.055, 0.07, 0.105]))
     cover = smooth_step(0.47, 0.66, 0.7 * clouds + 0.3 * veils)
     lining = smooth_step(0.0, 0.5, cover) * smooth_step(1.0, 0.5, cover)
     sky = mix(0.82 * cover, sky, shade) + 0.5 * lining[..., None] * glow
+    # Hills at the horizon, and the core of the glow
     hills = -4.5 + 3.0 * fractal(4 * x, 4 * z, octaves=5, seed=80)
     haze = np.array([0.11, 0.10, 0.125]) * (0.7 + 0.5 * np.exp(-(1 - near_sun) * 4))[..., None]
     sky = mix(smooth_step(0.6, -0.6, elevation - hills), sky, haze)
     core = np.exp(-(np.degrees(np.arccos(near_sun)) / 11)**2)
     sky = sky + core[..., None] * np.array([17, 10.2, 4.6])
+    # The room
     room = np.array([0.13, 0.105, 0.085]) * (0.55 + 0.9 * smooth_step(-0.5, 0.8, y))[..., None]
     room = room + soft_box(direction, (-0.93, 0.42, 0.40), 0.36, 0.48, 4.4)[..., None] * np.array([0.72, 0.95, 1.25])
     room = room + soft_box(direction, (0.95, 0.25, 0.35), 0.16, 0.30, 1.1)[..., None] * np.array([1.2, 0.92, 0.62])

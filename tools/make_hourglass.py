@@ -34,9 +34,11 @@ FLOOD = 4.12  # water level in the lower bulb
 STREETS = 4.10  # height of the city's ground level
 SUN = (-0.55, 0.34, -0.77)
 
-# Peaks of the iceberg relative to the centre of its waterline: summit, slope of its sides in degrees, facets.
-PEAKS = [((0.55, 5.4, -0.1), 15, 9), ((-1.75, 3.9, 0.6), 15, 8), ((2.1, 3.0, 0.4), 18, 8), ((0.7, 2.0, 2.3), 25, 7),
-         ((-0.8, 1.9, -2.4), 28, 7), ((-2.75, 1.3, 1.2), 32, 7), ((2.6, 1.0, -1.4), 36, 7)]
+# Peaks of the iceberg, also under water, relative to the centre of its waterline: summit, slope of the sides in
+# degrees, number of facets.
+PEAKS = [((0.55, 5.4, -0.1), 15, 9), ((-1.75, 3.9, 0.6), 15, 8), ((1.8, 3.2, 0.4), 18, 8), ((0.7, 2.0, 2.3), 25, 7),
+         ((-0.8, 1.9, -2.4), 28, 7), ((-2.75, 1.3, 1.2), 32, 7), ((1.9, 0.9, -1.3), 40, 7),
+         ((0.3, -2.5, 0.0), -22, 9), ((-1.1, -1.6, -0.5), -30, 8), ((1.2, -1.2, 0.8), -35, 8)]
 
 
 def inner_wall():
@@ -49,43 +51,52 @@ def cut(profile, normals, height):
     k = int(np.argmax(profile[:, 1] >= height))
     t = (height - profile[k - 1, 1]) / (profile[k, 1] - profile[k - 1, 1])
     point, normal = ((a[k - 1] + t * (a[k] - a[k - 1]))[None] for a in (profile, normals))
-    if t > 1 - 1e-9:
-        k += 1
-    below = np.vstack([profile[:k - (t > 1 - 1e-9)], point]), np.vstack([normals[:k - (t > 1 - 1e-9)], normal])
-    return below, (np.vstack([point, profile[k:]]), np.vstack([normal, normals[k:]]))
+    rest = k + 1 if t > 1 - 1e-9 else k
+    return ((np.vstack([profile[:k], point]), np.vstack([normals[:k], normal])),
+            (np.vstack([point, profile[rest:]]), np.vstack([normal, normals[rest:]])))
+
+
+def distance_to_plane(directions, normal, distance):
+    """Distance from the origin along unit directions to the plane with this normal; large where they do not meet it."""
+    facing = directions @ normal
+    return np.where(facing > 1e-3, distance / np.maximum(facing, 1e-3), 1e9)
+
+
+def peak_radius(directions, summit, slope, facets, rng):
+    """Distance from the centre of the waterline to the surface of a convex peak, bounded by planes."""
+    radius = np.full(directions.shape[:-1], 1e9)
+    # The sides meet near the summit
+    for k in range(facets):
+        azimuth = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / facets
+        t = np.radians(slope) * rng.uniform(0.6, 1.35)
+        normal = np.array([np.cos(azimuth) * np.cos(t), np.sin(t), np.sin(azimuth) * np.cos(t)])
+        distance = max(normal @ summit, 0.35) * rng.uniform(0.9, 1.1) + (0.15 if k % 2 else 0.4)
+        radius = np.minimum(radius, distance_to_plane(directions, normal, distance))
+    # The top is truncated, and the other end lies just beyond the waterline
+    ends = rng.uniform(-0.35, 0.35, (2, 3))
+    ends[:, 1] = np.sign(summit[1]) * np.array([1, -1])
+    for normal, distance in zip(ends, (ends[0] @ summit * rng.uniform(0.92, 0.98), 0.7)):
+        radius = np.minimum(radius, distance_to_plane(directions, normal, distance))
+    return radius
 
 
 def iceberg_radius(directions, wall):
-    """Distance from the centre to the surface: a union of convex, faceted peaks, worn by noise, inside the bulb."""
+    """Distance from the centre of the waterline to the surface: a union of peaks, worn by noise, inside the bulb."""
     rng = np.random.default_rng(11)
     radius = np.full(directions.shape[:-1], 0.3)
-    lower = [((0.3, -2.5, 0.0), -22, 9), ((-1.1, -1.6, -0.5), -30, 8), ((1.2, -1.2, 0.8), -35, 8)]
-    for summit, slope, facets in PEAKS + lower:
-        tilt = np.radians(slope)
-        peak = np.full(directions.shape[:-1], 1e9)
-        for k in range(facets):
-            azimuth = 2 * np.pi * (k + rng.uniform(-0.3, 0.3)) / facets
-            t = tilt * rng.uniform(0.6, 1.35)
-            normal = np.array([np.cos(azimuth) * np.cos(t), np.sin(t), np.sin(azimuth) * np.cos(t)])
-            distance = max(normal @ summit, 0.35) * rng.uniform(0.9, 1.1) + (0.15 if k % 2 else 0.4)
-            facing = directions @ normal
-            peak = np.minimum(peak, np.where(facing > 1e-3, distance / np.maximum(facing, 1e-3), 1e9))
-        ends = rng.uniform(-0.35, 0.35, (2, 3))
-        ends[:, 1] = np.sign(summit[1]) * np.array([1, -1])
-        for normal, distance in zip(ends, (ends[0] @ summit * rng.uniform(0.92, 0.98), 0.7)):
-            facing = directions @ normal
-            peak = np.minimum(peak, np.where(facing > 1e-3, distance / np.maximum(facing, 1e-3), 1e9))
-        radius = np.maximum(radius, peak)
-    p = directions * np.minimum(radius, 6)[..., None]
-    x, y, z = np.moveaxis(p, -1, 0)
+    for peak in PEAKS:
+        radius = np.maximum(radius, peak_radius(directions, *peak, rng))
+    # Wear: ridges, runnels of melting water, and small bumps
+    x, y, z = np.moveaxis(directions * radius[..., None], -1, 0)
     ridges = 1 - np.abs(2 * fractal(0.8 * x, 0.8 * y, 0.8 * z, octaves=4, seed=100) - 1)
     runnels = fractal(2.2 * x, 0.5 * y, 2.2 * z, octaves=3, seed=110)
     fine = fractal(5 * x, 5 * y, 5 * z, octaves=3, seed=120)
     radius = radius - 0.30 * (1 - ridges) - 0.30 * (runnels - 0.5) - 0.10 * (fine - 0.5)
+    # Keep away from the glass
     bulb = wall[wall[:, 1] >= NECK]
     angle = np.arctan2(bulb[:, 1] - LAKE, bulb[:, 0])
     reach = np.interp(np.arcsin(directions[..., 1]), angle, np.hypot(bulb[:, 0], bulb[:, 1] - LAKE))
-    return np.minimum(radius, 0.84 * reach)
+    return np.minimum(radius, 0.80 * reach)
 
 
 def make_iceberg(wall, rows=180):
@@ -101,11 +112,7 @@ def make_iceberg(wall, rows=180):
     radius[0], radius[-1] = radius[0].mean(), radius[-1].mean()
     points = directions * radius[..., None] + (0, LAKE, 0)
     whole = surface(points)
-    normals = whole.normals.reshape(2 * rows + 1, SIDES + 1, 3)
-    seam = normals[:, 0] + normals[:, -1]
-    seam /= np.linalg.norm(seam, axis=-1, keepdims=True)
-    normals[:, 0], normals[:, -1] = seam, seam
-    normals[0], normals[-1] = (0, -1, 0), (0, 1, 0)
+    normals = whole.normals.reshape(points.shape)
     uvs = whole.uvs.reshape(2 * rows + 1, SIDES + 1, 2)
     for name, part in (("ice_below", slice(0, rows + 1)), ("ice_above", slice(rows, 2 * rows + 1))):
         Mesh(points[part], normals[part], uvs[part], grid_triangles(rows + 1, SIDES + 1)).write(FOLDER / f"{name}.ply")
@@ -178,15 +185,10 @@ def make_island():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--make-cloud", default=find_make_cloud())
-    parser.add_argument("--only", help="dev")
     arguments = parser.parse_args()
     if not Path(arguments.make_cloud).is_file():
         parser.error(f"no program {arguments.make_cloud}: build it, or say --make-cloud where it is")
     FOLDER.mkdir(parents=True, exist_ok=True)
-    if arguments.only:
-        for part in arguments.only.split(";"):
-            exec(part.strip())
-        return
     make_glass()
     make_island()
     make_city(FOLDER, (0.0, 0.0), STREETS, 24)
