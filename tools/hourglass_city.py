@@ -8,7 +8,6 @@ from hourglass_textures import fractal
 FLOOR, WINDOW = 0.155, (0.078, 0.098)  # height of a floor, size of a window, in cm
 BLOCK, STREET = 0.98, 0.25
 RADIUS = 4.6
-MATERIALS = ("concrete", "brick", "limestone", "steel")
 
 
 def facade_windows(low, high, rng, lit_share, ribbon):
