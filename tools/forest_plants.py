@@ -208,7 +208,7 @@ def trunk(seed, radius, height, lean=(0.0, 0.0), rows=150, sides=110):
     angle = 2 * np.pi * np.arange(sides) / sides
     height_at, angle_at = np.broadcast_arrays(y[:, None], angle[None])
     cx, cz = np.cos(angle_at), np.sin(angle_at)
-    flare = 1 + 0.9 * np.exp(-np.maximum(height_at, 0) / (1.4 * radius)) * (0.6 + 0.4 * np.cos(5 * angle_at + seed))
+    flare = 1 + 0.55 * np.exp(-np.maximum(height_at, 0) / (0.8 * radius)) * (0.6 + 0.4 * np.cos(5 * angle_at + seed))
     warp = 0.4 * noise(2 * cx, 2 * cz, height_at / (3 * radius), seed=seed)
     ridge = 1 - np.abs(fbm(5 * cx + warp, 5 * cz + warp, height_at / (2.6 * radius), octaves=4, gain=0.6, seed=seed + 1))
     bump = fbm(1.1 * cx, 1.1 * cz, height_at / (5 * radius), seed=seed + 2)

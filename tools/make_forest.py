@@ -122,7 +122,7 @@ def make_hero():
                      TIP + (-0.02, 0.55, 0), TIP], 400)
     leaf = HERO.blade(midrib, side, 900, 91, fold=0.16, wave=0.07, curl=0.12)
     leaf.write(FOLDER / "hero.ply")
-    drop, _ = pendant_drop(TIP, midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.42, 0.36)
+    drop, _ = pendant_drop(TIP, midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.75, 0.36)
     drop.write(FOLDER / "drop.ply")
     stem = tube(bezier([midrib[0], midrib[0] + (-1.5, -0.7, -0.2), midrib[0] + (-3, -3.5, -1)], 20),
                 0.07 * np.linspace(0.8, 1.2, 20), 12, (0.09, 0.085, 0.03))
@@ -225,7 +225,7 @@ def upright(rng, count, spread=0.12):
 def scatter_plants(scene):
     rng = np.random.default_rng(2)
     # kind, number, distances, distances from the shore, median size and its spread
-    layers = [("moss", 2600, (17, 70), (-0.4, 9), 0.85, 0.35), ("moss", 700, (60, 140), (0, 60), 1.8, 0.35),
+    layers = [("moss", 1300, (17, 70), (-0.4, 9), 1.0, 0.3), ("moss", 350, (60, 140), (0, 60), 1.8, 0.35),
               ("grass", 260, (17, 60), (-0.6, 7), 4.2, 0.4), ("grass", 650, (50, 130), (-0.5, 60), 8.0, 0.4),
               ("grass", 500, (120, 400), (10, 400), 16, 0.4), ("clover", 170, (20, 70), (0.8, 12), 2.3, 0.3),
               ("clover", 260, (50, 130), (1, 50), 4.5, 0.3), ("leafy", 46, (24, 70), (1.5, 14), 5.0, 0.3),
@@ -266,13 +266,13 @@ def make_stones(scene):
 
 def place_trunks(scene):
     rng = np.random.default_rng(5)
-    placed = [(0.045, 78, 5.0), (0.17, 150, 7.5), (0.27, 230, 11), (0.46, 175, 7.0), (0.56, 290, 13), (0.66, 120, 4.6),
-              (0.80, 210, 10), (0.955, 92, 6.5), (0.885, 150, 5.5)]
+    placed = [(0.045, 78, 2.4), (0.17, 150, 4.2), (0.265, 240, 6.0), (0.455, 185, 3.6), (0.575, 300, 7.0), (0.675, 125, 2.3),
+              (0.79, 210, 5.0), (0.955, 92, 2.8), (0.875, 150, 2.9), (0.355, 330, 6.5), (0.515, 420, 6.0)]
     for u, distance, radius in placed:
         place_trunk(scene, rng, in_view(u, 0.4, distance), radius)
-    for _ in range(24):
-        distance = rng.uniform(260, 700)
-        place_trunk(scene, rng, in_view(rng.uniform(-0.1, 1.1), 0.4, distance), rng.uniform(5, 15))
+    for _ in range(16):
+        distance = rng.uniform(320, 800)
+        place_trunk(scene, rng, in_view(rng.uniform(-0.1, 1.1), 0.4, distance), rng.uniform(3, 8))
 
 
 def place_trunk(scene, rng, point, radius):
@@ -282,11 +282,12 @@ def place_trunk(scene, rng, point, radius):
 
 
 # Strings of lamps: ends and lowest point in the image with their distances, number of lamps, radius of a lamp.
-STRINGS = [((0.40, 0.02, 165), (0.70, 0.30, 150), (0.975, 0.03, 105), 7, 1.25),
-           ((0.00, 0.16, 125), (0.13, 0.33, 165), (0.30, 0.16, 215), 4, 1.5),
-           ((0.46, 0.20, 190), (0.60, 0.33, 240), (0.82, 0.22, 230), 5, 1.7)]
+STRINGS = [((0.44, 0.03, 150), (0.70, 0.27, 118), (0.985, 0.02, 92), 7, 0.95),
+           ((0.00, 0.15, 118), (0.14, 0.36, 130), (0.31, 0.10, 150), 4, 0.95),
+           ((0.46, 0.15, 200), (0.63, 0.31, 215), (0.84, 0.17, 225), 6, 1.35)]
 # Single lamps: place in the image, distance, radius.
-SINGLES = [(0.525, 0.335, 82, 0.85), (0.86, 0.36, 62, 0.62), (0.22, 0.385, 96, 0.8), (0.415, 0.375, 128, 0.9)]
+SINGLES = [(0.535, 0.335, 82, 0.75), (0.865, 0.33, 58, 0.55), (0.235, 0.36, 96, 0.8), (0.425, 0.30, 140, 1.0),
+           (0.74, 0.36, 105, 0.7)]
 # Glow-worms close to the ground.
 GLOW_WORMS = [(0.62, 0.415, 58, 0.13), (0.73, 0.44, 40, 0.10), (0.97, 0.47, 26, 0.07), (0.10, 0.43, 44, 0.10),
               (0.33, 0.425, 66, 0.13), (0.46, 0.43, 75, 0.13), (0.785, 0.405, 70, 0.14)]
