@@ -167,12 +167,12 @@ def pendant_drop(tip, tail, side, tip_half_width, apex_radius, scale, overlap):
     count = 60
     for i in range(1, count + 1):
         t = i / count
-        shrink = (1 - t) ** 2.6
+        shrink = (1 - t) ** 2 * (1 + 2 * t)
         film = 0.004 * (1 - t) ** 0.5
         rings.append((neck_radius * shrink + (1 - shrink) * (tip_half_width * (1 + 0.6 * t) + film),
                       neck_radius * shrink + (1 - shrink) * (film + 0.0005), neck_height + overlap * t))
     rings = np.array(rings)
-    lift = neck_height - 0.10 * overlap
+    lift = neck_height - 0.05 * overlap
     arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(tail, axis=0), axis=1))])
     above = np.maximum(rings[:, 2] - lift, 0)
     centers = np.stack([np.interp(above, arc, tail[:, i]) for i in range(3)], axis=-1)

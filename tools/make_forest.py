@@ -122,7 +122,7 @@ def make_hero():
                      TIP + (-0.02, 0.55, 0), TIP], 400)
     leaf = HERO.blade(midrib, side, 900, 91, fold=0.16, wave=0.07, curl=0.12)
     leaf.write(FOLDER / "hero.ply")
-    drop, _ = pendant_drop(TIP, midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.75, 0.36)
+    drop, _ = pendant_drop(TIP, midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.75, 0.55)
     drop.write(FOLDER / "drop.ply")
     stem = tube(bezier([midrib[0], midrib[0] + (-1.5, -0.7, -0.2), midrib[0] + (-3, -3.5, -1)], 20),
                 0.07 * np.linspace(0.8, 1.2, 20), 12, (0.09, 0.085, 0.03))
