@@ -124,7 +124,7 @@ def moss(rng, height, stems=70):
         x = np.cross(y, z)
         size = 0.26 * height * (0.7 + 0.3 * np.sin(np.pi * t)) * rng.uniform(0.8, 1.2, count)
         at = np.array([root[0], 0, root[1]]) + (length * t)[:, None] * lean
-        color = tint(rng, (0.085, 0.155, 0.022), 0.25) * (0.35 + 0.9 * t[:, None] ** 0.8)
+        color = tint(rng, (0.125, 0.235, 0.035), 0.25) * (0.35 + 0.9 * t[:, None] ** 0.8)
         parts.append(copies(leaf, np.stack([x, y, z], -1) * size[:, None, None], at, color))
     return joined(parts)
 

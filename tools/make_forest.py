@@ -23,9 +23,9 @@ TAN_X, TAN_Y = 16 / 9 * np.tan(np.radians(14.0)), np.tan(np.radians(14.0))
 DROP_X = -1.6
 TIP = np.array([DROP_X, 3.36, 0.0])
 # Stones in the water near the camera: centre, radii, seed, heading in degrees.
-NEAR_STONES = [((5.6, 0.15, -5.2), (2.5, 1.25, 2.0), 3, 20), ((3.5, -0.05, -7.0), (1.05, 0.55, 0.9), 8, 70),
-               ((8.6, 0.4, -7.2), (2.4, 1.9, 2.2), 5, 200), ((-8.3, 0.2, -9.5), (2.6, 1.3, 1.9), 6, 130),
-               ((-6.0, -0.1, -11.5), (1.2, 0.6, 1.0), 9, 10), ((4.6, -0.12, -4.0), (0.55, 0.32, 0.5), 12, 250)]
+NEAR_STONES = [((5.3, 0.15, -3.2), (2.3, 1.25, 1.9), 3, 20), ((3.5, -0.05, -5.2), (1.05, 0.55, 0.9), 8, 70),
+               ((8.4, 0.4, -7.0), (2.4, 1.9, 2.2), 5, 200), ((-7.3, 0.2, -6.8), (2.5, 1.3, 1.9), 6, 130),
+               ((-5.3, -0.1, -8.6), (1.2, 0.6, 1.0), 9, 10), ((3.3, -0.12, -2.4), (0.5, 0.30, 0.45), 12, 250)]
 
 HERO = Leaf(length=7.2, half_width=1.30, pairs=9, teeth=34, seed=4)
 SMALL_LEAVES = [Leaf(1.0, 0.24, 7, 22, 11), Leaf(1.0, 0.27, 6, 16, 23, base=(0.075, 0.150, 0.020)),
@@ -118,7 +118,7 @@ def make_hero():
     """Writes the leaf, its stalk and a second leaf behind it, the hanging drop, and returns places of droplets."""
     HERO.write_textures(FOLDER, "hero", 2048)
     side = (-0.22, -0.72, 0.66)
-    midrib = bezier([TIP + (-6.6, 0.55, -1.2), TIP + (-4.6, 1.75, -0.9), TIP + (-2.3, 1.65, -0.3), TIP + (-0.6, 0.85, 0.0),
+    midrib = bezier([TIP + (-6.6, 0.30, -1.2), TIP + (-4.6, 1.30, -0.9), TIP + (-2.3, 1.30, -0.3), TIP + (-0.6, 0.78, 0.0),
                      TIP + (-0.02, 0.55, 0), TIP], 400)
     leaf = HERO.blade(midrib, side, 900, 91, fold=0.16, wave=0.07, curl=0.12)
     leaf.write(FOLDER / "hero.ply")
@@ -196,6 +196,17 @@ def make_groups(scene):
         color = [(0.30, 0.09, 0.03), (0.34, 0.16, 0.05), (0.25, 0.07, 0.03)][i]
         scene.group("mushroom", [(plants.mushroom(rng, 1.0, color), "mushroom")])
     scene.group("droplet", [(sessile_drop(), "water_small")])
+
+
+def place_on_water(scene):
+    """Floating leaves near the rings, and grass close to the camera at the edges of the image."""
+    rng = np.random.default_rng(9)
+    for x, z, size in ((2.75, 0.9, 1.9), (2.3, -3.4, 1.1), (-4.9, -2.2, 1.4), (1.1, -12.5, 1.8), (-3.4, -15.0, 1.6)):
+        frame = aligned(upright(rng, 1, 0.03), [rng.uniform(0, 6.28)])[0]
+        scene.place(rng.choice(scene.names["litter"]), frame * size * [1, 0.45, 1], (x, float(water_height(x, z)) + 0.02, z))
+    for x, z, size in ((2.75, 5.4, 2.3), (2.45, 6.1, 1.5), (-2.95, 5.3, 1.7)):
+        frame = aligned(upright(rng, 1, 0.1), [rng.uniform(0, 6.28)])[0]
+        scene.place(rng.choice(scene.names["grass"]), frame * size, (x, -0.3, z))
 
 
 def land_points(rng, count, near, far, shore, spread=1.15):
@@ -344,6 +355,7 @@ def main():
     make_stones(scene)
     scatter_plants(scene)
     place_trunks(scene)
+    place_on_water(scene)
     make_lamps()
     make_sky()
     scene.write(FOLDER / "plants.xml")
