@@ -89,6 +89,10 @@ class Mesh:
                          for axis in range(3)], axis=-1)
         return unit(sums)
 
+    def areas(self):
+        a, b, c = (self.positions[self.faces[:, i]] for i in range(3))
+        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
     def moved(self, rotation=None, scale=1.0, offset=(0, 0, 0)):
         rotation = np.eye(3) if rotation is None else rotation
         positions = self.positions * scale @ np.transpose(rotation) + np.asarray(offset)
@@ -108,11 +112,12 @@ class Mesh:
             if values is not None:
                 columns.append(values)
                 names += more
+        faces = self.faces[self.areas() > 1e-14]
         header = ["ply", "format binary_little_endian 1.0", "comment written by tools/make_forest.py",
                   f"element vertex {len(self.positions)}"] + [f"property float {name}" for name in names]
-        header += [f"element face {len(self.faces)}", "property list uchar int vertex_indices", "end_header"]
-        rows = np.zeros(len(self.faces), dtype=[("count", "u1"), ("indices", "<i4", 3)])
-        rows["count"], rows["indices"] = 3, self.faces
+        header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+        rows = np.zeros(len(faces), dtype=[("count", "u1"), ("indices", "<i4", 3)])
+        rows["count"], rows["indices"] = 3, faces
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(path, "wb") as out:
             out.write(("\n".join(header) + "\n").encode())

@@ -247,6 +247,9 @@ def scatter_plants(scene):
               ("mushroom", 26, (22, 90), (1.0, 14), 1.6, 0.35)]
     for kind, count, distances, shore, size, spread in layers:
         points = land_points(rng, count, *distances, shore)
+        if kind in ("litter", "mushroom"):  # none of these bright shapes behind the drop
+            points = points[np.abs(points[:, 0] / ((EYE[2] - points[:, 2]) * TAN_X) - DROP_X / (EYE[2] * TAN_X)) > 0.1]
+            count = len(points)
         sizes = np.minimum(size * np.exp(np.clip(rng.normal(0, spread, count), -2 * spread, 2 * spread)),
                            tallest(points) * rng.uniform(0.5, 1, count))
         lean = 0.35 if kind == "litter" else 0.12

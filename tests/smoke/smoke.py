@@ -33,6 +33,7 @@ MAKERS = {
     "tools/make_instances.py": ["500"],
     "tools/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_caustic_scenes.py": [],
+    "tools/make_forest.py": [],
 }
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
@@ -88,6 +89,9 @@ EXEMPT = {
     "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",
     "tools/check_format.sh": "a test of its own, format",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
+    "tools/forest_leaf.py": "a module, which other scripts import",
+    "tools/forest_plants.py": "a module, which other scripts import",
+    "tools/forest_shapes.py": "a module, which other scripts import",
     "tools/scene_text.py": "a module, which other scripts import",
     "bench/rendering.py": "a module, which other scripts import",
     "sheaf": "smoke_scenes runs it",
@@ -123,11 +127,19 @@ def copy_tree(folder):
 
 
 def make_scenes(arguments, folder, failures):
+    """Runs the scripts of MAKERS whose packages are installed. Returns the others."""
+    skipped = set()
     for script, options in MAKERS.items():
+        missing = list(missing_packages(folder / script))
+        if missing:
+            print(f"skipped  {script}: needs {', '.join(missing)}", flush=True)
+            skipped.add(script)
+            continue
         options = [option.format(build=arguments.build) for option in options]
         good, output = run([sys.executable, folder / script, *options], folder)
         if not good:
             failures.add(script, output)
+    return skipped
 
 
 def check_origins(arguments, folder, failures):
@@ -145,12 +157,15 @@ def check_origins(arguments, folder, failures):
 def check_scenes(arguments, folder, failures):
     """Renders a few pixels in the middle of every scene with few photons, in both or alternating colour modes."""
     check_origins(arguments, folder, failures)
-    make_scenes(arguments, folder, failures)
+    skipped = make_scenes(arguments, folder, failures)
     sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
     scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)
                     if "generated" not in f.parts)
     for i, scene in enumerate(scenes):
         name = str(scene.relative_to(folder))
+        origin = scene.parent / "generated.txt"
+        if origin.exists() and origin.read_text().split()[0] in skipped:
+            continue
         good, output = run([sheaf, "info", scene], folder)
         size = re.search(r"(\d+) x (\d+) pixels", output)
         if not good or not size:
