@@ -76,6 +76,8 @@ class Leaf:
         y = self.length / 2 * ((np.arange(height) + 0.5)[:, None] / height - 0.5) + np.zeros((1, width))
         across, middle, side_distance, side, inside, along, share = self.veins(x, y)
         spacing = 0.86 * self.length / self.pairs
+
+        # Veins: midrib and secondaries, and two levels of nets between them.
         mesh = 3.4 / spacing
         warp = 0.25 * noise(2 * mesh * x, 2 * mesh * y, seed=self.seed + 9)
         near, second, cell = cells(mesh * along + warp, 1.1 * mesh * y - warp, seed=self.seed)
@@ -84,6 +86,8 @@ class Leaf:
         fourth = np.exp(-((fine_second - fine_near) / 0.13) ** 2)
         main = np.maximum(np.exp(-(across / middle) ** 2), inside * np.exp(-(side_distance / side) ** 2))
         vein = np.maximum(main, np.maximum(0.42 * third, 0.20 * fourth))
+
+        # Colours of the blade, veins and rim, and of blots.
         u, v = x / spacing, y / spacing
         patch = fbm(0.9 * u, 0.9 * v, seed=self.seed + 20)
         grain = fbm(40 * u, 40 * v, octaves=3, seed=self.seed + 21)
@@ -100,6 +104,7 @@ class Leaf:
             (0.5 + 0.5 * smoothstep(0.2, 0.8, blot_near / size))[..., None]
         write_png(folder / f"{name}_albedo.png", encode_srgb(color))
 
+        # Normals, roughness, transmission.
         relief = self.relief(x, y) - 0.010 * spacing * third - 0.004 * spacing * fourth + 0.0016 * spacing * grain
         step = self.length / width
         slope_y, slope_x = np.gradient(relief, step)
@@ -112,7 +117,11 @@ class Leaf:
         write_png(folder / f"{name}_transmission.png", transmission)
 
     def blade(self, midrib, side, rows, columns, fold=0.25, wave=0.05, curl=0.10, twist=0.0):
-        """A mesh along a midrib (n, 3), whose length counts as that of the leaf. The upper side is the front."""
+        """A mesh along a midrib (n, 3), whose length counts as that of the leaf. The upper side is the front.
+
+        fold: slope of the halves; wave, curl: undulation of the edge and its drop, in half widths; twist: radians.
+        """
+        # The midrib at equal steps.
         s = np.linspace(0, 1, rows)
         x = self.length * s
         arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(midrib, axis=0), axis=1))])
@@ -121,6 +130,8 @@ class Leaf:
         tangent, side, normal = frames(path, side)
         turn = (twist * s)[:, None]
         side, normal = np.cos(turn) * side + np.sin(turn) * normal, np.cos(turn) * normal - np.sin(turn) * side
+
+        # Offsets across the leaf and along its normal.
         t = np.linspace(-1, 1, columns)
         t = np.sign(t) * np.abs(t) ** 0.9
         edge = np.where(t[None] < 0, self.edge_at(x, -1)[:, None], self.edge_at(x, 1)[:, None])
@@ -157,9 +168,10 @@ def pendant_profile(apex_radius, capillary=0.0744, step=0.0005):
     return np.array(points)
 
 
-def pendant_drop(tip, tail, side, tip_half_width, apex_radius, scale, overlap):
-    """A closed surface around the end of a leaf: the profile of a pendant drop whose neck becomes a film around the
-    last `overlap` of the leaf. `tail` (n, 3) is the midrib from the tip upwards."""
+def pendant_drop(tail, side, tip_half_width, apex_radius, scale, overlap):
+    """A closed surface around the end of a leaf: the profile of a pendant drop, times `scale`, whose neck becomes a
+    film around the last `overlap` of the leaf. `tail` (n, 3) is the midrib from the tip upwards."""
+    # Radii across the leaf and along its normal, and heights over the apex.
     profile = pendant_profile(apex_radius) * scale
     neck_radius, neck_height = profile[-1]
     keep = np.unique(np.concatenate([np.linspace(0, 60, 13), np.linspace(60, len(profile) - 1, 150)]).astype(int))
@@ -172,6 +184,8 @@ def pendant_drop(tip, tail, side, tip_half_width, apex_radius, scale, overlap):
         rings.append((neck_radius * shrink + (1 - shrink) * (tip_half_width * (1 + 0.6 * t) + film),
                       neck_radius * shrink + (1 - shrink) * (film + 0.0005), neck_height + overlap * t))
     rings = np.array(rings)
+
+    # Centres: the film follows the leaf, the drop hangs straight below its tip.
     lift = neck_height - 0.05 * overlap
     arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(tail, axis=0), axis=1))])
     above = np.maximum(rings[:, 2] - lift, 0)
@@ -181,6 +195,7 @@ def pendant_drop(tip, tail, side, tip_half_width, apex_radius, scale, overlap):
     tangent = unit(np.gradient(centers, axis=0) * weight + (1 - weight) * np.array([[0, 1.0, 0]]))
     side = unit(side - tangent * (tangent @ np.asarray(side))[:, None])
     normal = np.cross(side, tangent)
+
     sides = 128
     angle = 2 * np.pi * np.arange(sides) / sides
     positions = centers[:, None] + rings[:, 0, None, None] * np.cos(angle)[None, :, None] * side[:, None] + \
@@ -188,7 +203,7 @@ def pendant_drop(tip, tail, side, tip_half_width, apex_radius, scale, overlap):
     faces = grid_faces(len(rings), sides, wrap=True)
     mesh = Mesh(positions, faces)
     outward = np.sum(mesh.normals * (mesh.positions - np.repeat(centers, sides, axis=0)))
-    return (mesh if outward > 0 else mesh.flipped()), tip[1] - lift
+    return mesh if outward > 0 else mesh.flipped()
 
 
 def sessile_drop(sides=28, rings=12, contact=1.25):

@@ -4,8 +4,8 @@ centimetres; +y is up and plants stand on y = 0."""
 import numpy as np
 
 from forest_leaf import bezier
-from forest_shapes import (Mesh, aligned, copies, fbm, grid_faces, icosphere, joined, noise, rotation, smoothstep, strip,
-                           tube, unit)
+from forest_shapes import (Mesh, aligned, copies, fbm, grid_faces, icosphere, joined, noise, rotation, smoothstep,
+                           strip, tube, unit)
 
 
 def tint(rng, color, spread):
@@ -133,7 +133,7 @@ def clover(rng, height, stalks=14):
     """A clump of stalks with three heart-shaped leaflets each."""
     t = np.linspace(0, 1, 7)
     width = np.array([0.04, 0.20, 0.36, 0.48, 0.52, 0.46, 0.30])
-    path = np.stack([0 * t, t * np.array([1] * 7), -0.22 * t**2], -1)
+    path = np.stack([0 * t, t, -0.22 * t**2], -1)
     leaflet = strip(path, (1, 0, 0), width, fold=-0.3, color=np.ones(3) * (0.75 + 0.5 * (1 - t[:, None])), columns=5)
     parts = []
     for _ in range(stalks):
@@ -180,16 +180,18 @@ def fallen_leaf(rng, leaf):
     """A curled leaf that lies on y = 0."""
     length = leaf.length
     arch = rng.uniform(0.05, 0.28)
-    midrib = bezier([(-length / 2, 0.05, 0), (0, 2 * arch * length, rng.normal(0, 0.1) * length), (length / 2, 0.03, 0)],
-                    30)
-    return leaf.blade(midrib, (0, 0, -1), 50, 17, fold=rng.uniform(0.15, 0.6), wave=0.2, curl=0.1, twist=rng.normal(0, 0.4))
+    top = (0, 2 * arch * length, rng.normal(0, 0.1) * length)
+    midrib = bezier([(-length / 2, 0.05, 0), top, (length / 2, 0.03, 0)], 30)
+    return leaf.blade(midrib, (0, 0, -1), 50, 17, fold=rng.uniform(0.15, 0.6), wave=0.2, curl=0.1,
+                      twist=rng.normal(0, 0.4))
 
 
 def stone(seed, radii, steps=5, green=0.5):
     """A weathered stone around the origin, wider than high, with moss-coloured patches on top."""
     directions, faces = icosphere(steps)
     x, y, z = (directions + 11.7 * seed).T
-    shape = 1 + 0.22 * fbm(1.3 * x, 1.3 * y, 1.3 * z, seed=seed) + 0.10 * np.abs(noise(2.9 * x, 2.9 * y, 2.9 * z, seed=5))
+    shape = 1 + 0.22 * fbm(1.3 * x, 1.3 * y, 1.3 * z, seed=seed)
+    shape = shape + 0.10 * np.abs(noise(2.9 * x, 2.9 * y, 2.9 * z, seed=5))
     shape = shape + 0.035 * fbm(9 * x, 9 * y, 9 * z, octaves=5, gain=0.65, seed=seed + 1)
     positions = directions * shape[:, None] * np.asarray(radii)
     grain = fbm(14 * x, 14 * y, 14 * z, octaves=4, gain=0.7, seed=seed + 2)[:, None]
@@ -204,18 +206,18 @@ def stone(seed, radii, steps=5, green=0.5):
 
 def trunk(seed, radius, height, lean=(0.0, 0.0), rows=150, sides=110):
     """A trunk with ridged bark, a flared foot and moss on one side, from a little below the ground upwards."""
-    y = np.linspace(-0.05, 1, rows) ** 1.0 * height
+    y = np.linspace(-0.05, 1, rows) * height
     angle = 2 * np.pi * np.arange(sides) / sides
     height_at, angle_at = np.broadcast_arrays(y[:, None], angle[None])
     cx, cz = np.cos(angle_at), np.sin(angle_at)
     flare = 1 + 0.55 * np.exp(-np.maximum(height_at, 0) / (0.8 * radius)) * (0.6 + 0.4 * np.cos(5 * angle_at + seed))
     warp = 0.4 * noise(2 * cx, 2 * cz, height_at / (3 * radius), seed=seed)
-    ridge = 1 - np.abs(fbm(5 * cx + warp, 5 * cz + warp, height_at / (2.6 * radius), octaves=4, gain=0.6, seed=seed + 1))
+    ridge = 1 - np.abs(fbm(5 * cx + warp, 5 * cz + warp, height_at / (2.6 * radius), gain=0.6, seed=seed + 1))
     bump = fbm(1.1 * cx, 1.1 * cz, height_at / (5 * radius), seed=seed + 2)
     r = radius * (1 - 0.25 * height_at / height) * flare * (1 + 0.13 * (ridge - 0.7) + 0.10 * bump)
-    wander = radius * 1.3 * np.stack([noise(y / (0.3 * height), seed=seed + 3), noise(y / (0.3 * height), seed=seed + 4)])
-    positions = np.stack([r * cx + (wander[0] + lean[0] * y)[:, None], height_at, r * cz + (wander[1] + lean[1] * y)[:, None]],
-                         axis=-1)
+    wander_x = 1.3 * radius * noise(y / (0.3 * height), seed=seed + 3) + lean[0] * y
+    wander_z = 1.3 * radius * noise(y / (0.3 * height), seed=seed + 4) + lean[1] * y
+    positions = np.stack([r * cx + wander_x[:, None], height_at, r * cz + wander_z[:, None]], axis=-1)
     color = np.array([0.085, 0.064, 0.046]) * (0.25 + 1.1 * smoothstep(0.45, 1.0, ridge))[..., None]
     mossy = smoothstep(-0.1, 0.5, 0.5 * np.cos(angle_at - 1.0) + 0.9 * np.exp(-height_at / (5 * radius)) - 0.35 +
                        0.5 * fbm(4 * cx, 4 * cz, height_at / radius, seed=seed + 5))[..., None]
@@ -230,8 +232,8 @@ def mushroom(rng, height, color):
     bend = rng.normal(0, 0.16 * height, 2)
     stem = tube(bezier([(0, -0.05 * height, 0), (0, 0.6 * height, 0), (bend[0], height, bend[1])], 14),
                 0.07 * height * np.linspace(1.25, 0.85, 14), 14, (0.42, 0.36, 0.26))
-    profile = np.array([(0, 1.20), (0.12, 1.195), (0.24, 1.165), (0.36, 1.09), (0.44, 0.99), (0.47, 0.90), (0.455, 0.875),
-                        (0.40, 0.90), (0.25, 0.96), (0.06, 0.99)]) * height
+    profile = np.array([(0, 1.20), (0.12, 1.195), (0.24, 1.165), (0.36, 1.09), (0.44, 0.99), (0.47, 0.90),
+                        (0.455, 0.875), (0.40, 0.90), (0.25, 0.96), (0.06, 0.99)]) * height
     turn = 2 * np.pi * np.arange(36) / 36
     positions = np.stack(np.broadcast_arrays(profile[:, 0, None] * np.cos(turn), profile[:, 1, None] + 0.006 * height *
                                              np.sin(18 * turn) * (profile[:, 0, None] > 0.1 * height),

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the meshes, textures and instances of scenes/forest to scenes/forest/generated: a drop on the tip of a leaf over
-a pond in a forest at night. Needs Python with numpy; the output is deterministic.
+"""Writes the meshes, textures and instances of scenes/forest to scenes/forest/generated: a drop on the tip of a leaf
+over a pond in a forest at night. Needs Python with numpy; the output is deterministic.
 
   tools/make_forest.py
 """
@@ -115,14 +115,15 @@ def make_water():
 
 
 def make_hero():
-    """Writes the leaf, its stalk and a second leaf behind it, the hanging drop, and returns places of droplets."""
+    """Writes the leaf, its stalk, a second leaf behind it and the hanging drop. Returns centres, normals and radii of
+    droplets on the leaf."""
     HERO.write_textures(FOLDER, "hero", 2048)
     side = (-0.22, -0.72, 0.66)
-    midrib = bezier([TIP + (-6.6, 0.30, -1.2), TIP + (-4.6, 1.30, -0.9), TIP + (-2.3, 1.30, -0.3), TIP + (-0.6, 0.78, 0.0),
-                     TIP + (-0.02, 0.55, 0), TIP], 400)
+    midrib = bezier([TIP + (-6.6, 0.30, -1.2), TIP + (-4.6, 1.30, -0.9), TIP + (-2.3, 1.30, -0.3),
+                     TIP + (-0.6, 0.78, 0.0), TIP + (-0.02, 0.55, 0), TIP], 400)
     leaf = HERO.blade(midrib, side, 900, 91, fold=0.16, wave=0.07, curl=0.12)
     leaf.write(FOLDER / "hero.ply")
-    drop, _ = pendant_drop(TIP, midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.75, 0.55)
+    drop = pendant_drop(midrib[::-1], (0.55, 0.0, -0.83), 0.055, 0.165, 1.75, 0.55)
     drop.write(FOLDER / "drop.ply")
     stem = tube(bezier([midrib[0], midrib[0] + (-1.5, -0.7, -0.2), midrib[0] + (-3, -3.5, -1)], 20),
                 0.07 * np.linspace(0.8, 1.2, 20), 12, (0.09, 0.085, 0.03))
@@ -149,7 +150,8 @@ class Scene:
         for i, (mesh, material) in enumerate(meshes):
             file = f"{name}_{i}.ply"
             mesh.write(FOLDER / file)
-            shapes.append(f'<shape type="ply"><string name="filename" value="generated/{file}"/><ref id="{material}"/></shape>')
+            shapes.append(f'<shape type="ply"><string name="filename" value="generated/{file}"/>'
+                          f'<ref id="{material}"/></shape>')
         self.groups.append(f'<shape type="shapegroup" id="{name}">{"".join(shapes)}</shape>')
 
     def place(self, name, matrix, offset):
@@ -203,7 +205,8 @@ def place_on_water(scene):
     rng = np.random.default_rng(9)
     for x, z, size in ((2.75, 0.9, 1.9), (2.3, -3.4, 1.1), (-4.9, -2.2, 1.4), (1.1, -12.5, 1.8), (-3.4, -15.0, 1.6)):
         frame = aligned(upright(rng, 1, 0.03), [rng.uniform(0, 6.28)])[0]
-        scene.place(rng.choice(scene.names["litter"]), frame * size * [1, 0.45, 1], (x, float(water_height(x, z)) + 0.02, z))
+        place = (x, float(water_height(x, z)) + 0.02, z)
+        scene.place(rng.choice(scene.names["litter"]), frame * size * [1, 0.45, 1], place)
     for x, z, size in ((2.75, 5.4, 2.3), (2.45, 6.1, 1.5), (-2.95, 5.3, 1.7)):
         frame = aligned(upright(rng, 1, 0.1), [rng.uniform(0, 6.28)])[0]
         scene.place(rng.choice(scene.names["grass"]), frame * size, (x, -0.3, z))
@@ -280,8 +283,10 @@ def make_stones(scene):
 
 def place_trunks(scene):
     rng = np.random.default_rng(5)
-    placed = [(0.045, 78, 2.4), (0.17, 150, 4.2), (0.265, 240, 6.0), (0.455, 185, 3.6), (0.575, 300, 7.0), (0.675, 125, 2.3),
-              (0.79, 210, 5.0), (0.955, 92, 2.8), (0.875, 150, 2.9), (0.355, 330, 6.5), (0.515, 420, 6.0)]
+    # Place across the image, distance, radius.
+    placed = [(0.045, 78, 2.4), (0.17, 150, 4.2), (0.265, 240, 6.0), (0.455, 185, 3.6), (0.575, 300, 7.0),
+              (0.675, 125, 2.3), (0.79, 210, 5.0), (0.955, 92, 2.8), (0.875, 150, 2.9), (0.355, 330, 6.5),
+              (0.515, 420, 6.0)]
     for u, distance, radius in placed:
         place_trunk(scene, rng, in_view(u, 0.4, distance), radius)
     for _ in range(16):
@@ -320,7 +325,8 @@ def make_lamps():
     for u, v, distance, radius in SINGLES:
         spheres.append((in_view(u, v, distance), radius))
         center = spheres[-1][0]
-        metal.append(tube([center, center + (0.2, 10 * radius, 0.1), center + (2.0, 30 * radius, 1)], 0.05, 5, (0.02,) * 3))
+        wire = [center, center + (0.2, 10 * radius, 0.1), center + (2.0, 30 * radius, 1)]
+        metal.append(tube(wire, 0.05, 5, (0.02, 0.02, 0.02)))
     for center, radius in spheres:
         path = center + np.array([(0, 0.93, 0), (0, 1.0, 0), (0, 1.5, 0), (0, 1.55, 0)]) * radius
         metal.append(tube(path, radius * np.array([0.45, 0.42, 0.36, 0.05]), 12, (0.03, 0.025, 0.02)))
