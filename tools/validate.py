@@ -19,6 +19,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from validation import closed_forms, page
 from validation.comparison import BLOCK, Image, Measures, compare
 from validation.renderers import QUICK_SCALE, REPLICATES, Mitsuba, Pbrt, RenderError, Sheaf, run
@@ -64,7 +66,7 @@ class Validation:
         """Returns the image of a reference, or None if there is no such renderer."""
         if kind == "closed form":
             picture = closed_forms.render(case.closed_form, SCENES / case.scene, QUICK_SCALE if self.arguments.quick else 1)
-            return Image(picture, picture, picture * 0)
+            return Image(picture, picture, np.zeros_like(picture))
         if kind == LONG:
             return self.sheaf.render(case.long_scene or case.scene, LONG_SPP, case.long_options)
         if kind == "Mitsuba" and self.mitsuba:
@@ -81,6 +83,8 @@ class Validation:
             image = self.sheaf.render(case.scene, case.spp, case.sheaf_options, case.color, case.runs,
                                       case.is_unbiased, case.layer)
             for kind in case.references:
+                if kind == "pbrt" and not self.pbrt:
+                    continue
                 results += self.results(row, case, kind, image, self.reference(case, kind))
         return results
 

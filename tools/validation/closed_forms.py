@@ -32,6 +32,8 @@ def camera_rays(scene, quick_scale):
     forward = normalized(target - origin)
     right = normalized(np.cross(forward, up))
     above = np.cross(right, forward)
+    if scene.suffix == ".pbrt":
+        right = -right  # pbrt's coordinates are left-handed
     for i in range(POINTS**2):
         x = (np.arange(width) + (i % POINTS + 0.5) / POINTS) / width * 2 - 1
         y = (np.arange(height) + (i // POINTS + 0.5) / POINTS) / height * 2 - 1

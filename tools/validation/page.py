@@ -32,8 +32,8 @@ Mitsuba's variant is `{variant}`.
 - **CPU time**: seconds of all threads together, at equal samples per pixel. Mitsuba's variant `llvm_ad_rgb` takes less
   than `scalar_rgb`; [bench/README.md](../bench/README.md) compares with it.
 
-Without replicates, independent samples would be tested alone; here Sheaf renders with its default sampler unless a row says
-otherwise.
+Sheaf renders with its default sampler and Mitsuba with `independent`, unless a row says otherwise. All images have a box
+filter, so that pixels are independent.
 """
 
 
