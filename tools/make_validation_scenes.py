@@ -124,7 +124,8 @@ def make_many_lights():
     for i in range(12):
         x, z = -5.5 + 2.2 * (i % 6) + 0.5 * noise(i, 1), -4 + 3.4 * (i // 6) + noise(i, 2)
         parts.append(f"""  <shape type="cube">
-    <transform name="to_world"> <scale x="0.22" y="{0.6 + noise(i, 3):.3f}" z="0.22"/> <translate x="{x:.3f}" z="{z:.3f}"/> </transform>
+    <transform name="to_world"> <scale x="0.22" y="{0.6 + noise(i, 3):.3f}" z="0.22"/>
+      <translate x="{x:.3f}" z="{z:.3f}"/> </transform>
     {diffuse("0.6, 0.55, 0.5")}
   </shape>
 """)
@@ -142,8 +143,11 @@ def make_instances():
     """A group of a ball, a cube and a lamp, instanced with rotations, mirrored and stretched."""
     group = ['  <shape type="shapegroup" id="toy">\n', sphere("0, 0.5, 0", 0.3, diffuse("0.75, 0.3, 0.2")),
              f"""  <shape type="cube">
-    <transform name="to_world"> <scale x="0.35" y="0.1" z="0.2"/> <rotate z="1" angle="20"/> <translate x="0.1" y="0.15"/> </transform>
-    <bsdf type="roughconductor"> <float name="eta" value="1.2"/> <float name="k" value="3"/> <float name="alpha" value="0.3"/> </bsdf>
+    <transform name="to_world">
+      <scale x="0.35" y="0.1" z="0.2"/> <rotate z="1" angle="20"/> <translate x="0.1" y="0.15"/> </transform>
+    <bsdf type="roughconductor">
+      <float name="eta" value="1.2"/> <float name="k" value="3"/> <float name="alpha" value="0.3"/>
+    </bsdf>
   </shape>
   <shape type="obj">
     <string name="filename" value="meshes/ball.obj"/>

@@ -65,7 +65,8 @@ class Validation:
     def reference(self, case, kind):
         """Returns the image of a reference, or None if there is no such renderer."""
         if kind == "closed form":
-            picture = closed_forms.render(case.closed_form, SCENES / case.scene, QUICK_SCALE if self.arguments.quick else 1)
+            scale = QUICK_SCALE if self.arguments.quick else 1
+            picture = closed_forms.render(case.closed_form, SCENES / case.scene, scale)
             return Image(picture, picture, np.zeros_like(picture))
         if kind == LONG:
             return self.sheaf.render(case.long_scene or case.scene, LONG_SPP, case.long_options)
@@ -102,7 +103,7 @@ class Validation:
                 other_name = f"{name}-{kind.split(',')[0].lower().replace(' ', '-').replace('sheaf', 'reference')}"
                 self.pictures[other_name] = page.tone_map(other.picture, case.exposure)
             results.append(Result(label, kind, f"{name}-sheaf", other_name,
-                                  compare(part, other, case.tolerance) if other else None,
+                                  compare(part, other, case.tolerance, case.block) if other else None,
                                   part.seconds if i == 0 else None, other and i == 0 and other.seconds or None,
                                   case.is_unbiased, case))
         return results

@@ -45,24 +45,25 @@ class Measures:
     p: float | None = None
 
 
-def compare(a, b, tolerance):
+def compare(a, b, tolerance, block=BLOCK):
     """Compares image `a` with the reference `b`. The test ignores relative differences below `tolerance`."""
     scale = b.mean**2 + 0.01
     ratio = a.mean.mean() / b.mean.mean()
     error = float(np.mean((a.picture - b.picture) ** 2 / scale))
     if a.variance is None or b.variance is None:
         return Measures(ratio, error)
-    tests = list(block_tests(a, b, tolerance))
+    tests = list(block_tests(a, b, tolerance, block))
     smallest = min(p for p, _ in tests)
     z = max(z for _, z in tests)
     expected = float(np.mean((a.variance * a.pictures + b.variance * b.pictures) / scale))
     return Measures(ratio, error, expected, z, min(1.0, len(tests) * smallest))
 
 
-def block_tests(a, b, tolerance):
-    """Yields the p-value and the equivalent |z| of Welch's test, for each channel of each block and of the frame."""
+def block_tests(a, b, tolerance, block):
+    """Yields the p-value and the equivalent |z| of Welch's test, for each channel of each block and of the frame.
+    `block`: pixels per side. Blocks must receive enough light of few bright samples to estimate its variance."""
     height, width, channels = a.mean.shape
-    lines, columns = np.arange(0, height, BLOCK), np.arange(0, width, BLOCK)
+    lines, columns = np.arange(0, height, block), np.arange(0, width, block)
 
     def sums(values):
         return np.add.reduceat(np.add.reduceat(values, lines, axis=0), columns, axis=1).reshape(-1, channels)

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from validation import closed_forms
+from validation.comparison import BLOCK
 
 LONG = "Sheaf, 1024 spp"  # the path tracer with many samples
 
@@ -20,7 +21,7 @@ class Case:
     mitsuba_spp: samples of Mitsuba if they differ from `spp`; `wavelengths`: per wavelength, as it has no dispersion.
     closed_form: radiance of rays, see closed_forms.py.
     long_scene, long_options: scene and options of the reference LONG, without defines.
-    tolerance: relative difference that the test ignores.
+    tolerance: relative difference that the test ignores. block: pixels per side of the blocks that it compares.
     max_ratio_error, max_error: limits of |ratio of means - 1| and of the relative MSE; instead of the test, for biased
     images.
     """
@@ -42,6 +43,7 @@ class Case:
     long_scene: str = ""
     long_options: tuple = ()
     tolerance: float = 0.002
+    block: int = BLOCK
     max_ratio_error: float | None = None
     max_error: float | None = None
     exposure: float = 1
@@ -96,8 +98,8 @@ def photons(name, label, max_error, **defines):
 LIGHT_ROWS = (
     Row("spot", "Spot lights",
         "Spot lights with soft and hard edges, by Mitsuba's falloff and by pbrt's.",
-        "The falloff depends on the dialect. In Mitsuba's it is linear in the angle, in pbrt's and Nori's a smooth step "
-        "in the cosine. Each file thus looks as in the renderer that it was written for.",
+        "The falloff depends on the dialect. In Mitsuba's it is linear in the angle, in pbrt's and Nori's a smooth "
+        "step in the cosine. Each file thus looks as in the renderer that it was written for.",
         (Case("spot-linear", "linear (Mitsuba)", "spot.xml", exposure=1.5),
          Case("spot-smooth", "smooth (pbrt)", "spot_smooth.pbrt", references=("closed form", "pbrt"),
               closed_form=closed_forms.spot_smooth))),
@@ -110,8 +112,8 @@ LIGHT_ROWS = (
 
 SURFACE_ROWS = (
     Row("textures", "Image textures",
-        "A picture of 8 x 8 texels on panels. Above `nearest`, below `bilinear`. From left to right: once; repeated 3 x 2 "
-        "times; clamped; mirrored and turned.", "",
+        "A picture of 8 x 8 texels on panels. Above `nearest`, below `bilinear`. From left to right: once; repeated "
+        "3 x 2 times; clamped; mirrored and turned.", "",
         (Case("textures", "filters and wrap modes", "textures.xml"),)),
     Row("normal-maps", "Normal maps",
         "A map made for OpenGL (green points up); the same map made for DirectX (green points down); and a mesh whose "
@@ -144,9 +146,10 @@ SAMPLING_ROWS = (
         "Plates of increasing smoothness from front to back reflect lamps of increasing size. `path_mats` samples the "
         "BSDF, `path_ems` the lights, `path` both.",
         "Mitsuba always combines both. All three estimators have its mean; their noise differs.",
-        (Case("mis-mats", "BSDF sampling", "plates.xml", ("--integrator", "path_mats"), spp=128, exposure=0.5),
-         Case("mis-ems", "light sampling", "plates.xml", ("--integrator", "path_ems"), spp=128, exposure=0.5),
-         Case("mis-both", "both", "plates.xml", spp=128, exposure=0.5))),
+        (Case("mis-mats", "BSDF sampling", "plates.xml", ("--integrator", "path_mats"), spp=128, block=64,
+              exposure=0.25),
+         Case("mis-ems", "light sampling", "plates.xml", ("--integrator", "path_ems"), spp=128, exposure=0.25),
+         Case("mis-both", "both", "plates.xml", spp=128, exposure=0.25))),
 )
 
 MEDIA_ROWS = (
@@ -155,8 +158,8 @@ MEDIA_ROWS = (
         tuple(Case(f"phase-{name}", f"g = {g}", "phase.xml", defines=(("g", g),), exposure=1.5)
               for name, g in (("backward", "-0.8"), ("isotropic", "0"), ("forward", "0.8")))),
     Row("homogeneous", "Homogeneous media",
-        "The same media with three albedos, inside of a rough glass ball with a solid core, in a box around a cube, and in "
-        "a ball beside another one.", "",
+        "The same media with three albedos, inside of a rough glass ball with a solid core, in a box around a cube, "
+        "and in a ball beside another one.", "",
         (fog("homogeneous-scattering", "scattering", "1, 1, 1"), fog("homogeneous-absorption", "absorption", "0, 0, 0"),
          fog("homogeneous-both", "both", "0.8, 0.9, 0.95"))),
     Row("beer", "Beer's law",
@@ -192,8 +195,8 @@ MEDIA_ROWS = (
 COLOUR_ROWS = (
     Row("spectral", "Spectral rendering",
         "Reflectances, indices and lights given as spectra, and a ball of glass whose index depends on the wavelength.",
-        "Mitsuba 3 has no dispersion. For the second line it renders the scene at each of 47 wavelengths, with the index "
-        "of Cauchy's formula, and the colours are the integral over the CIE observer.",
+        "Mitsuba 3 has no dispersion. For the second line it renders the scene at each of 47 wavelengths, with the "
+        "index of Cauchy's formula, and the colours are the integral over the CIE observer.",
         (Case("spectral", "spectra", "spectra.xml", color="spectral"),
          Case("dispersion", "dispersion", "dispersion.xml", color="spectral", spp=256, mitsuba_spp=8, wavelengths=True,
               exposure=0.6))),
@@ -201,18 +204,18 @@ COLOUR_ROWS = (
 
 PHOTON_ROWS = (
     Row("photons", "Photon mapping",
-        "The same room by photon mapping: the global map alone; with final gathering; and with final gathering and a map of "
-        "caustics. Last, by path tracing.",
-        "Mitsuba 3 has no photon mapping, so the references are path traced. Photon maps blur within the lookup radius and "
-        "are dark near edges, as in any renderer: their errors are limited instead of tested.",
+        "The same room by photon mapping: the global map alone; with final gathering; and with final gathering and a "
+        "map of caustics. Last, by path tracing.",
+        "Mitsuba 3 has no photon mapping, so the references are path traced. Photon maps blur within the lookup radius "
+        "and are dark near edges, as in any renderer: their errors are limited instead of tested.",
         (photons("photons-plain", "global map", 0.1),
          photons("photons-gathered", "final gathering", 0.1, gather="true"),
          photons("photons-caustics", "gathering and caustics", 0.1, gather="true", caustic_photons="200000"),
          Case("photons-path", "path tracing", "caustics.xml", exposure=0.8))),
     Row("denoising", "NL-means",
         "An image of 16 spp before and after `--denoise nlm`.", "Mitsuba 3 has no such filter.",
-        (Case("denoising-noisy", "noisy", "soft_shadows.xml", ("--sampler", "independent"), references=("Mitsuba", LONG),
-              spp=16),
+        (Case("denoising-noisy", "noisy", "soft_shadows.xml", ("--sampler", "independent"),
+              references=("Mitsuba", LONG), spp=16),
          Case("denoising-denoised", "denoised", "soft_shadows.xml", ("--sampler", "independent", "--denoise", "nlm"),
               references=(LONG,), spp=16, layer="denoised.", max_ratio_error=0.01, max_error=0.001))),
 )
