@@ -53,7 +53,7 @@ def camera(kind, place, width, height, fov=""):
 """
 
 
-def perspective(origin, target, fov, width=256, height=192):
+def perspective(origin, target, fov, width=320, height=240):
     return camera("perspective", f'<lookat origin="{origin}" target="{target}" up="0, 1, 0"/>', width, height,
                   f'    <float name="fov" value="{fov}"/>\n')
 
@@ -198,7 +198,7 @@ def make_textures():
     </bsdf>"""))
     (FOLDER / "textures.xml").write_text(scene(
         "A picture of 8 x 8 texels on panels. Above nearest, below bilinear. From left to right: once; repeated; "
-        "clamped; mirrored and turned.", 2, perspective("0, 0, 4.6", "0, 0, 0", 48, 256, 144), *parts))
+        "clamped; mirrored and turned.", 2, perspective("0, 0, 4.6", "0, 0, 0", 48, 320, 180), *parts))
 
 
 def make_normal_maps(size=128):

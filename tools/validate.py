@@ -89,6 +89,13 @@ class Validation:
                 results += self.results(row, case, kind, image, self.reference(case, kind))
         return results
 
+    @staticmethod
+    def reference_name(name, case, kind):
+        """Name of the picture of a reference. Cases share the one of LONG."""
+        if kind == LONG:
+            return f"{Path(case.long_scene or case.scene).stem.replace('_', '-')}-reference"
+        return f"{name}-{kind.lower().replace(' ', '-')}"
+
     def results(self, row, case, kind, image, reference):
         """One result, or one per band."""
         bands, height = row.bands or (case.label,), len(image.picture)
@@ -100,7 +107,7 @@ class Validation:
             self.pictures[f"{name}-sheaf"] = page.tone_map(part.picture, case.exposure)
             other_name = ""
             if other:
-                other_name = f"{name}-{kind.split(',')[0].lower().replace(' ', '-').replace('sheaf', 'reference')}"
+                other_name = self.reference_name(name, case, kind)
                 self.pictures[other_name] = page.tone_map(other.picture, case.exposure)
             results.append(Result(label, kind, f"{name}-sheaf", other_name,
                                   compare(part, other, case.tolerance, case.block) if other else None,
@@ -124,7 +131,7 @@ def judge(results, level, quick):
 
 def facts(arguments, validation, tests):
     """What the introduction of the page says about this run."""
-    version = run([arguments.sheaf, "--version"])[0].split()[-1]
+    version = run([arguments.sheaf, "--version"])[0].split()[1]
     others = [f"Mitsuba {validation.mitsuba.version}"] if validation.mitsuba else []
     others += ["pbrt-v4"] if validation.pbrt else []
     threads = f"{arguments.threads} threads each" if arguments.threads != 1 else "1 thread each"

@@ -177,8 +177,8 @@ MEDIA_ROWS = (
         "Mitsuba does not read NanoVDB. A .vol grid is constant outside of its voxels, a NanoVDB grid is 0. The cloud "
         "does not reach its outermost voxels, so that both are equal here.",
         (cloud("cloud-box", "in a box"), cloud("cloud-ball", "in a ball", shape="sphere"),
-         cloud("cloud-scaled", "scaled", size="1.4, 0.6, 1"), cloud("cloud-rotated", "rotated", angle="60"),
-         cloud("cloud-moved", "moved", offset="0.4, -0.3, -0.5"),
+         cloud("cloud-scaled", "scaled", size="1.2, 0.6, 1"), cloud("cloud-rotated", "rotated", angle="60"),
+         cloud("cloud-moved", "moved", offset="0.25, -0.25, -0.5"),
          cloud("cloud-coloured", "coloured", albedo="0.95, 0.6, 0.3"))),
     Row("tracking", "Tracking in media",
         "The estimators of free paths and transmittance, in the cloud above.",
@@ -208,9 +208,9 @@ PHOTON_ROWS = (
         "map of caustics. Last, by path tracing.",
         "Mitsuba 3 has no photon mapping, so the references are path traced. Photon maps blur within the lookup radius "
         "and are dark near edges, as in any renderer: their errors are limited instead of tested.",
-        (photons("photons-plain", "global map", 0.1),
-         photons("photons-gathered", "final gathering", 0.1, gather="true"),
-         photons("photons-caustics", "gathering and caustics", 0.1, gather="true", caustic_photons="200000"),
+        (photons("photons-plain", "global map", 0.06),
+         photons("photons-gathered", "final gathering", 0.25, gather="true"),
+         photons("photons-caustics", "gathering and caustics", 0.03, gather="true", caustic_photons="200000"),
          Case("photons-path", "path tracing", "caustics.xml", exposure=0.8))),
     Row("denoising", "NL-means",
         "An image of 16 spp before and after `--denoise nlm`.", "Mitsuba 3 has no such filter.",
