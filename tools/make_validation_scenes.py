@@ -211,10 +211,11 @@ def make_normal_maps(size=128):
         length = math.sqrt(nx * nx + ny * ny + 1)
         return nx / length, ny / length, 1 / length
 
-    for name, green in (("opengl", 1), ("directx", -1)):
-        write_png(FOLDER / "pictures" / f"normals_{name}.png",
-                  [[(0.5 + 0.5 * n[0], 0.5 + 0.5 * green * n[1], 0.5 + 0.5 * n[2])
-                    for n in (normal(x, y) for x in range(size))] for y in range(size)])
+    rows = [[tuple(round(255 * (0.5 + 0.5 * n)) / 255 for n in normal(x, y)) for x in range(size)]
+            for y in range(size)]
+    write_png(FOLDER / "pictures" / "normals_opengl.png", rows)
+    # The same normals after rounding: 0 is 128 in one map and 127 in the other.
+    write_png(FOLDER / "pictures" / "normals_directx.png", [[(r, 1 - g, b) for r, g, b in row] for row in rows])
 
 
 def make_balls(slices=32, stacks=16):

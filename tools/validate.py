@@ -78,14 +78,22 @@ class Validation:
         return None
 
     def run_row(self, row):
-        """Returns the results of a row."""
+        """Returns the results of a row. A renderer that fails is a result, too."""
         results = []
         for case in row.cases:
-            image = self.sheaf.render(case.scene, case.spp, case.sheaf_options, case.color, case.runs,
-                                      case.is_unbiased, case.layer)
-            for kind in case.references:
-                if kind == "pbrt" and not self.pbrt:
-                    continue
+            try:
+                results += self.run_case(row, case)
+            except RenderError as error:
+                print(f"validate.py: {error}", file=sys.stderr)
+                results.append(Result(case.label, "", "", "", None, None, None, False, case, "fails"))
+        return results
+
+    def run_case(self, row, case):
+        image = self.sheaf.render(case.scene, case.spp, case.sheaf_options, case.color, case.runs, case.is_unbiased,
+                                  case.layer)
+        results = []
+        for kind in case.references:
+            if kind != "pbrt" or self.pbrt:
                 results += self.results(row, case, kind, image, self.reference(case, kind))
         return results
 
@@ -156,7 +164,7 @@ def parse_arguments():
     arguments.rows = [row for row in ROWS if row.name in (arguments.only or names)]
     is_partial = arguments.only or arguments.quick
     arguments.output = arguments.output or ROOT / ("out" if is_partial else "docs")
-    if not arguments.mitsuba_python and shutil.which("python3"):
+    if not arguments.mitsuba_python:
         try:
             run([sys.executable, "-c", "import mitsuba"])
             arguments.mitsuba_python = sys.executable
@@ -170,7 +178,7 @@ def main():
     if arguments.list:
         print("\n".join(f"{row.name:14} {row.title}" for row in arguments.rows))
         return 0
-    results, failed = {}, False
+    results = {}
     with tempfile.TemporaryDirectory() as folder:
         validation = Validation(arguments, Path(folder))
         # Count lines first, because they share the significance level.
