@@ -3,7 +3,7 @@
 
   tools/validate.py --mitsuba-python ENVIRONMENT/bin/python       all rows
   tools/validate.py --list                                        names of the rows
-  tools/validate.py --only spot mis                               some rows, to out/validation.md
+  tools/validate.py --only spot mis [--update]                    some rows, to out/validation.md or into the page
   tools/validate.py --quick                                       few samples and Sheaf alone, to out/validation.md
 
 Needs python3-numpy, a build, the files of tools/make_validation_scenes.py and, except with --quick, a Python with
@@ -153,6 +153,7 @@ def parse_arguments():
     names = [row.name for row in ROWS]
     parser.add_argument("--list", action="store_true", help="list the rows and exit")
     parser.add_argument("--only", nargs="+", choices=names, metavar="NAME", help="rows to run")
+    parser.add_argument("--update", action="store_true", help="replace the rows of --only in docs/validation.md")
     parser.add_argument("--quick", action="store_true", help="few samples, small images and Sheaf alone; tests nothing")
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--mitsuba-python", help="Python with Mitsuba 3; default: this one, if it has it")
@@ -162,7 +163,7 @@ def parse_arguments():
     parser.add_argument("--output", type=Path, help="folder of validation.md; default: docs, or out for partial runs")
     arguments = parser.parse_args()
     arguments.rows = [row for row in ROWS if row.name in (arguments.only or names)]
-    is_partial = arguments.only or arguments.quick
+    is_partial = (arguments.only and not arguments.update) or arguments.quick
     arguments.output = arguments.output or ROOT / ("out" if is_partial else "docs")
     if not arguments.mitsuba_python:
         try:
@@ -189,8 +190,11 @@ def main():
             for result in results[row.name]:
                 print(f"{row.name:14}", "  ".join(f"{cell:>12}" for cell in page.result_cells(result)), flush=True)
         extension = page.write_pictures(validation.pictures, arguments.output / "validation", validation.mitsuba)
-        page.write_page(arguments.output / "validation.md", arguments.rows, results, extension,
-                        facts(arguments, validation, tests))
+        if arguments.update:
+            page.update_page(arguments.output / "validation.md", arguments.rows, results, extension)
+        else:
+            page.write_page(arguments.output / "validation.md", arguments.rows, results, extension,
+                            facts(arguments, validation, tests))
     failed = any(result.verdict == "fails" for of_row in results.values() for result in of_row)
     print(f"wrote {arguments.output / 'validation.md'}")
     return 1 if failed else 0

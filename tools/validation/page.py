@@ -1,5 +1,6 @@
 """Writes docs/validation.md and its pictures."""
 
+import re
 import struct
 import zlib
 
@@ -43,7 +44,8 @@ The scenes avoid two differences, which would hide others:
 - **`roughplastic`**: Mitsuba's diffuse part is up to 2 % darker. Example: a coat of `alpha` 0.2 without specular
   reflection, on a base of albedo 0.4, under an environment of radiance 1, at normal incidence. Mitsuba's radiance is
   0.3573 and Sheaf's 0.3634. Integrating the coat's transmittance and internal reflectance numerically gives 0.3637.
-- **`rotate`**: Mitsuba 3 does not normalize the axis, so a rotation around (1, 1, 0) also stretches. Sheaf normalizes it.
+- **`rotate`**: Mitsuba 3 does not normalize the axis, so a rotation around (1, 1, 0) also stretches. Sheaf
+  normalizes it.
 """
 
 
@@ -121,23 +123,32 @@ def row_section(row, results, extension):
     return "\n".join(parts)
 
 
-def summary(rows, results):
-    """One line per row: the verdicts and the worst p."""
-    lines = []
-    for row in rows:
-        of_row = results[row.name]
-        verdicts = [r.verdict for r in of_row]
-        worst = "fails" if "fails" in verdicts else "passes" if "passes" in verdicts else "not run"
-        anchor = row.title.lower().replace(" ", "-").replace("'", "")
-        references = ", ".join(dict.fromkeys(r.reference for r in of_row))
-        lines.append([f"[{row.title}](#{anchor})", references, str(len(of_row)), worst])
-    return table(["row", "references", "lines", "result"], lines)
+def summary_cells(row, results):
+    """Link, references, number of lines, and the worst verdict of a row."""
+    verdicts = [r.verdict for r in results]
+    worst = "fails" if "fails" in verdicts else "passes" if "passes" in verdicts else "not run"
+    anchor = row.title.lower().replace(" ", "-").replace("'", "")
+    references = ", ".join(dict.fromkeys(r.reference.replace(", 1024 spp", "") for r in results))
+    return [f"[{row.title}](#{anchor})", references, str(len(results)), worst]
 
 
 def write_page(path, rows, results, extension, facts):
     """Writes the page; `facts` fills the introduction."""
-    parts = [INTRODUCTION.format(**facts), summary(rows, results)]
+    summary = [summary_cells(row, results[row.name]) for row in rows]
+    parts = [INTRODUCTION.format(**facts), table(["row", "references", "lines", "result"], summary)]
     parts += [row_section(row, results[row.name], extension) for row in rows]
     parts.append(OTHER_DIFFERENCES)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(parts))
+
+
+def update_page(path, rows, results, extension):
+    """Replaces the sections of some rows, and their lines in the summary, in an existing page."""
+    text = path.read_text()
+    for row in rows:
+        section = row_section(row, results[row.name], extension) + "\n"
+        line = f"| {' | '.join(summary_cells(row, results[row.name]))} |"
+        title = re.escape(row.title)
+        text = re.sub(rf"^## {title}\n.*?(?=^## |\Z)", lambda _, new=section: new, text, flags=re.MULTILINE | re.DOTALL)
+        text = re.sub(rf"^\| \[{title}\]\(#.*$", lambda _, new=line: new, text, flags=re.MULTILINE)
+    path.write_text(text)

@@ -92,7 +92,7 @@ def samples(sampler, spp):
 
 def lights(name, label, *options, references=(LONG,)):
     """The lamps with options of `sheaf render`."""
-    return Case(name, label, "many_lights.xml", options, references=references, exposure=0.6)
+    return Case(name, label, "many_lights.xml", options, references=references, block=32, exposure=0.6)
 
 
 def photons(name, label, max_error, **defines):
@@ -154,7 +154,8 @@ SAMPLING_ROWS = (
         "Mitsuba always combines both. All three estimators have its mean; their noise differs.",
         (Case("mis-mats", "BSDF sampling", "plates.xml", ("--integrator", "path_mats"), spp=128, block=64,
               exposure=0.25),
-         Case("mis-ems", "light sampling", "plates.xml", ("--integrator", "path_ems"), spp=128, exposure=0.25),
+         Case("mis-ems", "light sampling", "plates.xml", ("--integrator", "path_ems"), spp=128, block=64,
+              exposure=0.25),
          Case("mis-both", "both", "plates.xml", spp=128, exposure=0.25))),
 )
 
