@@ -19,19 +19,22 @@ tools/validate.py --mitsuba-python ENVIRONMENT/bin/python
 `--list` lists the rows, `--only NAME ...` selects some of them, `--pbrt PROGRAM` adds pbrt-v4. The exit status is 1
 if a row fails.
 
-This page was written by Sheaf {sheaf} and {others}, with {threads}. Each file is read by both renderers as it is;
-Mitsuba's variant is `{variant}`.
+This page was written by Sheaf {sheaf} and {others}, with {threads}. Both renderers read the
+same files. Mitsuba's variant is `{variant}`.
 
 - **ratio of means**: the mean of Sheaf's image over that of the reference.
 - **relative MSE**: the mean of (a - b)^2 / (b^2 + 0.01) over pixels and channels. In parentheses: its expectation if
   both images differ by their noise alone.
 - **largest z, p**: Welch's t-test compares the means of each block of {block} x {block} pixels and of the frame, for
-  each channel. Variances come from {replicates} independent sets of samples. z is the quantile of the normal
-  distribution for the smallest p-value. p is this value times the number of tests in the line (Bonferroni). With
-  {tests} lines, a line fails if p < {level:.2g}, so that a correct renderer fails anywhere with a probability of at
-  most {significance:.0%}. Relative differences below the tolerance (0.2 % unless stated) are ignored.
-- **CPU time**: seconds of all threads together, at equal samples per pixel. Mitsuba's variant `llvm_ad_rgb` takes less
-  than `scalar_rgb`; [bench/README.md](../bench/README.md) compares with it.
+  each channel. Some rows state larger blocks. Variances come from {replicates} independent sets of samples, or from
+  several renders. z is the quantile of the normal distribution for the smallest p-value. p is this value times the
+  number of tests in the line (Bonferroni). With {tests} lines, a line fails if p < {level:.2g}, so that a correct
+  renderer fails anywhere with a probability of about {significance:.0%}. The test assumes that block means are normally
+  distributed. It ignores relative differences below 0.2 %. Lines without p are biased by design: their ratio of means
+  and relative MSE have limits instead.
+- **CPU time**: seconds of all threads together. Sheaf and Mitsuba take the same samples per pixel, unless a row says
+  otherwise. Mitsuba's variant `llvm_ad_rgb` takes less than `scalar_rgb`; [bench/README.md](../bench/README.md)
+  compares with it.
 
 Sheaf renders with its default sampler and Mitsuba with `independent`, unless a row says otherwise. All images have a
 box filter, so that pixels are independent.
