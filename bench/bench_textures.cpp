@@ -1,7 +1,8 @@
 // The cost of texture lookups per item: every format and filter, one path at a time and in registers. Positions are
 // close together (paths that see the same part of a surface) or anywhere in the image. "per_item" is in seconds.
 #include "core/rng.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/list.h"
+#include "scene/textures/texture_lookup.h"
 
 #include <benchmark/benchmark.h>
 
@@ -17,12 +18,12 @@ constexpr int kItems = 1024;
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
 
 /// A square image of noise as texture 0, and a checkerboard of it as texture 1.
-struct NoisePicture {
+struct NoiseImage {
   std::vector<TexelTile> tiles;
   TextureRow rows[2];
   TextureView view;
 
-  NoisePicture(TexelFormat format, TextureFilter filter, std::uint32_t size) {
+  NoiseImage(TexelFormat format, TextureFilter filter, std::uint32_t size) {
     const std::uint32_t per_row = size >> tile_shift(format);
     tiles.resize(std::size_t{per_row} * per_row + 1);
     for (std::size_t i = 0; i < tiles.size(); ++i)
@@ -33,10 +34,10 @@ struct NoisePicture {
         std::memcpy(tiles[i].bytes + 4 * word, &bits, sizeof(bits));
       }
     constexpr auto kRepeat = TextureWrap::kRepeat;
-    rows[0].kind = TextureKind::kBitmap;
-    rows[0].bitmap = {0, per_row, size, size, kRepeat, kRepeat, filter, format};
-    rows[1].kind = TextureKind::kCheckerboard;
-    rows[1].checkerboard = {{0, 0}, 0};
+    rows[0].kind = kTextureKind<BitmapDescription>;
+    rows[0].set_data(BitmapRow{0, per_row, size, size, kRepeat, kRepeat, filter, format});
+    rows[1].kind = kTextureKind<CheckerboardDescription>;
+    rows[1].input_count = 2;  // both are texture 0
     view.rows = rows;
     view.tiles = tiles.data();
   }
@@ -93,9 +94,9 @@ constexpr Case kCases[] = {
 
 template <class L>
 void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
-  const NoisePicture picture(c.format, c.filter, size);
+  const NoiseImage image(c.format, c.filter, size);
   run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
-    const Spectrum<L> s = lookup_texture<L>(picture.view, texture, query);
+    const Spectrum<L> s = lookup_texture<L>(image.view, texture, query);
     store(places.out[0] + i, s.c0);
     store(places.out[1] + i, s.c1);
     store(places.out[2] + i, s.c2);
@@ -104,9 +105,9 @@ void color(benchmark::State& state, const Case& c, std::uint32_t size, float ext
 }
 
 template <class L> void gradient(benchmark::State& state, const Case& c, std::uint32_t size, float extent) {
-  const NoisePicture picture(c.format, c.filter, size);
+  const NoiseImage image(c.format, c.filter, size);
   run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
-    const Vec2<L> g = lookup_scalar_gradient<L>(picture.view, 0, query);
+    const Vec2<L> g = lookup_scalar_gradient<L>(image.view, 0, query);
     store(places.out[0] + i, g.x);
     store(places.out[1] + i, g.y);
   });

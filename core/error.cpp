@@ -74,6 +74,15 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
   return nearest.empty() ? continued : nearest;
 }
 
+std::string in_quotes(std::string_view text) {
+  constexpr std::size_t kLongest = 60;
+  std::string shown(text.substr(0, kLongest));
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
+  if (text.size() > kLongest) shown += "...";
+  return "'" + shown + "'";
+}
+
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
   return nearest.empty() ? std::string() : ", did you mean '" + nearest + "'?";

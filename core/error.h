@@ -52,6 +52,9 @@ SceneError at_place(const SourceLocation& where, const SceneError& error);
 /// string if no candidate is similar.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
+/// `text` in single quotes for a message: shortened if long, with control characters replaced.
+std::string in_quotes(std::string_view text);
+
 /// ", did you mean 'x'?" for the nearest candidate, or an empty string.
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Options that do not affect the image's bits.
-constexpr std::array<std::string_view, 13> kOfTheRun = {
+constexpr std::array<std::string_view, 13> kRunOptions = {
     "scene",      "output",           "stats",         "threads",    "wave-size", "quiet", "resume",
     "checkpoint", "checkpoint-every", "no-timestamps", "time-limit", "tev",       "serve"};
 
@@ -42,17 +42,17 @@ std::string fingerprint(const fs::path& file) {
 }  // namespace
 
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
-  command.add_option("--checkpoint", arguments.file,
-                     "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
-                     "with --resume it goes on from there");
+  command.add_option(
+      "--checkpoint", arguments.file,
+      "Checkpoint file: written periodically, on interruption and at the end; --resume continues from it");
   command
       .add_option("--checkpoint-every", arguments.every,
-                  "Time between checkpoints: seconds, or with units, such as 10m. Default: 60")
+                  "Interval between checkpoints: seconds, or with a unit, such as 10m. Default: 60")
       .seconds()
       .positive();
   command.add_flag("--resume", arguments.resume,
-                   "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
-                   "the byte as that of a render that was never interrupted");
+                   "Continue from the --checkpoint file, or start if it does not exist. The output is byte-identical "
+                   "to that of an uninterrupted render");
 }
 
 void check_checkpoint(const CheckpointArguments& arguments) {
@@ -62,14 +62,14 @@ void check_checkpoint(const CheckpointArguments& arguments) {
   }
   if (!arguments.resume && fs::exists(arguments.file))
     throw Error(ExitCode::kUsage,
-                "the checkpoint '" + arguments.file + "' is there already: go on from it with --resume, or remove it");
+                "the checkpoint '" + arguments.file + "' already exists: continue from it with --resume, or delete it");
 }
 
 RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
                                const std::vector<fs::path>& files) {
   RenderSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
   for (const auto& [name, value] : given)
-    if (std::find(kOfTheRun.begin(), kOfTheRun.end(), name) == kOfTheRun.end())
+    if (std::find(kRunOptions.begin(), kRunOptions.end(), name) == kRunOptions.end())
       settings.emplace_back("--" + name, value);
   for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
   return settings;

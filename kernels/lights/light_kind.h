@@ -17,7 +17,7 @@
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"
 #include "scene/tables/scene.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 #include <concepts>
 

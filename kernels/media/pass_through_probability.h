@@ -3,7 +3,7 @@
 
 #include "scene/materials/list.h"
 #include "scene/tables/shape.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 namespace sheaf {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/stages/shading_frame.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 namespace sheaf {
 

@@ -8,7 +8,7 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 namespace sheaf {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/tables/scene.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 namespace sheaf {
 

@@ -7,14 +7,16 @@ namespace sheaf {
 
 namespace {
 
-/// Finds the mesh attributes in the textures of materials.
+/// Finds the textures of materials that meshes must have an attribute for.
 class AttributeFinder {
  public:
+  /// `required`: the attributes of such textures, by row.
   AttributeFinder(const std::vector<MaterialRow>& materials, const std::vector<TextureBinding>& bindings,
-                  const std::vector<NormalMapRow>& maps, const std::vector<TextureRow>& textures)
-      : materials_(materials), bindings_(bindings), maps_(maps), textures_(textures) {}
+                  const std::vector<NormalMapRow>& maps, const std::vector<TextureRow>& textures,
+                  const std::map<std::uint32_t, std::uint32_t>& required)
+      : materials_(materials), bindings_(bindings), maps_(maps), textures_(textures), required_(required) {}
 
-  /// Texture rows of the mesh attributes that a material uses, including those of materials that it combines.
+  /// Rows of such textures that a material uses, including those of materials that it combines.
   std::set<std::uint32_t> of_material(std::uint32_t row) const {
     std::set<std::uint32_t> found, visited;
     add_material(row, visited, found);
@@ -41,14 +43,15 @@ class AttributeFinder {
 
   void add_texture(std::uint32_t index, std::set<std::uint32_t>& found) const {
     const TextureRow& row = textures_[index];
-    if (row.kind == TextureKind::kMeshAttribute) found.insert(index);
-    for (const std::uint32_t child : children_of(row)) add_texture(child, found);
+    if (required_.contains(index)) found.insert(index);
+    for (const std::uint32_t input : row.used_inputs()) add_texture(input, found);
   }
 
   const std::vector<MaterialRow>& materials_;
   const std::vector<TextureBinding>& bindings_;
   const std::vector<NormalMapRow>& maps_;
   const std::vector<TextureRow>& textures_;
+  const std::map<std::uint32_t, std::uint32_t>& required_;
 };
 
 std::string title(const TextureDescription& texture) {
@@ -58,9 +61,14 @@ std::string title(const TextureDescription& texture) {
 }  // namespace
 
 void SceneCompiler::check_attributes() {
-  if (out_->textures_.attribute_names.empty()) return;
+  if (out_->textures_.required_attributes.empty()) return;
+  const std::map<std::uint32_t, std::uint32_t> required(out_->textures_.required_attributes.begin(),
+                                                        out_->textures_.required_attributes.end());
   const AttributeFinder finder(out_->materials_.rows, out_->materials_.bindings, out_->materials_.normal_maps,
-                               out_->textures_.rows);
+                               out_->textures_.rows, required);
+  const auto name_of = [&](std::uint32_t texture) -> const std::string& {
+    return out_->textures_.attribute_names[required.at(texture)];
+  };
   // Count the shapes with and without the attribute, by material and texture
   struct Use {
     std::size_t with = 0, without = 0;  ///< shapes with and without the attribute
@@ -68,7 +76,7 @@ void SceneCompiler::check_attributes() {
   std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;
   std::map<std::uint32_t, std::set<std::uint32_t>> shown_by;
   const auto has = [&](std::uint32_t shape, std::uint32_t texture) {
-    return attributes_->has(shape, out_->textures_.rows[texture].attribute.first_entry);
+    return attributes_->has(shape, required.at(texture));
   };
   for (std::uint32_t shape = 0; shape < out_->geometry_.shapes.size(); ++shape) {
     const std::uint32_t material = out_->geometry_.shapes[shape].material;
@@ -80,7 +88,7 @@ void SceneCompiler::check_attributes() {
     }
   }
   const auto missing = [&](std::uint32_t texture, const char* what) {
-    const std::string& name = std::get<MeshAttributeDescription>(in_.textures[texture].model).name;
+    const std::string& name = name_of(texture);
     std::string known;
     for (const std::string& other : known_attributes_) known += (known.empty() ? "" : ", ") + other;
     return SceneError(in_.textures[texture].where,
@@ -96,8 +104,7 @@ void SceneCompiler::check_attributes() {
     out_->warnings_.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
                                                             std::to_string(use.with + use.without) +
                                                             " shapes with this material lack the attribute '" +
-                                                            std::get<MeshAttributeDescription>(texture.model).name +
-                                                            "', which is 0 there")
+                                                            name_of(key.second) + "', which is 0 there")
                                   .what());
   }
   // Reject emitters that lack it

@@ -56,26 +56,23 @@ Beyond beyond_in(const BitmapRow& bitmap, const TexelTile* tiles) {
   return bitmap.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
 }
 
-/// The child textures that are used unchanged, each on a part of the surface.
-std::span<const std::uint32_t> shown_in_turn(const TextureRow& texture) {
-  switch (texture.kind) {
-    case TextureKind::kCheckerboard:
-    case TextureKind::kGrid:
-      return texture.checkerboard.child;
-    case TextureKind::kWireframe:
-      return texture.wireframe.child;
-    default:
-      return {};
-  }
+/// The inputs of a texture that shows each of them on a part of the surface (kShowsColors).
+std::span<const std::uint32_t> shown_inputs(const TextureRow& texture) {
+  bool shows = false;
+  TextureKinds::for_each([&]<class Description>() {
+    if constexpr (requires { Description::kShowsColors; })
+      shows = shows || (texture.kind == kTextureKind<Description> && Description::kShowsColors);
+  });
+  return shows ? texture.used_inputs() : std::span<const std::uint32_t>();
 }
 
-/// Marks the textures whose texels are used directly as reflectances: those bound as reflectances, and their children
-/// that alternate. Mixes are clamped after mixing, so their children cannot be checked here.
+/// Marks the textures whose texels are used directly as reflectances: those bound as reflectances, and the inputs
+/// that they show. Mixes are clamped after mixing, so their inputs cannot be checked here.
 void mark(const TextureTables& textures, std::uint32_t row, std::vector<bool>& marked) {
   if (marked[row]) return;
   marked[row] = true;
   const TextureRow& texture = textures.rows[row];
-  for (const std::uint32_t child : shown_in_turn(texture)) mark(textures, child, marked);
+  for (const std::uint32_t input : shown_inputs(texture)) mark(textures, input, marked);
 }
 
 std::string warning(const TextureDescription& texture, const std::string& message) {
@@ -97,11 +94,15 @@ std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, 
 }
 
 /// Maximum of a texture's own constant colours, without other textures.
-float largest_color(const TextureTables& textures, const TextureRow& texture) {
+float largest_color(const TextureTables& textures, std::uint32_t row) {
+  constexpr TextureKind kConstant = kTextureKind<ConstantTextureDescription>;
   float largest = 0;
-  for (const std::uint32_t child : shown_in_turn(texture))
-    if (textures.rows[child].kind == TextureKind::kConstant)
-      for (const float value : textures.rows[child].constant.rgb) largest = std::max(largest, value);
+  const auto add = [&](const TextureRow& texture) {
+    if (texture.kind != kConstant) return;
+    for (const float value : texture.data<ConstantRow>().rgb) largest = std::max(largest, value);
+  };
+  add(textures.rows[row]);
+  for (const std::uint32_t input : shown_inputs(textures.rows[row])) add(textures.rows[input]);
   return largest;
 }
 
@@ -117,10 +118,10 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
   std::map<std::uint32_t, Beyond> known;  // by first tile, because textures may share images
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     if (!marked[i]) continue;
-    if (const float largest = largest_color(textures, textures.rows[i]); largest > 1)
+    if (const float largest = largest_color(textures, static_cast<std::uint32_t>(i)); largest > 1)
       warnings.push_back(warning(descriptions[i], clamped_reflectance(largest)));
-    if (textures.rows[i].kind != TextureKind::kBitmap) continue;
-    const BitmapRow& bitmap = textures.rows[i].bitmap;
+    if (textures.rows[i].kind != kTextureKind<BitmapDescription>) continue;
+    const auto bitmap = textures.rows[i].data<BitmapRow>();
     const auto [place, is_new] = known.try_emplace(bitmap.first_tile);
     if (is_new) place->second = beyond_in(bitmap, textures.tiles.get());
     if (place->second.texels > 0) warnings.push_back(warning(descriptions[i], bitmap, place->second));

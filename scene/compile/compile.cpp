@@ -38,7 +38,8 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   out_->sensor_.filter = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
   if (weighted) out_->sensor_.filter_weights.emplace(in_.film.filter);
   // Compile textures and materials
-  with_memory_for("textures", "use smaller images", [&] { out_->textures_ = compile_textures(in_.textures); });
+  with_memory_for("textures", "use smaller images",
+                  [&] { out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_); });
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
@@ -68,11 +69,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
 CompileReport SceneCompiler::report() const {
   CompileReport report;
   report.grids = places_of_grids_;
-  std::size_t grid = 0;
-  for (const TextureDescription& texture : in_.textures)
-    if (const auto* volume = std::get_if<VolumeTextureDescription>(&texture.model))
-      report.grids.push_back(
-          describe_grid(out_->textures_.grids[grid++], volume->grid.to_world, volume->grid, texture.where));
+  report.grids.insert(report.grids.end(), places_of_texture_grids_.begin(), places_of_texture_grids_.end());
   report.envmap_width = out_->lights_.envmap.width;
   report.envmap_height = out_->lights_.envmap.height;
   report.envmap_bytes = out_->lights_.envmap.bytes();
@@ -102,8 +99,7 @@ void SceneCompiler::add_materials() {
   for (const MaterialDescription& m : in_.materials) {
     const auto* bump = std::get_if<BumpMapDescription>(&m.model);
     if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in_.textures.size()) continue;
-    if (std::holds_alternative<VolumeTextureDescription>(
-            in_.textures[static_cast<std::size_t>(bump->displacement)].model))
+    if (domain_of(in_.textures[static_cast<std::size_t>(bump->displacement)].model) == TextureDomain::kPoint)
       throw SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)");
   }
   // Flatten materials and phase functions into rows
@@ -180,7 +176,7 @@ void SceneCompiler::finish_tables() {
   if (geometry.quadrics.empty()) geometry.quadrics.emplace_back();
   if (geometry.shapes.empty()) geometry.shapes.emplace_back();
   // Lay out mesh attributes
-  attributes_->finish(static_cast<std::uint32_t>(geometry.shapes.size()), out_->textures_);
+  attributes_->finish(static_cast<std::uint32_t>(geometry.shapes.size()));
   out_->textures_.attributes = attributes_->entries();
   out_->textures_.attribute_values = attributes_->values();
   // Pad the tables of lights

@@ -31,9 +31,8 @@ template <class Items, class Item> bool replace_at(Items& items, const std::stri
 }
 
 TextureDescription grey_texture() {
-  const SpectrumDescription grey = SpectrumDescription::constant(0.5f);
   TextureDescription texture;
-  texture.model = CheckerboardDescription{grey, grey};
+  texture.model = ConstantTextureDescription{SpectrumDescription::constant(0.5f)};
   return texture;
 }
 

@@ -1,7 +1,7 @@
 // Compiles the textures of a description.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/compile/compile.h"
 #include "scene/tables/texture.h"
 
 #include <map>
@@ -9,23 +9,18 @@
 
 namespace sheaf {
 
-/// Loads every image, once per way of reading it, and makes the rows. Throws SceneError at the texture's location for
-/// an image that is missing, broken, too large, has unknown channels or non-finite values; for textures nested too deep
-/// or in a cycle; for a transform that is not finite; and for grids like load_volume().
-TextureTables compile_textures(const std::vector<TextureDescription>& textures);
+/// Loads every image, once per way of reading it, and makes the rows. Appends the volume grids to `grids`, unless it is
+/// null. Throws SceneError at the texture's location for an image that is missing, broken, too large, has unknown
+/// channels or non-finite values; for textures nested too deep or in a cycle; for a transform that is not finite; and
+/// for grids like load_volume().
+TextureTables compile_textures(const std::vector<TextureDescription>& textures,
+                               std::vector<PlacedGrid>* grids = nullptr);
 
 /// Warnings about textures that are bound as reflectances and have texels or colours outside [0, 1]: location, image,
 /// number of texels, and range. Mixes are not checked.
 std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
                                                 const TextureTables& textures,
                                                 std::span<const TextureBinding> bindings);
-
-/// Attribute names that wireframes read; invalid as names in files. See WireframeRow::first_entry.
-inline constexpr const char *kEdgeDistances = "face_ edge distances",
-                            *kRelativeEdgeDistances = "face_ relative edge distances";
-
-/// Rows of a texture's inputs, for example the colours of a checkerboard.
-std::vector<std::uint32_t> children_of(const TextureRow& row);
 
 /// Collects the attributes of all meshes that textures use.
 class AttributeTable {
@@ -45,8 +40,8 @@ class AttributeTable {
   void add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count, std::uint32_t vertex_count,
            const Mesh::Attribute& attribute, const SourceLocation& where);
 
-  /// Lays out the table for shapes [0, shape_count) and sets the references in `textures`. Call once, after all add().
-  void finish(std::uint32_t shape_count, TextureTables& textures);
+  /// Lays out the table for shapes [0, shape_count). Call once, after all add().
+  void finish(std::uint32_t shape_count);
 
   /// After finish(): shape_count entries per name.
   const std::vector<AttributeEntry>& entries() const { return entries_; }

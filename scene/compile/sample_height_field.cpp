@@ -3,33 +3,25 @@
 #include "core/color.h"
 #include "scene/formats/height_field.h"
 #include "scene/spectra/spectrum_rgb.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 #include <cmath>
 
 namespace sheaf {
 
-namespace {
-
-/// Whether the texture depends on more than uv.
-bool needs_a_shape(const TextureTables& textures, std::uint32_t row) {
-  const TextureRow& texture = textures.rows.at(row);
-  if (texture.kind == TextureKind::kMeshAttribute || texture.kind == TextureKind::kWireframe) return true;
-  if (texture.kind != TextureKind::kCheckerboard && texture.kind != TextureKind::kGrid) return false;
-  return needs_a_shape(textures, texture.checkerboard.child[0]) ||
-         needs_a_shape(textures, texture.checkerboard.child[1]);
-}
-
-}  // namespace
-
 Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& textures) {
   if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
     throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
                      " points (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
+  // Check the texture
   Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
   const auto* texture = std::get_if<TextureId>(&field.texture);
-  if (texture != nullptr && needs_a_shape(textures, static_cast<std::uint32_t>(*texture)))
-    throw SceneError("the texture of a height field depends on meshes (expected one that depends on uv alone)");
+  const std::uint8_t needs = texture != nullptr ? textures.rows.at(static_cast<std::uint32_t>(*texture)).needs : 0;
+  if (needs != 0)
+    throw SceneError(std::string("the texture of a height field depends on ") +
+                     ((needs & kTextureNeedsMesh) != 0 ? "meshes" : "the position") +
+                     " (expected one that depends only on uv)");
+  // Evaluate it at the centres of the cells
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
   const TextureView view{textures.rows.data(), textures.tiles.get()};

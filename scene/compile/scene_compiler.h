@@ -148,7 +148,8 @@ class SceneCompiler {
   std::vector<std::uint32_t> row_of_phase_;         ///< the last one is isotropic
   std::vector<std::vector<GridBox>> medium_boxes_;  ///< bounding boxes of the shapes that contain each medium
   std::vector<PlacedGrid> places_of_grids_;         ///< grids of media
-  std::vector<std::uint32_t> surrounded_shapes_;    ///< shapes whose exterior medium must be found
+  std::vector<PlacedGrid> places_of_texture_grids_;
+  std::vector<std::uint32_t> surrounded_shapes_;  ///< shapes whose exterior medium must be found
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
   std::vector<Emitter>* group_emitters_ = nullptr;  ///< emitters of the group whose shapes are being added

@@ -1,8 +1,8 @@
 // Reads an image for use as a texture: selects channels, decodes values, and arranges them in tiles.
 #pragma once
 
-#include "scene/description/textures.h"
 #include "scene/tables/texture.h"
+#include "scene/textures/bitmap.h"
 
 #include <filesystem>
 

@@ -4,10 +4,10 @@
 #include "scene/description/camera.h"
 #include "scene/description/media.h"
 #include "scene/description/shapes.h"
-#include "scene/description/textures.h"
 #include "scene/lights/list.h"
 #include "scene/materials/material.h"
 #include "scene/tables/render_settings.h"
+#include "scene/textures/list.h"
 
 #include <filesystem>
 #include <string>

@@ -1,9 +1,11 @@
-// Values of parameters as given by a file: spectra, numbers and textures; and the ids of named objects.
+// Values of parameters as given by a file: spectra, numbers and textures, and which of them are valid; and the ids of
+// named objects.
 #pragma once
 
 #include "core/vec.h"
 
 #include <cstdint>
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -50,5 +52,23 @@ struct SpectrumDescription {
 using SpectrumInput = std::variant<SpectrumDescription, TextureId>;
 /// A scalar parameter: a constant or a texture (the luminance of a coloured one).
 using ScalarInput = std::variant<float, TextureId>;
+
+/// The use of a spectrum; determines which values are valid.
+enum class SpectrumRole {
+  kReflectance,  ///< within [0, 1]
+  kEmission,     ///< not negative
+  kIor,          ///< not negative
+};
+
+/// Valid range of a number.
+struct NumberRange {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool open = false;  ///< excludes the ends
+};
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{0, std::numeric_limits<double>::infinity(), true};
+inline constexpr NumberRange kNotNegative{0, std::numeric_limits<double>::infinity(), false};
+inline constexpr NumberRange kUnitInterval{0, 1, false};
 
 }  // namespace sheaf

@@ -1,18 +1,12 @@
 // Validation of spectra by their use.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/inputs.h"
 
 #include <string_view>
 
 namespace sheaf {
-
-/// The use of a spectrum; determines which values are valid.
-enum class SpectrumRole {
-  kReflectance,  ///< within [0, 1]
-  kEmission,     ///< not negative
-  kIor,          ///< not negative
-};
 
 /// Throws SceneError unless the table has at least two entries and as many values as wavelengths, and its wavelengths
 /// are positive and strictly increasing.

@@ -6,17 +6,6 @@
 
 namespace sheaf {
 
-namespace {
-
-/// Whether a texture, or a part of it, is a volume.
-bool holds_volume(std::span<const TextureRow> rows, std::uint32_t texture) {
-  const TextureRow& row = rows[texture];
-  if (row.kind != TextureKind::kCheckerboard && row.kind != TextureKind::kGrid) return row.kind == TextureKind::kVolume;
-  return holds_volume(rows, row.checkerboard.child[0]) || holds_volume(rows, row.checkerboard.child[1]);
-}
-
-}  // namespace
-
 LightEmission LightContext::emission(const SpectrumInput& emission, const SourceLocation& where) const {
   const auto* spectrum = std::get_if<SpectrumDescription>(&emission);
   return {spectrum != nullptr ? emission_rgb(*spectrum) : Vec3f{1, 1, 1}, emission_row(emission, where)};
@@ -33,7 +22,7 @@ SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const Sour
 std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {
   if (static_cast<std::size_t>(id) >= description.textures.size())
     throw SceneError(where, "refers to a texture that does not exist");
-  if (holds_volume(textures, static_cast<std::uint32_t>(id)))
+  if ((textures[static_cast<std::uint32_t>(id)].needs & kTextureNeedsPoint) != 0)
     throw SceneError(where,
                      "shines by a texture that is a grid in the world, expected one that follows the surface: "
                      "lights are looked up by uv");

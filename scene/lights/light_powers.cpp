@@ -13,29 +13,6 @@ namespace sheaf {
 
 namespace {
 
-/// Whether a texture or one of its inputs depends on the mesh.
-bool depends_on_mesh(const TextureView& textures, std::uint32_t texture) {
-  const TextureRow& row = textures.rows[texture];
-  const auto any_of = [&](const std::uint32_t(&children)[2]) {
-    return depends_on_mesh(textures, children[0]) || depends_on_mesh(textures, children[1]);
-  };
-  switch (row.kind) {
-    case TextureKind::kConstant:
-    case TextureKind::kBitmap:
-    case TextureKind::kVolume:
-      return false;
-    case TextureKind::kCheckerboard:
-    case TextureKind::kGrid:
-      return any_of(row.checkerboard.child);
-    case TextureKind::kMix:
-      return any_of(row.mix.child) || depends_on_mesh(textures, row.mix.amount);
-    case TextureKind::kMeshAttribute:
-    case TextureKind::kWireframe:
-      return true;
-  }
-  return true;
-}
-
 /// Groups the lights that share an integral in their power.
 class IntegralGroups {
  public:
@@ -50,7 +27,7 @@ class IntegralGroups {
       if (sharing == IntegralSharing::kNoIntegral) continue;
       std::size_t group = firsts_.size();
       if (sharing == IntegralSharing::kShared &&
-          (row.texture == kNone || !depends_on_mesh(scene.textures, row.texture)))
+          (row.texture == kNone || (scene.textures.rows[row.texture].needs & kTextureNeedsMesh) == 0))
         group = known.emplace(std::move(key), group).first->second;
       if (group == firsts_.size()) firsts_.push_back(light);
       members_.emplace_back(light, group);

@@ -5,6 +5,7 @@
 #include "scene/lights/light_context.h"
 #include "scene/lights/light_rotation.h"
 #include "scene/lights/texture_mean.h"
+#include "scene/textures/list.h"
 
 #include <cmath>
 
@@ -14,7 +15,9 @@ namespace {
 
 /// Aspect ratio of a texture, width over height.
 double aspect_of(const TextureRow& row) {
-  return row.kind == TextureKind::kBitmap ? double(row.bitmap.width) / row.bitmap.height : 1;
+  if (row.kind != kTextureKind<BitmapDescription>) return 1;
+  const auto bitmap = row.data<BitmapRow>();
+  return double(bitmap.width) / bitmap.height;
 }
 
 }  // namespace

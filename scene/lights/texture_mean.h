@@ -1,7 +1,7 @@
 // Mean of a light's texture, for its power.
 #pragma once
 
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 
 #include <algorithm>
 #include <cmath>

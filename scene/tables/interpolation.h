@@ -1,13 +1,15 @@
 // How textures and volume grids are interpolated between their samples, and continued beyond their borders.
 #pragma once
 
+#include <cstdint>
+
 namespace sheaf {
 
 /// Interpolation between the texels of an image.
-enum class TextureFilter { kBilinear, kNearest };
+enum class TextureFilter : std::uint8_t { kBilinear, kNearest };
 
 /// Values of an image outside of the unit square.
-enum class TextureWrap { kRepeat, kMirror, kClamp };
+enum class TextureWrap : std::uint8_t { kRepeat, kMirror, kClamp };
 
 /// Interpolation between the voxels of a grid.
 enum class GridFilter { kTrilinear, kNearest };

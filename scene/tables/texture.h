@@ -1,4 +1,5 @@
-// Textures for kernels: rows, tiled texels and mesh attributes in flat tables.
+// Textures for kernels: rows, tiled texels and mesh attributes in flat tables. The files of scene/textures/ declare the
+// data of each kind.
 #pragma once
 
 #include "core/record_table.h"
@@ -6,21 +7,25 @@
 #include "scene/tables/interpolation.h"
 #include "scene/tables/table_bytes.h"
 
+#include <cstddef>
+#include <cstring>
 #include <memory>
+#include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace sheaf {
 
-enum class TextureKind : std::uint32_t {
-  kConstant,
-  kBitmap,
-  kCheckerboard,
-  kGrid,
-  kMeshAttribute,
-  kVolume,
-  kMix,
-  kWireframe
+/// The kind of a texture: its position in scene/textures/list.h, which names the values as
+/// kTextureKind<BitmapDescription>.
+enum class TextureKind : std::uint8_t {};
+
+/// Bits of TextureRow::needs: what a lookup reads besides uv coordinates.
+enum TextureNeeds : std::uint8_t {
+  kTextureNeedsMesh = 1,   ///< values stored with the mesh, at a point of a triangle
+  kTextureNeedsPoint = 2,  ///< the position in world space
 };
 
 /// Storage of a texel: one value, or four of which the fourth is 0. Bytes represent [0, 1] (kSrgbByte: sRGB-encoded,
@@ -48,64 +53,32 @@ constexpr int tile_shift(TexelFormat format) {
 /// Maximum number of texels of an image, including padding, so that 32-bit indices of words address them.
 inline constexpr std::size_t kMaxTexels = std::size_t{1} << 30;
 
-/// A constant.
-struct ConstantRow {
-  float rgb[3];  ///< linear Rec.709
-  float scalar;  ///< value as a scalar
-};
-/// An image.
-struct BitmapRow {
-  std::uint32_t first_tile;  ///< into TextureView::tiles
-  std::uint32_t tiles_per_row;
-  std::uint32_t width, height;  ///< in texels, without padding; from 1 to kMaxImageSide
-  TextureWrap wrap_u, wrap_v;
-  TextureFilter filter;
-  TexelFormat format;
-};
-/// Two textures that alternate, or the second as lines on the first.
-struct CheckerboardRow {
-  std::uint32_t child[2];
-  float line_width;  ///< kGrid
-};
-/// Two textures, mixed by a third.
-struct MixRow {
-  std::uint32_t child[2];
-  std::uint32_t amount;  ///< weight of the second texture; a scalar
-};
-/// Values stored with meshes.
-struct MeshAttributeRow {
-  std::uint32_t first_entry;  ///< entry of shape 0 in TextureView::attributes
-  float scale;
-};
-/// A volume grid in world space.
-struct VolumeTextureRow {
-  std::uint32_t grid;  ///< into TextureView::grids
-  float scale;
-};
-/// The second of two textures along the edges of triangles, the first elsewhere.
-struct WireframeRow {
-  std::uint32_t child[2];
-  /// Entry of shape 0 in TextureView::attributes. The values of a triangle are the distances of its corners from the
-  /// opposite edges, in metres or in tenths of the mesh's mean edge length.
-  std::uint32_t first_entry;
-  /// In the same unit. Up to `inner` only the second texture shows, from `outer` on only the first; inner <= outer.
-  float inner, outer;
-};
+/// Maximum number of textures that one texture combines.
+inline constexpr std::uint32_t kMaxTextureInputs = 3;
+/// Size of TextureRow::payload in bytes.
+inline constexpr std::size_t kTexturePayloadBytes = 24;
 
 /// One texture.
 struct alignas(64) TextureRow {
-  TextureKind kind = TextureKind::kConstant;
-  float to_uv[6] = {1, 0, 0, 0, 1, 0};  ///< TextureDescription::to_uv
-  /// `kind` selects the active member.
-  union {
-    ConstantRow constant{};
-    BitmapRow bitmap;
-    CheckerboardRow checkerboard;  ///< kCheckerboard, kGrid
-    MeshAttributeRow attribute;
-    VolumeTextureRow volume;
-    MixRow mix;
-    WireframeRow wireframe;
-  };
+  TextureKind kind{};                                       ///< 0: a constant
+  std::uint8_t input_count = 0;                             ///< number of `inputs` in use
+  std::uint8_t needs = 0;                                   ///< TextureNeeds of the texture and of its inputs
+  float to_uv[6] = {1, 0, 0, 0, 1, 0};                      ///< TextureDescription::to_uv
+  std::uint32_t inputs[kMaxTextureInputs] = {};             ///< textures that this one combines: into TextureView::rows
+  alignas(4) std::byte payload[kTexturePayloadBytes] = {};  ///< see data()
+
+  /// The data of the texture's kind, such as data<BitmapRow>().
+  template <class Data> SHEAF_INLINE Data data() const {
+    static_assert(sizeof(Data) <= kTexturePayloadBytes && std::is_trivially_copyable_v<Data>);
+    Data data;
+    std::memcpy(&data, payload, sizeof(data));
+    return data;
+  }
+  template <class Data> void set_data(const Data& data) {
+    static_assert(sizeof(Data) <= kTexturePayloadBytes && std::is_trivially_copyable_v<Data>);
+    std::memcpy(payload, &data, sizeof(data));
+  }
+  std::span<const std::uint32_t> used_inputs() const { return {inputs, input_count}; }
 };
 static_assert(sizeof(TextureRow) == 64);
 
@@ -145,7 +118,7 @@ static_assert(sizeof(TextureBinding) == 16);
 struct TextureView {
   const TextureRow* rows = nullptr;
   const TexelTile* tiles = nullptr;            ///< followed by one tile of padding
-  const AttributeEntry* attributes = nullptr;  ///< shape_count entries for each attribute name in use
+  const AttributeEntry* attributes = nullptr;  ///< shape_count entries for each of TextureTables::attribute_names
   /// one or three values per vertex or face; followed by three words of padding
   const float* attribute_values = nullptr;
   const std::uint32_t* triangles = nullptr;  ///< GeometryView::triangles
@@ -153,18 +126,18 @@ struct TextureView {
   const BrickGridRow* grids = nullptr;
 };
 
-/// Maximum nesting depth of checkerboards, grids, mixes and wireframes. A checkerboard of constants has depth 1.
+/// Maximum nesting depth of textures that combine others. A checkerboard of constants has depth 1.
 inline constexpr int kMaxTextureDepth = 8;
 
 /// Owns the textures of a scene.
 struct TextureTables {
   /// One row per texture of the description, in order, followed by constants that these refer to.
   std::vector<TextureRow> rows;
-  std::unique_ptr<TexelTile[]> tiles;  ///< images one after the other, and one tile of padding
-  std::size_t tile_count = 0;          ///< including the padding
-  /// Attribute names in use, without duplicates. Until AttributeTable::finish(), MeshAttributeRow::first_entry is an
-  /// index into this list.
-  std::vector<std::string> attribute_names;
+  std::unique_ptr<TexelTile[]> tiles;        ///< images one after the other, and one tile of padding
+  std::size_t tile_count = 0;                ///< including the padding
+  std::vector<std::string> attribute_names;  ///< mesh attributes in use, without duplicates
+  /// Pairs of a row and the attribute that the meshes it is used on must have, an index into attribute_names.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> required_attributes;
   std::vector<AttributeEntry> attributes;
   std::vector<float> attribute_values;
   std::vector<BrickGrid> grids;

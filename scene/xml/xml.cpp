@@ -83,6 +83,7 @@ struct Converter {
     element.where = where(node);
     if (depth > kMaxDepth)
       throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    // Copy the attributes, each once
     element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
@@ -94,6 +95,7 @@ struct Converter {
         throw SceneError(element.where, "more than " + std::to_string(kMaxAttributes) + " attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
     }
+    // Convert the children, and free their nodes
     element.children.reserve(count(node.children()));
     for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
       if (child.type() == pugi::node_element) {
@@ -147,15 +149,6 @@ XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>*
     if (other.type() == pugi::node_element)
       throw SceneError(converter.where(other), std::string("a second root element <") + other.name() + ">");
   return converter.convert(root, 1);
-}
-
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
-  std::string shown(text.substr(0, kLongest));
-  for (char& c : shown)
-    if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-  if (text.size() > kLongest) shown += "...";
-  return "'" + shown + "'";
 }
 
 }  // namespace sheaf

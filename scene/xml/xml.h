@@ -36,7 +36,4 @@ struct XmlElement {
 /// it. Otherwise both are errors.
 XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out = nullptr);
 
-/// `text` in single quotes for a message: shortened if long, with control characters replaced.
-std::string in_quotes(std::string_view text);
-
 }  // namespace sheaf

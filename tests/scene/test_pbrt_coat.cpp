@@ -2,7 +2,7 @@
 #include "scene/compile/compile_textures.h"
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/materials/rough_coat.h"
-#include "scene/tables/texture_lookup.h"
+#include "scene/textures/texture_lookup.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>

@@ -7,7 +7,7 @@
 #include "scene/compile/texture_image.h"
 #include "tests/support/capture.h"
 #include "tests/support/contains.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 
 #include <doctest/doctest.h>
 
@@ -206,23 +206,25 @@ TEST_CASE("texture: compiled rows match their descriptions") {
       {texture, bitmap(folder / "a.ppm", true), board(SpectrumDescription::rgb(1, 0.5f, 2), TextureId{0})});
   REQUIRE(compiled.rows.size() == 4);
   const TextureRow& row = compiled.rows[0];
-  REQUIRE(row.kind == TextureKind::kBitmap);
-  CHECK(row.bitmap.width == 9);
-  CHECK(row.bitmap.height == 5);
-  CHECK(row.bitmap.tiles_per_row == 3);
-  CHECK(row.bitmap.filter == TextureFilter::kNearest);
-  CHECK(row.bitmap.wrap_u == TextureWrap::kMirror);
-  CHECK(row.bitmap.wrap_v == TextureWrap::kClamp);
-  CHECK(row.bitmap.format == TexelFormat::kSrgbByte4);
+  REQUIRE(row.kind == kTextureKind<BitmapDescription>);
+  const auto bitmap_row = row.data<BitmapRow>();
+  CHECK(bitmap_row.width == 9);
+  CHECK(bitmap_row.height == 5);
+  CHECK(bitmap_row.tiles_per_row == 3);
+  CHECK(bitmap_row.filter == TextureFilter::kNearest);
+  CHECK(bitmap_row.wrap_u == TextureWrap::kMirror);
+  CHECK(bitmap_row.wrap_v == TextureWrap::kClamp);
+  CHECK(bitmap_row.format == TexelFormat::kSrgbByte4);
   CHECK(row.to_uv[0] == 2.0f);
   CHECK(row.to_uv[5] == 1.0f);
-  CHECK(compiled.rows[1].bitmap.format == TexelFormat::kByte4);
-  REQUIRE(compiled.rows[2].kind == TextureKind::kCheckerboard);
-  CHECK(compiled.rows[2].checkerboard.child[0] == 3);
-  CHECK(compiled.rows[2].checkerboard.child[1] == 0);
-  REQUIRE(compiled.rows[3].kind == TextureKind::kConstant);
-  CHECK(compiled.rows[3].constant.rgb[2] == 2.0f);
-  CHECK(compiled.rows[3].constant.scalar == luminance({1, 0.5f, 2}));
+  CHECK(compiled.rows[1].data<BitmapRow>().format == TexelFormat::kByte4);
+  REQUIRE(compiled.rows[2].kind == kTextureKind<CheckerboardDescription>);
+  REQUIRE(compiled.rows[2].input_count == 2);
+  CHECK(compiled.rows[2].inputs[0] == 3);
+  CHECK(compiled.rows[2].inputs[1] == 0);
+  REQUIRE(compiled.rows[3].kind == kTextureKind<ConstantTextureDescription>);
+  CHECK(compiled.rows[3].data<ConstantRow>().rgb[2] == 2.0f);
+  CHECK(compiled.rows[3].data<ConstantRow>().scalar == luminance({1, 0.5f, 2}));
   CHECK(reinterpret_cast<std::uintptr_t>(compiled.tiles.get()) % 64 == 0);
 }
 
@@ -235,10 +237,10 @@ TEST_CASE("texture: a file is loaded once for each way of reading it") {
     const TextureTables compiled = compile_textures(
         {bitmap(folder / "a.pgm", raw_first), bitmap(again, !raw_first), bitmap(folder / "b.pgm", raw_first),
          bitmap(folder / "b.pgm", !raw_first), bitmap(folder / "b.pgm", raw_first)});
-    const auto first = [&](std::size_t i) { return compiled.rows[i].bitmap.first_tile; };
+    const auto first = [&](std::size_t i) { return compiled.rows[i].data<BitmapRow>().first_tile; };
     CHECK(first(0) == first(1));
-    CHECK((compiled.rows[0].bitmap.format == TexelFormat::kSrgbByte1) == !raw_first);
-    CHECK((compiled.rows[1].bitmap.format == TexelFormat::kSrgbByte1) == raw_first);
+    CHECK((compiled.rows[0].data<BitmapRow>().format == TexelFormat::kSrgbByte1) == !raw_first);
+    CHECK((compiled.rows[1].data<BitmapRow>().format == TexelFormat::kSrgbByte1) == raw_first);
     CHECK(first(2) == first(4));
     CHECK(first(2) != first(3));
     CHECK(first(2) == 4);
@@ -253,7 +255,7 @@ TEST_CASE("texture: unreadable files are errors with the line of the scene") {
   CHECK(contains(missing, "texture 'wood'"));
   CHECK(contains(missing, "none.png: image file not found"));
   CHECK(contains(compile_error({bitmap(folder.path())}), "image file not found"));
-  write_bytes(folder / "text.png", "not a picture");
+  write_bytes(folder / "text.png", "not an image");
   CHECK(contains(compile_error({bitmap(folder / "text.png")}), "scene.xml:12: "));
   write_bytes(folder / "empty.png", "");
   CHECK(contains(compile_error({bitmap(folder / "empty.png")}), "empty.png: "));
@@ -325,11 +327,27 @@ TEST_CASE("texture: checkerboards may be nested to a limited depth but not conta
   CHECK(contains(compile_error(longest), "more than 8 nested checkerboards"));
 }
 
+TEST_CASE("texture: rows know what their lookups read, also in nested textures") {
+  const auto white = SpectrumDescription::constant(1);
+  TextureDescription attribute, frame, mix;
+  attribute.model = MeshAttributeDescription{"vertex_color"};
+  frame.model = WireframeDescription{};
+  mix.model = MixTextureDescription{white, white, TextureId{0}};
+  const TextureTables compiled = compile_textures(
+      {attribute, frame, mix, board(white, TextureId{2}), board(white, TextureId{5}), board(white, white)});
+  for (const std::size_t row : {0u, 1u, 2u, 3u}) CHECK(compiled.rows[row].needs == kTextureNeedsMesh);
+  for (const std::size_t row : {4u, 5u}) CHECK(compiled.rows[row].needs == 0);
+  // Wireframes read attributes that every mesh has.
+  REQUIRE(compiled.required_attributes.size() == 1);
+  CHECK(compiled.required_attributes[0].first == 0);
+  CHECK(compiled.attribute_names[compiled.required_attributes[0].second] == "vertex_color");
+}
+
 TEST_CASE("texture: the attribute table holds all attributes that textures read") {
   TextureDescription color, weight;
   color.model = MeshAttributeDescription{"vertex_color", 2};
   weight.model = MeshAttributeDescription{"face_weight", 1};
-  TextureTables textures = compile_textures({weight, color, color});
+  const TextureTables textures = compile_textures({weight, color, color});
   REQUIRE(textures.attribute_names.size() == 2);
   AttributeTable table(textures.attribute_names);
   CHECK(table.wants("face_weight"));
@@ -337,12 +355,12 @@ TEST_CASE("texture: the attribute table holds all attributes that textures read"
   table.add(2, 10, 1, 3, {"vertex_color", 3, {1, 2, 3, 4, 5, 6, 7, 8, 9}}, {});
   table.add(2, 10, 1, 3, {"face_color", 3, {1, 2, 3}}, {});
   table.add(0, 5, 2, 4, {"face_weight", 1, {0.5f, 0.25f}}, {});
-  table.finish(3, textures);
+  table.finish(3);
   REQUIRE(table.entries().size() == 6);
   const auto entry = [&](std::size_t row, std::uint32_t shape) {
-    return table.entries()[textures.rows[row].attribute.first_entry + shape];
+    return table.entries()[3 * textures.rows[row].data<MeshAttributeRow>().attribute + shape];
   };
-  CHECK(textures.rows[1].attribute.scale == 2.0f);
+  CHECK(textures.rows[1].data<MeshAttributeRow>().scale == 2.0f);
   CHECK(entry(1, 2).layout == 3);
   CHECK(entry(2, 2).first_triangle == 10);
   CHECK(entry(0, 0).layout == (1 | AttributeEntry::kPerFace));

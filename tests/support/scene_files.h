@@ -102,13 +102,17 @@ inline std::string dump(MaterialId id) { return std::to_string(static_cast<unsig
 inline std::string dump(TextureId id) { return std::to_string(static_cast<unsigned>(id)); }
 inline std::string dump(const std::optional<RoughnessDescription>& r);
 
-/// All arguments as text, separated by spaces.
+/// All arguments as text, separated by spaces. Files without their folders, enumerators as numbers.
 template <class... T> std::string dump_all(const T&... values) {
   std::ostringstream out;
   out << std::hexfloat;
-  auto one = [&](const auto& v) {
-    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<std::decay_t<decltype(v)>>)
+  const auto one = [&]<class Value>(const Value& v) {
+    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<Value>)
       out << ' ' << dump(v);
+    else if constexpr (std::is_enum_v<Value>)
+      out << ' ' << static_cast<int>(v);
+    else if constexpr (std::is_same_v<Value, std::filesystem::path>)
+      out << ' ' << v.filename().string();
     else
       out << ' ' << v;
   };
@@ -124,25 +128,17 @@ inline std::string dump(const std::optional<RoughnessDescription>& r) {
 
 inline std::string dump(const std::array<float, 6>& m) { return dump_all(m[0], m[1], m[2], m[3], m[4], m[5]); }
 
+/// A model as its first name in files, or its position in `Models`, and the values of its fields().
+template <class Models, class Model> std::string dump_model(const Model& model) {
+  std::string name = std::to_string(Models(model).index());
+  if constexpr (Model::kPlugins.size() > 0) name = Model::kPlugins[0];
+  const std::string values = std::apply([](const auto&... field) { return dump_all(field...); }, Model::fields(model));
+  return values.empty() ? name : name + " " + values;
+}
+
 inline std::string dump(const TextureDescription& t) {
-  const std::string model = std::visit(
-      Overloaded{[](const BitmapDescription& v) {
-                   return dump_all("bitmap", v.file.filename().string(), static_cast<int>(v.filter),
-                                   static_cast<int>(v.wrap_u), static_cast<int>(v.wrap_v), v.raw);
-                 },
-                 [](const CheckerboardDescription& v) { return dump_all("checkerboard", v.color0, v.color1); },
-                 [](const GridTextureDescription& v) { return dump_all("grid", v.color0, v.color1, v.line_width); },
-                 [](const MeshAttributeDescription& v) { return dump_all("mesh_attribute", v.name, v.scale); },
-                 [](const VolumeTextureDescription& v) {
-                   return dump_all("volume", v.grid.file.filename().string(), static_cast<int>(v.grid.filter),
-                                   static_cast<int>(v.grid.wrap), v.grid.raw, v.scale);
-                 },
-                 [](const MixTextureDescription& v) { return dump_all("mix", v.color0, v.color1, v.amount); },
-                 [](const WireframeDescription& v) {
-                   return dump_all("wireframe", v.interior, v.edge, v.line_width, v.step_width);
-                 }},
-      t.model);
-  return model + " to_uv " + dump(t.to_uv);
+  const auto dump_texture = [](const auto& model) { return dump_model<TextureModel>(model); };
+  return std::visit(dump_texture, t.model) + " to_uv " + dump(t.to_uv);
 }
 
 template <DeclarativeBsdf Model> std::string dump(const Model& v) {
@@ -257,7 +253,7 @@ inline std::string dump(const LightDescription& light) {
                               << dump(v.irradiance);
                         },
                         [&](const GoniometricLightDescription& v) {
-                          out << "goniometric " << dump(v.intensity) << " picture " << dump(v.picture) << ' '
+                          out << "goniometric " << dump(v.intensity) << " image " << dump(v.image) << ' '
                               << dump(v.to_world);
                         },
                         [&](const ProjectorDescription& v) {

@@ -34,15 +34,18 @@ const std::vector<Folder> kSceneFolders = {
     {"xml", {"description"}},
     {"formats", {"description"}},
     {"spectra", {"description", "data"}},
-    {"materials", {"tables", "description", "data", "xml", "formats", "spectra"}},
-    {"lights", {"tables", "description", "data", "xml", "formats", "spectra"}},
-    {"dialects", {"tables", "description", "data", "xml", "formats", "materials", "lights"}},
-    {"compile", {"tables", "description", "data", "formats", "spectra", "materials", "lights"}},
+    {"textures", {"tables", "description", "xml", "spectra"}},
+    {"materials", {"tables", "description", "data", "xml", "formats", "spectra", "textures"}},
+    {"lights", {"tables", "description", "data", "xml", "formats", "spectra", "textures"}},
+    {"dialects", {"tables", "description", "data", "xml", "formats", "textures", "materials", "lights"}},
+    {"compile", {"tables", "description", "data", "formats", "spectra", "textures", "materials", "lights"}},
 };
 
 /// Includes of scene/ against the arrows: a file and the header that it may include.
 const std::set<std::pair<std::string_view, std::string_view>> kSceneExceptions = {
-    // The description of a scene holds materials and lights of all models, whose headers do not include it in turn.
+    // The description of a scene holds textures, materials and lights of all models, whose headers do not include it in
+    // turn.
+    {"scene/description/description.h", "scene/textures/list.h"},
     {"scene/description/description.h", "scene/materials/material.h"},
     {"scene/description/description.h", "scene/lights/list.h"},
 };
@@ -110,7 +113,7 @@ bool keeps_to_folders(std::string_view layer, const std::vector<Folder>& folders
 }
 
 /// Folders of scene/ whose headers kernels may include.
-const std::set<std::string_view> kReadByKernels = {"tables", "materials", "lights"};
+const std::set<std::string_view> kReadByKernels = {"tables", "textures", "materials", "lights"};
 
 /// Whether a file of kernels/ keeps to the folders of scene/ that kernels may include.
 bool keeps_to_tables(std::string_view file, std::string_view header) {

@@ -1,8 +1,10 @@
-// Textures shared by the Nori and Mitsuba dialects: bitmaps, checkerboards, mesh attributes.
+// Reading of the textures that the Nori and Mitsuba dialects write alike.
 #pragma once
 
-#include "scene/xml/constant_texture.h"
+#include "scene/textures/constant_map.h"
 #include "scene/xml/properties.h"
+
+#include <span>
 
 namespace sheaf {
 
@@ -12,8 +14,17 @@ enum class ImageOrigin { kUpperLeft, kLowerLeft };
 /// Reads a plugin into `texture`. Its properties come from `p`, which the caller finishes. Throws SceneError.
 using TexturePluginReader = void (*)(Properties& p, ImageOrigin origin, TextureDescription& texture);
 
-/// Readers of texture plugins.
-extern const NameTable<TexturePluginReader> kSharedTextures;
+/// A texture plugin.
+struct TexturePlugin {
+  const char* name;
+  TexturePluginReader read;
+};
+
+/// The names of all kinds of textures in files (kPlugins), in alphabetical order.
+std::span<const TexturePlugin> texture_plugins();
+
+/// The reader of the object's plugin. Throws SceneError for unknown plugins; the message lists `others`, too.
+TexturePluginReader texture_reader(const Properties& p, std::vector<std::string> others);
 
 /// Returns the texture read earlier from this element, or null.
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context);
@@ -24,8 +35,6 @@ TextureId add_texture(Properties& p, TextureDescription texture);
 /// exchange the two values of a checkerboard in scalar lookups.
 TextureId scalar_texture(TextureId texture, ReadContext& context);
 
-/// Reads file, filter and wrap mode of a bitmap.
-BitmapDescription read_bitmap(Properties& p);
 /// Converts a uv transform to one for an image whose v axis points down.
 std::array<float, 6> flipped(const std::array<float, 6>& to_uv);
 

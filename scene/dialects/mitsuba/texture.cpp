@@ -30,19 +30,8 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
   if (depth > kMaxNesting) p.fail("has textures nested deeper than 8 levels");
   std::vector<TextureDescription>& textures = p.context().description.textures;
   TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
-  const auto scale_colors = [&](auto& model) {
-    model.color0 = scaled_input(p, model.color0, by, depth + 1);
-    model.color1 = scaled_input(p, model.color1, by, depth + 1);
-  };
-  if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) bitmap->change.scale *= by;
-  if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) scale_colors(*board);
-  if (auto* grid = std::get_if<GridTextureDescription>(&copy.model)) scale_colors(*grid);
-  if (auto* frame = std::get_if<WireframeDescription>(&copy.model)) {
-    frame->interior = scaled_input(p, frame->interior, by, depth + 1);
-    frame->edge = scaled_input(p, frame->edge, by, depth + 1);
-  }
-  if (auto* attribute = std::get_if<MeshAttributeDescription>(&copy.model)) attribute->scale *= by;
-  if (auto* volume = std::get_if<VolumeTextureDescription>(&copy.model)) volume->scale *= by;
+  copy.model = scaled_texture(std::move(copy.model), by,
+                              [&](const SpectrumInput& color) { return scaled_input(p, color, by, depth + 1); });
   textures.push_back(std::move(copy));
   return static_cast<TextureId>(textures.size() - 1);
 }
@@ -70,7 +59,9 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (const auto* read = kInputs.find(p.type())) return (*read)(p);
   TextureDescription texture;
-  p.plugin(kSharedTextures, kSpectrumPlugins, kInputs)(p, ImageOrigin::kUpperLeft, texture);
+  std::vector<std::string> others = kSpectrumPlugins.names();
+  for (const std::string& name : kInputs.names()) others.push_back(name);
+  texture_reader(p, std::move(others))(p, ImageOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -40,7 +40,7 @@ SpectrumInput read_constant(Properties& p) {
 }
 
 void read_image(Properties& p, ImageOrigin, TextureDescription& texture) {
-  texture.model = read_bitmap(p);
+  texture.model = BitmapDescription::read(p);
   texture.to_uv = read_placement(p, 1);
   read_turn(p);
 }
@@ -66,8 +66,10 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   if (const auto* read = kConstants.find(p.type())) return (*read)(p);
   TextureDescription texture;
   const TexturePluginReader* own = kTextures.find(p.type());
-  const TexturePluginReader read =
-      own != nullptr ? *own : p.plugin(kSharedTextures, kSpectrumPlugins, kConstants, kTextures);
+  std::vector<std::string> others = kSpectrumPlugins.names();
+  for (const std::vector<std::string>& names : {kConstants.names(), kTextures.names()})
+    others.insert(others.end(), names.begin(), names.end());
+  const TexturePluginReader read = own != nullptr ? *own : texture_reader(p, std::move(others));
   read(p, ImageOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }

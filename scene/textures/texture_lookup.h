@@ -1,14 +1,9 @@
-// Texture lookups, generic in the lane policy. All lanes look up the same texture, each at its own point.
-//
-// Texel (x, y) of a w x h image, counted from the lower left, lies at uv ((x + 1/2) / w, (y + 1/2) / h). Bilinear
-// lookups interpolate the four nearest texels after decoding. Any coordinates are safe, including NaN: lookups stay
-// inside their table, and NaN counts as 0.
+// Texture lookups, generic in the lane policy. All lanes look up the same texture, each at its own point. Any
+// coordinates are safe, including NaN. scene/textures/lookups/ implements them for each kind of textures.
 #pragma once
 
 #include "scene/tables/shape.h"
 #include "scene/tables/texture.h"
-
-#include <iterator>
 
 namespace sheaf {
 
@@ -23,17 +18,6 @@ template <class L> struct TextureQuery {
   static constexpr auto fields(auto& s) { return std::tie(s.uv, s.shape, s.primitive, s.b1, s.b2, s.p); }
 };
 
-/// Decodes sRGB (IEC 61966-2-1) to linear for an integer from 0 to 255. Monotonic, with 0 to 0 and 255 to 1 exactly;
-/// maximum error 6e-6. Above the linear part of the curve it uses the minimax polynomial of degree 6 over the bytes
-/// there that is 1 at 255.
-template <class F> SHEAF_INLINE F decode_srgb_byte(F byte) {
-  constexpr float kCoefficients[] = {-1.91261509e-16f, 2.04817337e-13f, -1.01286438e-10f, 4.30494325e-8f,
-                                     7.87728004e-6f,   1.29644643e-4f,  9.17128404e-4f};
-  F curve(kCoefficients[0]);
-  for (std::size_t k = 1; k < std::size(kCoefficients); ++k) curve = fma(curve, byte, F(kCoefficients[k]));
-  return select(byte < F(10.5f), byte * F(1.0f / (255.0f * 12.92f)), curve);
-}
-
 // Compiled once for Wide and Scalar, because many stages use them and each would contain a copy.
 
 /// The texture's colour: linear Rec.709 with 0 in the fourth lane. Scalars are grey. `texture` is a row of `view`.
@@ -44,8 +28,8 @@ Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const
 template <class L>
 Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
-/// Derivatives of lookup_scalar() by the surface's u and v: the slope of the bilinear patch, with the texture's
-/// transform applied. Zero except for bilinear images and mixes of these.
+/// Derivatives of lookup_scalar() by the surface's u and v, with the texture's transform applied. Zero except for
+/// bilinear images and mixes of these.
 template <class L>
 Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 

@@ -1,11 +1,11 @@
-#include "scene/xml/constant_texture.h"
+#include "scene/textures/constant_map.h"
 
 namespace sheaf {
 
 TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context) {
   if (const auto* id = std::get_if<TextureId>(&input)) return *id;
   TextureDescription texture;
-  texture.model = CheckerboardDescription{input, input};
+  texture.model = ConstantTextureDescription{std::get<SpectrumDescription>(input)};
   texture.where = where;
   std::vector<TextureDescription>& textures = context.description.textures;
   textures.push_back(std::move(texture));

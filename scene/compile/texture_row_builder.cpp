@@ -1,0 +1,117 @@
+#include "scene/compile/texture_row_builder.h"
+
+#include "core/large_pages.h"
+#include "scene/compile/load_volume.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace {
+
+/// Copies tiles and frees their memory progressively, so that the tiles exist only once.
+void move_tiles(std::vector<TexelTile>& from, TexelTile* to) {
+  constexpr std::size_t kBlock = std::size_t{32} << 14;  // tiles, 32 MiB
+  for (std::size_t begin = 0; begin < from.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, from.size() - begin);
+    std::copy_n(&from[begin], count, to + begin);
+    release_pages(&from[begin], count * sizeof(TexelTile));
+  }
+  from = {};
+}
+
+}  // namespace
+
+SceneError TextureTableBuilder::error(const TextureDescription& texture, const std::string& message) {
+  return {texture.where, (texture.id.empty() ? "texture: " : "texture '" + texture.id + "': ") + message};
+}
+
+std::uint32_t TextureTableBuilder::row_of(const SpectrumInput& input, const TextureDescription& texture) {
+  if (const auto* id = std::get_if<TextureId>(&input)) {
+    const auto index = static_cast<std::uint32_t>(*id);
+    if (index >= textures_.size()) throw error(texture, "refers to a texture that does not exist");
+    return index;
+  }
+  TextureRow row;
+  row.kind = kTextureKind<ConstantTextureDescription>;
+  row.set_data(constant_row(std::get<SpectrumDescription>(input)));
+  out_.rows.push_back(row);
+  return static_cast<std::uint32_t>(out_.rows.size() - 1);
+}
+
+PlacedImage TextureTableBuilder::image(const BitmapDescription& bitmap, const TextureDescription& texture) {
+  const auto& [image, first_tile] = images_[image_index(bitmap, texture)];
+  return {static_cast<std::uint32_t>(first_tile), image.tiles_per_row, image.width, image.height, image.format};
+}
+
+/// Index in images_. Byte images without a colour transform are shared between raw and decoded use; float images are
+/// not.
+std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
+  if (bitmap.made) return made_image_index(bitmap, texture);
+  std::error_code ignored;
+  std::filesystem::path file = std::filesystem::weakly_canonical(bitmap.file, ignored);
+  if (ignored) file = bitmap.file;
+  const auto known = index_of_.find({file, bitmap.raw, bitmap.change});
+  if (known != index_of_.end()) return known->second;
+  std::size_t index = 0;
+  try {
+    index = add_image(load_tiled_image(bitmap.file, bitmap.raw, bitmap.change));
+  } catch (const SceneError& problem) { throw error(texture, problem.what()); }
+  for (const bool raw : {false, true})
+    if (raw == bitmap.raw || holds_bytes(images_[index].image.format)) index_of_[{file, raw, bitmap.change}] = index;
+  return index;
+}
+
+/// The same for an image in memory.
+std::size_t TextureTableBuilder::made_image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
+  const auto [known, is_new] = index_of_made_.insert({{bitmap.made.get(), bitmap.change}, images_.size()});
+  if (is_new) add_image(tile_image(*bitmap.made, bitmap.change, texture.where));
+  return known->second;
+}
+
+std::size_t TextureTableBuilder::add_image(TiledImage image) {
+  const std::size_t first_tile = tile_count_;
+  tile_count_ += image.tiles.size();
+  images_.push_back({std::move(image), first_tile});
+  return images_.size() - 1;
+}
+
+std::uint32_t TextureTableBuilder::grid(const GridVolumeDescription& grid, const TextureDescription& texture) {
+  try {
+    out_.grids.push_back(load_volume(grid, texture.where));
+  } catch (const SceneError& problem) { throw at_place(texture.where, problem); }
+  if (out_.grids.back().is_empty()) out_.warnings.push_back(grid.file.string() + ": the grid is empty");
+  grids_.push_back({&grid, &texture});
+  return static_cast<std::uint32_t>(grids_.size() - 1);
+}
+
+std::uint32_t TextureTableBuilder::attribute(const std::string& name) {
+  std::vector<std::string>& names = out_.attribute_names;
+  const auto found = std::find(names.begin(), names.end(), name);
+  const auto index = static_cast<std::uint32_t>(found - names.begin());
+  if (found == names.end()) names.push_back(name);
+  return index;
+}
+
+/// Joins the tiles of all images in one table.
+void TextureTableBuilder::join_images() {
+  if (tile_count_ >= std::size_t{1} << 32) throw SceneError("the scene's textures take more than 256 GiB");
+  out_.tile_count = tile_count_ + 1;
+  out_.tiles = std::make_unique_for_overwrite<TexelTile[]>(out_.tile_count);
+  prefer_large_pages(out_.tiles.get(), out_.tile_count * sizeof(TexelTile));
+  for (LoadedImage& loaded : images_) move_tiles(loaded.image.tiles, &out_.tiles[loaded.first_tile]);
+  out_.tiles[tile_count_] = {};
+}
+
+TextureTables TextureTableBuilder::finish(std::vector<PlacedGrid>* grids) {
+  join_images();
+  for (std::size_t i = 0; i < out_.grids.size(); ++i) {
+    const GridVolumeDescription& from = *grids_[i].description;
+    const SourceLocation& where = grids_[i].texture->where;
+    out_.grid_rows.push_back(place_grid(out_.grids[i], from.to_world, from, where));
+    if (grids != nullptr) grids->push_back(describe_grid(out_.grids[i], from.to_world, from, where));
+  }
+  return std::move(out_);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,63 @@
+// Reading of images.
+#include "scene/textures/bitmap.h"
+
+#include "scene/xml/linear_gamma.h"
+#include "scene/xml/properties.h"
+
+namespace sheaf {
+
+namespace {
+
+/// Returns the name under which a property is present, or the first name. Throws SceneError if there are several.
+const char* only_name(Properties& p, std::initializer_list<const char*> names) {
+  const char* found = nullptr;
+  for (const char* name : names) {
+    if (!p.has(name)) continue;
+    if (found != nullptr) p.fail_at(name, "is set together with '" + std::string(found) + "', expected one of them");
+    found = name;
+  }
+  return found != nullptr ? found : *names.begin();
+}
+
+TextureFilter read_bitmap_filter(Properties& p) {
+  static constexpr NameTable<TextureFilter> kFilters{{{"bilinear", TextureFilter::kBilinear},
+                                                      {"nearest", TextureFilter::kNearest},
+                                                      {"trilinear", TextureFilter::kBilinear},
+                                                      {"ewa", TextureFilter::kBilinear}}};
+  const char* name = only_name(p, {"filter_type", "filter", "interpolation"});
+  const TextureFilter filter = p.choice(name, kFilters, TextureFilter::kBilinear);
+  if (const std::string given = p.string(name, "bilinear"); given != kFilters.name_of(filter))
+    p.context().note(p.where(), "texture '" + p.type() + "' has the filter '" + given + "', rendered as 'bilinear'");
+  return filter;
+}
+
+TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, TextureWrap default_value) {
+  static constexpr NameTable<TextureWrap> kWraps{
+      {{"repeat", TextureWrap::kRepeat}, {"mirror", TextureWrap::kMirror}, {"clamp", TextureWrap::kClamp}}};
+  return p.choice(only_name(p, names), kWraps, default_value);
+}
+
+/// Whether integers are linear values: `raw`, or `gamma` of Mitsuba before 2.
+bool read_raw(Properties& p) {
+  const bool raw = p.boolean("raw", false);
+  if (!p.has("gamma")) return raw;
+  if (p.has("raw")) p.fail_at("gamma", "is set together with 'raw', expected one of them");
+  return read_linear_gamma(p);
+}
+
+}  // namespace
+
+BitmapDescription BitmapDescription::read(Properties& p) {
+  BitmapDescription bitmap;
+  bitmap.file = p.file("filename");
+  bitmap.filter = read_bitmap_filter(p);
+  const TextureWrap both = read_wrap(p, {"wrap_mode", "wrap"}, TextureWrap::kRepeat);
+  bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
+  bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
+  bitmap.raw = read_raw(p);
+  if (p.has("channel")) p.fail_at("channel", "is not supported: all channels of the image are read");
+  p.ignore({"format", "accel", "cache", "max_anisotropy"});
+  return bitmap;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,59 @@
+// Images as textures.
+#pragma once
+
+#include "scene/textures/texture.h"
+
+#include <compare>
+#include <filesystem>
+#include <memory>
+
+namespace sheaf {
+
+struct Image;
+
+/// Data of an image's row.
+struct BitmapRow {
+  std::uint32_t first_tile;  ///< into TextureView::tiles
+  std::uint32_t tiles_per_row;
+  std::uint32_t width, height;  ///< in texels, without padding; from 1 to kMaxImageSide
+  TextureWrap wrap_u, wrap_v;
+  TextureFilter filter;
+  TexelFormat format;
+};
+
+/// An image from a file or from memory, repeated over the uv plane.
+struct BitmapDescription {
+  std::filesystem::path file;  ///< resolved path
+  TextureFilter filter = TextureFilter::kBilinear;
+  TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
+  bool raw = false;  ///< values are data, not colours: integers are not decoded by the sRGB curve
+  /// Transform of each value of the image after decoding.
+  struct ColorTransform {
+    float scale = 1;      ///< first: multiply by this
+    bool invert = false;  ///< second: replace x by 1 - x and clamp negative values to 0
+    float exponent = 1;   ///< last: raise to this power
+    friend constexpr auto operator<=>(const ColorTransform&, const ColorTransform&) = default;
+  } change = {};
+  /// Replaces `file`: channels Y, or R, G and B, with linear values.
+  std::shared_ptr<const Image> made = {};
+
+  static constexpr TextureDomain kDomain = TextureDomain::kImage;
+  static constexpr std::array kPlugins = {"bitmap"};
+  static BitmapDescription read(Properties& p);
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.file, s.filter, s.wrap_u, s.wrap_v, s.raw, s.change.scale, s.change.invert, s.change.exponent);
+  }
+  static constexpr auto colors(auto&) { return std::tie(); }
+  void scale_by(float by) { change.scale *= by; }
+
+  void make_row(auto& row) const {
+    const auto image = row.load_image(*this);
+    TexelFormat format = image.format;
+    if (format == TexelFormat::kByte1 && !raw) format = TexelFormat::kSrgbByte1;
+    if (format == TexelFormat::kByte4 && !raw) format = TexelFormat::kSrgbByte4;
+    row.set(
+        BitmapRow{image.first_tile, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
+  }
+};
+
+}  // namespace sheaf
