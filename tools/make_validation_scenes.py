@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the assets and the longer scenes of scenes/validation: meshes, pictures, principled.xml, many_lights.xml,
+"""Writes the assets and the longer scenes of scenes/validation: meshes, images, principled.xml, many_lights.xml,
 instances.xml and textures.xml, and the cloud (scenes/validation/generated, by make_cloud) as an .nvdb file and as its
 .vol twin. Needs only Python and a build; the output is deterministic.
 
@@ -182,7 +182,7 @@ def make_textures():
     pictures = [[(0.15 + 0.8 * ((x ^ y) & 1), 0.1 + 0.1 * x, 0.1 + 0.1 * y) for x in range(8)] for y in range(8)]
     for x in range(4):
         pictures[0][x] = (0.95, 0.9, 0.2)  # marks the corner and the first row
-    write_png(FOLDER / "pictures" / "panel.png", pictures)
+    write_png(FOLDER / "images" / "panel.png", pictures)
     columns = [("repeat", '<scale x="1" y="1"/>'), ("repeat", '<scale x="3" y="2"/>'),
                ("clamp", '<scale x="2" y="2"/> <translate x="-0.5" y="-0.5"/>'),
                ("mirror", '<scale x="2" y="2"/> <rotate z="1" angle="20"/>')]
@@ -192,12 +192,12 @@ def make_textures():
             place = f'<scale value="0.47"/> <translate x="{column - 1.5:g}" y="{0.5 - row:g}"/>'
             parts.append(rectangle(place, f"""<bsdf type="diffuse">
       <texture type="bitmap" name="reflectance">
-        <string name="filename" value="pictures/panel.png"/> <string name="filter_type" value="{kind}"/>
+        <string name="filename" value="images/panel.png"/> <string name="filter_type" value="{kind}"/>
         <string name="wrap_mode" value="{wrap}"/> <transform name="to_uv"> {to_uv} </transform>
       </texture>
     </bsdf>"""))
     (FOLDER / "textures.xml").write_text(scene(
-        "A picture of 8 x 8 texels on panels. Above nearest, below bilinear. From left to right: once; repeated; "
+        "An image of 8 x 8 texels on panels. Above nearest, below bilinear. From left to right: once; repeated; "
         "clamped; mirrored and turned.", 2, perspective("0, 0, 4.6", "0, 0, 0", 48, 320, 180), *parts))
 
 
@@ -213,9 +213,9 @@ def make_normal_maps(size=128):
 
     rows = [[tuple(round(255 * (0.5 + 0.5 * n)) / 255 for n in normal(x, y)) for x in range(size)]
             for y in range(size)]
-    write_png(FOLDER / "pictures" / "normals_opengl.png", rows)
+    write_png(FOLDER / "images" / "normals_opengl.png", rows)
     # The same normals after rounding: 0 is 128 in one map and 127 in the other.
-    write_png(FOLDER / "pictures" / "normals_directx.png", [[(r, 1 - g, b) for r, g, b in row] for row in rows])
+    write_png(FOLDER / "images" / "normals_directx.png", [[(r, 1 - g, b) for r, g, b in row] for row in rows])
 
 
 def make_balls(slices=32, stacks=16):

@@ -118,7 +118,7 @@ LIGHT_ROWS = (
 
 SURFACE_ROWS = (
     Row("textures", "Image textures",
-        "A picture of 8 x 8 texels on panels. Above `nearest`, below `bilinear`. From left to right: once; repeated "
+        "An image of 8 x 8 texels on panels. Above `nearest`, below `bilinear`. From left to right: once; repeated "
         "3 x 2 times; clamped; mirrored and turned.", "",
         (Case("textures", "filters and wrap modes", "textures.xml"),)),
     Row("normal-maps", "Normal maps",
