@@ -35,6 +35,7 @@ MAKERS = {
     "tools/make_caustic_scenes.py": [],
     "tools/make_hourglass.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_forest.py": [],
+    "tools/make_validation_scenes.py": ["--make-cloud", "{build}/make_cloud"],
 }
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
@@ -63,6 +64,7 @@ SCRIPTS = {
                                "--output", "{out}/samplers.png"],
     "tools/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",
                                   "1", "--photons", "100", "--output", "{out}/progressive.png"],
+    "tools/validate.py": ["--sheaf", "{build}/sheaf", "--quick", "--output", "{out}"],
 }
 
 # Python modules outside of the standard library that scripts import, and their Debian packages.
@@ -71,7 +73,8 @@ PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "p
 # The shortest arguments of programs without tests of their own, as a list of commands.
 PROGRAMS = {
     "make_cloud": [[kind, "--kind", kind.split(".")[0], "--resolution", "8", "--temperature"]
-                   for kind in ("cloud.nvdb", "smoke.nvdb", "ramp.nvdb", "constant.nvdb")],
+                   for kind in ("cloud.nvdb", "smoke.nvdb", "ramp.nvdb", "constant.nvdb")] +
+                  [["ramp.vol", "--kind", "ramp", "--resolution", "8"]],
     "trace_limit": [["scenes/cornell/cornell.xml", "--spp", "1", "--runs", "1", "--memory", "8", "--scaling",
                      "-D", "width=64", "-D", "height=48"],
                     ["scenes/cornell/cornell.xml", "--spp", "1", "--runs", "1", "--null", "-D", "width=64",
@@ -203,7 +206,7 @@ def missing_packages(script):
     """Debian packages of the missing modules that a script imports."""
     modules = set(re.findall(r"^(?:import|from) (\w+)", script.read_text(), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
-        if (script.parent / f"{module}.py").exists():
+        if (script.parent / f"{module}.py").exists() or (script.parent / module).is_dir():
             continue
         if module not in PACKAGES:
             yield f"{module}, which PACKAGES in tests/smoke/smoke.py doesn't know"
