@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <fstream>
 
 namespace sheaf {
@@ -18,11 +16,6 @@ namespace sheaf {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Options that do not affect the image's bits.
-constexpr std::array<std::string_view, 13> kOfTheRun = {
-    "scene",      "output",           "stats",         "threads",    "wave-size", "quiet", "resume",
-    "checkpoint", "checkpoint-every", "no-timestamps", "time-limit", "tev",       "serve"};
 
 /// Size and checksum of a file.
 std::string fingerprint(const fs::path& file) {
@@ -42,17 +35,22 @@ std::string fingerprint(const fs::path& file) {
 }  // namespace
 
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
-  command.add_option("--checkpoint", arguments.file,
-                     "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
-                     "with --resume it goes on from there");
+  command
+      .add_option("--checkpoint", arguments.file,
+                  "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
+                  "with --resume it goes on from there")
+      .only_for_run();
   command
       .add_option("--checkpoint-every", arguments.every,
                   "Time between checkpoints: seconds, or with units, such as 10m. Default: 60")
       .seconds()
-      .positive();
-  command.add_flag("--resume", arguments.resume,
-                   "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
-                   "the byte as that of a render that was never interrupted");
+      .positive()
+      .only_for_run();
+  command
+      .add_flag("--resume", arguments.resume,
+                "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
+                "the byte as that of a render that was never interrupted")
+      .only_for_run();
 }
 
 void check_checkpoint(const CheckpointArguments& arguments) {
@@ -65,12 +63,10 @@ void check_checkpoint(const CheckpointArguments& arguments) {
                 "the checkpoint '" + arguments.file + "' is there already: go on from it with --resume, or remove it");
 }
 
-RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
-                               const std::vector<fs::path>& files) {
+RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
   RenderSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
-  for (const auto& [name, value] : given)
-    if (std::find(kOfTheRun.begin(), kOfTheRun.end(), name) == kOfTheRun.end())
-      settings.emplace_back("--" + name, value);
+  for (const GivenOption& option : given)
+    if (option.affects_image) settings.emplace_back("--" + option.name, option.values);
   for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
   return settings;
 }

@@ -43,14 +43,18 @@ std::shared_ptr<const Image> beauty_of(const Image& image) {
 }  // namespace
 
 void add_preview_options(Command& command, PreviewArguments& arguments) {
-  command.add_option("--tev", arguments.tev,
-                     "HOST:PORT of the viewer tev, usually 127.0.0.1:14158, which shows the picture while it is "
-                     "rendered. The viewer may be started later and restarted");
-  command.add_option("--serve", arguments.serve,
-                     "Show picture, progress, stage times and messages to browsers, at PORT of this machine alone, or "
-                     "at ADDRESS:PORT (0.0.0.0: of all its addresses; there is no password). Port 0: any that is free. "
-                     "The page ends with the render; a browser that looks gets the finished picture first, within "
-                     "seconds. See docs/preview.md");
+  command
+      .add_option("--tev", arguments.tev,
+                  "HOST:PORT of the viewer tev, usually 127.0.0.1:14158, which shows the picture while it is "
+                  "rendered. The viewer may be started later and restarted")
+      .only_for_run();
+  command
+      .add_option("--serve", arguments.serve,
+                  "Show picture, progress, stage times and messages to browsers, at PORT of this machine alone, or "
+                  "at ADDRESS:PORT (0.0.0.0: of all its addresses; there is no password). Port 0: any that is free. "
+                  "The page ends with the render; a browser that looks gets the finished picture first, within "
+                  "seconds. See docs/preview.md")
+      .only_for_run();
 }
 
 Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
