@@ -11,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-Image noisy_picture(int width, int height, bool complete) {
+Image noisy_image(int width, int height, bool complete) {
   std::vector<std::string> names = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
   if (complete)
     names.insert(names.end(),
@@ -27,7 +27,7 @@ Image noisy_picture(int width, int height, bool complete) {
 }
 
 void denoise_image(benchmark::State& state, bool complete) {
-  const Image image = noisy_picture(1280, 720, complete);
+  const Image image = noisy_image(1280, 720, complete);
   const std::clock_t start = std::clock();
   for (auto _ : state) benchmark::DoNotOptimize(denoise(image, Denoiser::kNlMeans));
   state.counters["cpu"] = benchmark::Counter(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC,
@@ -35,7 +35,7 @@ void denoise_image(benchmark::State& state, bool complete) {
 }
 
 BENCHMARK_CAPTURE(denoise_image, halves_and_features, true)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(denoise_image, colors_alone, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(denoise_image, without_features, false)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

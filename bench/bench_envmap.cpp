@@ -1,6 +1,6 @@
 // The cost of environment maps per item, by size and content of the map: sampling a direction with its radiance, and
 // looking one up. In `sky` most directions go to a sun. In `noise` they go to all of the map, so each lookup reads from
-// memory. "per_item" is in seconds. `numbers` is the cost of the random numbers alone.
+// memory. "per_item" is in seconds. `numbers` is the cost of only the random numbers.
 #include "core/rng.h"
 #include "core/warp.h"
 #include "kernels/lights/envmap.h"
@@ -29,15 +29,15 @@ const Envmap& map_of(std::uint32_t width, bool sky) {
   static Envmap map;
   static bool map_is_sky = false;
   if (map.width == width && map_is_sky == sky) return map;
-  EnvmapImage picture{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
-  for (std::uint32_t i = 0; 3 * std::size_t{i} < picture.rgb.size(); ++i) {
+  EnvmapImage image{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
+  for (std::uint32_t i = 0; 3 * std::size_t{i} < image.rgb.size(); ++i) {
     const double u = (i % width + 0.5) / width, v = (i / width + 0.5) / (width / 2);
     const float noise = 0.5f + static_cast<float>((i * 2654435761u) >> 8) * 0x1p-24f;
     const float value = sky ? sky_brightness(u, v) * (0.9f + 0.1f * noise) : noise;
-    for (std::size_t c = 0; c < 3; ++c) picture.rgb[3 * std::size_t{i} + c] = value;
+    for (std::size_t c = 0; c < 3; ++c) image.rgb[3 * std::size_t{i} + c] = value;
   }
   map = {};
-  map = make_envmap(picture, 1, false);
+  map = make_envmap(image, 1, false);
   map_is_sky = sky;
   return map;
 }

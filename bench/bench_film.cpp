@@ -17,6 +17,7 @@ void add_samples(benchmark::State& state, PixelFilter::Kind kind, VarianceUnit u
   description.kind = kind;
   const FilterWeights weights(description);
   const Film film(kSide, kSide, {0, 0, kSide, kSide}, FilmLayout::beauty(), 0, unit);
+  // Make random samples
   SampleBuffer samples;
   samples.resize(kSide * kSide * kSamples, kBeautyChannels, false);
   for (std::uint32_t i = 0; i < kSide * kSide * kSamples; ++i) {
@@ -24,6 +25,7 @@ void add_samples(benchmark::State& state, PixelFilter::Kind kind, VarianceUnit u
     samples.offset(i) = {u.x - 0.5f, u.y - 0.5f};
     for (int c = 0; c < kBeautyChannels; ++c) samples[i][c] = u.z;
   }
+  // Measure
   FilmTile tile;
   for (auto _ : state) {
     film.begin(tile, {0, 0, kSide, kSide}, kind == PixelFilter::Kind::kBox ? nullptr : &weights);

@@ -105,9 +105,9 @@ template <class L> void rows(benchmark::State& state, SpectrumUse use, bool tabl
 
 /// A map of random colours.
 Envmap random_map(std::uint32_t width, std::uint32_t height) {
-  EnvmapImage picture{width, height, std::vector<float>(3 * std::size_t{width} * height)};
-  for (std::uint32_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = random4<Scalar>(7, i, 0, 0).x;
-  return make_envmap(picture, 1, false);
+  EnvmapImage image{width, height, std::vector<float>(3 * std::size_t{width} * height)};
+  for (std::uint32_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = random4<Scalar>(7, i, 0, 0).x;
+  return make_envmap(image, 1, false);
 }
 
 /// Lookups in random directions, in a map of 2 MB of colours.

@@ -89,8 +89,9 @@ const Scene& load_scene(const char* file) {
 /// Times one stage by its own counter, which excludes restoring the wave.
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
+  // Advance the wave to the stage
   WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons ? PassKind::kLight : PassKind::kPath);
-  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene has no use for this stage");
+  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene does not use this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();
   const WaveSnapshot snapshot(wave);
@@ -98,6 +99,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
   StageStats& stats = wave.stats[stage.stage];
   stats = {};
   std::uint64_t shortest = std::numeric_limits<std::uint64_t>::max();
+  // Run the stage repeatedly from the same state
   for (auto _ : state) {
     snapshot.restore(wave);
     warm.task().cursor = cursor;
@@ -108,6 +110,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
     state.SetIterationTime(static_cast<double>(ticks) * seconds_per_tick());
     shortest = std::min(shortest, ticks);
   }
+  // Report the counters
   if (stats.items == 0) return state.SkipWithError("no items reach this stage");
   const double items = static_cast<double>(stats.items) / static_cast<double>(stats.calls);
   state.SetItemsProcessed(static_cast<std::int64_t>(stats.items));

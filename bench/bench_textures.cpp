@@ -18,12 +18,12 @@ constexpr int kItems = 1024;
 float uniform(std::uint32_t i, std::uint32_t stream) { return random4<Scalar>(stream, i, 0, 0).x; }
 
 /// A square image of noise as texture 0, and a checkerboard of it as texture 1.
-struct NoisePicture {
+struct NoiseImage {
   std::vector<TexelTile> tiles;
   TextureRow rows[2];
   TextureView view;
 
-  NoisePicture(TexelFormat format, TextureFilter filter, std::uint32_t size) {
+  NoiseImage(TexelFormat format, TextureFilter filter, std::uint32_t size) {
     const std::uint32_t per_row = size >> tile_shift(format);
     tiles.resize(std::size_t{per_row} * per_row + 1);
     for (std::size_t i = 0; i < tiles.size(); ++i)
@@ -94,9 +94,9 @@ constexpr Case kCases[] = {
 
 template <class L>
 void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
-  const NoisePicture picture(c.format, c.filter, size);
+  const NoiseImage image(c.format, c.filter, size);
   run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
-    const Spectrum<L> s = lookup_texture<L>(picture.view, texture, query);
+    const Spectrum<L> s = lookup_texture<L>(image.view, texture, query);
     store(places.out[0] + i, s.c0);
     store(places.out[1] + i, s.c1);
     store(places.out[2] + i, s.c2);
@@ -105,9 +105,9 @@ void color(benchmark::State& state, const Case& c, std::uint32_t size, float ext
 }
 
 template <class L> void gradient(benchmark::State& state, const Case& c, std::uint32_t size, float extent) {
-  const NoisePicture picture(c.format, c.filter, size);
+  const NoiseImage image(c.format, c.filter, size);
   run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
-    const Vec2<L> g = lookup_scalar_gradient<L>(picture.view, 0, query);
+    const Vec2<L> g = lookup_scalar_gradient<L>(image.view, 0, query);
     store(places.out[0] + i, g.x);
     store(places.out[1] + i, g.y);
   });

@@ -29,9 +29,9 @@ SCENES = ["scenes/hall/hall.xml", "scenes/caustics/ring.xml", "scenes/caustics/c
 TILE = 32
 
 
-def tile_errors(pictures):
-    """Returns the mean squared relative error of each tile, averaged over consecutive pairs of pictures."""
-    light = [picture @ np.array([0.2126, 0.7152, 0.0722]) for picture in pictures]
+def tile_errors(images):
+    """Returns the mean squared relative error of each tile, averaged over consecutive pairs of images."""
+    light = [image @ np.array([0.2126, 0.7152, 0.0722]) for image in images]
     mean = np.mean(light, 0)
     scale = mean**2 + (0.1 * mean.mean())**2
     square = np.mean([(a - b)**2 / 2 for a, b in zip(light, light[1:])], 0) / scale
@@ -45,13 +45,13 @@ def tile_errors(pictures):
 
 def measure(arguments, scene, spp, options, folder):
     """Returns seconds, samples per pixel, and squared noise: mean over tiles and 95th percentile."""
-    seconds, samples, pictures = [], [], []
+    seconds, samples, images = [], [], []
     for seed in range(1, arguments.seeds + 1):
-        report = render(arguments.sheaf, scene, Path(folder) / "picture.exr", spp, seed, *options)
+        report = render(arguments.sheaf, scene, Path(folder) / "image.exr", spp, seed, *options)
         seconds.append(report["cpu_seconds"])
         samples.append(report["spp"])
-        pictures.append(read_colors(Path(folder) / "picture.exr"))
-    errors = tile_errors(pictures)
+        images.append(read_colors(Path(folder) / "image.exr"))
+    errors = tile_errors(images)
     return np.mean(seconds), round(np.mean(samples)), errors.mean(), np.quantile(errors, 0.95)
 
 

@@ -28,14 +28,14 @@ def main():
     arguments = parser.parse_args()
     print("scene                 MSE rgb  MSE spectral   ratio")
     with tempfile.TemporaryDirectory() as folder:
-        pictures = [Path(folder) / f"{i}.exr" for i in range(arguments.seeds)]
+        images = [Path(folder) / f"{i}.exr" for i in range(arguments.seeds)]
         for scene in arguments.scenes:
             error = {}
             for color in ("rgb", "spectral"):
-                for seed, picture in enumerate(pictures, 1):
-                    render(arguments.sheaf, scene, picture, arguments.spp, seed, "--color", color, "--crop",
+                for seed, image in enumerate(images, 1):
+                    render(arguments.sheaf, scene, image, arguments.spp, seed, "--color", color, "--crop",
                            arguments.crop)
-                pairs = list(itertools.combinations(pictures, 2))
+                pairs = list(itertools.combinations(images, 2))
                 error[color] = sum(mean_squared_error(arguments.sheaf, a, b) for a, b in pairs) / (2 * len(pairs))
             print(f"{Path(scene).stem:16} {error['rgb']:12.4g}  {error['spectral']:12.4g}  "
                   f"{error['spectral'] / error['rgb']:6.3f}", flush=True)

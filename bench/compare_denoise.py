@@ -14,8 +14,8 @@ Frames are --width pixels wide; 0 keeps the width of the scene. Prints for each 
 and `gain`, noisy over denoised, and the CPU seconds of denoising. `relative`: the same for the squared error over the
 squared mean of the pixel.
 
-There are two references of --reference-spp samples each, with different seeds. If a and b are the differences of a
-picture from them, the mean of a b is the squared error without the noise of the references.
+There are two references of --reference-spp samples each, with different seeds. If a and b are the differences of an
+image from them, the mean of a b is the squared error without the noise of the references.
 """
 
 import argparse
@@ -40,8 +40,8 @@ def cpu_seconds(command):
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
 
 
-def errors(picture, references):
-    square = (picture - references[0]) * (picture - references[1])
+def errors(image, references):
+    square = (image - references[0]) * (image - references[1])
     mean = (references[0] + references[1]) / 2
     return square.mean(), (square / (mean**2 + 0.01)).mean()
 
@@ -74,7 +74,7 @@ def main():
     parser.add_argument("--reference-spp", type=int, default=1024)
     parser.add_argument("--method", default="nlm")
     parser.add_argument("--arguments", default="--aov albedo,normal,depth,variance,half --float",
-                        help="further options of sheaf render for the noisy picture; default: %(default)s")
+                        help="further options of sheaf render for the noisy image; default: %(default)s")
     arguments = parser.parse_args()
     print(f"{'':16} {'plain':>10} {'8 x':>10} {'noisy':>10} {'denoised':>10} {'gain':>6} {'cpu s':>8}")
     with tempfile.TemporaryDirectory() as folder:

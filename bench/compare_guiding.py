@@ -37,10 +37,10 @@ def frame_options(scene, width):
     return []
 
 
-def errors(pictures):
-    """Returns mean squared error, relative squared error and mean, averaged over consecutive pairs of pictures."""
+def errors(images):
+    """Returns mean squared error, relative squared error and mean, averaged over consecutive pairs of images."""
     results = []
-    for a, b in zip(pictures, pictures[1:]):
+    for a, b in zip(images, images[1:]):
         square, mean = (a - b)**2 / 2, (a + b) / 2
         relative = np.sort((square / (mean**2 + 0.01 * mean.mean()**2 + 1e-9)).ravel())
         results.append((square.mean(), relative[:int(len(relative) * 0.999)].mean(), mean.mean()))
@@ -48,13 +48,13 @@ def errors(pictures):
 
 
 def measure(arguments, scene, spp, options, folder):
-    picture = Path(folder) / "picture.exr"
-    seconds, pictures, report = [], [], None
+    image = Path(folder) / "image.exr"
+    seconds, images, report = [], [], None
     for seed in range(1, arguments.seeds + 1):
-        report = render(arguments.sheaf, scene, picture, spp, seed, *options)
+        report = render(arguments.sheaf, scene, image, spp, seed, *options)
         seconds.append(report["cpu_seconds"])
-        pictures.append(read_colors(picture))
-    return min(seconds), errors(pictures), report["guiding"]
+        images.append(read_colors(image))
+    return min(seconds), errors(images), report["guiding"]
 
 
 def compare(arguments, scene, folder):
@@ -66,7 +66,7 @@ def compare(arguments, scene, folder):
         print(f"{name:22} {'off':4} {off:7.2f} {error[0]:10.3e} {error[1]:8.4f} {error[2]:9.5f}")
         ratios = guided[:2] * on / (error[:2] * off)
         print(f"{'':22} {'on':4} {on:7.2f} {guided[0]:10.3e} {guided[1]:8.4f} {guided[2]:9.5f}   ratio mse {ratios[0]:.2f}"
-              f"  rel {ratios[1]:.2f}   {guide['places']} places", flush=True)
+              f"  rel {ratios[1]:.2f}   {guide['cells']} cells", flush=True)
 
 
 def main():

@@ -28,21 +28,21 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scene", default=str(ROOT / "scenes/hall/hall.xml"))
-    parser.add_argument("--seconds", type=float, default=10, help="render time per picture")
+    parser.add_argument("--seconds", type=float, default=10, help="render time per image")
     parser.add_argument("--width", type=int, default=240)
     parser.add_argument("--reference-spp", type=int, default=4096)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
+        reference, image = Path(folder) / "reference.exr", Path(folder) / "image.exr"
         render_lights(arguments, reference, "bvh", 8, arguments.reference_spp, 1000)
         print("sampler  candidates    spp  seconds         MSE   gain     Mrays")
         first = None
         for selector in ("uniform", "power", "bvh"):
             for candidates in (1, 4, 8, 32):
-                seconds, _ = render_lights(arguments, picture, selector, candidates, 4, 1)
+                seconds, _ = render_lights(arguments, image, selector, candidates, 4, 1)
                 spp = max(1, round(4 * arguments.seconds / seconds))
-                seconds, rays = render_lights(arguments, picture, selector, candidates, spp, 2)
-                error = mean_squared_error(arguments.sheaf, picture, reference)
+                seconds, rays = render_lights(arguments, image, selector, candidates, spp, 2)
+                error = mean_squared_error(arguments.sheaf, image, reference)
                 # Correct for the remaining difference in time: error is inversely proportional to time.
                 cost = error * seconds
                 first = first or cost

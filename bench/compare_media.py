@@ -48,17 +48,17 @@ def main():
     cases += [(f"marching {step:g}", ["--medium-estimator", "marching", "--step-size", str(step)])
               for step in arguments.steps]
     with tempfile.TemporaryDirectory() as folder:
-        reference, picture = Path(folder) / "reference.exr", Path(folder) / "picture.exr"
+        reference, image = Path(folder) / "reference.exr", Path(folder) / "image.exr"
         render_media(arguments, reference, ["--medium-estimator", "null_mis"], arguments.reference_spp, 1000)
         print("estimator      cpu s         MSE   time  null/real  ns/collision")
         first = None
         for name, options in cases:
-            start = render_media(arguments, picture, options, 1, 1)["cpu_seconds"]
+            start = render_media(arguments, image, options, 1, 1)["cpu_seconds"]
             seconds = error = 0
             for seed in range(2, 2 + arguments.seeds):
-                report = render_media(arguments, picture, options, arguments.spp, seed)
+                report = render_media(arguments, image, options, arguments.spp, seed)
                 seconds += (report["cpu_seconds"] - start) / arguments.seeds
-                error += mean_squared_error(arguments.sheaf, picture, reference) / arguments.seeds
+                error += mean_squared_error(arguments.sheaf, image, reference) / arguments.seeds
             cost = error * seconds  # error is inversely proportional to time
             first = first or cost
             nanoseconds, null = step_cost(report, seconds)

@@ -4,14 +4,14 @@ numpy, a build, and the meshes of tools/make_caustic_scenes.py.
 
   bench/compare_photons.py [--scenes scenes/caustics/ring.xml ...] [--seconds 20] [--width 160] [--reference-spp 8192]
 
-Prints a table for each scene: samples per pixel; CPU seconds; peak memory in MB; and, for the whole picture and for the
+Prints a table for each scene: samples per pixel; CPU seconds; peak memory in MB; and, for the whole image and for the
 part with the caustic: mean squared error, relative mean squared error, mean over that of the reference, and gain. The
 gain is the time that path tracing needs for the same mean squared error (inversely proportional to time) over the time
 taken. It is omitted if light tracing misses some of the light. Methods without samples per pixel in METHODS take as
 many as fit into --seconds of CPU time.
 
 References are two renders by path tracing; for the part, by light tracing if the camera sees only diffuse surfaces
-there. Errors exclude the noise of the references: they are means of (x - a) (x - b) for a picture x and renders a and
+there. Errors exclude the noise of the references: they are means of (x - a) (x - b) for an image x and renders a and
 b. "<" marks an error below twice its own uncertainty.
 """
 
@@ -37,7 +37,7 @@ OTHER_SCENE = {"part": (0, 0, 1, 1), "part_reference": "path", "radius": 0, "cau
 
 ALL_IN_RADIUS = {"lookupSize": 0}
 GLOBAL_MAP = ALL_IN_RADIUS | {"photonCount": 250000, "photonRadius": "radius"}
-CAUSTICS_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
+CAUSTIC_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
 
 # Name, integrator, properties, samples per pixel. A string value names an entry of the scene in SCENES.
 METHODS = [
@@ -46,7 +46,7 @@ METHODS = [
     ("map, 1M photons", "photonmapper",
      ALL_IN_RADIUS | {"photonCount": 1000000, "photonRadius": "caustic_radius", "sampleDirect": False}, 64),
     ("gather", "photonmapper", GLOBAL_MAP | {"finalGather": True, "causticPhotonCount": 0}, 64),
-    ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTICS_MAP, 64),
+    ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTIC_MAP, 64),
     ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None),
 ]
 
@@ -96,15 +96,15 @@ class Scene:
         return None if done.returncode == 0 else done.stderr.strip().split(" (known")[0]
 
     def render(self, kind, properties, spp, seed):
-        """Returns the statistics report and the picture."""
-        picture = self.folder / "picture.exr"
-        report = render(self.sheaf, self.write(kind, properties), picture, spp, seed, *self.defines)
-        return report, read_colors(picture)
+        """Returns the statistics report and the image."""
+        image = self.folder / "image.exr"
+        report = render(self.sheaf, self.write(kind, properties), image, spp, seed, *self.defines)
+        return report, read_colors(image)
 
-    def part(self, picture):
-        height, width, _ = picture.shape
+    def part(self, image):
+        height, width, _ = image.shape
         x0, y0, x1, y1 = self.settings["part"]
-        return picture[round(y0 * height):round(y1 * height), round(x0 * width):round(x1 * width)]
+        return image[round(y0 * height):round(y1 * height), round(x0 * width):round(x1 * width)]
 
 
 def read_colors(file):
@@ -125,10 +125,10 @@ def read_channels(file, wanted):
     names = [c.decode() for c in re.findall(rb"([^\0]+)\0.{16}", header["channels"], re.DOTALL)]
     x0, y0, x1, y1 = struct.unpack("<4i", header["dataWindow"])
     width, height = x1 - x0 + 1, y1 - y0 + 1
-    picture = np.empty((height, len(names), width), np.float32)
+    image = np.empty((height, len(names), width), np.float32)
     for offset in struct.unpack_from(f"<{-(-height // 16)}q", data, at + 1):
         y, length = struct.unpack_from("<2i", data, offset)
-        lines = picture[y - y0:y - y0 + 16]
+        lines = image[y - y0:y - y0 + 16]
         block = np.frombuffer(data, np.uint8, length, offset + 8)
         if length < lines.nbytes:
             packed = np.frombuffer(zlib.decompress(block), np.uint8)
@@ -137,17 +137,17 @@ def read_channels(file, wanted):
             block = np.empty_like(packed)
             block[0::2], block[1::2] = packed[:half], packed[half:]
         lines[...] = block.view("<f4").reshape(lines.shape)
-    return picture[:, [names.index(c) for c in wanted]].transpose(0, 2, 1).astype(float)
+    return image[:, [names.index(c) for c in wanted]].transpose(0, 2, 1).astype(float)
 
 
-def errors(pictures, references):
+def errors(images, references):
     """Returns mean squared error, twice its uncertainty, relative mean squared error, and mean over the reference's."""
     a, b = references
     middle = (a + b) / 2
-    squares = np.mean([(picture - a) * (picture - b) for picture in pictures], 0)
+    squares = np.mean([(image - a) * (image - b) for image in images], 0)
     relative = squares / (middle**2 + 0.01)
     return (squares.mean(), 2 * squares.std() / squares.size**0.5, relative.mean(),
-            np.mean(pictures) / middle.mean())
+            np.mean(images) / middle.mean())
 
 
 def columns(measured, paths_cost, seconds):
@@ -185,9 +185,9 @@ def compare(arguments, scene):
         renders = [scene.render(kind, properties, spp, seed) for seed in range(2, 2 + arguments.seeds)]
         seconds = np.mean([report["cpu_seconds"] for report, _ in renders])
         memory = max(report["peak_rss_bytes"] for report, _ in renders) / 1e6
-        whole = errors([picture for _, picture in renders], references["path"])
-        part = errors([scene.part(picture) for _, picture in renders],
-                      [scene.part(picture) for picture in references[settings["part_reference"]]])
+        whole = errors([image for _, image in renders], references["path"])
+        part = errors([scene.part(image) for _, image in renders],
+                      [scene.part(image) for image in references[settings["part_reference"]]])
         paths_cost = paths_cost or [whole[0] * seconds, part[0] * seconds]
         blind = kind == "ptracer", kind == "ptracer" != settings["part_reference"]
         texts = [columns(measured, None if misses else cost, seconds)
@@ -199,7 +199,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scenes", nargs="+", default=[ROOT / "scenes/caustics" / f"{name}.xml" for name in SCENES])
-    parser.add_argument("--seconds", type=float, default=20, help="CPU time per picture of methods without a fixed spp")
+    parser.add_argument("--seconds", type=float, default=20, help="CPU time per image of methods without a fixed spp")
     parser.add_argument("--width", type=int, default=160)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--reference-spp", type=int, default=8192)

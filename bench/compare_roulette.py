@@ -27,14 +27,14 @@ SCENES = ["cornell/cornell.xml", "material_room/material_room.xml", "gap/gap.xml
 
 
 def measure(arguments, scene, depth, folder):
-    picture = Path(folder) / "picture.exr"
-    rays, pictures = [], []
+    image = Path(folder) / "image.exr"
+    rays, images = [], []
     for seed in range(1, arguments.seeds + 1):
-        report = render(arguments.sheaf, scene, picture, arguments.spp, seed, "--rr-depth", str(depth), "--scale",
+        report = render(arguments.sheaf, scene, image, arguments.spp, seed, "--rr-depth", str(depth), "--scale",
                         str(arguments.scale))
         rays.append(sum(report["rays"].values()))
-        pictures.append(read_colors(picture))
-    mse, rel, _ = errors(pictures)
+        images.append(read_colors(image))
+    mse, rel, _ = errors(images)
     return np.array([np.mean(rays), mse, rel])
 
 

@@ -6,9 +6,9 @@ Needs python3-numpy and a build.
     [--scale 0.5] [--seeds 2] [--blur 1 2]
 
 Prints a table: scene, sampler, mean squared error over R, G and B, error relative to the pixel's brightness (without
-the worst 0.1 % of the values), and both for each blurred picture; --blur gives the standard deviations of the Gaussians
+the worst 0.1 % of the values), and both for each blurred image; --blur gives the standard deviations of the Gaussians
 in pixels. In brackets: error of the first sampler over that of the row, so 2 is half the error. Half the mean squared
-difference of two pictures estimates the error of one.
+difference of two images estimates the error of one.
 """
 
 import argparse
@@ -53,7 +53,7 @@ def read_rgb(path):
             channels.append((name.decode(), {0: "<u4", 1: "<f2", 2: "<f4"}[struct.unpack("<I", rest[:4])[0]]))
             rest = rest[16:]
         line_bytes = sum(numpy.dtype(kind).itemsize for _, kind in channels) * width
-        picture = numpy.empty((height, width, 3))
+        image = numpy.empty((height, width, 3))
         file.read(8 * -(-height // lines_per_block))
         for top in range(0, height, lines_per_block):
             count = min(lines_per_block, height - top)
@@ -66,8 +66,8 @@ def read_rgb(path):
                     values = numpy.frombuffer(data, kind, width, at)
                     at += values.nbytes
                     if name in "RGB":
-                        picture[line, :, "RGB".index(name)] = values
-    return picture
+                        image[line, :, "RGB".index(name)] = values
+    return image
 
 
 def unpack(data):
@@ -80,17 +80,17 @@ def unpack(data):
     return bytes_in_order.tobytes()
 
 
-def blurred(picture, sigma):
+def blurred(image, sigma):
     """Blurs by a Gaussian and crops the border that the kernel does not fully cover."""
     if sigma == 0:
-        return picture
-    reach = min(round(4 * sigma), (min(picture.shape[:2]) - 1) // 2)
+        return image
+    reach = min(round(4 * sigma), (min(image.shape[:2]) - 1) // 2)
     kernel = numpy.exp(-numpy.arange(-reach, reach + 1) ** 2 / (2 * sigma**2))
     kernel /= kernel.sum()
     for axis in (0, 1):
-        size = picture.shape[axis] - 2 * reach
-        picture = sum(w * picture.take(range(i, i + size), axis) for i, w in enumerate(kernel))
-    return picture
+        size = image.shape[axis] - 2 * reach
+        image = sum(w * image.take(range(i, i + size), axis) for i, w in enumerate(kernel))
+    return image
 
 
 def errors(a, b, sigma):
@@ -117,13 +117,13 @@ def main():
         for scene in arguments.scenes:
             first = None
             for sampler in arguments.samplers:
-                pictures = []
+                images = []
                 for seed in range(1, arguments.seeds + 1):
-                    path = Path(folder) / "picture.exr"
+                    path = Path(folder) / "image.exr"
                     render(arguments.sheaf, scene, path, arguments.spp, seed, "--sampler", sampler, "--scale",
                            str(arguments.scale))
-                    pictures.append(read_rgb(path))
-                pairs = list(itertools.combinations(pictures, 2))
+                    images.append(read_rgb(path))
+                pairs = list(itertools.combinations(images, 2))
                 found = [sum(errors(a, b, s) for a, b in pairs) / len(pairs) for s in sigmas]
                 first = first or found
                 cells = "".join(f"{value:12.3e} ({base / max(value, 1e-30):7.2f})" for now, then in zip(found, first)

@@ -19,7 +19,7 @@ def render(sheaf, scene, output, spp, seed, *options):
     return json.loads(stats.read_text()) | {"cpu_seconds": seconds}
 
 
-def mean_squared_error(sheaf, picture, reference):
-    out = subprocess.run([sheaf, "compare", str(picture), str(reference)], check=False, text=True,
+def mean_squared_error(sheaf, image, reference):
+    out = subprocess.run([sheaf, "compare", str(image), str(reference)], check=False, text=True,
                          stdout=subprocess.PIPE).stdout
     return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))

@@ -1,5 +1,4 @@
-// trace_limit: compares the speed of a render with the speed at which Embree alone traces its rays. See
-// bench/README.md.
+// trace_limit: compares the speed of a render with the speed at which Embree traces its rays. See bench/README.md.
 #include "bench/trace_limit.h"
 
 #include "core/error.h"
@@ -38,8 +37,8 @@ struct Rounds {
   std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_share, cpu_ns;
 };
 
-/// Changes a scene so that its render does little but build a photon map.
-void store_photons_alone(Description& description, int photons) {
+/// Reduces a render to building a photon map of `photons` photons; the image shrinks to one pixel.
+void reduce_to_photon_map(Description& description, int photons) {
   description.integrator.kind = IntegratorKind::kPhotonMapper;
   description.integrator.photons = {};
   description.integrator.photons.global.count = static_cast<std::uint64_t>(photons);
@@ -57,7 +56,7 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
     options.defines.emplace_back(definition.substr(0, equals), definition.substr(equals + 1));
   }
   Description description = read_scene(arguments.scene, options);
-  if (arguments.photons > 0) store_photons_alone(description, arguments.photons);
+  if (arguments.photons > 0) reduce_to_photon_map(description, arguments.photons);
   description.sampler.kind = arguments.sampler.empty() ? rendered_sampler(description.sampler.kind)
                                                        : kSamplers.option("sampler", arguments.sampler);
   if (arguments.rr_depth) description.integrator.rr_depth = *arguments.rr_depth;
@@ -77,20 +76,20 @@ std::uint32_t affordable_spp(const Scene& scene, const Arguments& arguments, Ren
   // The number of rays differs between samples, so a tenth is kept in reserve.
   const std::uint64_t spp = budget * 9 / 10 / std::max<std::uint64_t>(packets, 1);
   if (spp == 0)
-    throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit into {} MB; raise --memory "
-                                              "or render a smaller picture",
+    throw Error(ExitCode::kUsage, fmt::format("the rays of one sample per pixel do not fit in {} MB; raise --memory "
+                                              "or render a smaller image",
                                               arguments.megabytes));
-  const std::uint32_t asked = arguments.photons > 0 ? 1 : arguments.spp;
-  if (spp >= asked) return asked;
-  fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, so that rays fit into {} MB\n", spp,
-             arguments.spp, arguments.megabytes);
+  const std::uint32_t requested = arguments.photons > 0 ? 1 : arguments.spp;
+  if (spp >= requested) return requested;
+  fmt::print(stderr, "trace_limit: {} instead of {} samples per pixel, to fit the rays in {} MB\n", spp, arguments.spp,
+             arguments.megabytes);
   return static_cast<std::uint32_t>(spp);
 }
 
 void record(const Scene& scene, RenderOptions options, RayLog& log) {
   options.make_recorder = [&log] { return log.add_worker(); };
   render(scene, options);
-  if (!log.complete()) throw Error(ExitCode::kRuntime, "rays did not fit into memory; raise --memory");
+  if (!log.complete()) throw Error(ExitCode::kRuntime, "the rays did not fit in memory; raise --memory");
 }
 
 void run_round(const Scene& scene, RenderOptions options, const RayLog& log, Rounds& rounds) {
@@ -157,27 +156,28 @@ void measure(const Arguments& arguments) {
 
 void add_options(Command& program, Arguments& arguments) {
   program.add_option("scene", arguments.scene, "Scene file").required();
-  program.add_option("--spp", arguments.spp, "Samples per pixel, as far as memory goes. Default: 4").in_range(1u, 256u);
-  program.add_option("--threads", arguments.threads, "Threads. Default: 0, one for each logical core")
-      .in_range(0, 4096);
-  program.add_option("--runs", arguments.runs, "Renders and replays, taking turns. Default: 5").in_range(1, 1000);
+  program.add_option("--spp", arguments.spp, "Samples per pixel, fewer if their rays do not fit in memory. Default: 4")
+      .in_range(1u, 256u);
+  program.add_option("--threads", arguments.threads, "Threads. Default: 0, one per logical core").in_range(0, 4096);
+  program.add_option("--runs", arguments.runs, "Number of alternating renders and replays. Default: 5")
+      .in_range(1, 1000);
   program
       .add_option("--wave-size", arguments.wave_size,
-                  "Paths in flight per worker. Default: 0, from the L2 cache's size")
+                  "Paths in flight per worker. Default: 0, derived from the L2 cache size")
       .in_range(0, kMaxWaveSize);
-  program.add_option("--memory", arguments.megabytes, "For recorded rays, in MB. Default: 1024").in_range(4, 1 << 20);
-  program.add_option("-D,--define", arguments.definitions,
-                     "name=value: what $name means in the scene; may be repeated");
+  program.add_option("--memory", arguments.megabytes, "Memory for recorded rays, in MB. Default: 1024")
+      .in_range(4, 1 << 20);
+  program.add_option("-D,--define", arguments.definitions, "name=value: replaces $name in the scene; may be repeated");
   program
       .add_option("--photons", arguments.photons,
-                  "Measure instead how photons are stored: so many in a photon map, and a picture of one pixel")
+                  "Measure photon tracing instead: a photon map of this size and an image of one pixel")
       .in_range(0, 1'000'000'000);
   program.add_option("--filter-mode", arguments.filter_mode, "As in sheaf render").one_of({"weighted", "importance"});
   program.add_option("--sampler", arguments.sampler, "As in sheaf render").one_of(kSamplers.names());
   program.add_option("--rr-depth", arguments.rr_depth, "As in sheaf render").in_range(1, 1 << 20);
   program.add_flag("--scaling", arguments.scaling, "Measure one thread as well");
   program.add_flag("--null", arguments.null_hypothesis,
-                   "Measure scalar and wide kernels, path by path and in waves, on one thread instead");
+                   "Compare scalar with wide kernels and single paths with waves on one thread instead");
 }
 
 }  // namespace
@@ -185,7 +185,8 @@ void add_options(Command& program, Arguments& arguments) {
 }  // namespace sheaf
 
 int main(int argc, char** argv) {
-  sheaf::Program program("trace_limit", "How close a render comes to the speed at which its rays can be traced.");
+  sheaf::Program program("trace_limit",
+                         "Compare the speed of a render with the speed at which Embree traces its rays.");
   sheaf::Arguments arguments;
   sheaf::add_options(program, arguments);
   try {

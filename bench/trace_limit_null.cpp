@@ -1,5 +1,5 @@
-// The null hypothesis: neither waves nor wide registers pay. Compares the renderer's own kernels, run path by path and
-// one lane at a time, with their normal execution.
+// The null hypothesis: neither waves nor wide registers improve speed. Compares the renderer's own kernels, run path by
+// path and one lane at a time, with their normal execution.
 #include "bench/trace_limit.h"
 #include "core/flush_denormals.h"
 #include "kernels/film/camera_task.h"

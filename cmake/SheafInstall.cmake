@@ -63,7 +63,7 @@ function(sheaf_install)
   set(CPACK_PACKAGE_CONTACT "The authors of Sheaf <sheaf@localhost>")
   set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "physically based renderer for scenes of Mitsuba, Nori and pbrt")
   set(CPACK_PACKAGE_DESCRIPTION "Sheaf is a data-oriented wavefront path tracer for the CPU. It renders scenes and \
-models to OpenEXR and PNG pictures, on the command line.
+models to OpenEXR and PNG images, on the command line.
 The package holds the program for processors with AVX2 and once more for those with AVX-512; which one is used is \
 chosen when it starts.")
   set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

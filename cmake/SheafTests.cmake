@@ -1,7 +1,8 @@
 # Tests: one program per folder of tests/, and one ctest entry per file.
 
-# Optimised builds compile tests with -O1, because most tests compile for longer than they run. Their results do not
-# depend on it; see -ffp-contract in SheafFlags.cmake.
+# Optimised builds compile tests with -O1, because most tests compile for longer than they run. -O0 would take longer in
+# all: libraries call the tests' copies of inline functions. Results do not depend on it; see -ffp-contract in
+# SheafFlags.cmake.
 set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
 # This test looks for effects of stronger optimisation.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES
@@ -9,11 +10,11 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
 set(SHEAF_LONG_TESTS
-  preview cli_signals cli cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
-  light_tracing adaptive smoke_scenes
+  preview cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
+  light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes
   media_estimators smoke_benchmarks
-  uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking estimators light_estimators spectral_render
-  instancing_render determinism)
+  uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking furnaces light_estimators spectral_render
+  instancing_render determinism cli_render cli)
 
 # Tests with leaks of a library inside other libraries without frame pointers. cmake/lsan.supp matches these leaks only
 # with complete stack traces.

@@ -24,7 +24,7 @@ double checked_sum(std::span<const float> weights) {
 
 std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
   const double sum = checked_sum(weights);
-  if (weights.size() > 0x7fffffffu) throw SceneError("an alias table of more than 2^31 - 1 weights");
+  if (weights.size() > 0x7fffffffu) throw SceneError("an alias table is limited to 2^31 - 1 weights");
   const auto count = static_cast<std::uint32_t>(weights.size());
   std::vector<double> share(count);  // of each row; 1 is the mean
   std::vector<std::uint32_t> small, large;
@@ -48,7 +48,7 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
       small.push_back(high);
     }
   }
-  // Rows that rounding leaves over have a share of 1, unless their weight is 0.
+  // Rows left over due to rounding have a share of 1, unless their weight is 0.
   const auto heaviest = static_cast<std::uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
   for (const std::uint32_t i : large) set(i, 1.0, i);
   for (const std::uint32_t i : small) set(i, weights[i] > 0.0f ? 1.0 : 0.0, weights[i] > 0.0f ? i : heaviest);

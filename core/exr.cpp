@@ -44,6 +44,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
   const Imath::Box2i frame({0, 0}, {image.frame_width - 1, image.frame_height - 1});
   const Imath::Box2i window({image.x0, image.y0}, {image.x0 + image.width - 1, image.y0 + image.height - 1});
   Imf::Header header(frame, window);
+  // Set the compression and standard attributes
   header.compression() = Imf::ZIP_COMPRESSION;
   header.lineOrder() = Imf::INCREASING_Y;
   const auto& xy = kRec709Chromaticities;
@@ -51,6 +52,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
   header.insert("chromaticities", Imf::ChromaticitiesAttribute(chromaticities));
   if (!metadata.software.empty()) header.insert("Software", Imf::StringAttribute(metadata.software));
   if (metadata.capture_date) header.insert("capDate", Imf::StringAttribute(*metadata.capture_date));
+  // Add the camera transform
   if (metadata.world_to_camera) {
     Imath::M44f matrix;  // Imath multiplies row vectors
     for (int row = 0; row < 4; ++row) {
@@ -61,6 +63,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
     }
     header.insert("worldToCamera", Imf::M44fAttribute(matrix));
   }
+  // Add the custom attributes
   for (const ExrMetadata::Attribute& attribute : metadata.attributes) {
     const char* name = attribute.name.c_str();
     if (const auto* i = std::get_if<int>(&attribute.value)) header.insert(name, Imf::IntAttribute(*i));
@@ -108,6 +111,7 @@ class ExrStream : public Imf::OStream {
 };
 
 void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& metadata) {
+  // Declare the channels and their slices
   Imf::Header header = make_header(image, metadata);
   Imf::FrameBuffer buffer;
   std::vector<std::vector<half>> halves;
@@ -126,6 +130,7 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
     header.channels().insert(name, Imf::Channel(Imf::HALF));
     buffer.insert(name, make_slice(Imf::HALF, column.data(), sizeof(half), image, 1));
   }
+  // Write the pixels
   Imf::OutputFile file(stream, header, 0);
   file.setFrameBuffer(buffer);
   file.writePixels(image.height);
@@ -272,12 +277,14 @@ ExrHeader read_exr_header(const fs::path& path) {
     const auto rect = [](const Imath::Box2i& box) {
       return PixelRect{box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
     };
+    // Read the windows and channels
     out.frame = rect(header.displayWindow());
     out.window = rect(header.dataWindow());
     for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
       const Imf::PixelType type = channel.channel().type;
       out.channels.push_back({channel.name(), type == Imf::HALF ? "half" : type == Imf::UINT ? "uint" : "float"});
     }
+    // Read attributes of supported types
     for (auto item = header.begin(); item != header.end(); ++item) {
       const Imf::Attribute& attribute = item.attribute();
       if (const auto* i = dynamic_cast<const Imf::IntAttribute*>(&attribute)) {
@@ -295,6 +302,7 @@ ExrHeader read_exr_header(const fs::path& path) {
 ExrMetadata read_exr_metadata(const fs::path& path) {
   ExrMetadata metadata;
   metadata.attributes = read_exr_attributes(path);
+  // Move standard attributes to their members
   std::erase_if(metadata.attributes, [&](const ExrMetadata::Attribute& attribute) {
     const auto* text = std::get_if<std::string>(&attribute.value);
     if (text != nullptr && attribute.name == "Software") metadata.software = *text;
@@ -305,6 +313,7 @@ ExrMetadata read_exr_metadata(const fs::path& path) {
   });
   with_exr_file(path, [&](Imf::MultiPartInputFile& file) {
     const Imf::Header& header = file.header(0);
+    // Read the camera transform and the pixel types
     if (const auto* matrix = header.findTypedAttribute<Imf::M44fAttribute>("worldToCamera")) {
       Matrix4& to = metadata.world_to_camera.emplace();
       for (int row = 0; row < 4; ++row)

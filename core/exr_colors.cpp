@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 /// A display window may be far larger than the data window. Files count as at least this many bytes when their display
 /// window is checked by check_image_size().
-constexpr std::size_t kBelievedFileBytes = std::size_t{1} << 15;
+constexpr std::size_t kMinFileBytes = std::size_t{1} << 15;
 
 /// Copies the data window into the display window. Pixels outside the data window are 0.
 std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
@@ -26,7 +26,7 @@ std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   if (is_frame) return std::move(image.data);
   const std::size_t channels = image.channels.size();
   check_image_size(path, image.frame_width, image.frame_height, channels,
-                   std::max<std::size_t>(fs::file_size(path), kBelievedFileBytes));
+                   std::max<std::size_t>(fs::file_size(path), kMinFileBytes));
   check_image_memory(path, image.frame_width, image.frame_height, channels, sizeof(float));
   // Intersect both windows
   const int x_begin = std::max(image.x0, 0), x_end = std::min(image.x0 + image.width, image.frame_width);

@@ -21,7 +21,7 @@ enum class FileUse {
 struct FileFormat {
   FileUse use = FileUse::kUnknown;
   std::string name;         ///< for messages, with its article: "a glTF model"
-  bool by_content = false;  ///< recognised by its content, not by its extension alone
+  bool by_content = false;  ///< recognised by its content, not only by its extension
 };
 
 /// Checks the first bytes, then the file extension. Returns kUnknown if `file` is not a regular file or cannot be read.

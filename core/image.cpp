@@ -86,8 +86,8 @@ void check_tiles(const fs::path& path, const ImageHeader& header) {
   const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
   const double channels = header.channel_count, width = header.width, height = header.height;
   const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
-  const double most = std::max(kFewValues, kMaxRatio * width * height * channels);
-  if (header.tile_width > 0 && header.tile_height > 0 && covered <= most) return;
+  const double max_covered = std::max(kFewValues, kMaxRatio * width * height * channels);
+  if (header.tile_width > 0 && header.tile_height > 0 && covered <= max_covered) return;
   const auto size = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
   throw SceneError({path.string(), 0}, "the header claims tiles of " + size(header.tile_width, header.tile_height) +
                                            " for an image of " + size(header.width, header.height));

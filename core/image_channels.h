@@ -29,7 +29,7 @@ struct ColorChannels {
 /// of layers; X, Y and Z outside of layers; R, G and B of a layer named Combined, beauty, color, colour, main, rgb or
 /// rgba, or of the only layer that has them; the only channel besides alpha in the file; Y, if no other channel besides
 /// alpha is outside of layers in the first part; alpha, if it is the only channel. Of several parts the first match
-/// counts. Throws SceneError that lists the channels if nothing matches.
+/// is used. Throws SceneError that lists the channels if nothing matches.
 ColorChannels find_color_channels(std::span<const ImageChannels> parts, const SourceLocation& where);
 
 /// The same for a file of one part.

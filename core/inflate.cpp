@@ -35,17 +35,20 @@ std::size_t Inflater::read(std::span<char> out) {
   z_stream& stream = state_->stream;
   std::size_t written = 0;
   while (written < out.size() && !state_->at_end) {
+    // Pass the next piece of input to zlib
     if (stream.avail_in == 0 && !state_->input.empty()) {
       const std::size_t piece = std::min(state_->input.size(), kLargestPiece);
       stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(state_->input.data()));  // zlib only reads it
       stream.avail_in = static_cast<uInt>(piece);
       state_->input.remove_prefix(piece);
     }
+    // Decompress into the rest of the output
     const std::size_t room = std::min(out.size() - written, kLargestPiece);
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + written);
     stream.avail_out = static_cast<uInt>(room);
     const int result = inflate(&stream, Z_NO_FLUSH);
     written += room - stream.avail_out;
+    // Handle the end of the stream and errors
     if (result == Z_BUF_ERROR) break;  // truncated
     if (result == Z_STREAM_END) {
       state_->at_end = true;
@@ -57,7 +60,7 @@ std::size_t Inflater::read(std::span<char> out) {
   return written;
 }
 
-std::uint64_t Inflater::most_left() const {
+std::uint64_t Inflater::max_remaining() const {
   constexpr std::uint64_t kLargestRatio = 1032;
   constexpr std::uint64_t kPending = 65536;  // input that zlib has read but not written yet: a match, a few bits
   if (state_->at_end) return 0;

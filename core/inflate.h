@@ -19,12 +19,12 @@ class Inflater {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  /// Fills `out` with the next bytes. Returns their number, which is smaller than asked for if the stream ends or is
-  /// truncated. Throws Error (exit code 3) if the stream is corrupt.
+  /// Fills `out` with the next bytes. Returns their number, which is smaller than the size of `out` if the stream ends
+  /// or is truncated. Throws Error (exit code 3) if the stream is corrupt.
   std::size_t read(std::span<char> out);
 
   /// An upper bound on the bytes that read() can still return. Deflate compresses at most 1032 to 1.
-  std::uint64_t most_left() const;
+  std::uint64_t max_remaining() const;
 
  private:
   struct State;

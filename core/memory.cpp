@@ -49,37 +49,37 @@ double free_in_system() {
 
 /// The memory that a control group and its ancestors leave. Cached file pages count as free.
 double free_in_group(const fs::path& root, const std::string& group, const char* limit, const char* usage) {
-  double least = kNoLimit;
+  double available = kNoLimit;
   std::error_code error;
   for (fs::path folder = root / fs::path(group).relative_path();; folder = folder.parent_path()) {
-    const double most = number_in(folder / limit);
-    if (most < 1e18) {  // version 1 of control groups stores a huge number for "no limit"
+    const double max_bytes = number_in(folder / limit);
+    if (max_bytes < 1e18) {  // version 1 of control groups stores a huge number for "no limit"
       const double files = number_after(folder / "memory.stat", "inactive_file", 0) +
                            number_after(folder / "memory.stat", "active_file", 0);
       const double used = number_in(folder / usage);
-      if (used < kNoLimit) least = std::min(least, most - std::max(used - files, 0.0));
+      if (used < kNoLimit) available = std::min(available, max_bytes - std::max(used - files, 0.0));
     }
     if (folder == root || !folder.has_relative_path()) break;
   }
-  return least;
+  return available;
 }
 
 /// The memory that all control groups leave. Lines are "4:memory:/user" in version 1 and "0::/user" in version 2.
 double free_in_groups() {
   std::ifstream stream("/proc/self/cgroup");
-  double least = kNoLimit;
+  double available = kNoLimit;
   for (std::string line; std::getline(stream, line);) {
     const std::size_t first = line.find(':'), second = line.find(':', first + 1);
     if (first == line.npos || second == line.npos) continue;
     const std::string kind = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
     if (kind.empty()) {
-      least = std::min(least, free_in_group("/sys/fs/cgroup", group, "memory.max", "memory.current"));
+      available = std::min(available, free_in_group("/sys/fs/cgroup", group, "memory.max", "memory.current"));
     } else if (("," + kind + ",").find(",memory,") != std::string::npos) {
-      least = std::min(least,
-                       free_in_group("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
+      available = std::min(
+          available, free_in_group("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
     }
   }
-  return least;
+  return available;
 }
 
 /// Entry `index` of /proc/self/statm, converted from pages to bytes; 0 if missing.

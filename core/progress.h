@@ -36,7 +36,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Reports that `done` of `total` units of work are done. Thread-safe and cheap. Calls may come out of order; the
-  /// maximum counts.
+  /// maximum is used.
   void update(std::uint64_t done, std::uint64_t total);
   /// Shows the final state and ends the line. `complete`: all work is done; otherwise it was interrupted. Later calls
   /// of any function do nothing.

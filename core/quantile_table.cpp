@@ -82,17 +82,17 @@ void give_rest(std::span<const double> weights, std::vector<Span>& spans) {
   std::make_heap(spans.begin(), spans.end(), less);
   while (taken < kQuantiles) {
     std::pop_heap(spans.begin(), spans.end(), less);
-    Span& most = spans.back();
+    Span& largest = spans.back();
     ++taken;
-    if (most.run == 1) {
-      ++most.quantiles;
+    if (largest.run == 1) {
+      ++largest.quantiles;
     } else {
       // Runs begin and end at positive weights, so both halves have a positive weight.
-      const std::uint32_t half = most.run / 2, middle = most.first + half;
-      Span rest{middle, most.run - half, 1, 0};
+      const std::uint32_t half = largest.run / 2, middle = largest.first + half;
+      Span rest{middle, largest.run - half, 1, 0};
       for (std::uint32_t i = middle; i < middle + rest.run; ++i) rest.weight += weights[i];
-      most.run = half;
-      most.weight = std::max(most.weight - rest.weight, 0.0);
+      largest.run = half;
+      largest.weight = std::max(largest.weight - rest.weight, 0.0);
       spans.push_back(rest);
       std::push_heap(spans.begin(), spans.end() - 1, less);
     }

@@ -331,6 +331,7 @@ SHEAF_INLINE WideMask first_lanes(int count) { return lane_index() < WideUint(st
 /// Rows need no alignment.
 SHEAF_INLINE void load_rows4(const float* const* rows, WideFloat* out) {
 #if defined(__AVX512F__)
+  // Load rows q, q + 4, q + 8, q + 12 into one register
   __m512 quad[4];
   for (int q = 0; q < 4; ++q) {
     __m512 r = _mm512_castps128_ps512(_mm_loadu_ps(rows[q]));

@@ -34,8 +34,8 @@ template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curv
 
 /// The estimate of a pixel's colour from one path: the mean of radiance * response / pdf over its wavelengths. The
 /// expectation is that of emission_table_to_rgb() for the spectrum, except that colours outside the gamut keep their
-/// negative components. `radiance`: as carried by the path; if only the first wavelength could
-/// sample the path, it counts four times.
+/// negative components. `radiance`: as carried by the path; if only the first wavelength could sample the path, it
+/// counts four times.
 template <class L>
 SHEAF_INLINE Vec3<L> radiance_to_rgb(const SensorCurves& curves, const Wavelengths<L>& w, const Spectrum<L>& radiance) {
   Vec3<L> sum;

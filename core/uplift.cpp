@@ -38,6 +38,7 @@ Quadrature::Quadrature() {
                                                   {-0.3399810435848563, 0.6521451548625461},
                                                   {0.3399810435848563, 0.6521451548625461},
                                                   {0.8611363115940526, 0.3478548451374538}};
+  // Integrate the Lagrange polynomials of the nodes
   double sums[3][kNodes] = {}, total[3] = {};
   for (int i = 0; i + 1 < kNodes; ++i)
     for (const auto& [x, gauss] : kGauss) {
@@ -182,6 +183,7 @@ void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
       fit_from_grey<Wide>(q, colors.load(), trial);
     else
       fit<Wide>(q, colors.load(), trial, 25);
+    // Store the coefficients
     const LaneArray c0(trial.c[2]), c1(trial.c[1]), c2(trial.c[0]);
     for (int lane = 0; lane < kWidth; ++lane) {
       float* node = nodes + 4 * (((largest * kSize + z) * kSize + second) * kSize + x + lane);
@@ -189,6 +191,7 @@ void fit_plane(const Quadrature& q, int largest, int second, float* nodes) {
     }
   };
   for (int x = 0; x < kSize; x += kWidth) {
+    // Fit the middle node from grey, then its neighbours upwards and downwards
     Trial<Wide> middle;
     fit_node(middle, kStart, x, true);
     Trial<Wide> trial = middle;

@@ -72,6 +72,7 @@ SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename
   using F = typename L::Float;
   using U = typename L::Uint;
   constexpr int kSize = UpliftTable::kSize;
+  // Find the cell and the position within it
   const auto cell = [](F p) { return min(to_uint(p), U(std::uint32_t(kSize - 2))); };
   const U x = cell(place.x), y = cell(place.y), z = cell(place.z);
   const F fx = place.x - to_float(x), fy = place.y - to_float(y), fz = place.z - to_float(z);
@@ -83,6 +84,7 @@ SHEAF_INLINE SigmoidPolynomial<L> interpolate(const UpliftTable& table, typename
     for (int lane = 0; lane < L::width; ++lane) rows[lane] = table.nodes.data() + offset[lane] + 4 * by;
     load_rows4(rows, c);
   };
+  // Sum the weighted corners
   F sum[3] = {F(0.0f), F(0.0f), F(0.0f)};
   for (std::uint32_t k = 0; k < 8; ++k) {
     const bool bx = (k & 1u) != 0, by = (k & 2u) != 0, bz = (k & 4u) != 0;

@@ -41,7 +41,7 @@ template <class L> SHEAF_INLINE Spectrum<L> rotate_lanes(const Spectrum<L>& s, t
 
 /// Samples the wavelengths with `u` in [0, 1). The first inverts the CDF at u, the others at u + k/4 modulo 1. Each by
 /// itself has the pdf; together they cover the whole range (Wilkie et al., "Hero Wavelength Spectral Sampling", EGSR
-/// 2014, but with the rotation before the inversion). A path stores u alone and calls this wherever it needs the
+/// 2014, but with the rotation before the inversion). A path stores only u and calls this wherever it needs the
 /// wavelengths.
 template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Float u) {
   using F = typename L::Float;

@@ -22,7 +22,7 @@ namespace {
 /// Maximum pixels along a side of the frame, as in scene files.
 constexpr int kMaxFrameSide = 1'000'000'000;
 
-/// With a denoiser, renders with at least this many samples per pixel use four sets of samples, others two.
+/// Minimum samples per pixel at which --denoise nlm uses 4 sample sets instead of 2.
 constexpr std::uint32_t kDenoisedSamples = 16;
 
 void apply_integrator(const RenderArguments& arguments, Description& scene) {
@@ -71,8 +71,8 @@ void apply_size(const RenderArguments& arguments, FilmSettings& film) {
   const double scale = arguments.scale.value_or(1.0);
   if (std::max(film.width, film.height) * scale > kMaxFrameSide)
     throw Error(ExitCode::kUsage,
-                fmt::format("--scale {:g} makes a frame of {:g} x {:g} pixels, expected at most {} along each side",
-                            scale, film.width * scale, film.height * scale, kMaxFrameSide));
+                fmt::format("--scale {:g} gives a frame of {:g} x {:g} pixels, expected at most {} per side", scale,
+                            film.width * scale, film.height * scale, kMaxFrameSide));
   const auto scaled = [](int pixels, double factor) { return saturate<int>(std::round(pixels * factor)); };
   film.width = std::max(scaled(film.width, scale), 1);
   film.height = std::max(scaled(film.height, scale), 1);
@@ -113,7 +113,7 @@ PixelRect choose_crop(const RenderArguments& arguments, const FilmSettings& film
 int choose_replicates(const RenderArguments& arguments, const SamplerSettings& sampler) {
   if (arguments.denoiser != "nlm") return arguments.replicates;
   if (sampler.sample_count < 2 || arguments.replicates == 1)
-    throw Error(ExitCode::kUsage, "--denoise nlm needs at least two samples per pixel, and --replicates above 1");
+    throw Error(ExitCode::kUsage, "--denoise nlm needs at least 2 samples per pixel, and --replicates above 1");
   if (arguments.replicates != 0 || sampler.kind == SamplerKind::kIndependent) return arguments.replicates;
   return sampler.sample_count < kDenoisedSamples ? 2 : 4;
 }

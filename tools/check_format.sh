@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks that clang-format of Debian 12 (version 14) would leave every C++ file unchanged. Lists the lines that it would
-# change, and fails if there are any. Other versions format differently, so they check nothing.
+# change, and fails if there are any. Other versions format differently, so the check is skipped.
 #
 #   tools/check_format.sh [--fix]     --fix: format the files instead
 set -euo pipefail

@@ -37,19 +37,18 @@ std::string fingerprint(const fs::path& file) {
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
   command
       .add_option("--checkpoint", arguments.file,
-                  "File that the render's state is saved in while it runs, when it is interrupted and when it ends; "
-                  "with --resume it goes on from there")
+                  "Checkpoint file: written periodically, on interruption and at the end; --resume continues from it")
       .only_for_run();
   command
       .add_option("--checkpoint-every", arguments.every,
-                  "Time between checkpoints: seconds, or with units, such as 10m. Default: 60")
+                  "Interval between checkpoints: seconds, or with a unit, such as 10m. Default: 60")
       .seconds()
       .positive()
       .only_for_run();
   command
       .add_flag("--resume", arguments.resume,
-                "Go on from the file given with --checkpoint; begin, if it is not there. The picture is the same to "
-                "the byte as that of a render that was never interrupted")
+                "Continue from the --checkpoint file, or start if it does not exist. The output is byte-identical "
+                "to that of an uninterrupted render")
       .only_for_run();
 }
 
@@ -60,7 +59,7 @@ void check_checkpoint(const CheckpointArguments& arguments) {
   }
   if (!arguments.resume && fs::exists(arguments.file))
     throw Error(ExitCode::kUsage,
-                "the checkpoint '" + arguments.file + "' is there already: go on from it with --resume, or remove it");
+                "the checkpoint '" + arguments.file + "' already exists: continue from it with --resume, or delete it");
 }
 
 RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {

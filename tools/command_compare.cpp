@@ -40,18 +40,18 @@ std::string describe(const ImageComparison& result, const CompareOptions& option
   for (const std::string& channel : result.channels) fmt::format_to(out, " {}", channel);
   fmt::format_to(out, "\nMSE            {:.6g}\nrelative MSE   {:.6g}\n", result.mse, result.relative_mse);
   fmt::format_to(out, "mean ratio     {:.6f} ({:.6g} / {:.6g})\n", result.mean_ratio, result.mean_a, result.mean_b);
-  if (result.non_finite > 0) fmt::format_to(out, "not finite     {} values, left out\n", result.non_finite);
+  if (result.non_finite > 0) fmt::format_to(out, "not finite     {} values, ignored\n", result.non_finite);
   if (!result.z_test) return text + "Z-test         no variances\n";
   const ZTest& test = *result.z_test;
-  const char* source = options.variance_a && options.variance_b ? "both pictures"
-                       : options.variance_a                     ? "the first picture only"
-                                                                : "the second picture only";
+  const char* source = options.variance_a && options.variance_b ? "both images"
+                       : options.variance_a                     ? "the first image only"
+                                                                : "the second image only";
   fmt::format_to(out,
-                 "Z-test         {:.3f} % of {} values accepted at the level {:g} (noise alone: {:.3f} %), "
-                 "mean z^2 {:.4f}, variances of {}\n",
+                 "Z-test         {:.3f} % of {} values accepted at level {:g} (expected: {:.3f} %), mean z^2 {:.4f}, "
+                 "variances of {}\n",
                  test.accepted_share() * 100, test.tests, test.significance, (1 - test.significance) * 100,
                  test.mean_z_squared, source);
-  fmt::format_to(out, "equal means    p = {:.4g} (smallest of the channels, corrected for their number)\n",
+  fmt::format_to(out, "equal means    p = {:.4g} (minimum over the channels, Bonferroni-corrected)\n",
                  test.corrected_mean_p());
   return text;
 }
@@ -87,7 +87,8 @@ int compare(const CompareArguments& arguments) {
   options.variance_a = find_variance(a, arguments.variance_a, arguments.spp);
   options.variance_b = find_variance(b, arguments.variance_b, arguments.spp);
   if ((arguments.min_accepted || arguments.min_mean_p) && !options.variance_a && !options.variance_b) {
-    throw Error(ExitCode::kUsage, "--min-accepted and --min-mean-p need variances, and neither picture has them");
+    throw Error(ExitCode::kUsage,
+                "--min-accepted and --min-mean-p need variances, but neither image has variance layers");
   }
   const ImageComparison result = compare_images(a, b, options);
   std::fputs(describe(result, options).c_str(), stdout);
@@ -102,31 +103,33 @@ void add_compare_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<CompareArguments>();
   Command command = program.add_command(
       "compare",
-      "Compare two pictures of one scene: A against the reference B. Exit status 0 if all limits given hold "
-      "and all values are finite, 1 if not. EXR values are compared as they are, 8-bit ones as stored over 255.");
-  command.add_option("A", arguments->a, "Picture").required();
+      "Compare an image A with a reference B. The exit code is 0 if all given limits hold and all values are finite, "
+      "otherwise 1. EXR values are compared as stored, 8-bit values after division by 255.");
+  command.add_option("A", arguments->a, "Image").required();
   command.add_option("B", arguments->b, "Reference").required();
   command.add_option("--variance-a", arguments->variance_a,
-                     "Variance of A's values, as R, G, B of this file. Default: A's own layers variance.R/G/B");
-  command.add_option("--variance-b", arguments->variance_b, "The same for B");
+                     "Image file with the variance of A. Default: the layers variance.R/G/B of A");
+  command.add_option("--variance-b", arguments->variance_b,
+                     "Image file with the variance of B. Default: the layers variance.R/G/B of B");
   command
-      .add_option("--spp", arguments->spp,
-                  "Samples per pixel to divide the variance files by, where they hold variances of single samples. "
-                  "Default: 1")
+      .add_option(
+          "--spp", arguments->spp,
+          "Divisor for variance files that hold the variance of single samples: the samples per pixel. Default: 1")
       .in_range(1u, 1u << 24);
-  command.add_option("--significance", arguments->significance, "Level of each value's Z-test. Default: 0.01")
+  command
+      .add_option("--significance", arguments->significance,
+                  "Significance level of the Z-test of each value. Default: 0.01")
       .in_range(1e-12, 1.0 - 1e-12);
-  command.add_option("--max-mse", arguments->max_mse, "Limit of the mean squared error");
+  command.add_option("--max-mse", arguments->max_mse, "Maximum mean squared error");
   command.add_option("--max-relmse", arguments->max_relative_mse,
-                     "Limit of the relative mean squared error, mean of (a - b)^2 / (b^2 + 0.01)");
-  command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Limit of |mean(A) / mean(B) - 1|")
+                     "Maximum relative mean squared error, the mean of (a - b)^2 / (b^2 + 0.01)");
+  command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Maximum of |mean(A) / mean(B) - 1|")
       .share();
-  command.add_option("--min-accepted", arguments->min_accepted, "Least share of values that the Z-test accepts, 0 to 1")
+  command
+      .add_option("--min-accepted", arguments->min_accepted, "Minimum fraction of values that pass the Z-test, 0 to 1")
       .share()
       .in_range(0.0, 1.0);
-  command
-      .add_option("--min-mean-p", arguments->min_mean_p,
-                  "Least p-value of the test that the means of both pictures are equal, 0 to 1")
+  command.add_option("--min-mean-p", arguments->min_mean_p, "Minimum p-value of the test for equal means, 0 to 1")
       .in_range(0.0, 1.0);
   command.on_call([arguments, &exit_code] { exit_code = compare(*arguments); });
 }

@@ -27,7 +27,7 @@ struct DenoiseArguments {
 };
 
 std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
-  const NamedFile input{"the one that is read,", arguments.input};
+  const NamedFile input{"the input image", arguments.input};
   const std::vector<NamedFile> outputs = named_images(arguments.outputs);
   check_overwriting(outputs, {&input, 1});
   check_all_writable(outputs);
@@ -36,7 +36,7 @@ std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
 
 int denoise_image(const DenoiseArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
-  const Denoiser denoiser = denoiser_from_name(arguments.method);
+  const Denoiser denoiser = kDenoisers.option("denoiser", arguments.method);
   check_denoiser(denoiser);
   check_is_exr(arguments.input);
   const Image image = read_exr(arguments.input);
@@ -58,23 +58,22 @@ int denoise_image(const DenoiseArguments& arguments) {
 
 void add_denoise_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<DenoiseArguments>();
-  Command command = program.add_command(
-      "denoise",
-      "Take the noise out of a rendered picture. Needs the layers variance.R/G/B; half.R/G/B, albedo.R/G/B, N.X/Y/Z "
-      "and Z make it better.");
-  command.add_option("picture", arguments->input, "Picture, .exr").required();
+  Command command = program.add_command("denoise",
+                                        "Denoise a rendered image. Requires the layers variance.R/G/B. The layers "
+                                        "half.R/G/B, albedo.R/G/B, N.X/Y/Z and Z improve the result.");
+  command.add_option("image", arguments->input, "Input image, .exr").required();
   command
-      .add_option("-o,--output", arguments->outputs,
-                  "Picture to write: .exr (everything that was read, and the layers denoised.R/G/B) or .png (the "
-                  "denoised picture alone); may be repeated")
+      .add_option(
+          "-o,--output", arguments->outputs,
+          "Output image: .exr (all input layers plus denoised.R/G/B) or .png (the denoised image); may be repeated")
       .required();
   command
       .add_option("--method", arguments->method,
-                  "nlm (default): non-local means; oidn: Open Image Denoise, if it is installed")
-      .one_of({"nlm", "oidn"});
-  command.add_option("--threads", arguments->threads, "Worker threads. Default: 0, one for each logical core")
+                  "Denoiser: nlm (non-local means, the default) or oidn (Open Image Denoise, if installed)")
+      .one_of(kDenoisers.names());
+  command.add_option("--threads", arguments->threads, "Worker threads. Default: 0, one per logical core")
       .in_range(0, 4096);
-  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command.add_flag("--quiet", arguments->quiet, "Print only errors");
   command.on_call([arguments, &exit_code] { exit_code = denoise_image(*arguments); });
 }
 

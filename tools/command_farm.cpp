@@ -28,17 +28,17 @@ struct FarmArguments {
   bool tiles = false, submit = false, quiet = false;
 };
 
-/// Options that farm sets itself, or that have no meaning for single parts.
-constexpr std::pair<const char*, const char*> kNotForParts[] = {
-    {"output", "farm has an --output of its own"},
+/// Options of `sheaf render` that farm sets itself or that do not apply to parts, with the reason.
+constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
+    {"output", "use the --output of 'sheaf farm'"},
     {"samples", "farm chooses it"},
     {"checkpoint", "farm chooses it"},
     {"resume", "farm chooses it"},
-    {"threads", "farm has --cpus"},
-    {"stats", "every part would write the same file"},
-    {"denoise", "'sheaf denoise' takes the noise out of the joined picture"},
-    {"noise-target", "each part would judge itself alone"},
-    {"time-limit", "each part would judge itself alone"}};
+    {"threads", "use the --cpus of 'sheaf farm'"},
+    {"stats", "all parts would write the same file"},
+    {"denoise", "run 'sheaf denoise' on the merged image"},
+    {"noise-target", "parts are rendered independently"},
+    {"time-limit", "parts are rendered independently"}};
 
 /// Parses "FIRST:LAST". Throws Error (exit code 2).
 std::pair<int, int> parse_frames(const std::string& text) {
@@ -50,7 +50,7 @@ std::pair<int, int> parse_frames(const std::string& text) {
     const auto b = std::from_chars(a.ptr + 1, end, last);
     if (b.ec == std::errc() && b.ptr == end && first >= 0 && last >= first && last <= kLast) return {first, last};
   }
-  throw Error(ExitCode::kUsage, "--frames '" + text + "' is not of the form FIRST:LAST, such as 1:240");
+  throw Error(ExitCode::kUsage, "--frames '" + text + "': expected FIRST:LAST, such as 1:240");
 }
 
 /// Splits an output's name at the position of the frame number: at "####", otherwise before the file extension.
@@ -79,24 +79,23 @@ std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
 
 /// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be divided into that many parts.
 std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t sets, std::uint32_t parts) {
-  const std::string tiles = "; --tiles cuts the frame instead";
+  const std::string tiles = "; use --tiles to split the frame instead";
   const std::uint64_t total = std::uint64_t{plan.samples} * plan.gather_rays;
   // As in renders, all sets but the last have the same number of samples.
   const std::uint64_t size = sets == 1 ? plan.gather_rays : (total + sets - 1) / sets;
   const std::uint64_t made = (total + size - 1) / size;
   if (made < parts)
     throw Error(ExitCode::kUsage,
-                fmt::format("the {} sets of samples (--replicates) cannot be given to {} parts", made, parts) + tiles);
+                fmt::format("{} sample sets (--replicates) cannot be divided among {} parts", made, parts) + tiles);
   std::vector<std::string> ranges;
   std::uint64_t first = 0;
   for (std::uint64_t part = 1; part <= parts; ++part) {
     const std::uint64_t end = std::min(part * made / parts * size, total);
     if (end % plan.gather_rays != 0)
-      throw Error(ExitCode::kUsage,
-                  fmt::format("sets of {} gather rays are no whole number of samples, of {} rays each: --replicates or "
-                              "--spp must be others",
-                              size, plan.gather_rays) +
-                      tiles);
+      throw Error(ExitCode::kUsage, fmt::format("a sample set of {} gather rays does not consist of whole samples of "
+                                                "{} rays: choose another --replicates or --spp",
+                                                size, plan.gather_rays) +
+                                        tiles);
     ranges.push_back(fmt::format("{}:{}", first / plan.gather_rays, (end - first) / plan.gather_rays));
     first = end;
   }
@@ -106,7 +105,7 @@ std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t set
 /// Crop windows "x0,y0,x1,y1" of strips of rows. Throws Error (exit code 2) if there are fewer rows than parts.
 std::vector<std::string> strips(const PixelRect& crop, int parts) {
   if (crop.height() < parts)
-    throw Error(ExitCode::kUsage, fmt::format("{} rows of pixels cannot be cut into {} parts", crop.height(), parts));
+    throw Error(ExitCode::kUsage, fmt::format("{} pixel rows cannot be split into {} parts", crop.height(), parts));
   std::vector<std::string> values;
   const auto row = [&](std::int64_t part) { return crop.y0 + crop.height() * part / parts; };
   for (int part = 0; part < parts; ++part)
@@ -115,7 +114,7 @@ std::vector<std::string> strips(const PixelRect& crop, int parts) {
 }
 
 /// Defines the parts and the options for merging them.
-void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
+void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
   const PixelRect& crop = plan.crop;
   const std::string rect = fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
   farm.merge_options = {"--crop", rect};
@@ -123,32 +122,30 @@ void cut(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
-  // Cut the frame
+  // Split the frame into strips of rows
   if (arguments.tiles) {
-    if (is_given("crop"))
-      throw Error(ExitCode::kUsage, "--crop and --tiles cannot be given together: the frame is cut once");
+    if (is_given("crop")) throw Error(ExitCode::kUsage, "--crop and --tiles exclude each other");
     farm.part_option = "--crop";
     farm.part_values = strips(crop, arguments.parts);
     return;
   }
   if (plan.integrator == IntegratorKind::kLightTracer)
     throw Error(ExitCode::kUsage,
-                "the samples of ptracer cannot be rendered in parts, and its tiles take as long as "
-                "the frame: a farm can render its frames, with --parts 1 --tiles");
-  // Cut the samples
+                "the samples of ptracer cannot be split, and each of its tiles takes as long as the whole frame: "
+                "distribute frames instead, with --parts 1 --tiles");
+  // Split the samples into ranges
   const auto parts = static_cast<std::uint32_t>(arguments.parts);
   if (plan.samples < parts)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} samples per pixel cannot be cut into {} parts; --tiles cuts the frame "
-                            "instead",
-                            plan.samples, parts));
+    throw Error(
+        ExitCode::kUsage,
+        fmt::format("{} samples per pixel cannot be split into {} parts; use --tiles to split the frame instead",
+                    plan.samples, parts));
   const std::uint32_t sets = choose_sets(plan, parts);
   constexpr std::uint32_t kMaxSets = 1024;  // limit of --replicates
   if (sets > kMaxSets)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} samples in {} parts would be {} sets (--replicates), at most {} are possible; "
-                            "--replicates 1 makes one, without layers of variance",
-                            plan.samples, parts, sets, kMaxSets));
+    throw Error(ExitCode::kUsage, fmt::format("{} samples in {} parts require {} sample sets (--replicates), expected "
+                                              "at most {}; --replicates 1 disables them, without variance layers",
+                                              plan.samples, parts, sets, kMaxSets));
   farm.part_option = "--samples";
   farm.part_values = sample_ranges(plan, sets, parts);
   if (!plan.sets_given) {
@@ -177,9 +174,9 @@ Farm plan_farm(const FarmArguments& arguments) {
     words.push_back("frame=" + std::to_string(farm.first_frame));
   }
   const RenderPlan plan = plan_render(words);
-  for (const auto& [name, why] : kNotForParts)
+  for (const auto& [name, why] : kUnsupportedOptions)
     if (std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end())
-      throw Error(ExitCode::kUsage, fmt::format("--{} is not for the parts of a farm: {}", name, why));
+      throw Error(ExitCode::kUsage, fmt::format("--{} is not supported by 'sheaf farm': {}", name, why));
   // Fill in paths and parts.
   farm.program = fs::read_symlink("/proc/self/exe").string();
   farm.working_folder = fs::current_path().string();
@@ -187,7 +184,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   const std::string stem = fs::path(arguments.scene).stem().string();
   farm.folder = fs::absolute(arguments.folder.empty() ? fs::path(stem + "_farm") : fs::path(arguments.folder)).string();
   farm.options = arguments.options;
-  cut(arguments, plan, farm);
+  split(arguments, plan, farm);
   // Choose the outputs and the options of sbatch.
   std::vector<fs::path> outputs(arguments.outputs.begin(), arguments.outputs.end());
   if (outputs.empty()) outputs.emplace_back(stem + ".exr");
@@ -206,8 +203,9 @@ Farm plan_farm(const FarmArguments& arguments) {
 int make_farm(const FarmArguments& arguments) {
   const Farm farm = plan_farm(arguments);
   std::error_code error;
+  // Write the scripts
   fs::create_directories(farm.folder, error);
-  if (error) throw Error(ExitCode::kOutput, "cannot make the folder '" + farm.folder + "': " + error.message());
+  if (error) throw Error(ExitCode::kOutput, "cannot create the folder '" + farm.folder + "': " + error.message());
   const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
                  submit = folder / "submit.sh";
   for (const fs::path& script : {render, merge, submit}) check_writable(script);  // fail before writing any of them
@@ -215,17 +213,17 @@ int make_farm(const FarmArguments& arguments) {
   write_text_file(merge, merge_script(farm));
   write_text_file(submit, submit_script(farm, render.string(), merge.string()));
   if (!arguments.quiet)
-    print_message(
-        fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, the first of which is {} {}",
-                    farm.folder, farm.has_frames ? "frames" : "one picture", farm.part_values.size(),
-                    farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+    print_message(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
+                              farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
+                              farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+  // Submit the jobs if requested
   if (!arguments.submit) {
     if (!arguments.quiet) print_message("to submit the jobs: bash " + shell_quoted(submit.string()));
     return static_cast<int>(ExitCode::kDone);
   }
   const int status = std::system(("bash " + shell_quoted(submit.string())).c_str());
   if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(ExitCode::kRuntime, "not all jobs could be submitted; '" + submit.string() + "' does it");
+    throw Error(ExitCode::kRuntime, "some jobs were not submitted; run '" + submit.string() + "' to submit them");
   return static_cast<int>(ExitCode::kDone);
 }
 
@@ -235,43 +233,40 @@ void add_farm_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<FarmArguments>();
   Command command =
       program.add_command("farm",
-                          "Have pictures rendered part by part by the jobs of a Slurm cluster: writes an array of jobs "
-                          "per frame, and a job "
-                          "that joins its parts. Options of 'sheaf render' come last, behind --. See docs/farm.md.");
-  command.add_option("scene", arguments->scene, "Scene file, in a folder that all machines see").required();
-  command.add_arguments("options", arguments->options, "Options of 'sheaf render', the same for all parts; behind --");
+                          "Render images in parts on a Slurm cluster: writes a job array per frame and a job that "
+                          "merges its parts. Options of 'sheaf render' follow after --. See docs/farm.md.");
+  command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required();
+  command.add_arguments("options", arguments->options, "Options of 'sheaf render' for all parts, after --");
   command
       .add_option("--parts", arguments->parts,
-                  "Parts that each picture is cut into: ranges of its samples, or with --tiles of its rows")
+                  "Number of parts per image: sample ranges, or strips of rows with --tiles")
       .required()
       .in_range(1, 1000);
   command.add_option(
       "--frames", arguments->frames,
-      "FIRST:LAST, both included: the scene is rendered with -D frame=K for each K. Default: one picture, "
-      "without -D");
-  command.add_option(
-      "-o,--output", arguments->outputs,
-      "Picture to write, .exr or .png; may be repeated. With --frames the number, of four digits, takes the "
-      "place of #### or stands before the extension. Default: the scene's name with .exr");
-  command.add_option(
-      "--folder", arguments->folder,
-      "Where scripts, parts, checkpoints and logs go; all machines must see it. Default: the scene's name "
-      "with _farm, in the current folder");
-  command.add_flag("--tiles", arguments->tiles, "Cut the frame into strips of rows instead of the samples into ranges");
-  command.add_flag("--submit", arguments->submit, "Submit the jobs, by sbatch");
-  command.add_option("--partition", arguments->partition, "Slurm's partition");
+      "Range of frames FIRST:LAST, inclusive: each frame K is rendered with -D frame=K. Default: one image without -D");
+  command.add_option("-o,--output", arguments->outputs,
+                     "Output image, .exr or .png; may be repeated. With --frames, the 4-digit frame number replaces "
+                     "#### or precedes the file extension. Default: the scene's name with .exr");
+  command.add_option("--folder", arguments->folder,
+                     "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
+                     "scene's name with _farm, in the current folder");
+  command.add_flag("--tiles", arguments->tiles, "Split the frame into strips of rows instead of splitting the samples");
+  command.add_flag("--submit", arguments->submit, "Submit the jobs with sbatch");
+  command.add_option("--partition", arguments->partition, "Slurm partition");
   command.add_option("--time", arguments->time,
-                     "Time limit of a part as Slurm writes it, such as 2:00:00. What is not done by then is run again, "
-                     "and goes on");
+                     "Time limit of a part in Slurm's notation, such as 2:00:00. Unfinished parts are requeued and "
+                     "continue from their checkpoints");
   command
       .add_option("--grace", arguments->grace,
-                  "Seconds before the time limit at which a part saves its checkpoint and ends. Default: 60")
+                  "Seconds before the time limit at which a part writes its checkpoint and exits. Default: 60")
       .in_range(1, 65535);
-  command.add_option("--cpus", arguments->cpus, "Cores, and threads, of a part. Default: 1").in_range(1, 4096);
-  command.add_option("--memory", arguments->memory, "Memory of a part as Slurm writes it, such as 8G");
+  command.add_option("--cpus", arguments->cpus, "Cores per part, and its number of threads. Default: 1")
+      .in_range(1, 4096);
+  command.add_option("--memory", arguments->memory, "Memory per part in Slurm's notation, such as 8G");
   command.add_option("--sbatch", arguments->sbatch,
-                     "A further option of sbatch, such as --sbatch=--constraint=avx512; may be repeated");
-  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors and the jobs' numbers");
+                     "Additional option for sbatch, such as --sbatch=--constraint=avx512; may be repeated");
+  command.add_flag("--quiet", arguments->quiet, "Print only errors and job numbers");
   command.on_call([arguments, &exit_code] { exit_code = make_farm(*arguments); });
 }
 

@@ -29,8 +29,8 @@ struct InfoArguments {
 
 std::string describe_photon_mapping(const PhotonMappingSettings& photons) {
   std::string text = fmt::format("{}, {} photons", photons.progressive ? "sppm" : "photonmapper", photons.global.count);
-  if (photons.progressive) text += " a pass";
-  if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light sampled";
+  if (photons.progressive) text += " per pass";
+  if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light by next-event estimation";
   if (photons.gathering == PhotonGathering::kFinal) text += ", final gathering";
   if (photons.gathering != PhotonGathering::kAll || photons.caustic.count > 0)
     text += fmt::format(", {} caustic photons", photons.caustic.count);
@@ -89,8 +89,7 @@ std::string describe_peaks(const Scene& scene) {
   try {
     uses = render_memory(scene, {});
   } catch (const Error& error) {
-    return fmt::format("peak        {} while loading; as it is the scene cannot be rendered: {}\n", loading,
-                       error.what());
+    return fmt::format("peak        {} while loading; the scene cannot be rendered: {}\n", loading, error.what());
   }
   double rendering = 0;
   std::string parts;
@@ -98,7 +97,7 @@ std::string describe_peaks(const Scene& scene) {
     rendering += use.bytes;
     parts += ", " + format_bytes(use.bytes) + " for " + use.what;
   }
-  return fmt::format("peak        {} while loading; {} while rendering is to be expected: {} with the scene loaded{}\n",
+  return fmt::format("peak        {} while loading; {} while rendering (estimate): {} for the loaded scene{}\n",
                      loading, format_bytes(now + rendering), format_bytes(now), parts);
 }
 
@@ -172,7 +171,7 @@ std::string describe(const ExrHeader& header, const std::string& file) {
   const auto out = std::back_inserter(text);
   const auto window = [&](const PixelRect& r) { return fmt::format("{},{},{},{}", r.x0, r.y0, r.x1, r.y1); };
   fmt::format_to(out, "file        {}\n", file);
-  fmt::format_to(out, "picture     {} x {} pixels, {} channels\n", header.window.width(), header.window.height(),
+  fmt::format_to(out, "image       {} x {} pixels, {} channels\n", header.window.width(), header.window.height(),
                  header.channels.size());
   if (const std::string interrupted = interruption(header.attributes); !interrupted.empty())
     fmt::format_to(out, "warning     {}\n", interrupted);
@@ -185,7 +184,7 @@ std::string describe(const ExrHeader& header, const std::string& file) {
     // Cryptomatte: the names of the manifest
     if (manifest && words != nullptr) {
       const std::vector<std::string> names = manifest_names(*words);
-      fmt::format_to(out, "names       {}: {} of them\n", attribute.name, names.size());
+      fmt::format_to(out, "names       {}: {} entries\n", attribute.name, names.size());
       for (const std::string& name : names) fmt::format_to(out, "name        {}\n", name);
       continue;
     }
@@ -196,7 +195,7 @@ std::string describe(const ExrHeader& header, const std::string& file) {
       continue;
     }
     if (words != nullptr && attribute.name.starts_with("sheaf/ids/")) {
-      fmt::format_to(out, "ids         {}: {} of them\n", attribute.name, words->size() / 8);
+      fmt::format_to(out, "ids         {}: {} entries\n", attribute.name, words->size() / 8);
       continue;
     }
     fmt::format_to(out, "attribute   {} = ", attribute.name);
@@ -209,11 +208,11 @@ std::string describe(const ExrHeader& header, const std::string& file) {
 
 void add_info_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<InfoArguments>();
-  Command command = program.add_command(
-      "info",
-      "Say what a scene file holds, its bounds, where its grids lie, and how much memory it takes to load and to "
-      "render; or what is in an OpenEXR file.");
-  command.add_option("scene", arguments->scene, "Scene file, or picture (.exr)").required();
+  Command command =
+      program.add_command("info",
+                          "Print the contents and bounds of a scene file, the bounds of its grids, and the memory "
+                          "for loading and rendering it; or print the header of an OpenEXR file.");
+  command.add_option("scene", arguments->scene, "Scene file, or image (.exr)").required();
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
     if (extension_of(arguments->scene) == ".exr") check_is_exr(arguments->scene);

@@ -27,7 +27,7 @@ struct MergeArguments {
 
 std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
   std::vector<NamedFile> parts;
-  for (const std::string& part : arguments.parts) parts.push_back({"one of its parts,", part});
+  for (const std::string& part : arguments.parts) parts.push_back({"the input part", part});
   const std::vector<NamedFile> outputs = named_images(arguments.outputs);
   check_overwriting(outputs, parts);
   check_all_writable(outputs);
@@ -62,15 +62,16 @@ void check_complete(const MergeArguments& arguments, const std::vector<PartFile>
   if (arguments.incomplete) return;
   for (const PartFile& file : files)
     if (file.interrupted)
-      throw SceneError({file.part.name, 0}, "was interrupted before it was done (--incomplete takes what there is)");
+      throw SceneError({file.part.name, 0}, "was interrupted before it was complete (--incomplete accepts it)");
   const std::uint32_t samples = files.front().samples_per_pixel;
   if (const auto gap = find_gap(parts, whole, samples))
-    throw SceneError(fmt::format(
-        "the parts are not the whole: the pixels {},{},{},{} lack {} (--incomplete takes what there is, --crop a part)",
-        gap->pixels.x0, gap->pixels.y0, gap->pixels.x1, gap->pixels.y1,
-        gap->samples == SampleRange{0, samples}
-            ? "all samples"
-            : fmt::format("the samples {}:{} of {}", gap->samples.first, gap->samples.count, samples)));
+    throw SceneError(
+        fmt::format("the parts are incomplete: pixels {},{},{},{} lack {} (accept this with --incomplete, or merge a "
+                    "region with --crop)",
+                    gap->pixels.x0, gap->pixels.y0, gap->pixels.x1, gap->pixels.y1,
+                    gap->samples == SampleRange{0, samples}
+                        ? "all samples"
+                        : fmt::format("samples {}:{} of {}", gap->samples.first, gap->samples.count, samples)));
 }
 
 /// Cryptomatte ids by index of name, from the first header that has them.
@@ -80,7 +81,7 @@ std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>&
     for (const PartFile& file : files)
       if (ids[kind].empty()) {
         const auto found = ids_from_attribute(file.text(part_id_attribute(kind)));
-        if (!found) throw SceneError({file.part.name, 0}, "has a header whose list of ids is damaged");
+        if (!found) throw SceneError({file.part.name, 0}, "the list of ids in the header is malformed");
         ids[kind] = *found;
       }
   return ids;
@@ -120,7 +121,7 @@ int merge_images(const MergeArguments& arguments) {
   check_overlaps(parts);
   check_complete(arguments, files, parts, whole);
   if (whole.area() * first.channels.size() * sizeof(float) > kMaxImageBytes)
-    throw SceneError({first.part.name, 0}, "is part of a picture that is too large");
+    throw SceneError({first.part.name, 0}, "is part of an image that is too large");
   // Merge the parts.
   ImageMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
                      find_ids(files));
@@ -143,12 +144,12 @@ int merge_images(const MergeArguments& arguments) {
   const int exit_code = static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
   if (arguments.quiet) return exit_code;
   if (has_denoised)
-    print_message("the parts' layers denoised.R/G/B are left out; 'sheaf denoise' makes them of the whole picture");
+    print_message("the layers denoised.R/G/B of the parts are omitted; run 'sheaf denoise' on the merged image");
   if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
   if (interrupted || share < 1.0)
-    print_message(fmt::format("warning: the picture is incomplete: {:.4g} % of the samples{}", share * 100,
-                              interrupted ? ", and parts that were interrupted" : ""));
-  print_message(fmt::format("joined {} parts", parts.size()));
+    print_message(fmt::format("warning: the image is incomplete: {:.4g} % of the samples{}", share * 100,
+                              interrupted ? ", including interrupted parts" : ""));
+  print_message(fmt::format("merged {} parts", parts.size()));
   for (const fs::path& output : written) print_message("wrote " + output.string());
   return exit_code;
 }
@@ -159,23 +160,23 @@ void add_merge_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<MergeArguments>();
   Command command = program.add_command(
       "merge",
-      "Join parts of a picture, rendered with --crop and --samples, to the whole. Tiles give the bytes of the whole's "
-      "file, ranges of samples the same numbers but for rounding. See docs/farm.md.");
-  command.add_arguments("parts", arguments->parts, "Parts, .exr, in any order").required();
+      "Merge parts of an image that were rendered with --crop or --samples. Merged tiles are byte-identical to a full "
+      "render; merged sample ranges are equal up to rounding. See docs/farm.md.");
+  command.add_arguments("parts", arguments->parts, "Part images, .exr, in any order").required();
   command
       .add_option("-o,--output", arguments->outputs,
-                  "Picture to write: .exr (all layers) or .png (8 bits, sRGB); may be repeated")
+                  "Output image: .exr (all layers) or .png (8 bits, sRGB); may be repeated")
       .required();
   command
       .add_option("--crop", arguments->crop,
-                  "Part of the frame that the whole is, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the frame")
+                  "Region of the merged image, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the frame")
       .list(',', 4);
   command.add_flag("--incomplete", arguments->incomplete,
-                   "Join what there is, though pixels or samples are missing; the header then says so");
+                   "Merge even if pixels or samples are missing; the header records this");
   command.add_flag("--float", arguments->full_floats,
-                   "Store all layers with 32 bits. Default: as the parts do, or for ranges of samples 16 bits where "
-                   "values are small enough");
-  command.add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+                   "Store all layers as 32-bit floats. Default: the types of the parts; for sample ranges, 16 bits for "
+                   "layers with small values");
+  command.add_flag("--quiet", arguments->quiet, "Print only errors");
   command.on_call([arguments, &exit_code] { exit_code = merge_images(*arguments); });
 }
 

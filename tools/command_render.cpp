@@ -38,8 +38,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Returns all files that the render writes, the images first. Checks that the formats are known, the names are
-/// distinct and the locations are writable. Throws Error.
+/// Returns all output files, the images first. Throws Error for unknown formats, files given twice and locations that
+/// are not writable.
 std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
   std::vector<std::string> images = arguments.outputs;
   if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
@@ -56,7 +56,7 @@ std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
 /// Throws Error (exit code 2) if an output would overwrite a file of the scene.
 void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::path>& files) {
   std::vector<NamedFile> sources;
-  for (const fs::path& file : files) sources.push_back({"what the scene is made of,", file});
+  for (const fs::path& file : files) sources.push_back({"the scene's input file", file});
   check_overwriting(outputs, sources);
 }
 
@@ -69,7 +69,7 @@ void check_layers(const RenderArguments& arguments, const std::vector<fs::path>&
                              : arguments.spectral_bins != 0 ? "--spectral-bins"
                                                             : nullptr;
   if (option != nullptr)
-    throw Error(ExitCode::kUsage, std::string(option) + " asks for layers, which .exr files alone hold: add -o " +
+    throw Error(ExitCode::kUsage, std::string(option) + " adds layers, which only .exr files can store: add -o " +
                                       fs::path(outputs.front()).replace_extension(".exr").string());
 }
 
@@ -104,6 +104,7 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
   const Description& scene = job.description;
   const SceneNames& names = job.scene->names();
   ExrMetadata metadata;
+  // Set the standard attributes
   metadata.software = "Sheaf " SHEAF_VERSION;
   metadata.world_to_camera = world_to_camera(scene.camera);
   metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
@@ -116,6 +117,7 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
                          {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
                          {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
                          {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+  // Add attributes that depend on the options
   if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
   if (arguments.noise_target)
     metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});
@@ -137,7 +139,7 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
 bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
   if (arguments.denoiser.empty()) return true;
   return try_to_write([&] {
-    DenoiseResult result = denoise(image, denoiser_from_name(arguments.denoiser), arguments.threads);
+    DenoiseResult result = denoise(image, kDenoisers.option("denoiser", arguments.denoiser), arguments.threads);
     add_denoise_attribute(metadata, result);
     image = std::move(result.image);
   });
@@ -202,7 +204,7 @@ void print_start(const Description& description, const Scene& scene) {
   for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
   for (const std::string& warning : scene.warnings()) print_message("warning: " + warning);
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print_message("warning: the scene has no lights: its picture is black");
+    print_message("warning: the scene has no lights: the image will be black");
 }
 
 /// Prints warnings, statistics and the written files after the render.
@@ -212,8 +214,7 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
   for (const fs::path& output : written) print_message("wrote " + output.string());
   if (stand_ins > 0)
     print_message(
-        fmt::format("warning: {} thing{} of the scene could not be read and {} left out or replaced; see "
-                    "the warnings above",
+        fmt::format("warning: {} scene element{} could not be read and {} dropped or replaced; see the warnings above",
                     stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
@@ -233,10 +234,10 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
   for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
-    print_message("wrote what there is to " + file.string());
+    print_message("wrote the unfinished image to " + file.string());
 }
 
-/// The final image and what became of it.
+/// The final image, and the files to which it was written.
 struct WrittenImage {
   Image image;
   bool is_denoised;             ///< or no denoiser was requested
@@ -268,7 +269,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);
   job.outputs = image_outputs(arguments, all_outputs);
   check_layers(arguments, job.outputs);
-  if (!arguments.denoiser.empty()) check_denoiser(denoiser_from_name(arguments.denoiser));
+  if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
   Preview preview(arguments.preview, arguments.scene, job.outputs.front().string(), arguments.quiet);
 
   // Read the scene and apply the options

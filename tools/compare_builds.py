@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Renders every example and reference scene with two builds of Sheaf in both colour modes and lists the pictures that
-are not byte-identical. For changes that must not alter pictures. Needs only Python.
+"""Renders every example and reference scene with two builds of Sheaf in both colour modes and lists the images that
+are not byte-identical. For changes that must not alter images. Needs only Python.
 
   tools/compare_builds.py OLD/sheaf NEW/sheaf [--spp 8] [--only SUBSTRING] [--list]
 
 Scenes with a configurable size are rendered at 160 x 100 pixels, other example scenes as a centred crop of 160 x 120.
 Scenes whose meshes or grids have not been generated (see README.md) are reported and skipped. Exit status: 0 if all
-pictures are identical, 1 if some differ or fail with only one of the builds.
+images are identical, 1 if some differ or fail with only one of the builds.
 """
 
 import argparse
@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def scenes():
-    """Yields each scene file with the options for a small picture."""
+    """Yields each scene file with the options for a small image."""
     for folder in (ROOT / "scenes", ROOT / "tests/references/scenes"):
         for file in sorted(folder.rglob("*.xml")):
             text = file.read_text()
@@ -37,11 +37,11 @@ def scenes():
                 yield file, []
 
 
-def render(sheaf, scene, options, picture):
-    """Returns the bytes of the picture, or the error message."""
-    done = subprocess.run([sheaf, "render", scene, "-o", picture, "--no-timestamps", "--quiet", "--threads", "1",
+def render(sheaf, scene, options, image):
+    """Returns the bytes of the image, or the error message."""
+    done = subprocess.run([sheaf, "render", scene, "-o", image, "--no-timestamps", "--quiet", "--threads", "1",
                            "--seed", "1", *options], check=False, capture_output=True, text=True)
-    return picture.read_bytes() if done.returncode == 0 else done.stderr.strip()
+    return image.read_bytes() if done.returncode == 0 else done.stderr.strip()
 
 
 def main():
@@ -50,7 +50,7 @@ def main():
     parser.add_argument("new", type=lambda p: Path(p).resolve())
     parser.add_argument("--spp", type=int, default=8)
     parser.add_argument("--only", default="", help="render only scenes whose path contains this")
-    parser.add_argument("--list", action="store_true", help="list the result of every picture, not only differences")
+    parser.add_argument("--list", action="store_true", help="list the result of every image, not only differences")
     arguments = parser.parse_args()
 
     def compare(job):

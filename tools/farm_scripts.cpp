@@ -34,16 +34,18 @@ std::string shell_quoted(std::string_view word) {
 }
 
 std::string render_script(const Farm& farm) {
-  std::string text = job_start(farm, "Renders part SLURM_ARRAY_TASK_ID of the frame $1.");
+  // Define the part and its options
+  std::string text = job_start(farm, "Renders part SLURM_ARRAY_TASK_ID of frame $1.");
   text += "part=${SLURM_ARRAY_TASK_ID:?}\nexec >>\"$parts/$part.log\" 2>&1\n";
   text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
   text += shell_variable("scene", farm.scene) + shell_array("options", farm.options) +
           shell_array("values", farm.part_values);
   if (farm.has_frames) text += "options+=(--define \"frame=$frame\")\n";
-  text += fmt::format("most_restarts={}\n", farm.most_restarts);
+  text += fmt::format("max_restarts={}\n", farm.max_restarts);
+  // Render, and requeue the job if the render was stopped
   text += "options+=(" + farm.part_option + R"sh( "${values[part]}" --threads "${SLURM_CPUS_PER_TASK:-1}")
 options+=(--output "$parts/$part.exr" --checkpoint "$parts/$part.state" --resume)
-# Slurm tells this shell alone that the time is nearly up; then the checkpoint is to be saved.
+# Slurm signals only this shell before the time limit. Forward the signal, so that Sheaf writes a checkpoint and exits.
 child=
 trap 'kill -TERM "$child" 2>/dev/null' TERM
 "$sheaf" render "$scene" "${options[@]}" &
@@ -54,15 +56,15 @@ while kill -0 "$child" 2>/dev/null; do
   wait "$child"
   code=$?
 done
-# A wait that a signal has cut short tells of that signal.
+# An interrupted wait returns the signal instead of the exit code of the render.
 wait "$child" 2>/dev/null
 again=$?
 ((again == 127)) || code=$again
 ((code > 128)) || exit "$code"
-# Stopped or killed. Where Slurm itself has ended the job, to cancel it or to run it again, there is nothing to be done.
+# The render was stopped or killed. Requeue the job unless Slurm has already cancelled or requeued it.
 job=${SLURM_ARRAY_JOB_ID}_$part
-echo "sheaf farm: part $part of frame $frame was ended by signal $((code - 128)), at its start ${SLURM_RESTART_COUNT:-0}"
-if [[ $(squeue --noheader --jobs="$job" --format=%T) == RUNNING ]] && ((${SLURM_RESTART_COUNT:-0} < most_restarts)); then
+echo "sheaf farm: part $part of frame $frame was ended by signal $((code - 128)), after ${SLURM_RESTART_COUNT:-0} restarts"
+if [[ $(squeue --noheader --jobs="$job" --format=%T) == RUNNING ]] && ((${SLURM_RESTART_COUNT:-0} < max_restarts)); then
   scontrol requeue "$job" && sleep 600
 fi
 exit "$code"
@@ -71,7 +73,7 @@ exit "$code"
 }
 
 std::string merge_script(const Farm& farm) {
-  std::string text = job_start(farm, "Joins the parts of the frame $1.");
+  std::string text = job_start(farm, "Merges the parts of frame $1.");
   text += "exec >>\"$parts/merge.log\" 2>&1\n";
   text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
   text += fmt::format("files=()\nfor ((part = 0; part < {}; ++part)); do files+=(\"$parts/$part.exr\"); done\n",
@@ -81,24 +83,24 @@ std::string merge_script(const Farm& farm) {
     text += farm.has_frames ? "options+=(--output " + shell_quoted(before) + "\"$(printf %04d \"$frame\")\"" +
                                   shell_quoted(after) + ")\n"
                             : "options+=(--output " + shell_quoted(before + after) + ")\n";
-  // Keep the checkpoints until the parts are merged: with them a part that runs again finishes at once.
+  // Keep the checkpoints until the parts are merged: a restarted part then finishes immediately.
   text += "\"$sheaf\" merge \"${options[@]}\" -- \"${files[@]}\" || exit\nrm -f -- \"$parts\"/*.state\n";
   return text;
 }
 
 std::string submit_script(const Farm& farm, const std::string& render, const std::string& merge) {
   std::string text =
-      "#!/usr/bin/env bash\n# Written by sheaf farm. Submits the jobs; again, if some have failed: they go on.\n";
+      "#!/usr/bin/env bash\n# Written by sheaf farm. Submits the jobs. Run it again to continue failed jobs.\n";
   text += "set -euo pipefail\n" + shell_variable("render", render) + shell_variable("merge", merge) +
           shell_array("options", farm.sbatch_options) + shell_array("merge_options", farm.sbatch_merge_options);
   text += fmt::format("for ((frame = {}; frame <= {}; ++frame)); do\n", farm.first_frame, farm.last_frame);
   text += fmt::format("  job=$(sbatch --parsable --array=0-{} \"${{options[@]}}\" \"$render\" \"$frame\")\n",
                       farm.part_values.size() - 1);
   text += R"sh(  job=${job%%;*}
-  joining=$(sbatch --parsable --dependency="afterok:$job" --kill-on-invalid-dep=yes "${merge_options[@]}" "$merge" "$frame")
+  merging=$(sbatch --parsable --dependency="afterok:$job" --kill-on-invalid-dep=yes "${merge_options[@]}" "$merge" "$frame")
 )sh";
-  text += farm.has_frames ? "  echo \"frame $frame: parts are job $job, joining them is job ${joining%%;*}\"\n"
-                          : "  echo \"parts are job $job, joining them is job ${joining%%;*}\"\n";
+  text += farm.has_frames ? "  echo \"frame $frame: parts are job $job, merging is job ${merging%%;*}\"\n"
+                          : "  echo \"parts are job $job, merging is job ${merging%%;*}\"\n";
   return text + "done\n";
 }
 

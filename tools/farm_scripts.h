@@ -24,13 +24,13 @@ struct Farm {
   int first_frame = 0, last_frame = 0;
   std::vector<std::string> sbatch_options;        ///< for the parts
   std::vector<std::string> sbatch_merge_options;  ///< for merging
-  int most_restarts = 100;
+  int max_restarts = 100;
 };
 
 /// Quotes a word so that the shell takes it literally.
 std::string shell_quoted(std::string_view word);
 
-/// Script that renders part SLURM_ARRAY_TASK_ID of the frame in its first argument, or resumes it.
+/// Script that renders or resumes part SLURM_ARRAY_TASK_ID of the frame in its first argument.
 std::string render_script(const Farm& farm);
 /// Script that merges the parts of the frame in its first argument.
 std::string merge_script(const Farm& farm);

@@ -55,7 +55,7 @@ def main():
     parser.add_argument("--step", type=int, default=10, help="knot spacing in nm")
     knots, spectra, seen = basis(parser.parse_args().step)
     print("colours of the spectra:\n", np.round(seen @ spectra.T, 5).T)
-    print("least", spectra.min(), "largest sum", spectra.sum(0).max())
+    print("smallest", spectra.min(), "largest sum", spectra.sum(0).max())
     for name, values in zip(("red", "blue"), (spectra[0], spectra[2])):
         print(name + ":", ", ".join(f"{abs(v):.6f}f" for v in values))
 

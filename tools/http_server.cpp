@@ -13,7 +13,7 @@ namespace sheaf {
 namespace {
 
 constexpr unsigned kMaxConnections = 64, kMaxConnectionsByAddress = 32;
-constexpr unsigned kMaxSilence = 10;              // s
+constexpr unsigned kMaxIdleSeconds = 10;          // s
 constexpr std::size_t kRequestBytes = 16 * 1024;  // per connection: a request with all its headers
 
 /// Headers of every response. The page is a single file that needs no other resources, so browsers may fetch nothing
@@ -92,13 +92,13 @@ MHD_Result on_request(void* server, MHD_Connection* connection, const char* url,
 
 HttpServer::HttpServer(const Endpoint& endpoint, Answer answer) : answer_(std::move(answer)) {
   Socket socket = listen_at(endpoint);
-  own_machine_ = listens_to_itself(socket);
+  is_loopback_ = listens_on_loopback(socket);
   url_ = "http://" + Endpoint{endpoint.host, listening_port(socket)}.text() + "/";
   daemon_ =
       MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD, 0, nullptr, nullptr, on_request, this,
                        MHD_OPTION_LISTEN_SOCKET, socket.descriptor(), MHD_OPTION_CONNECTION_LIMIT, kMaxConnections,
                        MHD_OPTION_PER_IP_CONNECTION_LIMIT, kMaxConnectionsByAddress, MHD_OPTION_CONNECTION_TIMEOUT,
-                       kMaxSilence, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes, MHD_OPTION_END);
+                       kMaxIdleSeconds, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kRequestBytes, MHD_OPTION_END);
   if (daemon_ == nullptr) throw Error(ExitCode::kRuntime, "cannot start a web server at " + endpoint.text());
   socket.release();
 }
@@ -107,7 +107,7 @@ HttpServer::~HttpServer() { MHD_stop_daemon(daemon_); }
 
 HttpResponse HttpServer::answer(const char* path, std::string_view method, const char* host) const {
   HttpResponse response;
-  if (own_machine_ && host != nullptr && !names_this_machine(host)) {
+  if (is_loopback_ && host != nullptr && !names_this_machine(host)) {
     response.status = 403;
   } else if (method != "GET") {
     response.status = 405;

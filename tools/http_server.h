@@ -25,12 +25,12 @@ struct HttpResponse {
 /// This prevents web pages from reading it through a host name of their own (DNS rebinding).
 class HttpServer {
  public:
-  /// Returns the response for a path, e.g. "/" or "/picture.png". Called on the server's thread.
+  /// Returns the response for a path, e.g. "/" or "/image.png". Called on the server's thread.
   using Answer = std::function<HttpResponse(std::string_view path)>;
 
   /// Throws Error (exit code 1) if it cannot listen on the endpoint.
   HttpServer(const Endpoint& endpoint, Answer answer);
-  /// Closes all connections, whatever their state.
+  /// Closes all connections immediately.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -44,7 +44,7 @@ class HttpServer {
  private:
   Answer answer_;
   std::string url_;
-  bool own_machine_ = false;  ///< listens on a loopback address only
+  bool is_loopback_ = false;  ///< listens on a loopback address only
   MHD_Daemon* daemon_ = nullptr;
 };
 

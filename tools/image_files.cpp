@@ -24,14 +24,14 @@ std::string extension_of(const fs::path& path) {
 void check_image_name(const fs::path& path) {
   const std::string extension = extension_of(path);
   if (extension != ".exr" && extension != ".png")
-    throw Error(ExitCode::kUsage, "the name of the picture '" + path.string() + "' must end in .exr or .png");
+    throw Error(ExitCode::kUsage, "the name of the output image '" + path.string() + "' must end in .exr or .png");
 }
 
 std::vector<NamedFile> named_images(const std::vector<std::string>& files) {
   std::vector<NamedFile> images;
   for (const std::string& file : files) {
     check_image_name(file);
-    images.push_back({"the picture", file});
+    images.push_back({"the image", file});
   }
   return images;
 }
@@ -39,13 +39,13 @@ std::vector<NamedFile> named_images(const std::vector<std::string>& files) {
 void check_is_exr(const fs::path& file) {
   if (!fs::is_regular_file(file) || is_exr(file)) return;
   const FileFormat format = file_format(file);
-  const std::string expected = ", expected an OpenEXR image, as 'sheaf render -o NAME.exr' writes it";
-  if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "this is not an OpenEXR file" + expected);
+  const std::string expected = ", expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'";
+  if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "has an unknown format" + expected);
   if (extension_of(file) == ".exr" && !format.by_content)
-    throw SceneError({file.string(), 0}, "does not begin as an OpenEXR image does: damaged, or of another format");
+    throw SceneError({file.string(), 0}, "does not start like an OpenEXR file: it is damaged or has another format");
   const bool loses = format.use == FileUse::kImage;
   throw SceneError({file.string(), 0},
-                   "is " + format.name + expected + (loses ? "; other formats lack the layers that this needs" : ""));
+                   "is " + format.name + expected + (loses ? "; other formats lack the required layers" : ""));
 }
 
 void check_is_image(const fs::path& file) {
@@ -56,9 +56,8 @@ void check_is_image(const fs::path& file) {
     return;
   }
   if (format.use == FileUse::kUnknown) return;
-  throw SceneError({file.string(), 0}, "is " + format.name +
-                                           ", expected a picture: OpenEXR, PNG, JPEG, Radiance HDR, "
-                                           "TIFF, TGA or BMP");
+  throw SceneError({file.string(), 0},
+                   "is " + format.name + ", expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, TGA or BMP");
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {

@@ -17,7 +17,7 @@ std::string extension_of(const std::filesystem::path& path);
 /// Throws Error (exit code 2) unless the file extension is .exr or .png.
 void check_image_name(const std::filesystem::path& path);
 
-/// A file that a command writes or reads, with its description for messages: "the picture", "--stats".
+/// A file that a command writes or reads, with its description for messages: "the image", "--stats".
 struct NamedFile {
   std::string what;
   std::filesystem::path file;

@@ -1,5 +1,5 @@
-// Launcher `sheaf` of the Debian package: starts the build of the program that suits the processor. It is compiled for
-// the baseline of the architecture, so that it can report missing instructions.
+// Launcher `sheaf` of the Debian package: starts the best build for the processor. It is compiled for the baseline
+// instruction set, so that it can report missing instructions.
 #include <unistd.h>
 
 #include <array>
@@ -43,7 +43,7 @@ int main(int, char** argv) {
   const std::array<Build, 2> builds{{{"x86-64-v4", has_v4()}, {"x86-64-v3", has_v3()}}};
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (error) return fail("cannot tell where the program lies: " + error.message());
+  if (error) return fail("cannot locate the program: " + error.message());
   const char* const wanted = std::getenv("SHEAF_ISA");
   bool known = false;
   // Start the best build, or the one that SHEAF_ISA requests.
@@ -57,7 +57,7 @@ int main(int, char** argv) {
   }
   if (!known) return fail("SHEAF_ISA is '" + std::string(wanted) + "': expected x86-64-v4, x86-64-v3 or nothing");
   return fail(wanted != nullptr && *wanted != '\0'
-                  ? "this processor has not all instructions of " + std::string(wanted) + ", which SHEAF_ISA asks for"
-                  : "this processor is older than the package can use: it needs the instructions of x86-64-v3 (AVX2, "
-                    "FMA, BMI; about 2013). Built from its source Sheaf runs on older ones");
+                  ? "this processor lacks instructions of " + std::string(wanted) + ", which SHEAF_ISA requests"
+                  : "this processor lacks the required instructions of x86-64-v3 (AVX2, FMA, BMI; about 2013). Build "
+                    "Sheaf from source to use it on this processor");
 }

@@ -92,7 +92,7 @@ void LivePage::wait_until_seen(double seconds) {
 HttpResponse LivePage::answer(std::string_view path) {
   if (path == "/") return {200, "text/html; charset=utf-8", shared_text(kPreviewPage)};
   if (path == "/status.json") return status();
-  if (path == "/picture.png") return encoded_image();
+  if (path == "/image.png") return encoded_image();
   return {404, HttpResponse().type, nullptr};
 }
 
@@ -101,10 +101,12 @@ HttpResponse LivePage::status() {
   const double now = Progress::steady_seconds();
   looked_ = now;
   const std::lock_guard lock(mutex_);
+  // Estimate the progress
   const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
   const double fraction = state_ == "done" ? 1.0 : total > 0 ? std::min(done / total, 0.9999) : 0.0;
   const double elapsed = start_ > 0 ? (end_ > 0 ? end_ : now) - start_ : 0.0;
   const bool can_tell = state_ == "rendering" && fraction > 0;
+  // Build the response
   const Json json{{"run", run_},
                   {"scene", scene_},
                   {"state", state_},
@@ -113,7 +115,7 @@ HttpResponse LivePage::status() {
                   {"fraction", fraction},
                   {"elapsed_seconds", elapsed},
                   {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
-                  {"picture", image_number_},
+                  {"image", image_number_},
                   {"messages", messages_},
                   {"report", Json::parse(report_)}};
   state_seen_ = true;

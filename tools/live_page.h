@@ -14,7 +14,7 @@
 
 namespace sheaf {
 
-/// Answers GET requests for "/" (the page, which is self-contained), "/status.json" and "/picture.png". All functions
+/// Answers GET requests for "/" (the page, which is self-contained), "/status.json" and "/image.png". All functions
 /// are thread-safe.
 class LivePage {
  public:

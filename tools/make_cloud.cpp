@@ -206,20 +206,22 @@ void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlock
 }
 
 int run(int argc, char** argv) {
-  Program program("make_cloud", "Writes a procedural volume as a NanoVDB file.");
+  Program program("make_cloud", "Write a procedural volume as a NanoVDB file.");
   std::string out;
   int resolution = 128;
   std::uint32_t seed = 1;
   int kind = kCloud;
   bool with_temperature = false;
+  // Parse the options
   const std::map<std::string, int> kinds{
       {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
-  program.add_option("OUT", out, "The file to write").required();
+  program.add_option("OUT", out, "Output file").required();
   program.add_option("--resolution", resolution, "Voxels along each side").in_range(1, 1024);
-  program.add_option("--seed", seed, "Another seed, another cloud");
-  program.add_option("--kind", kind, "cloud, smoke, ramp or constant").one_of_named(kinds);
+  program.add_option("--seed", seed, "Seed of the noise");
+  program.add_option("--kind", kind, "Kind of volume: cloud, smoke, ramp or constant").one_of_named(kinds);
   program.add_flag("--temperature", with_temperature, "Also write the grid 'temperature'");
   if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
+  // Sample the model and write the grids
   VoxelBlocks density(1), temperature(1);
   sample(*make_model(kind, seed), resolution, density, temperature);
   const float side = 2.0f / static_cast<float>(resolution), first = 0.5f * side - 1;

@@ -12,7 +12,7 @@ from scene_text import camera
 ROOT = Path(__file__).resolve().parent.parent
 MATERIALS = ROOT / "scenes" / "materials"
 TEXTURES = ROOT / "scenes" / "textures"
-PICTURES = TEXTURES / "pictures"
+IMAGES = TEXTURES / "images"
 
 
 def write_png(path, rows):
@@ -65,21 +65,21 @@ def make_bricks(size=192):
             dy = slope * (heights[y - 1][x] - heights[(y + 1) % size][x]) / 2
             length = math.sqrt(dx * dx + dy * dy + 1)
             normals[-1].append(tuple(0.5 + 0.5 * c / length for c in (-dx, -dy, 1)))
-    write_png(PICTURES / "bricks.png", colors)
-    write_png(PICTURES / "bricks_normal.png", normals)
+    write_png(IMAGES / "bricks.png", colors)
+    write_png(IMAGES / "bricks_normal.png", normals)
 
 
-def make_small_pictures():
+def make_small_images():
     """Writes a pattern of a few texels and an opacity map with round holes."""
     palette = [(0.93, 0.76, 0.20), (0.16, 0.32, 0.58), (0.80, 0.25, 0.18), (0.92, 0.90, 0.84)]
-    write_png(PICTURES / "quilt.png",
+    write_png(IMAGES / "quilt.png",
               [[palette[(x * y + x // 2 + y // 3) % 4] for x in range(8)] for y in range(8)])
 
     def hole(x, y):
         r = math.hypot(x % 16 - 7.5, y % 16 - 7.5)
         return min(max((r - 5.0) / 1.5, 0.0), 1.0)
 
-    write_png(PICTURES / "holes.png", [[(hole(x, y),) * 3 for x in range(64)] for y in range(64)])
+    write_png(IMAGES / "holes.png", [[(hole(x, y),) * 3 for x in range(64)] for y in range(64)])
 
 
 def sensor(origin, target, fov, width, height):
@@ -282,13 +282,13 @@ def make_wall():
 """
     diffuse = """<bsdf type="diffuse">
         <texture name="reflectance" type="bitmap">
-          <string name="filename" value="pictures/bricks.png"/>
+          <string name="filename" value="images/bricks.png"/>
           <transform name="to_uv"><scale x="1" y="-1"/></transform>
         </texture>
       </bsdf>"""
     mapped = f"""    <bsdf type="normalmap">
       <texture name="normalmap" type="bitmap">
-        <string name="filename" value="pictures/bricks_normal.png"/>
+        <string name="filename" value="images/bricks_normal.png"/>
         <boolean name="raw" value="true"/>
         <transform name="to_uv"><scale x="1" y="-1"/></transform>
       </texture>
@@ -320,7 +320,7 @@ def make_filters():
     </transform>
     <bsdf type="diffuse">
       <texture name="reflectance" type="bitmap">
-        <string name="filename" value="pictures/quilt.png"/>
+        <string name="filename" value="images/quilt.png"/>
         <string name="filter_type" value="{filtering}"/>
         <string name="wrap_mode" value="{wrap}"/>
         <transform name="to_uv"><scale x="{1 if i < 2 else 2}" y="{1 if i < 2 else 2}"/></transform>
@@ -335,7 +335,7 @@ def make_filters():
     </transform>
     <bsdf type="mask">
       <texture name="opacity" type="bitmap">
-        <string name="filename" value="pictures/holes.png"/>
+        <string name="filename" value="images/holes.png"/>
         <boolean name="raw" value="true"/>
         <transform name="to_uv"><scale x="2" y="1"/></transform>
       </texture>
@@ -352,7 +352,7 @@ def make_filters():
 
 def main():
     make_bricks()
-    make_small_pictures()
+    make_small_images()
     MATERIALS.mkdir(parents=True, exist_ok=True)
     make_parameter_rows()
     make_disney_rows()

@@ -80,7 +80,7 @@ def read_help(sheaf, command):
         elif line:
             page.footer.append(line)
     if not page.text or not page.usage or not page.sections.get("Options"):
-        raise SystemExit(f"make_manual: the help of '{' '.join(words)}' is not understood")
+        raise SystemExit(f"make_manual: cannot parse the help of '{' '.join(words)}'")
     for entries in page.sections.values():
         for each in entries:
             if not each.text:

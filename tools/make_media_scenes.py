@@ -4,8 +4,7 @@
 
   tools/make_media_scenes.py [--make-cloud PROGRAM] [--meshes-only]
 
-make_cloud is taken from build/release, where tools/quickstart.sh builds it, or else from PATH, where an installed
-package has it.
+Runs make_cloud from build/release, where tools/quickstart.sh builds it, or else from PATH.
 """
 
 import argparse
@@ -86,7 +85,7 @@ def make_stairs(steps=5):
 
 
 def find_make_cloud():
-    """The program of a checkout's build, or else the one that PATH has."""
+    """Returns the path of make_cloud in build/release, or else in PATH."""
     built = ROOT / "build/release/make_cloud"
     return str(built) if built.is_file() else shutil.which("make_cloud") or str(built)
 
@@ -103,7 +102,7 @@ def main():
         return
     generated = FOLDER / "generated"
     if not Path(arguments.make_cloud).is_file():
-        parser.error(f"no program {arguments.make_cloud}: build it, or say --make-cloud where it is")
+        parser.error(f"{arguments.make_cloud} not found: build it, or pass its path with --make-cloud")
     generated.mkdir(exist_ok=True)
     for options in (["cloud.nvdb", "--resolution", "160"],
                     ["fire.nvdb", "--kind", "smoke", "--temperature", "--resolution", "128"]):

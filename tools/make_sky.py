@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes scenes/lights/pictures/sky.hdr: a clear sky over dark ground, with a sun of 1 pixel that is 10,000 times as
+"""Writes scenes/lights/images/sky.hdr: a clear sky over dark ground, with a sun of 1 pixel that is 10,000 times as
 bright as the sky. Needs only Python; the output is deterministic.
 
   tools/make_sky.py
@@ -10,7 +10,7 @@ from pathlib import Path
 
 WIDTH, HEIGHT = 128, 64
 SUN = (93, 20)  # column and row
-FILE = Path(__file__).resolve().parent.parent / "scenes" / "lights" / "pictures" / "sky.hdr"
+FILE = Path(__file__).resolve().parent.parent / "scenes" / "lights" / "images" / "sky.hdr"
 
 
 def radiance(column, row):

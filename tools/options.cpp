@@ -57,7 +57,7 @@ std::string to_whole_number(std::string& text) {
   constexpr double kExact = 9007199254740992.0;  // 2^53
   const std::optional<double> value = number_of(text);
   if (!value || !std::isfinite(*value)) return "'" + text + "' is not a number";
-  if (*value != std::floor(*value)) return "'" + text + "' is not a whole number";
+  if (*value != std::floor(*value)) return "'" + text + "' is not an integer";
   if (std::fabs(*value) > kExact) return "'" + text + "' is too large";
   text = std::to_string(static_cast<long long>(*value));
   return {};
@@ -124,7 +124,7 @@ std::string misplaced_option(const CLI::App& program, const std::string& option)
   for (const CLI::App* command : commands) {
     const std::vector<std::string> names = option_names(*command);
     if (std::find(names.begin(), names.end(), option) == names.end()) continue;
-    return "option '" + option + "' belongs behind its command: " + full_name(*command) + " " + option;
+    return "option '" + option + "' must follow its command: " + full_name(*command) + " " + option;
   }
   return {};
 }
@@ -195,7 +195,7 @@ template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
   const auto above_zero = [](const std::string& text) {
-    return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a number above 0";
+    return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a positive number";
   };
   option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
   return *this;

@@ -71,7 +71,7 @@ template <class Value> void set(ExrMetadata& metadata, const std::string& name, 
 
 SampleRange parse_samples(const std::string& text) {
   if (const auto samples = samples_from_text(text)) return *samples;
-  throw Error(ExitCode::kUsage, "--samples '" + text + "' is not of the form FIRST:COUNT, such as 64:32");
+  throw Error(ExitCode::kUsage, "--samples '" + text + "': expected FIRST:COUNT, such as 64:32");
 }
 
 std::string part_settings(const RenderSettings& settings) {
@@ -113,7 +113,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
   PartFile file;
   file.metadata = read_exr_metadata(path);
   if (file.text(kSettings).empty())
-    throw SceneError(where, "is no part of a picture: only those rendered with --samples or --crop say what of");
+    throw SceneError(where, "is not a part of an image, expected a file rendered with --samples or --crop");
   // Read the windows.
   const PixelRect& frame = header.frame;
   const PixelRect& window = header.window;
@@ -124,7 +124,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
            static_cast<long long>(rect.y1) - rect.y0 > kMaxImageSide;
   };
   if (beyond(frame) || beyond(window) || window.is_empty() || !(window.intersection(frame) == window))
-    throw SceneError(where, "has a window that does not lie in its frame, or is too large");
+    throw SceneError(where, "the data window exceeds the frame or is too large");
   file.frame_width = frame.width();
   file.frame_height = frame.height();
   file.part.name = path.string();
@@ -135,14 +135,14 @@ PartFile read_part_header(const std::filesystem::path& path) {
       if (const int* count = std::get_if<int>(&attribute.value); count != nullptr && attribute.name == name)
         if (*count > 0 && *count <= static_cast<int>(kMaxSamples))
           file.samples_per_pixel = static_cast<std::uint32_t>(*count);
-  if (file.samples_per_pixel == 0) throw SceneError(where, "does not say how many samples per pixel it has");
+  if (file.samples_per_pixel == 0) throw SceneError(where, "the header lacks the number of samples per pixel");
   file.part.samples = {0, file.samples_per_pixel};
   file.interrupted = !interruption(file.metadata.attributes).empty();
   if (const std::string text = file.text(kSamples); !text.empty()) {
     const std::optional<SampleRange> samples = samples_from_text(text);
     if (!samples || samples->end() > file.samples_per_pixel)
       throw SceneError(
-          where, fmt::format("says that it has the samples '{}' of {}, which cannot be", text, file.samples_per_pixel));
+          where, fmt::format("the header gives the invalid sample range '{}' of {}", text, file.samples_per_pixel));
     file.part.samples = *samples;
     file.some_samples = true;
   }
@@ -153,16 +153,17 @@ PartFile read_part_header(const std::filesystem::path& path) {
     file.has_denoised |= channel.name.starts_with("denoised.");
     if (!is_left_out(channel.name)) file.channels.push_back(channel.name);
   }
-  if (!counts) throw SceneError(where, "has no layer sampleCount, which joining parts needs");
+  if (!counts) throw SceneError(where, "lacks the layer sampleCount, which merging requires");
   return file;
 }
 
 void check_same_image(const PartFile& first, const PartFile& other) {
   const SourceLocation where{other.part.name, 0};
   const auto fail = [&](const std::string& what, const std::string& here, const std::string& there) {
-    throw SceneError(where, fmt::format("is no part of the same picture as '{}': {} is '{}' here and '{}' there",
+    throw SceneError(where, fmt::format("is not a part of the same image as '{}': {} is '{}' here and '{}' there",
                                         first.part.name, what, here, there));
   };
+  // Compare attributes, sizes and settings
   for (const auto& [name, what] : kSame)
     if (first.text(name) != other.text(name)) fail(what, other.text(name), first.text(name));
   const auto size = [](const PartFile& file) { return fmt::format("{}x{}", file.frame_width, file.frame_height); };
@@ -175,11 +176,12 @@ void check_same_image(const PartFile& first, const PartFile& other) {
     const std::string only_here = first_only_in(here, there), only_there = first_only_in(there, here);
     fail("a setting", only_here.empty() ? "not given" : only_here, only_there.empty() ? "not given" : only_there);
   }
+  // Compare the layers
   if (first.channels == other.channels) return;
   const std::string more = first_only_in(other.channels, first.channels);
-  throw SceneError(where, fmt::format("is no part of the same picture as '{}': the layer '{}' is {}", first.part.name,
+  throw SceneError(where, fmt::format("is not a part of the same image as '{}': the layer '{}' is {}", first.part.name,
                                       more.empty() ? first_only_in(first.channels, other.channels) : more,
-                                      more.empty() ? "there alone" : "here alone"));
+                                      more.empty() ? "only there" : "only here"));
 }
 
 ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
@@ -212,7 +214,7 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
       const std::string text = part.text(name);
       std::uint64_t value = 0;
       if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc())
-        throw SceneError({part.part.name, 0}, fmt::format("has a header whose '{}' is no number", name));
+        throw SceneError({part.part.name, 0}, fmt::format("the attribute '{}' in the header is not a number", name));
       sum += value;
     }
     set(whole, name, std::to_string(sum));

@@ -25,9 +25,9 @@ void add_part_attributes(ExrMetadata& metadata, const std::string& settings, con
 struct PartFile {
   ImagePart part;
   int frame_width = 0, frame_height = 0;
-  std::uint32_t samples_per_pixel = 0;  ///< of the whole image, whether taken or not
+  std::uint32_t samples_per_pixel = 0;  ///< of the whole image, as planned
   bool interrupted = false;
-  bool some_samples = false;          ///< rendered with --samples, even if these are all samples
+  bool some_samples = false;          ///< rendered with --samples, even if the range covers all samples
   std::vector<std::string> channels;  ///< in the file's order; without the channels that the merged image omits
   bool has_denoised = false;
   ExrMetadata metadata;

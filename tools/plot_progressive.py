@@ -33,9 +33,9 @@ def render(arguments, scene, output, spp, seed):
                     "-D", f"width={arguments.size}", "-D", f"height={arguments.size * 3 // 4}"], check=True)
 
 
-def compare(arguments, picture, reference):
+def compare(arguments, image, reference):
     """Returns the mean squared error and the relative bias of the mean."""
-    out = subprocess.run([arguments.sheaf, "compare", picture, reference], check=False, text=True,
+    out = subprocess.run([arguments.sheaf, "compare", image, reference], check=False, text=True,
                          stdout=subprocess.PIPE).stdout
     value = {name: float(re.search(rf"^{name} +(\S+)", out, re.MULTILINE).group(1)) for name in ("MSE", "mean ratio")}
     return value["MSE"], abs(value["mean ratio"] - 1)
@@ -46,8 +46,8 @@ def measure(arguments, folder, reference, name, scene):
     for passes in arguments.passes:
         found = []
         for seed in SEEDS:
-            render(arguments, scene, folder / "picture.exr", passes, seed)
-            found.append(compare(arguments, folder / "picture.exr", reference))
+            render(arguments, scene, folder / "image.exr", passes, seed)
+            found.append(compare(arguments, folder / "image.exr", reference))
         errors.append(sum(error for error, _ in found) / len(found))
         biases.append(sum(bias for _, bias in found) / len(found))
     print(f"{name:10} error", *(f"{error:10.3e}" for error in errors), flush=True)
@@ -65,7 +65,7 @@ def main():
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scene", type=Path, default=ROOT / "scenes/cornell/cornell.xml",
                         help="scene file with $width, $height and an empty <integrator/>")
-    parser.add_argument("--size", type=int, default=120, help="width of the picture")
+    parser.add_argument("--size", type=int, default=120, help="width of the image")
     parser.add_argument("--photons", type=int, default=20000, help="photons per pass")
     parser.add_argument("--radius", type=float, default=0.1, help="radius of the first pass, in scene units")
     parser.add_argument("--reference-spp", type=int, default=16384)

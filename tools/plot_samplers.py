@@ -21,7 +21,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLERS = {"independent": "#888888", "stratified": "#d08020", "multijitter": "#3060c0", "sobol": "#c02040"}
-PANELS = [("path, direct light alone", 2), ("path, all light", -1)]
+PANELS = [("path, direct light only", 2), ("path, all light", -1)]
 SEEDS = [1, 2]
 
 
@@ -31,15 +31,15 @@ def render(arguments, output, sampler, spp, seed, max_depth):
                     "-D", f"height={arguments.size * 3 // 4}"], check=True)
 
 
-def mean_squared_error(arguments, picture, reference):
-    out = subprocess.run([arguments.sheaf, "compare", picture, reference], check=False, text=True,
+def mean_squared_error(arguments, image, reference):
+    out = subprocess.run([arguments.sheaf, "compare", image, reference], check=False, text=True,
                          stdout=subprocess.PIPE).stdout
     return float(re.search(r"^MSE +(\S+)", out, re.MULTILINE).group(1))
 
 
 def measure(arguments, folder, max_depth):
     """Returns {sampler: [error per number of samples]}."""
-    reference, picture = folder / "reference.exr", folder / "picture.exr"
+    reference, image = folder / "reference.exr", folder / "image.exr"
     render(arguments, reference, "sobol", arguments.reference_spp, 1000, max_depth)
     errors = {}
     for sampler in SAMPLERS:
@@ -47,8 +47,8 @@ def measure(arguments, folder, max_depth):
         for spp in arguments.samples:
             total = 0.0
             for seed in SEEDS:
-                render(arguments, picture, sampler, spp, seed, max_depth)
-                total += mean_squared_error(arguments, picture, reference)
+                render(arguments, image, sampler, spp, seed, max_depth)
+                total += mean_squared_error(arguments, image, reference)
             errors[sampler].append(total / len(SEEDS))
         print(f"depth {max_depth:2d} {sampler:12}", *(f"{error:10.3e}" for error in errors[sampler]), flush=True)
     return errors
@@ -71,7 +71,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--scene", default=str(ROOT / "scenes/cornell/cornell.xml"))
-    parser.add_argument("--size", type=int, default=200, help="width of the picture")
+    parser.add_argument("--size", type=int, default=200, help="width of the image")
     parser.add_argument("--reference-spp", type=int, default=65536)
     parser.add_argument("--output", default=str(ROOT / "docs/samplers.png"))
     parser.add_argument("--max-spp", type=int, default=1024, help="maximum number of samples per pixel")

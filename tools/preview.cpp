@@ -45,15 +45,16 @@ std::shared_ptr<const Image> beauty_of(const Image& image) {
 void add_preview_options(Command& command, PreviewArguments& arguments) {
   command
       .add_option("--tev", arguments.tev,
-                  "HOST:PORT of the viewer tev, usually 127.0.0.1:14158, which shows the picture while it is "
-                  "rendered. The viewer may be started later and restarted")
+                  "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
+                  "viewer may start later or restart")
       .only_for_run();
   command
       .add_option("--serve", arguments.serve,
-                  "Show picture, progress, stage times and messages to browsers, at PORT of this machine alone, or "
-                  "at ADDRESS:PORT (0.0.0.0: of all its addresses; there is no password). Port 0: any that is free. "
-                  "The page ends with the render; a browser that looks gets the finished picture first, within "
-                  "seconds. See docs/preview.md")
+                  "Serve a web page with the image, progress, stage times and messages at PORT on this machine, or at "
+                  "ADDRESS:PORT "
+                  "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with "
+                  "the render, "
+                  "after connected browsers have received the final image. See docs/preview.md")
       .only_for_run();
 }
 
@@ -65,7 +66,7 @@ Preview::Preview(const PreviewArguments& arguments, const std::string& scene, co
                                        });
   if (arguments.serve.empty()) return;
   page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene);
-  if (!quiet) print_message("the render can be seen at " + page_->url());
+  if (!quiet) print_message("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
 
@@ -87,7 +88,7 @@ void Preview::watch(RenderOptions& options) {
   options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
   options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {
     if (before) before(state);
-    if (asked_ > 0) show(state);
+    if (pause_requested_ > 0) show(state);
   };
 }
 
@@ -96,7 +97,7 @@ bool Preview::is_due() {
   if (now < next_.load(std::memory_order_relaxed)) return false;
   const bool looked_at = (page_ && page_->wants_image()) || (tev_ && tev_->is_ready());
   double never = 0;
-  if (looked_at) asked_.compare_exchange_strong(never, now, std::memory_order_relaxed);
+  if (looked_at) pause_requested_.compare_exchange_strong(never, now, std::memory_order_relaxed);
   return looked_at;
 }
 
@@ -107,11 +108,11 @@ void Preview::show(const RenderState& state) {
   if (page_) page_->set_image(beauty);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
   const double now = Progress::steady_seconds();
-  double cost = now - asked_;
+  double cost = now - pause_requested_;
   // The page encodes in parallel to the render, on one of its processors.
   if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
   next_ = now + std::max(kMinInterval, kCostFactor * cost);
-  asked_ = 0;
+  pause_requested_ = 0;
 }
 
 void Preview::begin_writing() {

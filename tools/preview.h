@@ -49,10 +49,10 @@ class Preview {
   bool is_due();
   void show(const RenderState& state);
 
-  std::unique_ptr<LivePage> page_;  ///< null: disabled
-  std::unique_ptr<TevViewer> tev_;  ///< null: disabled
-  std::atomic<double> next_{0};     ///< earliest time of the next preview, s on the steady clock
-  std::atomic<double> asked_{0};    ///< time at which the render was asked to pause for a preview; 0: not asked
+  std::unique_ptr<LivePage> page_;          ///< null: disabled
+  std::unique_ptr<TevViewer> tev_;          ///< null: disabled
+  std::atomic<double> next_{0};             ///< earliest time of the next preview, s on the steady clock
+  std::atomic<double> pause_requested_{0};  ///< time of the last request to pause for a preview; 0: none
 };
 
 }  // namespace sheaf

@@ -25,19 +25,18 @@ constexpr NameTable<ModelView::Up> kUpAxes{
 }  // namespace
 
 void add_read_options(Command& command, ReadArguments& arguments) {
-  command.add_option("-D,--define", arguments.definitions,
-                     "name=value: what $name means in the scene; may be repeated");
+  command.add_option("-D,--define", arguments.definitions, "name=value: replaces $name in the scene; may be repeated");
   command.add_flag("--lenient", arguments.lenient,
-                   "Make a picture if there is any way: what cannot be read is left out or replaced, with a warning");
+                   "Render malformed or unsupported scenes: substitute or drop what cannot be read, with warnings");
   command
       .add_option("--nori-camera", arguments.nori_camera,
-                  "Which way round pictures of Nori scenes are: eth (default) or upstream, its mirror image")
+                  "Image orientation of Nori scenes: eth (default), or upstream, the mirror image")
       .one_of(kNoriCameras.names());
   command
-      .add_option("--view", arguments.view, "Where a model is seen from: azimuth,elevation in degrees. Default: 30,20")
+      .add_option("--view", arguments.view,
+                  "Camera direction for a model: azimuth,elevation in degrees. Default: 30,20")
       .list(',', 2);
-  command.add_option("--up", arguments.up, "Which axis of a model points up: x, y (default) or z")
-      .one_of(kUpAxes.names());
+  command.add_option("--up", arguments.up, "Up axis of a model: x, y (default) or z").one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
 }
 
@@ -48,16 +47,14 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   if (!arguments.nori_camera.empty()) options.nori_camera = kNoriCameras.option("camera", arguments.nori_camera);
   const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
   if (viewed && !model_format(file) && !arguments.lenient)
-    throw Error(ExitCode::kUsage,
-                "--view, --up and --fov are for models (.obj, .ply, .serialized); a scene has a camera");
+    throw Error(ExitCode::kUsage, "--view, --up and --fov apply to models (.obj, .ply, .serialized), not to scenes");
   ModelView& view = options.view;
   if (!arguments.view.empty()) {
     view.azimuth = arguments.view[0];
     view.elevation = arguments.view[1];
-    if (!std::isfinite(view.azimuth))
-      throw Error(ExitCode::kUsage, "--view: the azimuth is a finite number of degrees");
+    if (!std::isfinite(view.azimuth)) throw Error(ExitCode::kUsage, "--view: expected a finite azimuth in degrees");
     if (!(view.elevation >= -90 && view.elevation <= 90))
-      throw Error(ExitCode::kUsage, "--view: the elevation lies between -90 and 90 degrees");
+      throw Error(ExitCode::kUsage, "--view: expected an elevation from -90 to 90 degrees");
   }
   if (!arguments.up.empty()) view.up = kUpAxes.option("axis", arguments.up);
   if (arguments.fov) view.fov = *arguments.fov;

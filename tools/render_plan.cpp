@@ -22,7 +22,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   std::vector<char*> pointers;
   for (std::string& word : line) pointers.push_back(word.data());
   if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
-    throw Error(ExitCode::kUsage, "these are no options of 'sheaf render'");
+    throw Error(ExitCode::kUsage, "not an option of 'sheaf render'");
   // Read the scene and apply the options
   const AovSet aovs = wanted_aovs(arguments);
   Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));

@@ -66,12 +66,14 @@ int finish_output(int exit_code) {
 int run(int argc, char** argv) {
   int exit_code = static_cast<int>(ExitCode::kDone);
   Program program("sheaf", "Sheaf, a data-oriented wavefront path tracer for the CPU.");
+  // Describe the program
   program.set_footer(
-      "Exit codes: 0 done, 1 runtime error, 2 usage, 3 scene or asset, 4 output not writable,\n"
-      "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT, SIGTERM, after saving what there is\n"
-      "(a second SIGINT or SIGTERM ends the program at once).");
+      "Exit codes: 0 success, 1 runtime error, 2 usage error, 3 scene or asset error, 4 output not writable,\n"
+      "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT or SIGTERM after saving the image so far\n"
+      "(a second SIGINT or SIGTERM terminates immediately).");
   program.set_version(std::string("sheaf " SHEAF_VERSION " ") + kIsaName);
   program.require_command();
+  // Add the commands, and run the one on the command line
   try {
     add_render_command(program, exit_code);
     add_info_command(program, exit_code);
@@ -84,7 +86,7 @@ int run(int argc, char** argv) {
     print_message(error.what());
     return static_cast<int>(error.code());
   } catch (const std::bad_alloc&) {
-    print_message("there is not enough memory");
+    print_message("out of memory");
     return static_cast<int>(ExitCode::kRuntime);
   } catch (const std::exception& error) {
     print_message(error.what());

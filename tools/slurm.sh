@@ -43,7 +43,7 @@ end_daemon() {
 
 start() {
   for program in munged slurmctld slurmd sbatch; do
-    command -v "$program" >/dev/null || fail 77 "there is no $program: try 'tools/slurm.sh install'"
+    command -v "$program" >/dev/null || fail 77 "$program is missing: run 'tools/slurm.sh install'"
   done
   ((EUID == 0)) || fail 77 "only root may start the daemons"
   mkdir -p "$folder"/{state,spool}
@@ -105,7 +105,7 @@ CONF
 
 stop() {
   export SLURM_CONF=$folder/slurm.conf
-  [[ -s $SLURM_CONF ]] || fail 2 "there is no cluster in '$folder'"
+  [[ -s $SLURM_CONF ]] || fail 2 "no cluster in '$folder'"
   if [[ -s $folder/slurmctld.pid ]]; then
     timeout 10 scancel --quiet --user=root >/dev/null 2>&1 || true
     for ((i = 0; i < 50; ++i)); do
@@ -122,7 +122,7 @@ case ${1:-} in
   start | stop)
     [[ -n ${2:-} ]] || fail 2 "the folder is missing: tools/slurm.sh $1 FOLDER"
     folder=$(realpath -m "$2")
-    [[ $folder != *[[:space:],=#]* ]] || fail 2 "Slurm knows no folders with spaces, commas, '=' or '#' in their names"
+    [[ $folder != *[[:space:],=#]* ]] || fail 2 "Slurm does not support spaces, commas, '=' and '#' in folder names"
     "$1"
     ;;
   *) fail 2 "usage: tools/slurm.sh install | start FOLDER | stop FOLDER" ;;

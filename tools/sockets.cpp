@@ -19,7 +19,7 @@ namespace sheaf {
 namespace {
 
 /// Interval at which waiting functions check whether to stop, ms.
-constexpr int kLookEvery = 50;
+constexpr int kPollInterval = 50;
 
 std::string system_message(int number) { return std::strerror(number); }
 
@@ -28,7 +28,7 @@ bool wait_until_writable(int descriptor, double seconds, const std::atomic<bool>
   const double end = Progress::steady_seconds() + seconds;
   while (!stop && Progress::steady_seconds() < end) {
     pollfd waited{descriptor, POLLOUT, 0};
-    if (poll(&waited, 1, kLookEvery) > 0) return true;
+    if (poll(&waited, 1, kPollInterval) > 0) return true;
   }
   return false;
 }
@@ -52,11 +52,11 @@ std::string Endpoint::text() const {
 }
 
 Endpoint parse_endpoint(const std::string& option, const std::string& text, const std::string& default_host,
-                        int least_port) {
+                        int min_port) {
   const auto wrong = [&] {
     const std::string form = default_host.empty() ? "HOST:PORT" : "PORT or ADDRESS:PORT";
     return Error(ExitCode::kUsage, option + " " + in_quotes(text) + ": expected " + form + ", the port from " +
-                                       std::to_string(least_port) + " to 65535, IPv6 addresses in brackets");
+                                       std::to_string(min_port) + " to 65535, IPv6 addresses in brackets");
   };
   Endpoint endpoint{default_host, 0};
   std::string_view port = text;
@@ -69,7 +69,7 @@ Endpoint parse_endpoint(const std::string& option, const std::string& text, cons
   }
   const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), endpoint.port);
   const bool is_number = error == std::errc() && end == port.data() + port.size();
-  if (endpoint.host.empty() || !is_number || endpoint.port < least_port || endpoint.port > 65535) throw wrong();
+  if (endpoint.host.empty() || !is_number || endpoint.port < min_port || endpoint.port > 65535) throw wrong();
   return endpoint;
 }
 
@@ -99,14 +99,14 @@ std::vector<Address> resolve(const Endpoint& endpoint, bool to_listen) {
 }
 
 Socket listen_at(const Endpoint& endpoint) {
-  constexpr int kWaiting = 16;  // backlog of connections
+  constexpr int kBacklog = 16;  // backlog of connections
   int number = 0;
   for (const Address& address : resolve(endpoint, true)) {
     Socket socket = open_socket(address, false);
     const int on = 1;  // reuse the port while old connections of a terminated program are closing
     if (socket.is_open()) setsockopt(socket.descriptor(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (socket.is_open() && bind(socket.descriptor(), address.get(), address.size) == 0 &&
-        listen(socket.descriptor(), kWaiting) == 0)
+        listen(socket.descriptor(), kBacklog) == 0)
       return socket;
     number = errno;
   }
@@ -119,7 +119,7 @@ int listening_port(const Socket& socket) {
                                        : ntohs(reinterpret_cast<const sockaddr_in&>(storage).sin_port);
 }
 
-bool listens_to_itself(const Socket& socket) {
+bool listens_on_loopback(const Socket& socket) {
   const sockaddr_storage storage = local_address(socket);
   if (storage.ss_family == AF_INET6) {
     const in6_addr& address = reinterpret_cast<const sockaddr_in6&>(storage).sin6_addr;

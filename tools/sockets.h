@@ -21,9 +21,9 @@ struct Endpoint {
 };
 
 /// Parses the value of `option`: "host:port", "[IPv6 address]:port", or only the port if `default_host` is not empty.
-/// Throws Error (exit code 2) for malformed text, and for ports below `least_port` or above 65535.
+/// Throws Error (exit code 2) for malformed text, and for ports below `min_port` or above 65535.
 Endpoint parse_endpoint(const std::string& option, const std::string& text, const std::string& default_host,
-                        int least_port);
+                        int min_port);
 
 /// Owner of a socket, possibly empty. The destructor closes it.
 class Socket {
@@ -65,7 +65,7 @@ Socket listen_at(const Endpoint& endpoint);
 int listening_port(const Socket& socket);
 
 /// Whether a socket listens on a loopback address only.
-bool listens_to_itself(const Socket& socket);
+bool listens_on_loopback(const Socket& socket);
 
 /// Connects to the first address that answers, waiting up to `seconds` for each. Returns an empty socket on failure or
 /// when `stop` becomes true; `why` receives the error.

@@ -126,7 +126,7 @@ void TevViewer::run() {
       sending_ = true;
       lock.unlock();
       const bool sent = send(*image);
-      if (!sent && !stop_) say_("the tev viewer at " + place_ + " is gone, or takes no more pictures");
+      if (!sent && !stop_) say_("the tev viewer at " + place_ + " has disconnected or stopped accepting images");
       lock.lock();
       sending_ = false;
       if (!sent) socket_ = Socket();
@@ -143,9 +143,9 @@ void TevViewer::run() {
 void TevViewer::connect() {
   std::string why;
   Socket socket = connect_to(addresses_, kConnectSeconds, stop_, why);
-  if (!socket.is_open() && !stop_ && why != told_)
-    say_("no tev viewer at " + place_ + " yet: " + why + "; it is looked for while the render runs");
-  told_ = why;
+  if (!socket.is_open() && !stop_ && why != reported_)
+    say_("no tev viewer at " + place_ + " yet: " + why + "; retrying during the render");
+  reported_ = why;
   created_ = false;
   const std::lock_guard lock(mutex_);
   socket_ = std::move(socket);

@@ -58,7 +58,7 @@ class TevViewer {
   bool tried_ = false;                    ///< tried to connect at least once; guarded by mutex_
   Socket socket_;                         ///< used by the thread only
   bool created_ = false;                  ///< the viewer has opened the image; used by the thread only
-  std::string told_;                      ///< the last connection error that was reported; used by the thread only
+  std::string reported_;                  ///< the last connection error that was reported; used by the thread only
   std::thread thread_;                    ///< last member: it uses the others
 };
 

@@ -57,9 +57,11 @@ Transform map_of(const openvdb::GridBase& grid) {
 }
 
 int run(const std::string& in, const std::string& out) {
+  // Open the file
   openvdb::initialize();
   openvdb::io::File file(in);
   file.open();
+  // Convert the fog volumes
   std::list<VoxelBlocks> voxels;
   std::vector<NanoVdbGrid> grids;
   const openvdb::GridPtrVecPtr found = file.getGrids();
@@ -68,14 +70,15 @@ int run(const std::string& in, const std::string& out) {
     const auto scalar = openvdb::gridPtrCast<openvdb::FloatGrid>(base);
     const auto vector = openvdb::gridPtrCast<openvdb::Vec3SGrid>(base);
     if (is_level_set || (!scalar && !vector)) {
-      std::fprintf(stderr, "vdb_to_nanovdb: left out '%s', %s\n", base->getName().c_str(),
+      std::fprintf(stderr, "vdb_to_nanovdb: skipped '%s', %s\n", base->getName().c_str(),
                    is_level_set ? "a level set" : ("of type " + base->valueType()).c_str());
       continue;
     }
     voxels.push_back(scalar ? to_blocks(*scalar) : to_blocks(*vector));
     grids.push_back({base->getName(), &voxels.back(), map_of(*base)});
   }
-  if (grids.empty()) throw SceneError({in}, "no fog volumes of floats");
+  // Write them
+  if (grids.empty()) throw SceneError({in}, "contains no float fog volumes");
   write_nanovdb(out, grids);
   return 0;
 }

@@ -121,7 +121,7 @@ class Library final : public ImageLibrary {
     if (!output) return fail(OIIO::geterror());
     OIIO::Filesystem::IOVecOutput encoded;  // the library ignores errors while closing files
     if (!output->set_ioproxy(&encoded)) return fail("this build of OpenImageIO cannot write PNG files to memory");
-    if (!output->open("picture.png", spec)) return fail(output->geterror());
+    if (!output->open("image.png", spec)) return fail(output->geterror());
     const bool written = output->write_image(OIIO::TypeDesc::UINT8, pixels.bytes);
     if (!output->close() || !written) return fail(output->geterror());
     return encoded.buffer();

@@ -36,8 +36,8 @@ template <class L> struct BelowCoat {
   /// surface.
   BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  /// Samples the base; the direction is outside the coat. `pdf_solid_angle` is that inside the coat and serves only to
-  /// tell delta lobes (0) from others.
+  /// Samples the base; the direction is outside the coat. `pdf_solid_angle` is that inside the coat and is used only
+  /// to distinguish delta lobes (0).
   BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
   /// Probability of sampling the coat's reflection, where the coat transmits the fraction `entering`.

@@ -14,7 +14,7 @@
 //   N  azimuthal lobe around the direction of a smooth fibre: a logistic distribution trimmed to [-pi, pi] (Chiang,
 //      section 4.1)
 // The offset of the ray from the fibre's axis, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
-// depends on wo alone. Where light passes through a fibre, camera paths scatter at the side that faces the camera,
+// depends only on wo. Where light passes through a fibre, camera paths scatter at the side that faces the camera,
 // photons at the side where they enter.
 #pragma once
 
@@ -90,8 +90,8 @@ template <class F> struct TrimmedLogistic {
   }
 
   SHEAF_INLINE F sample(F u) const {
-    const F one(1.0f), least = tail / (one + tail), all = (one - tail) / (one + tail);
-    const F below = max(fma(u, all, least), F(1e-30f)), above = max(fma(one - u, all, least), F(1e-30f));
+    const F one(1.0f), smallest = tail / (one + tail), all = (one - tail) / (one + tail);
+    const F below = max(fma(u, all, smallest), F(1e-30f)), above = max(fma(one - u, all, smallest), F(1e-30f));
     return clamp(s * log(below / above), F(-kPi), F(kPi));
   }
 };

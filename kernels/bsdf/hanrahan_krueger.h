@@ -71,8 +71,8 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
     const F inverse_i = F(1.0f) / i;
     const auto back = wo.z * wi.z > F(0.0f);
     // In both cases the result is the mean of the transmittance over the depth of the vertex, where the path length
-    // grows from `least` by `more`, in units of the thickness.
-    const F least = select(back, F(0.0f), min(inverse_o, inverse_i));
+    // grows from `min_inverse` by `more`, in units of the thickness.
+    const F min_inverse = select(back, F(0.0f), min(inverse_o, inverse_i));
     const F more = select(back, inverse_o + inverse_i, abs(inverse_i - inverse_o));
     const Spectrum<L> sigma_s = select<L>(is_by_albedo(), this->first * this->second, this->first);
     const Spectrum<L> t = depth();
@@ -80,7 +80,7 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
       const F x = d * more;
       const F mean = select(x < F(0.02f), fma(x, fma(x, F(1.0f / 6.0f), F(-0.5f)), F(1.0f)),
                             (F(1.0f) - exp(-x)) / max(x, F(0.02f)));
-      return s * this->thickness * inverse_o * exp(-d * least) * mean;
+      return s * this->thickness * inverse_o * exp(-d * min_inverse) * mean;
     };
     return {one(sigma_s.c0, t.c0), one(sigma_s.c1, t.c1), one(sigma_s.c2, t.c2), one(sigma_s.c3, t.c3)};
   }

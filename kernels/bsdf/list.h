@@ -63,7 +63,7 @@ template <template <class> class Bsdf> consteval bool fits_below_coat() {
 template <template <class> class... Bsdfs> struct BsdfList {
   static_assert((fits_its_closure<Bsdfs>() && ...), "a BSDF differs from its closure in scene/materials/");
   static_assert(((!Bsdfs<Scalar>::Closure::kInfo.is_coatable || fits_below_coat<Bsdfs>()) && ...),
-                "a closure says that it can be coated, but has more parameters than a coat has room for");
+                "a coatable closure has more parameters than a coat can hold");
 
   /// Number of BSDFs with this closure.
   template <class Closure> static consteval int count() {

@@ -65,10 +65,12 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
     const F lambert = select(lit, cos_i * F(kInvPi), zero);
 
     BsdfValue<L> value;
+    // Evaluate diffuse reflection and transmission
     const F diffuse = (one - this->spec_trans) * lambert;
     const F shape = select(reflects, (one - d) * near_diffuse(wo.z, cos_i, dot(wi, h)), d);
     value.f_cos = this->base_color * (diffuse * shape);
     value.pdf_solid_angle = lambert * select(reflects, p.diffuse_reflect, p.diffuse_transmit);
+    // Add sheen
     if (any(this->sheen > zero)) {
       const auto& c = this->base_color;
       const Spectrum<L> tint =
@@ -76,6 +78,7 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
       const F amount = this->sheen * diffuse * F(kPi) * (one - d) * schlick_weight(cos_d);
       value.f_cos = value.f_cos + tint * select(reflects, amount, zero);
     }
+    // Add the specular lobes
     if (any(this->spec_trans > zero)) add_specular(value, wo, wi, h, cos_d, lit, p);
     return value;
   }

@@ -59,8 +59,8 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
   Planes3 color = find_colors(image, ""), variance = find_colors(image, "variance.");
   if (variance[0].is_empty())
     throw Error(ExitCode::kUsage,
-                "the picture has no layers variance.R, variance.G and variance.B, without which noise cannot be told "
-                "from detail: render it with --replicates 4 (any number above 1)");
+                "the image lacks the layers variance.R/G/B that non-local means require: render it with --replicates "
+                "4, or any number above 1");
   combine(variance, variance, [](float v, float) { return std::max(v, 0.0f); });
   // Recover both halves from the mean and one half, and remove fireflies.
   NlMeansInput input;
@@ -98,6 +98,7 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
 
 /// The image with denoised.R/G/B, added or replaced.
 Image with_denoised(const Image& image, const Planes3& denoised) {
+  // Find or add the channels
   Image out = image;
   int index[3];
   for (int c = 0; c < 3; ++c) {
@@ -107,6 +108,7 @@ Image with_denoised(const Image& image, const Planes3& denoised) {
     index[c] = static_cast<int>(out.channels.size());
     out.channels.push_back(name);
   }
+  // Copy the existing values and write the denoised ones
   const std::size_t before = image.channels.size(), after = out.channels.size();
   out.data.assign(out.pixel_count() * after, 0.0f);
   tbb::parallel_for(0, out.height, [&](int y) {
@@ -128,8 +130,6 @@ void check_denoiser(Denoiser denoiser) {
   if (denoiser == Denoiser::kOidn) check_oidn();
 }
 
-Denoiser denoiser_from_name(const std::string& name) { return name == "oidn" ? Denoiser::kOidn : Denoiser::kNlMeans; }
-
 DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
   if (threads > 0) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
@@ -138,7 +138,7 @@ DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
   }
   for (const char* name : kColorNames)
     if (image.find_channel(name) < 0)
-      throw Error(ExitCode::kUsage, std::string("the picture has no channel ") + name + " to be denoised");
+      throw Error(ExitCode::kUsage, std::string("the image has no channel ") + name + " to denoise");
   DenoiseResult result;
   const Planes3 denoised = denoiser == Denoiser::kOidn ? denoise_oidn(image, result.description)
                                                        : denoise_nl_means(image, result.description);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/exr.h"
+#include "core/name_table.h"
 
 #include <string>
 
@@ -13,7 +14,7 @@ enum class Denoiser {
   kOidn,     ///< Open Image Denoise, if installed; see oidn.h
 };
 
-/// A denoised image and how it was made.
+/// A denoised image, and a description of the method.
 struct DenoiseResult {
   /// The image with all of its channels unchanged, plus denoised.R/G/B (existing ones are replaced).
   Image image;
@@ -27,8 +28,8 @@ struct DenoiseResult {
 /// threads.
 DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads = 0);
 
-/// Returns the method for "nlm" or "oidn".
-Denoiser denoiser_from_name(const std::string& name);
+/// Names of the methods on the command line.
+inline constexpr NameTable<Denoiser> kDenoisers{{{"nlm", Denoiser::kNlMeans}, {"oidn", Denoiser::kOidn}}};
 
 /// Throws Error (exit code 1) if the method cannot be used on this machine.
 void check_denoiser(Denoiser denoiser);

@@ -88,6 +88,7 @@ Feature make_feature(std::vector<Plane> channels) {
 /// deviations from the plane through a pixel and its neighbors count. Inverse depth is 0 where nothing is hit.
 Feature make_depth_feature(const Plane& depth) {
   const int width = depth.width(), height = depth.height();
+  // Invert the depth
   Plane inverse(width, height);
   double sum = 0;
   for (int y = 0; y < height; ++y)
@@ -99,12 +100,13 @@ Feature make_depth_feature(const Plane& depth) {
   inverse.extend();
   Feature feature;
   feature.scale = Plane(width, height);
+  // Estimate the slope, and scale differences relative to the depth
   feature.slope_x = slope_of(inverse, 1, 0);
   feature.slope_y = slope_of(inverse, 0, 1);
-  const float least = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
+  const float smallest = 0.1f * static_cast<float>(sum / (static_cast<double>(width) * height)) + 1e-12f;
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x)
-      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kMinDepthSquare * sqr(std::max(inverse.at(x, y), least)));
+      feature.scale.at(x, y) = 1 / (sqr(kFeatureK) * kMinDepthSquare * sqr(std::max(inverse.at(x, y), smallest)));
   });
   feature.channels.push_back(std::move(inverse));
   return feature;

@@ -19,12 +19,12 @@ constexpr float kCertain = 9.0f;
 
 /// Luminance of the second brightest neighbor; 0 if there are fewer than two.
 float second_brightest(const Plane& plane, int x, int y) {
-  float most = 0, second = 0;
+  float largest = 0, second = 0;
   for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
     for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i) {
       if (i == x && j == y) continue;
-      second = std::max(second, std::min(plane.at(i, j), most));
-      most = std::max(most, plane.at(i, j));
+      second = std::max(second, std::min(plane.at(i, j), largest));
+      largest = std::max(largest, plane.at(i, j));
     }
   return second;
 }

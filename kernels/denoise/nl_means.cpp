@@ -33,7 +33,7 @@ constexpr float kLevel = 3.0f;
 /// Factor on patch distances in the filter that relies on features.
 constexpr float kGently = 0.1f;
 
-/// Whether a filter fits planes. Plane fits improve no image in filters that use colors or features alone.
+/// Whether a filter fits planes. Plane fits improve no image in filters that use only colors or only features.
 constexpr bool fits_plane(int filter) { return filter == kSmallPatch || filter == kLargePatch; }
 
 /// Approximation of exp(-x) for x >= 0 that is exactly 0 for x >= 16: (1 - x / 16)^16.

@@ -59,13 +59,13 @@ NoiseCorrelation::NoiseCorrelation(const Planes3& half, const Planes3& other, co
   // The correlation of two sets of n independent numbers has the standard deviation 1 / sqrt(n). The color channels are
   // assumed to be fully correlated, so n is the number of pixels.
   const double pixels = static_cast<double>(noise[0].width()) * noise[0].height();
-  const double least = kSureDeviations / std::sqrt(pixels);
+  const double threshold = kSureDeviations / std::sqrt(pixels);
   for (int dy = 0; dy <= kReach; ++dy)
     for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx) {
       double sum = 0;
       for (const Plane& plane : noise) sum += sum_of_products(plane, dx, dy);
       const double value = sum / whole;
-      if (std::abs(value) <= least) continue;
+      if (std::abs(value) <= threshold) continue;
       values_[index(dx, dy)] = values_[index(-dx, -dy)] = static_cast<float>(std::clamp(value, -1.0, 1.0));
     }
 }

@@ -18,7 +18,7 @@ class NoiseCorrelation {
 
   /// Uncorrelated noise.
   NoiseCorrelation() { values_[index(0, 0)] = 1; }
-  /// Estimates the correlation from the difference of two halves of the samples, which consists of noise alone.
+  /// Estimates the correlation from the difference of two halves of the samples, which consists only of noise.
   /// `variance`: variance of the mean of one half, above 0 wherever the halves differ. All planes have extended
   /// borders. Estimates within three standard deviations of 0 are set to 0.
   NoiseCorrelation(const Planes3& half, const Planes3& other, const Planes3& variance);

@@ -43,10 +43,9 @@ struct Library {
 };
 
 Error no_library(const std::string& why) {
-  return Error(ExitCode::kRuntime,
-               "Open Image Denoise cannot be used: " + why +
-                   "; install it (pip install oidn), put libOpenImageDenoise.so beside the program or set "
-                   "LD_LIBRARY_PATH to its folder, or denoise with nlm, which needs nothing");
+  return Error(ExitCode::kRuntime, "Open Image Denoise is not available: " + why +
+                                       "; install it (pip install oidn), put libOpenImageDenoise.so next to the "
+                                       "program, set LD_LIBRARY_PATH to its folder, or use the built-in denoiser nlm");
 }
 
 std::string environment_variable(const char* name) {
@@ -70,22 +69,24 @@ void* open_library() {
     }
     return nullptr;
   };
+  // Search the folders next to the program
   if (void* const handle = try_folders(folders.before)) return handle;
+  // Search with the dynamic linker
   std::string names;
   for (const std::string& name : oidn_names()) {
     names += (names.empty() ? "" : ", ") + name;
     if (void* const handle = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
   }
   looked += (looked.empty() ? "" : ", ") + std::string("the dynamic linker's folders (") + names + ")";
+  // Search the folders of Python packages and of Blender
   if (void* const handle = try_folders(folders.behind)) return handle;
-  throw no_library((refused.empty() ? "there is no library libOpenImageDenoise.so in " : "looked in ") + looked +
-                   refused);
+  throw no_library((refused.empty() ? "libOpenImageDenoise.so was not found in " : "looked in ") + looked + refused);
 }
 
 template <class Function> void find_function(void* handle, const char* name, const char* older, Function& function) {
   void* symbol = dlsym(handle, name);
   if (symbol == nullptr && older != nullptr) symbol = dlsym(handle, older);
-  if (symbol == nullptr) throw no_library(std::string("it has no function ") + name);
+  if (symbol == nullptr) throw no_library(std::string("it lacks the function ") + name);
   function = reinterpret_cast<Function>(symbol);
 }
 

@@ -11,6 +11,7 @@ namespace sheaf {
 Plane box_mean(const Plane& plane, int radius) {
   const int width = plane.width(), height = plane.height();
   Plane across(width, height), mean(width, height);
+  // Average along rows
   tbb::parallel_for(0, height, [&](int y) {
     const float* const in = plane.row(y);
     float* const out = across.row(y);
@@ -21,6 +22,7 @@ Plane box_mean(const Plane& plane, int radius) {
       out[x] = sum / static_cast<float>(last - first + 1);
     }
   });
+  // Average along columns
   tbb::parallel_for(0, height, [&](int y) {
     const int first = std::max(y - radius, 0), last = std::min(y + radius, height - 1);
     float* const out = mean.row(y);

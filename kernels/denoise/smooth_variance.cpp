@@ -19,27 +19,27 @@ constexpr float kBrighter = 2.0f;
 
 /// Minimum and maximum luminance of both halves, per pixel.
 struct LuminanceRange {
-  Plane least, most;
+  Plane smallest, largest;
 
-  explicit LuminanceRange(const Planes3* halves) : least(luminance_of(halves[0])), most(luminance_of(halves[1])) {
-    tbb::parallel_for(0, least.height(), [&](int y) {
-      for (int x = 0; x < least.width(); ++x) {
-        const auto [low, high] = std::minmax({least.at(x, y), most.at(x, y)});
-        least.at(x, y) = low;
-        most.at(x, y) = high;
+  explicit LuminanceRange(const Planes3* halves) : smallest(luminance_of(halves[0])), largest(luminance_of(halves[1])) {
+    tbb::parallel_for(0, smallest.height(), [&](int y) {
+      for (int x = 0; x < smallest.width(); ++x) {
+        const auto [low, high] = std::minmax({smallest.at(x, y), largest.at(x, y)});
+        smallest.at(x, y) = low;
+        largest.at(x, y) = high;
       }
     });
   }
 
   bool is_brighter(int x, int y, int than_x, int than_y) const {
-    return least.at(x, y) > kBrighter * most.at(than_x, than_y);
+    return smallest.at(x, y) > kBrighter * largest.at(than_x, than_y);
   }
 };
 
 void smooth_pixel(const Planes3& variance, const LuminanceRange& range, int x, int y, Planes3& out) {
   float sums[3] = {}, count = 0;
-  for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, range.least.height() - 1); ++j)
-    for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, range.least.width() - 1); ++i) {
+  for (int j = std::max(y - kRadius, 0); j <= std::min(y + kRadius, range.smallest.height() - 1); ++j)
+    for (int i = std::max(x - kRadius, 0); i <= std::min(x + kRadius, range.smallest.width() - 1); ++i) {
       if (range.is_brighter(i, j, x, y)) continue;
       for (std::size_t c = 0; c < 3; ++c) sums[c] += variance[c].at(i, j);
       ++count;

@@ -63,26 +63,26 @@ bool AdaptiveFilm::begin_round() {
   if (std::any_of(units_.begin(), units_.end(), is_left)) return true;
   if (!units_.empty()) ++rounds_;
   units_.clear();
-  const std::uint32_t most = goal_.max_samples / kSets;
+  const std::uint32_t max_per_half = goal_.max_samples / kSets;
   // The variance of one half's mean is twice the variance of the mean of both halves.
   const double wanted = 2 * goal_.noise * goal_.noise;
   const std::vector<double> noise[2] = {spread_noise(0), spread_noise(1)};
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
     const std::uint32_t taken = tile.sets[0].samples;
-    if (tile.is_content()) continue;
+    if (tile.is_converged()) continue;
     // Test both halves, and estimate the final number of samples by the noisier one: the variance is proportional to
     // 1 / n.
     const bool is_known = wanted > 0 && taken >= kMinSamples;
-    double expected = is_known ? taken : most;
+    double expected = is_known ? taken : max_per_half;
     for (int half = 0; half < 2; ++half) {
-      tile.content[half] = tile.content[half] || taken >= most || (is_known && noise[half][i] <= wanted);
-      if (is_known && !tile.content[half]) expected = std::max(expected, taken * noise[half][i] / wanted);
+      tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && noise[half][i] <= wanted);
+      if (is_known && !tile.converged[half]) expected = std::max(expected, taken * noise[half][i] / wanted);
     }
-    expected = std::min(expected, 1.0 * most);
-    const std::uint32_t next = tile.is_content() ? 0 : std::min(next_samples(taken), most - taken);
-    expected_[i] = kSets * (tile.is_content() ? taken : std::max(expected, 1.0 * (taken + next)));
-    if (tile.is_content()) continue;
+    expected = std::min(expected, 1.0 * max_per_half);
+    const std::uint32_t next = tile.is_converged() ? 0 : std::min(next_samples(taken), max_per_half - taken);
+    expected_[i] = kSets * (tile.is_converged() ? taken : std::max(expected, 1.0 * (taken + next)));
+    if (tile.is_converged()) continue;
     // Create the units of the tile.
     for (std::uint8_t set = 0; set < kSets; ++set)
       units_.push_back({static_cast<std::uint32_t>(i), taken, next, set, 0});
@@ -101,11 +101,11 @@ void AdaptiveFilm::add(std::size_t unit, const FilmTile& samples) {
   Tile& tile = tiles_[u.tile];
   Set& set = tile.sets[u.set];
   const int half = half_of(u.set);
-  if (!tile.content[1 - half]) {
+  if (!tile.converged[1 - half]) {
     add_sums(tile, set, samples);
     set.used += u.samples;
   }
-  if (!tile.content[half]) add_luminance(tile, set, samples);
+  if (!tile.converged[half]) add_luminance(tile, set, samples);
   set.samples += u.samples;
   u.done = 1;
 }
@@ -171,6 +171,7 @@ std::optional<double> AdaptiveFilm::noise_squared(const Tile& tile, int half, do
 
 std::vector<double> AdaptiveFilm::spread_noise(int half) const {
   const double mean = mean_luminance(half);
+  // Estimate the noise of each tile
   std::vector<double> own(tiles_.size());
   std::map<std::pair<int, int>, double> known;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
@@ -178,6 +179,7 @@ std::vector<double> AdaptiveFilm::spread_noise(int half) const {
       own[i] = *noise;
       known[{tiles_[i].square.x0, tiles_[i].square.y0}] = *noise;
     }
+  // Raise it to the mean of the neighbourhood
   std::vector<double> spread = own;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     const PixelRect& square = tiles_[i].square;
@@ -269,10 +271,10 @@ AdaptiveSummary AdaptiveFilm::summary() const {
     if (tile.own.area() == 0) continue;
     std::uint32_t used = 0;
     for (const Set& set : tile.sets) used += set.used;
-    summary.least_samples = summary.tiles == 0 ? used : std::min(summary.least_samples, used);
-    summary.most_samples = std::max(summary.most_samples, used);
+    summary.min_samples = summary.tiles == 0 ? used : std::min(summary.min_samples, used);
+    summary.max_samples = std::max(summary.max_samples, used);
     ++summary.tiles;
-    summary.reached += tile.is_content() && tile.sets[0].samples < goal_.max_samples / kSets ? 1u : 0u;
+    summary.reached += tile.is_converged() && tile.sets[0].samples < goal_.max_samples / kSets ? 1u : 0u;
     pixels += static_cast<double>(tile.own.area());
     samples += static_cast<double>(tile.own.area()) * used;
   }

@@ -35,7 +35,7 @@ struct AdaptiveUnit {
 struct AdaptiveSummary {
   double noise_target = 0;  ///< target noise of each tile; 0: none
   double mean_samples = 0;  ///< per pixel, of the samples that are used
-  std::uint32_t least_samples = 0, most_samples = 0;
+  std::uint32_t min_samples = 0, max_samples = 0;
   std::uint64_t tiles = 0, reached = 0;  ///< tiles of the image, and tiles that reached the target
 };
 
@@ -82,9 +82,9 @@ class AdaptiveFilm {
     PixelRect square;      ///< as passed to the constructor
     PixelRect own, outer;  ///< clipped to the crop window: own pixels; pixels within reach
     Set sets[kSets];
-    bool content[2] = {};  ///< [h]: half h has converged, so the image needs no more samples of the other half
+    bool converged[2] = {};  ///< [h]: half h has converged, so the image needs no more samples of the other half
 
-    bool is_content() const { return content[0] && content[1]; }
+    bool is_converged() const { return converged[0] && converged[1]; }
     /// Pixels whose noise decides: the own pixels, or those within reach if the tile has none of its own.
     const PixelRect& judged() const { return own.area() > 0 ? own : outer; }
   };

@@ -217,11 +217,13 @@ void add_part_ids(AovSet aovs, const SceneNames& names, const Film& film, Image&
     const std::vector<std::uint32_t> of_shape = names_of_shapes(kind, names);
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
+        // Sum the weights of each name
         std::map<std::uint32_t, double> weights;
         float* out = &image.at(x, y, static_cast<int>(first));
         for (const IdCoverage::Entry& entry : film.coverage(x + image.x0, y + image.y0).entries())
           entry.shape == IdCoverage::kNothing ? void(*out = static_cast<float>(entry.weight))
                                               : void(weights[of_shape.at(entry.shape)] += entry.weight);
+        // Store the names with the largest weights
         std::vector<Covering> ranked;
         for (const auto& [index, weight] : weights) ranked.push_back({index, weight});
         std::stable_sort(ranked.begin(), ranked.end(),

@@ -22,7 +22,7 @@ enum class VarianceUnit : std::uint8_t {
 };
 
 /// Pixel sums in double precision. A pixel's value is the weighted mean of its samples, sum of w v / sum of w. If
-/// samples count in their own pixel alone, w is 1.
+/// samples contribute only to their own pixel, w is 1.
 ///
 /// Let u be a unit, that is a sample or a replicate, W_u its sum of w, S_u its sum of w v, and m = sum of S_u / sum of
 /// W_u. To first order in 1 / n, the variance of m is the sum of (S_u - m W_u)^2 over the square of the sum of W_u.

@@ -23,7 +23,7 @@ PixelRect get_rect(BinaryInput& in, const PixelRect& outer) {
   for (int* const value : {&rect.x0, &rect.y0, &rect.x1, &rect.y1}) *value = in.get<std::int32_t>();
   if (rect.x0 < outer.x0 || rect.y0 < outer.y0 || rect.x1 > outer.x1 || rect.y1 > outer.y1 || rect.x1 < rect.x0 ||
       rect.y1 < rect.y0)
-    in.fail("has a rectangle that cannot be: damaged");
+    in.fail("is damaged (invalid rectangle)");
   return rect;
 }
 
@@ -85,18 +85,18 @@ void put_film(BinaryOutput& out, const Film& film) {
 
 Film get_film(BinaryInput& in) {
   const auto width = in.get<std::int32_t>(), height = in.get<std::int32_t>();
-  if (width > kMaxFrameSide || height > kMaxFrameSide) in.fail("has a frame that cannot be: damaged");
+  if (width > kMaxFrameSide || height > kMaxFrameSide) in.fail("is damaged (invalid frame size)");
   const PixelRect crop = get_rect(in, {0, 0, width, height});
   const auto bins = in.get<std::int32_t>();
   const auto unit = in.get<std::uint8_t>();
   const bool has_surface_ids = in.get<std::uint8_t>() != 0;
   if (bins < 0 || bins > kMaxSpectralBins || unit > static_cast<std::uint8_t>(VarianceUnit::kReplicate))
-    in.fail("has bins or variances that cannot be: damaged");
+    in.fail("is damaged (invalid spectral bins or variance unit)");
   FilmLayout layout = get_layout(in);
   // Each pixel has at least its count and its row. Check this before allocating memory for pixels that the file cannot
   // hold.
-  const std::uint64_t least = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
-  if (crop.area() > in.left() / least) in.fail("is truncated");
+  const std::uint64_t min_bytes = (1 + FilmRow(layout, bins, false).film_size()) * sizeof(double);
+  if (crop.area() > in.left() / min_bytes) in.fail("is truncated");
   Film film(width, height, crop, std::move(layout), bins, static_cast<VarianceUnit>(unit), has_surface_ids);
   in.get(film.counts_);
   in.get(film.sums_);
@@ -129,9 +129,9 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
       FilmBorder::Strip& strip = border.strips.emplace_back();
       strip.pixels = get_rect(in, film.crop());
       const auto numbers = in.get<std::uint64_t>();
-      if (numbers != strip.pixels.area() * film.tile_row_size()) in.fail("has a border of another size: damaged");
+      if (numbers != strip.pixels.area() * film.tile_row_size()) in.fail("is damaged (border of the wrong size)");
       strip.sums = in.get_vector<double>(numbers);
-      if ((in.get<std::uint8_t>() != 0) != film.has_surface_ids()) in.fail("has a border of another film: damaged");
+      if ((in.get<std::uint8_t>() != 0) != film.has_surface_ids()) in.fail("is damaged (border of another film)");
       if (!film.has_surface_ids()) continue;
       strip.coverage.resize(strip.pixels.area());
       get_coverage(in, strip.coverage);
@@ -140,13 +140,15 @@ std::vector<FilmBorder> get_borders(BinaryInput& in, const Film& film) {
 }
 
 void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
+  // Write the goal and the rectangles of the tiles
   out.put(film.goal_.noise);
   out.put(film.goal_.max_samples);
   out.put(static_cast<std::int32_t>(film.reach_));
   out.put(static_cast<std::uint64_t>(film.tiles_.size()));
   for (const AdaptiveFilm::Tile& tile : film.tiles_) put_rect(out, tile.square);
   for (const AdaptiveFilm::Tile& tile : film.tiles_) {
-    for (const bool content : tile.content) out.put(static_cast<std::uint8_t>(content));
+    // Write the samples of the tile
+    for (const bool converged : tile.converged) out.put(static_cast<std::uint8_t>(converged));
     for (const AdaptiveFilm::Set& set : tile.sets) {
       out.put(set.samples);
       out.put(set.used);
@@ -156,6 +158,7 @@ void put_adaptive(BinaryOutput& out, const AdaptiveFilm& film) {
       out.put(set.luminance);
     }
   }
+  // Write the units of work
   out.put(static_cast<std::uint64_t>(film.units_.size()));
   for (const AdaptiveUnit& unit : film.units_) {
     out.put(unit.tile);
@@ -173,8 +176,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   const AdaptiveGoal goal{noise, in.get<std::uint32_t>()};
   const auto reach = in.get<std::int32_t>();
   const auto count = in.get<std::uint64_t>();
-  if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect))
-    in.fail("has tiles that cannot be: damaged");
+  if (reach < 0 || reach > kMaxReach || count > in.left() / sizeof(PixelRect)) in.fail("is damaged (invalid tiles)");
   // Read the tiles' rectangles
   const PixelRect around = PixelRect{0, 0, of.width(), of.height()}.grown(kMaxReach);
   std::vector<PixelRect> squares;
@@ -189,7 +191,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   // Read the samples of each tile
   AdaptiveFilm film(of, squares, reach, goal);
   for (AdaptiveFilm::Tile& tile : film.tiles_) {
-    for (bool& content : tile.content) content = in.get<std::uint8_t>() != 0;
+    for (bool& converged : tile.converged) converged = in.get<std::uint8_t>() != 0;
     for (AdaptiveFilm::Set& set : tile.sets) {
       set.samples = in.get<std::uint32_t>();
       set.used = in.get<std::uint32_t>();
@@ -201,7 +203,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
   }
   // Read the units of work
   const auto units = in.get<std::uint64_t>();
-  if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("has more units than tiles: damaged");
+  if (units > AdaptiveFilm::kSets * film.tiles_.size()) in.fail("is damaged (more units than tiles)");
   film.units_.resize(static_cast<std::size_t>(units));
   for (AdaptiveUnit& unit : film.units_) {
     unit.tile = in.get<std::uint32_t>();
@@ -209,7 +211,7 @@ AdaptiveFilm get_adaptive(BinaryInput& in, const Film& of) {
     unit.samples = in.get<std::uint32_t>();
     unit.set = in.get<std::uint8_t>();
     unit.done = in.get<std::uint8_t>();
-    if (unit.tile >= film.tiles_.size() || unit.set >= AdaptiveFilm::kSets) in.fail("has a unit of no tile: damaged");
+    if (unit.tile >= film.tiles_.size() || unit.set >= AdaptiveFilm::kSets) in.fail("is damaged (unit without a tile)");
   }
   film.rounds_ = in.get<std::uint32_t>();
   in.get(film.expected_);

@@ -28,8 +28,8 @@ struct FilmBorder {
 class FilmTile {
  public:
   /// Begins the tile `own`. Pixels outside `crop` are ignored, although the tile's samples may lie there. `weights`:
-  /// null if samples count in their own pixel alone. `has_surface_ids`: samples have SurfaceSamples, whose coverage is
-  /// summed.
+  /// null if samples contribute only to their own pixel. `has_surface_ids`: samples have SurfaceSamples, whose coverage
+  /// is summed.
   void begin(const FilmRow& row, const FilterWeights* weights, const PixelRect& own, const PixelRect& crop,
              bool has_surface_ids = false);
 

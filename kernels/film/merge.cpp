@@ -44,9 +44,8 @@ void check_overlaps(std::span<const ImagePart> parts) {
       const SampleRange& a = parts[i].samples;
       const SampleRange& b = parts[k].samples;
       const std::uint32_t first = std::max(a.first, b.first), end = std::min(a.end(), b.end());
-      throw SceneError({parts[i].name, 0}, "has samples that '" + parts[k].name +
-                                               "' has too: " + std::to_string(first) + ":" +
-                                               std::to_string(end - first) + " of the pixel " +
+      throw SceneError({parts[i].name, 0}, "shares samples with '" + parts[k].name + "': " + std::to_string(first) +
+                                               ":" + std::to_string(end - first) + " of pixel " +
                                                std::to_string(both.x0) + "," + std::to_string(both.y0));
     }
 }
@@ -129,7 +128,7 @@ ImageMerger::ImageMerger(int frame_width, int frame_height, const PixelRect& who
                                                      : Rule::kMean;
     if (channel.rule == Rule::kVariance) {
       const int mean = image_.find_channel(name.substr(kVariancePrefix.size()));
-      if (mean < 0) throw SceneError("the layer '" + name + "' is the variance of none that is there");
+      if (mean < 0) throw SceneError("the layer '" + name + "' is a variance of a missing layer");
       channel.mean = static_cast<std::size_t>(mean);
     }
     row_size_ += channel.rule == Rule::kVariance ? 2 : channel.rule == Rule::kId ? 0 : 1;
@@ -151,7 +150,7 @@ void ImageMerger::begin_sums() {
 
 void ImageMerger::add(const ImagePart& part, const Image& image) {
   const PixelRect there{image.x0, image.y0, image.x0 + image.width, image.y0 + image.height};
-  if (!(there == part.pixels)) throw SceneError({part.name, 0}, "has other pixels than its header says");
+  if (!(there == part.pixels)) throw SceneError({part.name, 0}, "the data window does not match the header");
   std::vector<int> from;
   for (const std::string& name : image_.channels) {
     from.push_back(image.find_channel(name));
@@ -160,7 +159,8 @@ void ImageMerger::add(const ImagePart& part, const Image& image) {
   const PixelRect pixels = part.pixels.intersection(whole_);
   if (part.samples == SampleRange{0, samples_}) return copy(image, from, pixels);
   const std::string missing = missing_part_layer(image);
-  if (!missing.empty()) throw SceneError({part.name, 0}, "has no layer '" + missing + "', which joining samples needs");
+  if (!missing.empty())
+    throw SceneError({part.name, 0}, "has no layer '" + missing + "', which merging sample ranges requires");
   begin_sums();
   add_sums(part, image, from, pixels);
 }
@@ -224,7 +224,7 @@ void ImageMerger::add_sums(const ImagePart& part, const Image& image, const std:
       // Add the weights of ids.
       for (std::size_t kind = 0; kind < kNameKinds; ++kind)
         if (!coverage_[kind].empty() && !names[kind].add(in, coverage_[kind][pixel]))
-          throw SceneError({part.name, 0}, "has a number of an object or a material that cannot be");
+          throw SceneError({part.name, 0}, "contains an invalid object or material number");
     }
 }
 
@@ -267,7 +267,7 @@ Image ImageMerger::finish() {
     if (is_single_unit(row[kWeight], row[kWeightSquared])) ++single_units_;
     for (std::size_t kind = 0; kind < kNameKinds; ++kind)
       if (!coverage_[kind].empty() && !put_ids(coverage_[kind][pixel], id_channels[kind], ids_[kind], out))
-        throw SceneError("a part has a number of an object or a material for which headers have no id");
+        throw SceneError("a part contains an object or material number without an id in the headers");
   }
   return std::move(image_);
 }

@@ -34,12 +34,14 @@ double ImageNoise::noise() {
 
 std::optional<double> image_noise(const Image& image) {
   constexpr const char* kNames[] = {"R", "G", "B"};
+  // Find the channels
   int values[3], variances[3];
   for (std::size_t c = 0; c < 3; ++c) {
     values[c] = image.find_channel(kNames[c]);
     variances[c] = image.find_channel(std::string("variance.") + kNames[c]);
     if (values[c] < 0 || variances[c] < 0) return std::nullopt;
   }
+  // Accumulate the noise of all pixels
   ImageNoise noise;
   const int count = image.find_channel("sampleCount");
   std::size_t unknown = 0;

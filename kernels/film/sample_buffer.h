@@ -28,8 +28,8 @@ struct SurfaceSample {
   float weight = 1;                            ///< the filter's weight
 };
 
-/// The samples of a task. The channels of a sample are contiguous and follow the film's layout. If samples count in
-/// their own pixel alone, the values include the filter's weight.
+/// The samples of a task. The channels of a sample are contiguous and follow the film's layout. If samples contribute
+/// only to their own pixel, the values include the filter's weight.
 class SampleBuffer {
  public:
   /// Makes room for `samples` samples of `channels` channels (at least one). `spectral`: adds SpectralSamples.

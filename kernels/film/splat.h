@@ -24,7 +24,7 @@ struct Splat {
 /// Weights of a splat in the pixels around it. They equal the average weights of camera samples. Therefore images
 /// of camera paths and of light tracing have the same expectation, even at the edge of the frame.
 ///
-/// FilterMode::kWeighted: camera samples lie on the sampled pixels alone, and a pixel is their weighted mean. A splat
+/// FilterMode::kWeighted: camera samples lie only on the sampled pixels, and a pixel is their weighted mean. A splat
 /// outside the sampled pixels has no effect. Elsewhere its weight is the filter's value over the integral of the filter
 /// across the sampled pixels. FilterMode::kImportance: the weight is the filter's value over its whole integral, and
 /// splats count from every position within the filter's support.

@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Factor on the earlier passes' vertices in a mean, and minimum number of vertices for a mean.
-constexpr double kMeanMemory = 0.5, kFewestVertices = 16;
+constexpr double kMeanMemory = 0.5, kMinVertices = 16;
 
 /// Normal of the surfaces of a side; 0 for media.
 Vec3f axis_of(std::uint32_t side) {
@@ -39,7 +39,7 @@ GuideView GuideField::view() const {
 }
 
 /// Fits the cube to all vertices of the first pass, and creates a cell per side.
-void GuideField::place_cube(const std::vector<std::vector<GuideRecord>>& tasks) {
+void GuideField::fit_cube(const std::vector<std::vector<GuideRecord>>& tasks) {
   Vec3f low{kInfinity, kInfinity, kInfinity}, high = -low;
   for (const auto& task : tasks)
     for (const GuideRecord& r : task) {
@@ -52,15 +52,15 @@ void GuideField::place_cube(const std::vector<std::vector<GuideRecord>>& tasks) 
   roots_.resize(std::size_t{kGuideSides} << kGuideTopBits);
   children_.resize(2);
   for (std::uint32_t side = 0; side < kGuideSides; ++side) {
-    places_.push_back({0, side << kGuideTopBits, {}, first_mixture(axis_of(side)), 0, 0});
+    cells_.push_back({0, side << kGuideTopBits, {}, first_mixture(axis_of(side)), 0, 0});
     put(side);
   }
 }
 
 /// Points the tree nodes of a cell to it.
-void GuideField::put(std::uint32_t place) {
-  const Place& p = places_[place];
-  const std::uint32_t leaf = kGuideLeaf | (place + 1);
+void GuideField::put(std::uint32_t cell) {
+  const Cell& p = cells_[cell];
+  const std::uint32_t leaf = kGuideLeaf | (cell + 1);
   if (p.depth > kGuideTopBits) {
     children_[p.node] = leaf;
     return;
@@ -70,10 +70,10 @@ void GuideField::put(std::uint32_t place) {
 
 /// Sorts the records of all tasks by cell; within a cell they keep their order. Returns the range of each cell.
 std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::vector<GuideRecord>>& tasks) {
-  if (places_.empty()) place_cube(tasks);
+  if (cells_.empty()) fit_cube(tasks);
   const auto place_of = [](const GuideRecord& r) { return r.row() == 0 ? r.side() : r.row() - 1; };
-  std::vector<Span> spans(places_.size(), {0, 0});
-  if (places_.empty()) return spans;
+  std::vector<Span> spans(cells_.size(), {0, 0});
+  if (cells_.empty()) return spans;
   for (const auto& task : tasks)
     for (const GuideRecord& r : task) ++spans[place_of(r)].end;
   // Reserve the range of each cell.
@@ -90,11 +90,11 @@ std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::ve
 }
 
 /// Splits a cell, then its first half, while it holds more than `split_records` records. Second halves are appended to
-/// `spans` and split by learn().
-void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t split_records) {
-  while (spans[place].end - spans[place].begin > split_records && places_[place].depth < kGuideBits) {
-    const auto [begin, end] = spans[place];
-    const std::uint32_t bit = half_bit(places_[place].depth);
+/// `spans` and split by train().
+void GuideField::split(std::size_t cell, std::vector<Span>& spans, std::size_t split_records) {
+  while (spans[cell].end - spans[cell].begin > split_records && cells_[cell].depth < kGuideBits) {
+    const auto [begin, end] = spans[cell];
+    const std::uint32_t bit = half_bit(cells_[cell].depth);
     // Partition the records; both halves keep their order.
     const GuideView guide = view();
     std::vector<GuideRecord> upper;
@@ -108,50 +108,50 @@ void GuideField::split(std::size_t place, std::vector<Span>& spans, std::size_t 
     std::copy(upper.begin(), upper.end(), records_.begin() + static_cast<std::ptrdiff_t>(middle));
 
     // Share the statistics between the halves.
-    halve(places_[place].sums);
-    places_[place].found *= 0.5, places_[place].vertices *= 0.5;
-    const int depth = ++places_[place].depth;
-    Place other = places_[place];
+    halve(cells_[cell].sums);
+    cells_[cell].found *= 0.5, cells_[cell].vertices *= 0.5;
+    const int depth = ++cells_[cell].depth;
+    Cell other = cells_[cell];
     // Create the nodes.
     if (depth > kGuideTopBits) {
       const auto pair = static_cast<std::uint32_t>(children_.size());
       if (depth == kGuideTopBits + 1)
-        roots_[places_[place].node] = pair / 2;
+        roots_[cells_[cell].node] = pair / 2;
       else
-        children_[places_[place].node] = pair / 2;
+        children_[cells_[cell].node] = pair / 2;
       children_.resize(pair + 2);
-      places_[place].node = pair;
+      cells_[cell].node = pair;
       other.node = pair + 1;
     } else {
       other.node += 1u << (kGuideTopBits - depth);
     }
-    const auto second = static_cast<std::uint32_t>(places_.size());
-    places_.push_back(other);
-    spans[place] = {begin, middle};
+    const auto second = static_cast<std::uint32_t>(cells_.size());
+    cells_.push_back(other);
+    spans[cell] = {begin, middle};
     spans.push_back({middle, end});
-    put(static_cast<std::uint32_t>(place));
+    put(static_cast<std::uint32_t>(cell));
     put(second);
   }
 }
 
-void GuideField::fit(std::size_t place, const Span& span) {
-  Place& p = places_[place];
+void GuideField::fit(std::size_t cell, const Span& span) {
+  Cell& p = cells_[cell];
   const auto records = std::span(records_).subspan(span.begin, span.end - span.begin);
   if (!records.empty()) fit_mixture(records, p.mixture, p.sums);
   p.found *= kMeanMemory, p.vertices *= kMeanMemory;
   for (const GuideRecord& r : records) p.found += double{r.found};
   p.vertices += static_cast<double>(records.size());
-  mixtures_[place + 1] = p.mixture;
-  if (p.vertices > kFewestVertices) means_[place + 1] = static_cast<float>(p.found / p.vertices);
+  mixtures_[cell + 1] = p.mixture;
+  if (p.vertices > kMinVertices) means_[cell + 1] = static_cast<float>(p.found / p.vertices);
 }
 
-void GuideField::learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
+void GuideField::train(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
   std::vector<Span> spans = sort_records(tasks);
   // Newly created cells are appended, and are split in turn.
-  for (std::size_t place = 0; place < spans.size(); ++place) split(place, spans, split_records);
-  mixtures_.resize(places_.size() + 1);
-  means_.assign(places_.size() + 1, -1.0f);
-  for_each_parallel(places_.size(), 1, [&](std::size_t i) { fit(i, spans[i]); });
+  for (std::size_t cell = 0; cell < spans.size(); ++cell) split(cell, spans, split_records);
+  mixtures_.resize(cells_.size() + 1);
+  means_.assign(cells_.size() + 1, -1.0f);
+  for_each_parallel(cells_.size(), 1, [&](std::size_t i) { fit(i, spans[i]); });
 }
 
 }  // namespace sheaf

@@ -1,9 +1,9 @@
 // The guide: spatial cells, each with a mixture that models incident light. It learns from successive training passes.
 // The same records in the same order give the same guide, for any number of threads.
 //
-// A cell (Place) is a leaf of the tree of its side; see GuideView. It is split if a pass yields more than
-// `split_records` records for it, so cells are smaller where more is known, as in Mueller, Gross and Novak, "Practical
-// Path Guiding for Efficient Light-Transport Simulation", 2017.
+// A cell is a leaf of the tree of its side; see GuideView. It is split if a pass yields more than `split_records`
+// records for it, so cells are smaller where more is known, as in Mueller, Gross and Novak, "Practical Path Guiding for
+// Efficient Light-Transport Simulation", 2017.
 #pragma once
 
 #include "kernels/guiding/fit_mixture.h"
@@ -18,18 +18,18 @@ class GuideField {
   GuideField();
 
   /// Trains the guide with the records of a pass's tasks, in the order of the tasks.
-  void learn(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records);
+  void train(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records);
 
-  /// Valid until the next call of learn(), or until the guide is moved.
+  /// Valid until the next call of train(), or until the guide is moved.
   GuideView view() const;
   /// Mean of GuideRecord::found for each row of the view's mixtures; -1: unknown. Valid as long as the view.
   std::span<const float> means() const { return means_; }
   /// Number of cells of all sides.
-  std::size_t places() const { return places_.size(); }
+  std::size_t cells() const { return cells_.size(); }
 
  private:
   /// A cell, which is a leaf of a tree.
-  struct Place {
+  struct Cell {
     int depth;  ///< number of levels above the leaf
     /// index of its node: in the table, or if `depth` > kGuideTopBits in children_
     std::uint32_t node;
@@ -41,14 +41,14 @@ class GuideField {
     std::size_t begin, end;
   };
 
-  void place_cube(const std::vector<std::vector<GuideRecord>>& tasks);
+  void fit_cube(const std::vector<std::vector<GuideRecord>>& tasks);
   std::vector<Span> sort_records(const std::vector<std::vector<GuideRecord>>& tasks);
-  void split(std::size_t place, std::vector<Span>& spans, std::size_t split_records);
-  void put(std::uint32_t place);
-  void fit(std::size_t place, const Span& span);
+  void split(std::size_t cell, std::vector<Span>& spans, std::size_t split_records);
+  void put(std::uint32_t cell);
+  void fit(std::size_t cell, const Span& span);
 
   std::vector<GuideRecord> records_;
-  std::vector<Place> places_;
+  std::vector<Cell> cells_;
   std::vector<GuideMixture> mixtures_;  ///< of the cells, from row 1 on
   std::vector<float> means_;
   std::vector<std::uint32_t> roots_, children_;

@@ -38,8 +38,8 @@ inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 /// The point to be lit.
 template <class L> struct Receiver {
   Vec3<L> p;
-  Vec3<L> n;                ///< unit length, or zero
-  typename L::Float least;  ///< added to the cosine: 1 without a normal, else kMinCosine
+  Vec3<L> n;                      ///< unit length, or zero
+  typename L::Float cosine_bias;  ///< added to the cosine: 1 without a normal, else kMinCosine
 };
 
 template <class L> SHEAF_INLINE Receiver<L> make_receiver(Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
@@ -106,17 +106,17 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   using F = Float<L>;
   const Vec3<L> d = child.center;
   const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
-  const F one(1.0f), least(kMinCosine);
+  const F one(1.0f), min_cosine(kMinCosine);
   // Cosine at the light. Two-sided lights have two axes.
   const F cos_w = bits_float(float_bits(dot(child.tilt, d) * (inverse * F(1.0f / kLightFixedPoint))) & child.keep_sign);
   const F sin_w = fma(cos_w * F(-0.5f), cos_w, one);
   const F cos_light = fma(child.radius, inverse, fma(child.spread, sin_w, cos_w));
   // Cosine at the receiver, on the side of its normal where the light is.
-  const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.least);
+  const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.cosine_bias);
   // The distance counts as at least the radius. Its inverse is approximated to within 1/20, for radii up to 1e10.
   using U = Uint<L>;
   const F nearest = min(inverse, bits_float(U(0x7ef311c7u) - min(float_bits(child.radius), U(0x501502f9u))));
-  const F weight = child.share * (nearest * nearest) * (clamp(cos_light, least, one) * min(cos_receiver, one));
+  const F weight = child.share * (nearest * nearest) * (clamp(cos_light, min_cosine, one) * min(cos_receiver, one));
   const auto shines = cos_light + child.reach > one;
   return {select(shines, weight, F(0.0f)), shines};
 }
@@ -133,10 +133,11 @@ template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Rec
   const Importance<L> children[kLightChildren] = {
       importance<L>(unpack_light_child<L, 0>(node.words), at), importance<L>(unpack_light_child<L, 1>(node.words), at),
       importance<L>(unpack_light_child<L, 2>(node.words), at), importance<L>(unpack_light_child<L, 3>(node.words), at)};
-  const F least = ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kMinTurn);
+  const F min_weight =
+      ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kMinTurn);
   Turn<L> way;
   for (int k = 0; k < kLightChildren; ++k)
-    way.weights[k] = select(children[k].shines, max(children[k].weight, least), F(0.0f));
+    way.weights[k] = select(children[k].shines, max(children[k].weight, min_weight), F(0.0f));
   return way;
 }
 

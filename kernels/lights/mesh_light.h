@@ -35,15 +35,18 @@ struct MeshLight {
     using U = Uint<L>;
     const SceneView& scene = lights.scene;
     const MeshLightData<L> mesh = lights.light.template data<MeshLightData>();
+    // Sample a triangle by area, and a point on it
     const U first = select(lights.active, mesh.first_triangle, U(0u));
     const auto chosen =
         sample_alias<L>(scene.lights.triangle_alias, first, select(lights.active, mesh.triangle_count, U(1u)), u.w);
     const LightTriangleRecord<L> triangle = gather_rows<L>(scene.lights.triangles, first + chosen.index);
     const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
+    // Compute position and normal
     LightPoint<L> out;
     out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;
     out.y.ng = triangle.normal;
     out.y.offset = triangle.offset;
+    // Set up the texture lookup
     const auto textured = lights.active & (lights.light.texture != U(kNone));
     if (any(textured)) {
       const U row = select(textured, mesh.first_uv + chosen.index, U(0u));

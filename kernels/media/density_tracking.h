@@ -152,12 +152,12 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   const Mask<L> walking = is_at<L>(lane.start.outcome, DensityOutcome::kWalking);
   // Look up the bounds, and find the end of the step.
   const MajorantLeaf<L> leaf = find_leaf<L>(medium.majorants, walk);
-  const F s = lane.start.extinction, most_control = F(kMaxControlDepth) / lane.start.largest;
+  const F s = lane.start.extinction, max_control = F(kMaxControlDepth) / lane.start.largest;
   const F majorant = leaf.majorant;
-  const F minorant = select(sum.minorants < most_control, leaf.minorant, F(0.0f));
+  const F minorant = select(sum.minorants < max_control, leaf.minorant, F(0.0f));
   const F leaf_end = min(leaf.t_end, walk.leave);
   // At the limit of the minorants the step ends early; the next step enters the same leaf again.
-  const F used_up = walk.t + (most_control - sum.minorants) / minorant;
+  const F used_up = walk.t + (max_control - sum.minorants) / minorant;
   const Mask<L> is_used_up = (minorant > F(0.0f)) & (used_up < leaf_end);
   const F end = select(is_used_up, used_up, leaf_end);
   const F left = max(end - walk.t, F(0.0f));
@@ -167,7 +167,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   const Mask<L> collides = walking & (over > lane.start.depth), passes = walking & !collides;
   const F stretch = select(collides, lane.start.depth / rate, select(walking, left, F(0.0f)));
   sum.majorants = fma(majorant, stretch, sum.majorants);
-  sum.minorants = select(passes & is_used_up, most_control, fma(minorant, stretch, sum.minorants));
+  sum.minorants = select(passes & is_used_up, max_control, fma(minorant, stretch, sum.minorants));
   lane.start.depth = select(passes, lane.start.depth - over, lane.start.depth);
   walk.t = select(collides, walk.t + stretch, select(passes, max(walk.t, end), walk.t));
   // Leave the leaf or the box.

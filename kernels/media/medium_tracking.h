@@ -21,9 +21,9 @@ struct PathWeights {
   /// Divides by a common factor, which cancels in the estimate, before lanes of very different magnitude overflow.
   void rescale() {
     constexpr float kLarge = 1e6f;
-    const float most = max_component(r_u);
-    if (!(most > kLarge)) return;
-    const float factor = 1.0f / most;
+    const float largest = max_component(r_u);
+    if (!(largest > kLarge)) return;
+    const float factor = 1.0f / largest;
     beta = beta * factor;
     r_u = r_u * factor;
     r_l = r_l * factor;
@@ -95,8 +95,9 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
 
 /// Majorant of all lanes, given the grid's bound on the factor that scales the medium's spectra.
 SHEAF_INLINE Float4 majorant_spectrum(const MediumRay& ray, float bound) {
-  const Float4 most = ray.has(kMediumAbsorptionScattering) ? ray.spectra.first + ray.spectra.second : ray.spectra.first;
-  return most * bound;
+  const Float4 density_scale =
+      ray.has(kMediumAbsorptionScattering) ? ray.spectra.first + ray.spectra.second : ray.spectra.first;
+  return density_scale * bound;
 }
 
 /// The majorant that a traversal of the grid finds at a point.

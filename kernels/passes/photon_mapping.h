@@ -26,13 +26,13 @@ class PhotonMapping {
   /// `film_side`: longer side of the frame, pixels. Throws Error (usage) if there are too many passes.
   PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side);
 
-  /// Builds the maps of sample `sample` if they do not exist yet, and makes `context` gather from
-  /// them. The maps remain valid until
-  /// they are built for another sample, at most as long as this object. The first sample may be any; the others follow
-  /// in order.
+  /// Builds the maps of sample `sample` if they do not exist yet, and makes `context` gather from them. The maps remain
+  /// valid until they are built for another sample, at most as long as this object. The first sample may be any; the
+  /// others follow in order.
   void prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context);
+
   /// Total number of photons to be stored, for progress.
-  std::uint64_t wanted() const {
+  std::uint64_t photon_total() const {
     return sets_ * (count_of(settings_.global) + count_of(settings_.caustic) + count_of(settings_.volume));
   }
 

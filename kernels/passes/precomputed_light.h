@@ -19,7 +19,7 @@ class PrecomputedLight {
   void prepare(std::uint32_t sample, Workers& workers, StageContext& context);
 
   /// Number of photons that all maps of the render store, for progress.
-  std::uint64_t photon_total() const { return photon_mapping_ ? photon_mapping_->wanted() : 0; }
+  std::uint64_t photon_total() const { return photon_mapping_ ? photon_mapping_->photon_total() : 0; }
   const RenderReport::Photons& photons() const { return photon_tracing_.report; }
   const RenderReport::Guiding& guiding() const { return guide_training_.report; }
   /// About photon maps that hold fewer photons than requested.

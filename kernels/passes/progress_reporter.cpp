@@ -20,7 +20,7 @@ Stats::Dropped dropped_so_far(const SamplePlan& plan, const Workers& workers) {
   return all;
 }
 
-/// Numbers of samples in the report, as far as they have been taken.
+/// Sets the sample counts of the report to the samples taken so far.
 void add_samples(const SamplePlan& plan, RenderReport& report) {
   const RenderState& state = plan.state();
   report.spp = plan.layout().spp;

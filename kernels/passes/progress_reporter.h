@@ -1,5 +1,5 @@
-// What the caller of render() learns while it runs: progress, reports and checkpoints; and what it decides: pauses, the
-// stop and the time limit.
+// Connection between a running render and its caller: passes on progress, reports and checkpoints, and checks for pause
+// requests, stop requests and the time limit.
 #pragma once
 
 #include "kernels/passes/render.h"
@@ -29,16 +29,16 @@ class ProgressReporter {
   bool is_stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
   /// Whether the time limit is reached.
   bool is_late() const { return options_.time_limit > 0 && seconds() >= options_.time_limit; }
-  /// Asks whether a pause is wanted. From then on until the pause, workers must not start tasks.
+  /// Polls RenderOptions::wants_pause. Once it is true, workers must not start tasks until the pause.
   bool wants_pause();
-  /// Whether a pause is wanted, as far as wants_pause() has asked.
+  /// Result of the last wants_pause().
   bool is_pausing() const { return pausing_; }
 
-  /// Sets the number of samples and photons of the whole render. Not while workers run.
+  /// Sets the number of samples and photons of the whole render. Must not be called while workers run.
   void set_total(std::uint64_t total) { total_ = total; }
-  /// Reports more samples or photons as progress. Concurrently by workers.
+  /// Reports more samples or photons as progress. Workers call it concurrently.
   void add_done(std::uint64_t more);
-  /// Reports the statistics and hands out a checkpoint. All workers have ended their tasks.
+  /// Passes the statistics and a checkpoint to the caller. All workers must have finished their tasks.
   void pause(SamplePlan& plan, const TaskStatistics& tasks);
   /// The report without the noise of the image. Adds to `warnings`.
   RenderReport report(const SamplePlan& plan, const TaskStatistics& tasks, std::vector<std::string>& warnings) const;

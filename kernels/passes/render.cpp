@@ -56,7 +56,7 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
   const SampleLayout layout = make_sample_layout(scene, options);
   const std::vector<MemoryUse> memory = render_memory(scene, options, layout);
   const std::string task =
-      "a picture of " + std::to_string(layout.crop.width()) + " x " + std::to_string(layout.crop.height()) + " pixels";
+      "an image of " + std::to_string(layout.crop.width()) + " x " + std::to_string(layout.crop.height()) + " pixels";
   check_memory(task, memory);
   try {
     SamplePlan plan(scene, options, layout);

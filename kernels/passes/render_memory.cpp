@@ -120,14 +120,14 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   needs.guides = options.guiding;
   const FilmSize film = film_size(layout, options);
   const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
-  const std::string parts = "render parts of it by --crop and join them by 'sheaf merge'";
+  const std::string parts = "render it in parts with --crop and merge them with 'sheaf merge'";
   std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
                                parts + ", or write fewer layers"}};
   // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
   const double edges = layout.adapts ? adaptive_bytes(film, layout) : border_bytes(film, layout);
-  uses.push_back({layout.adapts ? "the sums of adaptive sampling" : "what tiles add to each other", film.pixels * edges,
+  uses.push_back({layout.adapts ? "the sums of adaptive sampling" : "the borders of tiles", film.pixels * edges,
                   parts + ", or write fewer layers"});
-  uses.push_back({"the picture", film.pixels * image_bytes(film, options), parts + ", or write fewer layers"});
+  uses.push_back({"the image", film.pixels * image_bytes(film, options), parts + ", or write fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "use fewer photons"});
   uses.push_back({"rays", threads_of(options) * worker_bytes(film, layout, needs, wave_size_of(options, needs)),

@@ -28,7 +28,7 @@ std::string integrator_name(const IntegratorSettings& integrator) {
   return integrator.max_depth == 2 ? "direct" : "path";
 }
 
-std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) {
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t count) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < stats.lights.size(); ++i)
     if (stats.lights[i].rays > 0) order.push_back(i);
@@ -36,7 +36,7 @@ std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most) 
     return std::pair(stats.lights[b].rays, a) < std::pair(stats.lights[a].rays, b);
   };
   std::sort(order.begin(), order.end(), more);
-  order.resize(std::min(order.size(), most));
+  order.resize(std::min(order.size(), count));
   return order;
 }
 
@@ -90,24 +90,24 @@ std::string lights_table(const RenderReport& report) {
                    100 * ratio(light.radiance, total_light_radiance(report.stats)));
   }
   if (text.empty() || report.stats.lights.size() < 2) return {};
-  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "arrive", "of their sum") + text;
+  return fmt::format("{:<28}{:>11}{:>11}{:>13}\n", "light", "shadow rays", "unoccluded", "contribution") + text;
 }
 
 /// The result of adaptive sampling.
 std::string adaptive_line(const RenderReport& report) {
   if (!report.adaptive) return {};
   const AdaptiveSummary& a = *report.adaptive;
-  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.least_samples, a.most_samples);
+  std::string text = fmt::format("{:.1f} spp on average, {} to {}", a.mean_samples, a.min_samples, a.max_samples);
   if (a.noise_target > 0)
-    text += fmt::format("; {} of {} tiles are down to a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
+    text += fmt::format("; {} of {} tiles have reached a noise of {:.2g} %", a.reached, a.tiles, a.noise_target * 100);
   return text + "\n";
 }
 
 nlohmann::ordered_json adaptive_json(const RenderReport& report) {
   if (!report.adaptive) return {};
   const AdaptiveSummary& a = *report.adaptive;
-  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"least_spp", a.least_samples},
-          {"most_spp", a.most_samples},     {"tiles", a.tiles},           {"tiles_reached", a.reached}};
+  return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"min_spp", a.min_samples},
+          {"max_spp", a.max_samples},       {"tiles", a.tiles},           {"tiles_reached", a.reached}};
 }
 
 /// The noise of the image, and the samples and time to halve it and to reduce it to 1 %.
@@ -119,7 +119,7 @@ std::string noise_line(const RenderReport& report) {
     const double factor = report.samples_factor(target);
     if (factor < 1.5) continue;
     text += fmt::format(
-        "; {:.2g} % would take about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
+        "; {:.2g} % takes about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
         report.render_seconds * factor > 180 ? report.render_seconds * factor / 60 : report.render_seconds * factor,
         report.render_seconds * factor > 180 ? "min" : "s");
   }
@@ -130,6 +130,7 @@ std::string noise_line(const RenderReport& report) {
 
 std::string to_json(const RenderReport& report) {
   using Json = nlohmann::ordered_json;
+  // Collect the stages
   Json stages = Json::array();
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = report.stats.stages[i];
@@ -140,6 +141,7 @@ std::string to_json(const RenderReport& report) {
                       {"ns_per_item", stage.ns_per_item()},
                       {"lane_fill", stage.lane_fill()}});
   }
+  // Build the report
   const Stats::Rays& rays = report.stats.rays;
   const Json json{
       {"scene", report.scene},
@@ -166,7 +168,7 @@ std::string to_json(const RenderReport& report) {
        {{"passes", report.guiding.passes},
         {"samples", report.guiding.samples},
         {"records", report.guiding.records},
-        {"places", report.guiding.places},
+        {"cells", report.guiding.cells},
         {"trace_seconds", report.guiding.trace_seconds},
         {"fit_seconds", report.guiding.fit_seconds}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
@@ -193,23 +195,24 @@ std::string to_table(const RenderReport& report) {
   const Stats& stats = report.stats;
   std::string text;
   const auto out = std::back_inserter(text);
+  // Describe the render and its times
   fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
-  if (report.interrupted)
-    fmt::format_to(out, "interrupted: {:.4g} samples per pixel were taken\n", report.mean_samples);
+  if (report.interrupted) fmt::format_to(out, "interrupted after {:.4g} samples per pixel\n", report.mean_samples);
   fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
                  report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
   if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
-    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} put into maps in {:.3f} s\n", photons.emitted,
+    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} stored in maps in {:.3f} s\n", photons.emitted,
                    photons.trace_seconds, photons.stored, photons.index_seconds);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
-    fmt::format_to(
-        out, "guide: {} samples in {} passes in {:.3f} s, {} places learned from {} directions in {:.3f} s\n",
-        guiding.samples, guiding.passes, guiding.trace_seconds, guiding.places, guiding.records, guiding.fit_seconds);
+    fmt::format_to(out, "guide: {} samples in {} passes in {:.3f} s, {} cells trained with {} directions in {:.3f} s\n",
+                   guiding.samples, guiding.passes, guiding.trace_seconds, guiding.cells, guiding.records,
+                   guiding.fit_seconds);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
       report.rays_per_second() * 1e-6, report.trace_share() * 100);
+  // List the stages
   fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
                  "lane fill");
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
@@ -218,10 +221,11 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11.3f}{:>10.1f}{:>10.1f}%\n", report.stage_names[i], stage.items,
                    stage.calls, stage.seconds(), stage.ns_per_item(), stage.lane_fill() * 100);
   }
+  // Add lights, noise and media
   text += lights_table(report);
   text += adaptive_line(report) + noise_line(report);
   if (const TrackingCounts& c = stats.collisions; c.real + c.null + c.shadow > 0)
-    fmt::format_to(out, "collisions with media: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
+    fmt::format_to(out, "medium collisions: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,
                    c.null, ratio(static_cast<double>(c.null), static_cast<double>(c.real)), c.shadow);
   if (stats.dropped.rays + stats.dropped.samples > 0) {
     fmt::format_to(out, "dropped: {} rays, {} samples\n", stats.dropped.rays, stats.dropped.samples);

@@ -33,7 +33,7 @@ struct RenderReport {
   int wave_size = 0;          ///< paths per wave
   double load_seconds = 0;    ///< reading files
   double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
-  double render_seconds = 0;  ///< wall clock of the render alone
+  double render_seconds = 0;  ///< wall-clock time of rendering only
   /// Number of photons in photon maps, and the time to make the maps.
   struct Photons {
     std::uint64_t emitted = 0, stored = 0;
@@ -43,7 +43,7 @@ struct RenderReport {
   /// Training of the guide, and its time. The times of the stages include its passes.
   struct Guiding {
     std::uint64_t passes = 0, samples = 0;  ///< training passes, and their camera samples
-    std::uint64_t records = 0, places = 0;  ///< training samples with light, and guide cells that learned from them
+    std::uint64_t records = 0, cells = 0;   ///< training samples with light, and guide cells that learned from them
     double trace_seconds = 0;               ///< tracing paths
     double fit_seconds = 0;                 ///< fitting the guide to the training samples
   } guiding;
@@ -67,7 +67,7 @@ struct RenderReport {
 /// Maximum number of lights in a report.
 inline constexpr std::size_t kReportedLights = 10;
 /// Indices of the lights with the most shadow rays, in descending order. Omits lights without shadow rays.
-std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t most = kReportedLights);
+std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t count = kReportedLights);
 
 /// The report as JSON text, one object with the keys that the command line's help lists.
 std::string to_json(const RenderReport& report);

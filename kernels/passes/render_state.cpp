@@ -11,11 +11,11 @@ constexpr std::string_view kFirstLine = "sheaf checkpoint 2\n";
 /// Maximum number of settings: far beyond any command line.
 constexpr std::uint32_t kMaxSettings = 100'000;
 /// Maximum number of differences that a message lists.
-constexpr std::size_t kMaxTold = 5;
+constexpr std::size_t kMaxReported = 5;
 
 RenderSettings get_settings(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
-  if (count > kMaxSettings) in.fail("has " + std::to_string(count) + " settings: damaged");
+  if (count > kMaxSettings) in.fail("is damaged (it lists " + std::to_string(count) + " settings)");
   RenderSettings settings;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
@@ -30,21 +30,21 @@ const std::string* find(const RenderSettings& settings, const std::string& name)
   return nullptr;
 }
 
-/// One line for each difference, at most kMaxTold.
+/// One line for each difference, at most kMaxReported.
 std::vector<std::string> differences(const RenderSettings& here, const RenderSettings& there) {
   std::vector<std::string> found;
   for (const auto& [name, value] : here) {
     const std::string* other = find(there, name);
     if (other == nullptr)
-      found.push_back(name + " is '" + value + "' now, and was not given then");
+      found.push_back(name + " is '" + value + "', but was not given before");
     else if (*other != value)
-      found.push_back(name + " is '" + value + "' now, and was '" + *other + "' then");
+      found.push_back(name + " is '" + value + "', but the checkpoint has '" + *other + "'");
   }
   for (const auto& [name, value] : there)
-    if (find(here, name) == nullptr) found.push_back(name + " is not given now, and was '" + value + "' then");
-  if (found.size() <= kMaxTold) return found;
-  const std::string more = "and " + std::to_string(found.size() - kMaxTold) + " more";
-  found.resize(kMaxTold);
+    if (find(here, name) == nullptr) found.push_back(name + " is not given, but the checkpoint has '" + value + "'");
+  if (found.size() <= kMaxReported) return found;
+  const std::string more = "and " + std::to_string(found.size() - kMaxReported) + " more";
+  found.resize(kMaxReported);
   found.push_back(more);
   return found;
 }
@@ -95,7 +95,7 @@ RenderState read_checkpoint(const std::filesystem::path& file, const RenderSetti
   state.photons = in.get<std::uint64_t>();
   state.dropped.rays = in.get<std::uint64_t>();
   state.dropped.samples = in.get<std::uint64_t>();
-  if (in.left() > 0) in.fail("goes on behind its end: damaged");
+  if (in.left() > 0) in.fail("is damaged (data after the end)");
   return state;
 }
 

@@ -26,7 +26,7 @@ PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
   const PixelRect crop = options.crop ? *options.crop : film.crop ? *film.crop : whole;
   if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.width() <= 0 ||
       crop.height() <= 0)
-    throw Error(ExitCode::kUsage, "crop must be a rectangle inside the frame of " + std::to_string(film.width) + " x " +
+    throw Error(ExitCode::kUsage, "the crop window must lie inside the frame of " + std::to_string(film.width) + " x " +
                                       std::to_string(film.height) + " pixels");
   return crop;
 }
@@ -36,16 +36,16 @@ void check_frame(const FilmSettings& film, const SampledFrame& frame) {
   constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
   if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
   refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
-         " pixels is too large: expected 2^31 pixels at most, also where a part of them is rendered");
+         " pixels is too large (expected at most 2^31 pixels; this limit also applies to renders with a crop window)");
 }
 
 void check_spectral_bins(const Scene& scene, int bins) {
   if (bins == 0) return;
   if (bins < 0 || bins > kMaxSpectralBins)
-    throw Error(ExitCode::kUsage, "spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
+    throw Error(ExitCode::kUsage, "the number of spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
   if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
     throw Error(ExitCode::kUsage,
-                "spectral bins need spectral mode and an integrator that follows light from the camera");
+                "spectral bins need spectral mode and an integrator that traces paths from the camera");
 }
 
 /// Samples per pixel if the options do not set them.
@@ -65,29 +65,26 @@ void check_layers(const RenderOptions& options, const IntegratorSettings& transp
   const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
   const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
   if ((options.light_groups || of_surfaces) && !follows_paths)
-    refuse(
-        "layers of surfaces and of lights need an integrator that follows light from the camera, such as path (got '" +
-        integrator_name(transport) + "')");
-  if (of_surfaces && transport.max_depth == 1)
-    refuse("layers of surfaces need paths that may be scattered: a max depth of 2 or more");
+    refuse("surface layers and light groups need an integrator that traces paths from the camera, such as path (got '" +
+           integrator_name(transport) + "')");
+  if (of_surfaces && transport.max_depth == 1) refuse("surface layers need a max depth of at least 2");
   if (options.aovs.contains(aov_named("half")) && transport.kind == IntegratorKind::kLightTracer)
-    refuse("the layer half is of samples from the camera, and ptracer follows light the other way");
-  if (wants_halves(options) && spp < 2) refuse("the layers variance and half need two samples per pixel or more");
+    refuse("the layer half is not available with ptracer, because it needs camera samples");
+  if (wants_halves(options) && spp < 2) refuse("the layers variance and half need at least 2 samples per pixel");
 }
 
 void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, std::uint32_t spp) {
   if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
-    refuse("a noise target or a time limit needs a sampler that may be ended anywhere: sobol or independent");
+    refuse("a noise target or a time limit needs a sampler without a fixed sample count: sobol or independent");
   if (transport.kind != IntegratorKind::kPath)
-    refuse(
-        "a noise target or a time limit needs an integrator that follows paths from the camera, such as path (got '" +
-        integrator_name(transport) + "')");
-  if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs four samples per pixel or more");
+    refuse("a noise target or a time limit needs an integrator that traces paths from the camera, such as path (got '" +
+           integrator_name(transport) + "')");
+  if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs at least 4 samples per pixel");
 }
 
 void check_guiding(const IntegratorSettings& integrator) {
   if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
-  refuse("guiding needs an integrator that follows paths from the camera, such as path (got '" +
+  refuse("guiding needs an integrator that traces paths from the camera, such as path (got '" +
          integrator_name(integrator) + "')");
 }
 
@@ -98,9 +95,9 @@ void add_light_groups(const SceneNames& names, const IntegratorSettings& transpo
   // Photon maps mix the light of all groups.
   if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
   if (groups.size() > kMaxLightGroups)
-    refuse("the scene has " + std::to_string(groups.size()) + " lights with names of their own, expected at most " +
+    refuse("the scene has " + std::to_string(groups.size()) + " light groups, expected at most " +
            std::to_string(kMaxLightGroups) +
-           " for light groups: those of the same id are one group, and those without an id");
+           "; lights with the same id form one group, and so do lights without an id");
   if (groups.empty()) return;
   for (const std::uint32_t light : names.light_of_row)
     layout.group_of_light.push_back(static_cast<std::uint16_t>(light));
@@ -119,25 +116,26 @@ void set_replicates(const RenderOptions& options, SamplerKind sampler, SampleLay
   layout.has_variances = by_samples || layout.adapts || layout.replicate_samples < layout.spp;
 }
 
-/// Converts the requested samples to samples of the layout. Throws if they cannot be taken alone.
-SampleRange requested_range(const SampleRange& asked, const SampleLayout& layout, const IntegratorSettings& transport) {
-  const std::string name = std::to_string(asked.first) + ":" + std::to_string(asked.count);
+/// Converts the requested samples to samples of the layout. Throws Error (usage) for an invalid range.
+SampleRange requested_range(const SampleRange& requested, const SampleLayout& layout,
+                            const IntegratorSettings& transport) {
+  const std::string name = std::to_string(requested.first) + ":" + std::to_string(requested.count);
   const std::uint32_t samples = layout.spp / layout.rays;
-  if (asked.count == 0 || asked.first >= samples || asked.count > samples - asked.first)
+  if (requested.count == 0 || requested.first >= samples || requested.count > samples - requested.first)
     refuse("the samples " + name + " are out of range (expected samples from 0 to " + std::to_string(samples - 1) +
            " of each pixel)");
   if (transport.kind == IntegratorKind::kLightTracer)
-    refuse("some of the samples can be taken alone where they come from the camera; " + integrator_name(transport) +
-           " follows light the other way");
-  if (layout.adapts) refuse("a noise target or a time limit cannot judge some of the samples alone");
-  const SampleRange range{asked.first * layout.rays, asked.count * layout.rays};
+    refuse("sample ranges need an integrator that traces paths from the camera, such as path (got '" +
+           integrator_name(transport) + "')");
+  if (layout.adapts) refuse("sample ranges cannot be combined with a noise target or a time limit");
+  const SampleRange range{requested.first * layout.rays, requested.count * layout.rays};
   const std::uint32_t set = layout.replicate_samples;
   const bool is_whole = range.first % set == 0 && (range.end() % set == 0 || range.end() == layout.spp);
   if (is_whole || set == layout.spp) return range;  // a single set may be split anywhere
   const std::string size = std::to_string(set);
-  refuse("the samples " + name + " cut through one of the " + std::to_string((layout.spp + set - 1) / set) +
-         " sets of " + size + " samples for the variance: they must begin and end at multiples of " + size +
-         (layout.rays > 1 ? " gather rays" : "") + ", or --replicates make other sets");
+  refuse("the samples " + name + " split one of the " + std::to_string((layout.spp + set - 1) / set) +
+         " sample sets of " + size + " samples (expected multiples of " + size +
+         (layout.rays > 1 ? " gather rays" : "") + "; --replicates changes the sets)");
 }
 
 }  // namespace
@@ -152,13 +150,15 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   SampleLayout layout;
   const IntegratorSettings& transport = scene.integrator();
   const SamplerKind sampler = scene.sampler().kind;
+  // Set the samples per pixel, with gather rays
   layout.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
   if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
     layout.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
   if (layout.spp > kMaxSamples / layout.rays)
-    refuse("samples per pixel times gather rays must be at most " + std::to_string(kMaxSamples));
+    refuse("samples per pixel times gather rays must not exceed " + std::to_string(kMaxSamples));
   layout.spp *= layout.rays;
   if (layout.spp == 0) refuse("samples per pixel must be at least 1");
+  // Check the crop window and the options
   layout.crop = checked_crop(scene, options);
   check_spectral_bins(scene, options.spectral_bins);
   check_layers(options, transport, layout.spp);
@@ -166,12 +166,14 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   if (layout.adapts) check_adaptive(sampler, transport, layout.spp);
 
   const FilmSettings& film = scene.film();
+  // Determine the sampled pixels
   layout.filter_weights = scene.view().sensor.filter_weights;
   layout.reach = layout.filter_weights != nullptr ? layout.filter_weights->reach() : 0;
   layout.frame = {film.width, film.sample_border ? layout.reach : 0};
   check_frame(film, layout.frame);
-  const PixelRect sampled = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
-  layout.wanted = layout.crop.grown(layout.reach).intersection(sampled);
+  const PixelRect frame_pixels = PixelRect{0, 0, film.width, film.height}.grown(layout.frame.border);
+  layout.sampled = layout.crop.grown(layout.reach).intersection(frame_pixels);
+  // Divide the samples into replicates and passes
   set_replicates(options, sampler, layout);
   layout.range = options.samples ? requested_range(*options.samples, layout, transport) : SampleRange{0, layout.spp};
   const bool has_map_sets = transport.kind == IntegratorKind::kPhotonMapper &&
@@ -179,7 +181,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   layout.max_pass_samples = has_map_sets ? 1 : kPassSamples;
   if (options.light_groups) add_light_groups(scene.names(), transport, layout);
   if (options.guiding) check_guiding(transport);
-  if (options.wave_size > kMaxWaveSize) refuse("wave size must be at most " + std::to_string(kMaxWaveSize));
+  if (options.wave_size > kMaxWaveSize) refuse("the wave size must not exceed " + std::to_string(kMaxWaveSize));
   return layout;
 }
 

@@ -1,5 +1,5 @@
-// Which samples a render takes, as its options give them: pixels, samples per pixel, replicates, and the channels of
-// the film.
+// The samples of a render, derived from its options: pixels, samples per pixel, replicates, and the channels of the
+// film.
 #pragma once
 
 #include "core/pixel_rect.h"
@@ -13,8 +13,8 @@ namespace sheaf {
 /// See RenderOptions for the meaning of the settings.
 struct SampleLayout {
   PixelRect crop;  ///< pixels of the image
-  /// Pixels that are sampled: the crop, and those around it whose samples reach into it.
-  PixelRect wanted;
+  /// Pixels that are sampled: the crop, and surrounding pixels whose samples contribute to it.
+  PixelRect sampled;
   int reach = 0;                                  ///< distance up to which samples contribute to other pixels, pixels
   const FilterWeights* filter_weights = nullptr;  ///< optional: see SensorView::filter_weights
   SampledFrame frame;

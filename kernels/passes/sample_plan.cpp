@@ -1,4 +1,4 @@
-// Divides samples into rounds and tasks, and adds what the tasks have found to the film.
+// Divides samples into rounds and tasks, and adds the results of the tasks to the film.
 #include "kernels/passes/sample_plan.h"
 
 #include "core/error.h"
@@ -15,7 +15,9 @@ constexpr std::uint32_t kAdaptiveSamples = 16;
 /// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
-[[noreturn]] void refuse_checkpoint() { throw Error(ExitCode::kCheckpoint, "the checkpoint is of another render"); }
+[[noreturn]] void refuse_checkpoint() {
+  throw Error(ExitCode::kCheckpoint, "the checkpoint belongs to another render");
+}
 
 }  // namespace
 
@@ -31,7 +33,7 @@ SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleL
 }
 
 void SamplePlan::set_adaptive(const AdaptiveGoal& goal) {
-  tiles_ = make_tiles(layout_.wanted, kAdaptiveSide);
+  tiles_ = make_tiles(layout_.sampled, kAdaptiveSide);
   std::vector<PixelRect> squares;
   for (const Tile& tile : tiles_) squares.push_back(tile.pixels);
   state_.adaptive.emplace(state_.film, squares, layout_.reach, goal);
@@ -71,18 +73,18 @@ void SamplePlan::resume(RenderState& from) {
 
 std::uint64_t SamplePlan::sample_total() const {
   const std::uint64_t others = training_samples(state_.film.width(), state_.film.height(), training_) + photon_count();
-  if (!state_.adaptive) return others + layout_.wanted.area() * layout_.range.count;
+  if (!state_.adaptive) return others + layout_.sampled.area() * layout_.range.count;
   double samples = 0;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
-    samples += state_.adaptive->expected_samples(i) * static_cast<double>(tiles_[i].wanted.area());
+    samples += state_.adaptive->expected_samples(i) * static_cast<double>(tiles_[i].sampled.area());
   return others + static_cast<std::uint64_t>(samples);
 }
 
 std::uint64_t SamplePlan::samples_before() const {
-  std::uint64_t samples = layout_.wanted.area() * (state_.first_sample - layout_.range.first) + state_.photons;
+  std::uint64_t samples = layout_.sampled.area() * (state_.first_sample - layout_.range.first) + state_.photons;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    if (state_.adaptive) samples += tiles_[i].wanted.area() * state_.adaptive->taken_samples(i);
-    if (!state_.tiles.empty() && state_.tiles[i] != 0) samples += tiles_[i].wanted.area() * pass_samples();
+    if (state_.adaptive) samples += tiles_[i].sampled.area() * state_.adaptive->taken_samples(i);
+    if (!state_.tiles.empty() && state_.tiles[i] != 0) samples += tiles_[i].sampled.area() * pass_samples();
   }
   return samples;
 }
@@ -117,7 +119,7 @@ std::uint32_t SamplePlan::pass_samples() const {
 
 /// Begins the next pass, or continues the one of a checkpoint.
 void SamplePlan::begin_pass() {
-  tiles_ = make_tiles(layout_.wanted, tile_side(pass_samples()));
+  tiles_ = make_tiles(layout_.sampled, tile_side(pass_samples()));
   // Without filter weights, tiles add nothing to each other.
   const std::size_t borders = layout_.filter_weights != nullptr ? tiles_.size() : 0;
   if (state_.tiles.empty()) {

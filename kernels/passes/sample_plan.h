@@ -51,7 +51,7 @@ class SamplePlan {
   RoundKind round() const { return round_; }
   /// Number of tasks of the round. The plan does not divide training into tasks.
   std::size_t task_count() const;
-  /// Whether a task has been finished. Each task may be finished by another thread.
+  /// Whether a task is finished. Different threads may finish different tasks concurrently.
   bool is_done(std::size_t task) const;
   TileTask tile_task(std::size_t task) const;
   PhotonTask photon_task(std::size_t task) const;
@@ -69,11 +69,11 @@ class SamplePlan {
   const RenderState& checkpoint(const Stats::Dropped& dropped);
   /// Dropped rays and samples before the render was resumed.
   const Stats::Dropped& dropped_before() const { return dropped_before_; }
-  /// Ends the taking of samples: no rounds follow. `stopped`: by RenderOptions::stop.
+  /// Ends sampling: no rounds follow. `stopped`: by RenderOptions::stop.
   void end(bool stopped);
   /// After end(): whether the render was stopped before all samples were taken.
   bool is_incomplete() const { return is_incomplete_; }
-  /// After the last checkpoint: adds to the film what an unfinished pass has taken.
+  /// Call this after the last checkpoint: adds the samples of an unfinished pass to the film.
   void complete_film();
   RenderState take_state() { return std::move(state_); }
 

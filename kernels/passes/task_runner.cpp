@@ -60,7 +60,7 @@ void TaskRunner::run() {
   });
 }
 
-/// Runs a round to its end, unless the render ends before.
+/// Runs a round to its end, unless the render is stopped.
 void TaskRunner::run_round() {
   reporter_.set_total(plan_.sample_total() + light_.photon_total());
   if (plan_.round() == RoundKind::kTraining) light_.train(plan_, workers_, context_);
@@ -74,7 +74,7 @@ void TaskRunner::run_round() {
   }
 }
 
-/// Runs the tasks that remain of the round, until a pause is wanted.
+/// Runs the remaining tasks of the round until a pause is requested.
 void TaskRunner::run_tasks() {
   const bool pauses = plan_.round() == RoundKind::kCamera;
   tbb::parallel_for(
@@ -109,7 +109,7 @@ void TaskRunner::take_samples(const TileTask& task, std::uint32_t first_sample, 
   const FlushDenormals flush;
   const SampleLayout& layout = plan_.layout();
   const Film& film = plan_.state().film;
-  const std::vector<PixelSamples> pixels = samples_of(task.tile.wanted, layout.frame, first_sample, sample_count);
+  const std::vector<PixelSamples> pixels = samples_of(task.tile.sampled, layout.frame, first_sample, sample_count);
   worker.camera.begin(pixels, layout.frame, film.layout().size(), film.spectral_bins(),
                       AovChannels(film.layout(), options_.aovs));
   worker.wave.light_groups = group_sink(worker.camera);
@@ -122,7 +122,7 @@ void TaskRunner::take_samples(const TileTask& task, std::uint32_t first_sample, 
   reporter_.add_done(static_cast<std::uint64_t>(worker.camera.total()));
 }
 
-/// Traces the photons of a task, and leaves their splats in the worker's light task.
+/// Traces the photons of a task, and stores their splats in the worker's light task.
 void TaskRunner::trace_photons(const PhotonTask& task, Worker& worker) const {
   const FlushDenormals flush;
   worker.photons.begin(task.first, task.count, plan_.splat_bounds());

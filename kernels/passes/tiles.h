@@ -23,19 +23,19 @@ inline int tile_side(std::uint32_t samples) {
   return side;
 }
 
-/// A square of pixels of the frame, and those of its pixels that are sampled.
+/// A square of pixels of the frame. `sampled`: the part of it that is sampled.
 struct Tile {
-  PixelRect pixels, wanted;
+  PixelRect pixels, sampled;
 };
 
-/// Squares of `side` pixels, aligned to the frame's corner, that contain `wanted` pixels; row by row.
-inline std::vector<Tile> make_tiles(const PixelRect& wanted, int side) {
+/// Squares of `side` pixels, aligned to the frame's corner, that contain `sampled` pixels; row by row.
+inline std::vector<Tile> make_tiles(const PixelRect& sampled, int side) {
   std::vector<Tile> tiles;
   const auto tile_begin = [side](int at) { return (at >= 0 ? at / side : -((side - 1 - at) / side)) * side; };
-  for (int y = tile_begin(wanted.y0); y < wanted.y1; y += side)
-    for (int x = tile_begin(wanted.x0); x < wanted.x1; x += side) {
+  for (int y = tile_begin(sampled.y0); y < sampled.y1; y += side)
+    for (int x = tile_begin(sampled.x0); x < sampled.x1; x += side) {
       const PixelRect pixels{x, y, x + side, y + side};
-      tiles.push_back({pixels, pixels.intersection(wanted)});
+      tiles.push_back({pixels, pixels.intersection(sampled)});
     }
   return tiles;
 }

@@ -32,7 +32,7 @@ std::uint64_t first_photon(PhotonKind kind, std::uint32_t set) {
 /// Maximum length of the pieces into which beams are cut, relative to the radius of the scene's bounding sphere.
 constexpr float kPieceOfScene = 0.125f;
 
-constexpr const char* kMapNames[] = {"photon map", "caustics map", "volume photon map"};
+constexpr const char* kMapNames[] = {"photon map", "caustic map", "volume photon map"};
 
 /// Photons stored by one task.
 struct StoredPhotons {
@@ -134,8 +134,8 @@ std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, Pho
   if (!tracing.stopped())
     tracing.warnings.push_back("the " + std::string(kMapNames[map_of(kind)]) + " holds about " +
                                std::to_string(std::llround(rate * static_cast<double>(emitted))) + " of the " +
-                               std::to_string(count) + " photons that were asked for: of " + std::to_string(emitted) +
-                               " emitted ones no more arrive where they are stored");
+                               std::to_string(count) + " requested photons: too few of the " + std::to_string(emitted) +
+                               " emitted photons reach places where they are stored");
   return emitted;
 }
 

@@ -52,8 +52,8 @@ std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int h
 }
 
 /// A sampler that shares no random numbers with samples of the image.
-SamplerView training_sampler(const SamplerView& of_picture) {
-  std::uint32_t x = of_picture.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
+SamplerView training_sampler(const SamplerView& image_sampler) {
+  std::uint32_t x = image_sampler.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
   hash4(x, y, z, w);
   return make_sampler(SamplerKind::kSobol, x, 1);
 }
@@ -64,7 +64,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
                                                const GuideTraining& training) {
   const SampledFrame frame{width};
   const std::vector<std::vector<PixelSamples>> tasks = tasks_of(frame, height, pass);
-  std::vector<std::vector<GuideRecord>> told(tasks.size());
+  std::vector<std::vector<GuideRecord>> records(tasks.size());
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, tasks.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -77,12 +77,12 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           of_task.set_camera_task(worker.camera);
           of_task.record_in(worker.guide);
           run_pass<Wide>(of_task, worker.wave);
-          told[i] = worker.guide.records(context.guide(), means);
+          records[i] = worker.guide.records(context.guide(), means);
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
       tbb::simple_partitioner());
-  return told;
+  return records;
 }
 
 }  // namespace
@@ -93,17 +93,17 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
       std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kTrainingPassSamples)))));
   // Camera samples of a pass with one sample per participating pixel.
   const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
-  const double most = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
+  const double budget = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
   const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kTrainingPassSamples) / unit));
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0, count = 1;
-  while (first + count <= most) {
+  while (first + count <= budget) {
     passes.push_back({first, count, stride});
     first += count;
     if (passes.size() > 1) count = std::min(2 * count, longest);
     // Extend this pass if the remainder would be too short for a pass of its own.
-    if (first + 2 * count > most && first + count <= most && most - first <= longest)
-      count = static_cast<std::uint32_t>(most - first);
+    if (first + 2 * count > budget && first + count <= budget && budget - first <= longest)
+      count = static_cast<std::uint32_t>(budget - first);
   }
   return passes;
 }
@@ -125,16 +125,16 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     if (training.stopped()) break;
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
-    const auto told = run_pass(of_passes, workers, width, height, pass, field.means(), training);
+    const auto records = run_pass(of_passes, workers, width, height, pass, field.means(), training);
     training.report.trace_seconds += seconds_since(start);
     start = timestamp();
-    for (const auto& task : told) training.report.records += task.size();
-    field.learn(told, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
+    for (const auto& task : records) training.report.records += task.size();
+    field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
     training.report.fit_seconds += seconds_since(start);
     ++training.report.passes;
   }
   training.report.samples = training_samples(width, height, passes);
-  training.report.places = field.places();
+  training.report.cells = field.cells();
   // Statistics count only samples of the image.
   for (Worker& worker : workers) worker.wave.stats.samples = 0;
   return field;

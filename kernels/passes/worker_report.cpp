@@ -1,4 +1,4 @@
-// Collects the statistics of workers and words the warnings.
+// Collects the statistics of workers and formats the warnings.
 #include "kernels/passes/worker_report.h"
 
 #include "core/memory.h"
@@ -10,11 +10,11 @@ namespace sheaf {
 namespace {
 
 std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first, const SampledFrame& frame) {
-  const std::string what = "dropped " + std::to_string(dropped.rays) + " rays that were not finite and " +
-                           std::to_string(dropped.samples) + " samples that were not finite or negative; one of them ";
+  const std::string what = "dropped " + std::to_string(dropped.rays) + " non-finite rays and " +
+                           std::to_string(dropped.samples) + " non-finite or negative samples; the first: ";
   if (first.pixel >= kPhotonPixel)
-    return what + "of photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
-  return what + "at pixel (" + std::to_string(frame.x(first.pixel)) + ", " + std::to_string(frame.y(first.pixel)) +
+    return what + "photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
+  return what + "pixel (" + std::to_string(frame.x(first.pixel)) + ", " + std::to_string(frame.y(first.pixel)) +
          "), sample " + std::to_string(first.sample);
 }
 
@@ -34,8 +34,8 @@ void add_workers(const Workers& workers, const SampledFrame& frame, const Stats:
   report.stats.dropped = dropped;
   if (first) warnings.push_back(dropped_message(dropped, *first, frame));
   if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
-    warnings.push_back(std::to_string(abandoned) + " rays were given up in a medium after " +
-                       std::to_string(kMaxCollisions) + " collisions each: its voxels differ too much");
+    warnings.push_back(std::to_string(abandoned) + " rays were abandoned in a medium after " +
+                       std::to_string(kMaxCollisions) + " collisions each: the range of its voxel values is too large");
 }
 
 }  // namespace sheaf

@@ -63,14 +63,14 @@ template <class L> SHEAF_INLINE SggxParameters<L> sggx_parameters(const Float<L>
                    s[4] * v.x + s[5] * v.y + s[2] * v.z};
   };
   const Vec3<L> sx = times(frame.s), sy = times(frame.t), sz = times(frame.n);
-  const F size = F(1.0f) / max(s[0] + s[1] + s[2], F(1e-30f)), least(1e-6f);
+  const F size = F(1.0f) / max(s[0] + s[1] + s[2], F(1e-30f)), epsilon(1e-6f);
   SggxParameters<L> p;
-  p.zz = sqrt(max(size * dot(frame.n, sz), least));
+  p.zz = sqrt(max(size * dot(frame.n, sz), epsilon));
   p.xz = size * dot(frame.s, sz) / p.zz;
   p.yz = size * dot(frame.t, sz) / p.zz;
-  p.yy = sqrt(max(size * dot(frame.t, sy) - p.yz * p.yz, least));
+  p.yy = sqrt(max(size * dot(frame.t, sy) - p.yz * p.yz, epsilon));
   p.xy = (size * dot(frame.t, sx) - p.xz * p.yz) / p.yy;
-  p.xx = sqrt(max(size * dot(frame.s, sx) - p.xy * p.xy - p.xz * p.xz, least));
+  p.xx = sqrt(max(size * dot(frame.s, sx) - p.xy * p.xy - p.xz * p.xz, epsilon));
   return p;
 }
 

@@ -43,10 +43,10 @@ struct PhotonMaps {
     return (flags & needed) == needed;
   }
   /// The maps to query at a non-specular surface; null or empty: none.
-  struct Asked {
+  struct SelectedMaps {
     const PhotonMapView *first, *second;
   };
-  Asked maps_at(std::uint32_t flags) const {
+  SelectedMaps maps_at(std::uint32_t flags) const {
     const bool behind = (flags & kRayDiffuse) != 0;
     switch (gathering) {
       case PhotonGathering::kAll:

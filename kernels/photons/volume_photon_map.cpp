@@ -22,11 +22,13 @@ std::uint32_t spread_bits(std::uint32_t x) {
 /// Sorted keys: the Morton code of each photon (Morton 1966) in the high bits and its index in the low ones. Photons
 /// that are close in space become close in memory.
 std::vector<std::uint64_t> sorted_keys(const std::vector<Photon>& photons) {
+  // Find the bounds
   Vec3f low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
   for (const Photon& photon : photons) {
     low = {min(low.x, photon.p.x), min(low.y, photon.p.y), min(low.z, photon.p.z)};
     high = {max(high.x, photon.p.x), max(high.y, photon.p.y), max(high.z, photon.p.z)};
   }
+  // Compute and sort the keys
   constexpr float kCells = 1023;
   const float size = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-30f});
   const auto cell = [&](float x, float lowest) {

@@ -116,6 +116,7 @@ template <class L> struct BlendSum {
     for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
       if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
         if (kind != scene.materials.rows[row].kind) return;
+        // Load the BSDF of the part
         F words[kMaxClosureWords];
         if (scene.color == ColorMode::kSpectral)
           part_words<L, ColorMode::kSpectral>(scene, row, at, words);
@@ -124,6 +125,7 @@ template <class L> struct BlendSum {
         const PartFrame<L> frame = part_frame<L>(scene, scene.materials.rows[row], at, lanes);
         const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
                                                  [&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
+        // Add its value, weighted by its share
         BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
         value.f_cos = value.f_cos * frame.softened;
         sum.f_cos = sum.f_cos + value.f_cos * share;

@@ -1,6 +1,6 @@
 // Evaluates all parts of a blend together. The select_materials stage selects one part, which determines where the path
-// continues. Light sampling and scattering use the value of the whole blend, so that the selection adds noise by the
-// sampled direction alone.
+// continues. Light sampling and scattering use the value of the whole blend, so that the selection adds noise only
+// through the sampled direction.
 //
 // Parts have shares s_j, values f_j and pdfs p_j; f = sum s_j f_j and p = sum s_j p_j. Light sampling uses a BSDF of
 // value f and pdf p. A direction sampled from part i, which was selected with probability s_i, has the weight f / p

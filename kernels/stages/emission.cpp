@@ -71,7 +71,7 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
   const SceneView& scene = context.scene;
-  // Mark camera paths transparent that see nothing
+  // Mark camera paths that hit nothing as transparent
   const bool visible = has_surroundings(scene);
   const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
   const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));

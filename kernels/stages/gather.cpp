@@ -40,10 +40,11 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   typename L::Float terminator;
   typename L::Uint edges_left;  ///< maximum number of segments of a photon's path
   bool single_wavelength;       ///< the camera path has a single wavelength
-  float first_ratio;            ///< pdf of the camera path over that of its first wavelength alone
+  float first_ratio;            ///< pdf of the camera path over that of only its first wavelength
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
+    // Load the vertex and its BSDF
     const auto one = wave.vertices.load<Scalar>(column);
     const VertexItem<L> item{broadcast<L>(one.p),  broadcast<L>(one.ng), broadcast<L>(one.ns),
                              broadcast<L>(one.wo), F(one.offset),        {F(one.tangent.x), F(one.tangent.y)}};
@@ -51,12 +52,19 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     const auto bsdf = bsdf_of_words<Bsdf<L>>(context.scene.materials.closure_tables,
                                              [words, column](int k, Float<L>& word)
                                                  SHEAF_LAMBDA_INLINE { word = F(words[k][column]); });
+    // Limit the length of the photons' paths
     const std::uint32_t depth = wave.paths.get(slot).depth() + 1;
-    const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
-    GatheringVertex out{
-        item,    bsdf,    ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item), mapped,
-        item.ns, F(0.0f), Uint<L>(most > depth ? most - depth : 0u),      has_single_wavelength(context, wave, slot),
-        1.0f};
+    const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
+    GatheringVertex out{item,
+                        bsdf,
+                        ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item),
+                        mapped,
+                        item.ns,
+                        F(0.0f),
+                        Uint<L>(max_depth > depth ? max_depth - depth : 0u),
+                        has_single_wavelength(context, wave, slot),
+                        1.0f};
+    // Account for lost wavelengths
     if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {
       const Spectrum4& r_u = wave.rescaled_pdfs.row(slot).r_u;
       out.first_ratio = lane_mean<Scalar>(ColorMode::kSpectral, r_u) / r_u.c0;
@@ -183,8 +191,8 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
   const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
-    const PhotonMaps::Asked asked = context.photon_maps().maps_at(wave.rays.row(slot).flags);
-    for (const PhotonMapView* map : {asked.first, asked.second}) {
+    const PhotonMaps::SelectedMaps selected = context.photon_maps().maps_at(wave.rays.row(slot).flags);
+    for (const PhotonMapView* map : {selected.first, selected.second}) {
       if (map == nullptr || map->empty()) continue;
       const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);
       const Spectrum4 found = gather_at<L, Bsdf>(*map, wave.vertices.load<Scalar>(run.column_begin + i).p, vertex);

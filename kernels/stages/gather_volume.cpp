@@ -62,14 +62,14 @@ Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& n
   return {emitted, passed};
 }
 
-/// Passes a heterogeneous medium by ratio tracking against the largest majorant of all lanes, with a weight per lane
+/// Passes a heterogeneous medium by ratio tracking against the majorants majorant of all lanes, with a weight per lane
 /// (Novak, Selle and Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media", 2014, section
 /// 3).
 Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingCounts& counts,
                                   std::vector<NearPhoton>& near) {
-  const Float4 most = majorant_spectrum(ray, 1.0f);
+  const Float4 majorants = majorant_spectrum(ray, 1.0f);
   for (int lane = 0; lane < 4; ++lane)
-    if (most[lane] > most[ray.hero]) ray.hero = lane;
+    if (majorants[lane] > majorants[ray.hero]) ray.hero = lane;
   Float4 passed(1.0f), emitted;
   std::size_t next = 0;
   const auto reach = [&](float t) {
@@ -140,10 +140,10 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
                                         state.direction, min(hit.t, end));
-  const auto most = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
+  const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left =
-      most > depth && context.photon_maps().gathers_volume(state.flags) ? most - depth : 0u;
+      max_depth > depth && context.photon_maps().gathers_volume(state.flags) ? max_depth - depth : 0u;
   const PhotonMaps& maps = context.photon_maps();
   const std::uint32_t medium = state.flags >> kRayMediumShift;
   const bool single = has_single_wavelength(context, wave, slot);

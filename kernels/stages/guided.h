@@ -62,9 +62,9 @@ template <class L> struct GuidedSample {
   BsdfSample<L> bsdf;  ///< of BSDF and guide combined
   Vec3<L> direction;   ///< world space
   GuideValue<L> guide;
-  typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling alone; 0: delta lobe
-  /// Pdf over that of the BSDF alone. Russian roulette multiplies the throughput by it: guiding lowers the throughput
-  /// of directions that it samples often, and these paths are the important ones.
+  typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling only; 0: delta lobe
+  /// Combined pdf over that of the BSDF. Russian roulette multiplies the throughput by it: guiding lowers the
+  /// throughput of directions that it samples often, and these paths are the important ones.
   typename L::Float guided_pdf_ratio = typename L::Float(1.0f);
 };
 
@@ -128,9 +128,9 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
   const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
   const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
-  const F most = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
-                        F(kLargestSurvival));
-  return select(known, clamp(ratio, F(kMin), most), default_value);
+  const F max_ratio = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
+                             F(kLargestSurvival));
+  return select(known, clamp(ratio, F(kMin), max_ratio), default_value);
 }
 
 /// Records the directions sampled at the vertices of `lanes`. Must be called before throughput and RescaledPdfs change.

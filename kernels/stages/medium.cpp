@@ -2,7 +2,7 @@
 // way. A path that scatters becomes a vertex whose closure is the phase function, and passes the same stages as
 // surfaces. Photons store their beams here.
 //
-// Paths diverge here, so each is processed alone, with its four spectral lanes in one register
+// Paths diverge here, so each is processed individually, with its four spectral lanes in one register
 // (kernels/media/medium_tracking.h).
 #include "core/lane_array.h"
 #include "kernels/lights/light_weight.h"
@@ -224,7 +224,7 @@ void finish_path(const StageContext& context, Wave& wave, MediumPath& path, cons
                      {path.hit.shape != kNone, path.hit.light, path.hit.material, flags});
 }
 
-/// Tracks one path alone.
+/// Tracks a single path.
 void medium_path(const StageContext& context, Wave& wave, MediumPath& path, const MediumRay& ray, float u,
                  TrackingCounts& counts) {
   MediumRandom random(context.sampler.seed, path.state.pixel, path.state.sample, path.state.dimension(),

@@ -43,10 +43,10 @@ inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flag
   // Choose the hero lane.
   int hero = hero_lane(flags);
   if (by_largest) {
-    const Float4 most =
+    const Float4 majorants =
         (medium.flags & kMediumAbsorptionScattering) != 0 ? spectra.first + spectra.second : spectra.first;
     for (int lane = 0; lane < 4; ++lane)
-      if (most[lane] > most[hero]) hero = lane;
+      if (majorants[lane] > majorants[hero]) hero = lane;
   }
   return {context.scene, medium, spectra, lambda, origin, direction, min(length, kLongestStretch), hero, !by_largest};
 }

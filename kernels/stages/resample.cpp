@@ -5,7 +5,7 @@
 // With candidates x_i of pdf p and the target function q(x), the kept candidate y gives the estimate
 //     f(y) / q(y) * 1/M sum_i q(x_i) / p(x_i).
 // MIS splits the integrand f into w_l f for light sampling and w_b f for BSDF sampling with pdf b. Any weights that
-// depend on x alone and add up to 1 keep the sum unbiased, whatever technique estimates each part. So the pdf of the
+// depend only on x and add up to 1 keep the sum unbiased, whatever technique estimates each part. So the pdf of the
 // kept candidate, which has no closed form, is not needed. The weights are the power heuristic of M p and b, since M
 // candidates are worth up to M samples:
 //     w_l = (M p)^2 / ((M p)^2 + b^2),  w_b = 1 - w_l.
@@ -70,8 +70,8 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   Mask<L> single = loses_wavelengths<L>(bsdf, item.wo, wi);
   GuideValue<L> guide;
   if (context.samples_guide()) {
-    const auto asked = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
-    guide = guide_value<L>(context, wave, column, asked, light.direction);
+    const auto queried = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
+    guide = guide_value<L>(context, wave, column, queried, light.direction);
   }
   if (context.samples_guide() && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   // Replace the value by that of the whole blend

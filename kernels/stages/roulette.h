@@ -21,8 +21,8 @@ template <class L>
 SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const PathState<L>& path, Float<L> divisor) {
   using F = Float<L>;
   const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth()));
-  const F least(!context.starts_at_lights() ? kPlayedBelow : 1.0f);
-  const F survival = min(max_component(path.beta) * path.eta_scale / (divisor * least), F(kLargestSurvival));
+  const F threshold(!context.starts_at_lights() ? kPlayedBelow : 1.0f);
+  const F survival = min(max_component(path.beta) * path.eta_scale / (divisor * threshold), F(kLargestSurvival));
   return select(exempt, F(1.0f), survival);
 }
 

@@ -37,7 +37,7 @@ SHEAF_INLINE TextureQuery<L> make_query(const Wave& wave, const Slot* slots, con
   return {t.uv, hit.shape, hit.primitive, hit.u, hit.v, p};
 }
 
-/// Whether the textures of a material's parameters depend on uv coordinates alone.
+/// Whether the textures of a material's parameters depend only on uv coordinates.
 bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
   const auto needs_nothing_else = [&](const TextureBinding& binding) {
     return scene.textures.rows[binding.texture].needs == 0;
@@ -162,7 +162,7 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
   const Slot* slots = wave.sorted.data() + run.slot_begin;
   const auto material_of = [&](int i) { return wave.hits.row(slots[i]).material; };
   int textured = 0;
-  MaterialRun asked;
+  MaterialRun prefetched;
   for (int first = 0; first < run.count;) {
     const std::uint32_t material = material_of(first);
     const int end = std::min(run.count, (first / L::width + kTilesAhead) * L::width);
@@ -171,13 +171,13 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
     if (scene.materials.rows[material].flags & kNeedsUv) {
       const MaterialRun next{&scene.materials.rows[material], first, last};
       prefetch_run<L>(scene, wave, run, next);
-      if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
-      asked = next;
+      if (prefetched.material != nullptr) texture_run<L, WithTangent>(context, wave, run, prefetched);
+      prefetched = next;
       textured += last - first;
     }
     first = last;
   }
-  if (asked.material != nullptr) texture_run<L, WithTangent>(context, wave, run, asked);
+  if (prefetched.material != nullptr) texture_run<L, WithTangent>(context, wave, run, prefetched);
   return textured;
 }
 

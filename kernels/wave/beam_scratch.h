@@ -1,4 +1,4 @@
-// Scratch memory with which the stage gather_volume looks photons up along rays.
+// Scratch memory of the stage gather_volume for photon lookups along rays.
 #pragma once
 
 #include "core/spectrum.h"

@@ -26,14 +26,14 @@ std::string text_of(const std::array<int, 3>& size) {
 /// Size in MB for messages.
 std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
 
-[[noreturn]] void fail_memory(const BrickGrid& grid, std::size_t bytes, std::size_t most_bytes) {
+[[noreturn]] void fail_memory(const BrickGrid& grid, std::size_t bytes, std::size_t max_bytes) {
   throw SceneError("a grid of " + text_of(grid.cells) + " voxels would take " + megabytes(bytes) +
-                   " of memory or more (expected at most " + megabytes(most_bytes) +
+                   " of memory or more (expected at most " + megabytes(max_bytes) +
                    " for a file of its size; check for stray tiles, or voxels far from the others)");
 }
 
 /// Sets the size of the table of bricks for `cells`; all entries are 0.
-void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t most_bytes) {
+void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t max_bytes) {
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (cells[axis] < 1 || cells[axis] > kMaxGridSide) {
@@ -45,17 +45,17 @@ void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t most
     count *= static_cast<std::size_t>(grid.bricks[axis]);
   }
   if (count > kMaxBricks) throw SceneError("a grid of " + text_of(cells) + " voxels is too large");
-  if (count * sizeof(std::uint32_t) > most_bytes) fail_memory(grid, count * sizeof(std::uint32_t), most_bytes);
+  if (count * sizeof(std::uint32_t) > max_bytes) fail_memory(grid, count * sizeof(std::uint32_t), max_bytes);
   grid.entries.assign(count, 0);
 }
 
 /// Stores bricks. Constant bricks are shared: one per value.
 class BrickStore {
  public:
-  /// Throws SceneError as soon as the grid takes more than `most_bytes`.
-  BrickStore(BrickGrid& grid, std::size_t most_bytes)
+  /// Throws SceneError as soon as the grid takes more than `max_bytes`.
+  BrickStore(BrickGrid& grid, std::size_t max_bytes)
       : grid_(grid),
-        most_bytes_(most_bytes),
+        max_bytes_(max_bytes),
         channels_(static_cast<std::size_t>(grid.channels)),
         voxel_(channels_ == 1 ? 1 : kColorVoxel) {
     scratch_.assign(grid.brick_size(), 0.0f);
@@ -95,13 +95,13 @@ class BrickStore {
     }
     const std::size_t bytes =
         grid_.entries.size() * sizeof(std::uint32_t) + (grid_.values.size() + scratch_.size()) * sizeof(float);
-    if (bytes > most_bytes_) fail_memory(grid_, bytes, most_bytes_);
+    if (bytes > max_bytes_) fail_memory(grid_, bytes, max_bytes_);
     grid_.values.insert(grid_.values.end(), scratch_.begin(), scratch_.end());
     return count_++;
   }
 
   BrickGrid& grid_;
-  std::size_t most_bytes_, channels_, voxel_;
+  std::size_t max_bytes_, channels_, voxel_;
   std::vector<float> scratch_;
   std::map<std::array<float, 3>, std::uint32_t> constant_;
   std::uint32_t count_ = 0;
@@ -243,12 +243,14 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
   grid.channels = channels;
   grid.border = border;
   set_size(grid, size, kAnySize);
+  // Check the number of values
   const auto stride_y = static_cast<std::size_t>(size[0]), stride_z = stride_y * static_cast<std::size_t>(size[1]);
   if (values.size() != stride_z * static_cast<std::size_t>(size[2]) * static_cast<std::size_t>(channels)) {
     throw SceneError(std::to_string(values.size()) + " values for a grid of " + text_of(size) + " voxels with " +
                      std::to_string(channels) + " channels");
   }
   grid.voxel_max = {size[0] - 1, size[1] - 1, size[2] - 1};
+  // Copy the voxels of each brick, with one layer of its neighbours
   const auto wrap = [&](int i, std::size_t axis) {
     return static_cast<std::size_t>(i < size[axis] ? i : border == GridBorder::kRepeat ? 0 : size[axis] - 1);
   };
@@ -267,7 +269,7 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
   return grid;
 }
 
-BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes) {
+BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t max_bytes) {
   BrickGrid grid;
   grid.channels = blocks.channels();
   grid.background = blocks.background();
@@ -286,9 +288,9 @@ BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes) {
     cells[axis] = static_cast<int>(
         std::min<std::int64_t>((std::int64_t{last} - first + 1) * kBrickSide, std::numeric_limits<int>::max()));
   }
-  set_size(grid, cells, most_bytes);
+  set_size(grid, cells, max_bytes);
   table.index(grid);
-  BrickStore store(grid, most_bytes);
+  BrickStore store(grid, max_bytes);
   for_each_brick(grid, [&](const std::array<int, 3>& b, std::uint32_t& entry) { entry = table.store_brick(b, store); });
   grid.minimum = std::min(grid.minimum, *std::min_element(grid.background.begin(), used));
   grid.maximum = std::max(grid.maximum, *std::max_element(grid.background.begin(), used));

@@ -19,8 +19,8 @@ inline constexpr std::size_t kMaxBricks = std::size_t{1} << 27;
 BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const float> values, GridBorder border);
 
 /// Builds a grid with kBackground outside. Throws SceneError if the extent exceeds kMaxGridSide or kMaxBricks, for
-/// duplicate blocks, for voxel coordinates beyond 2^30, or if the grid would take more than `most_bytes` of memory. The
+/// duplicate blocks, for voxel coordinates beyond 2^30, or if the grid would take more than `max_bytes` of memory. The
 /// last check matters because a few constant blocks can span a volume with a huge brick table.
-BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t most_bytes = static_cast<std::size_t>(-1));
+BrickGrid make_sparse_grid(const VoxelBlocks& blocks, std::size_t max_bytes = static_cast<std::size_t>(-1));
 
 }  // namespace sheaf

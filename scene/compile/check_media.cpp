@@ -61,7 +61,7 @@ void check_media(const SceneView& scene, std::span<const MediumDescription> medi
     const MediumRow& medium = scene.media.rows[i];
     const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
     float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
-    if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.most_flakes, 1.0f);
+    if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.max_flakes, 1.0f);
     if (scene.color == ColorMode::kRgb) {
       check_at(scene, i, {}, tables.grids, bound, media[i].where);
       continue;

@@ -40,6 +40,7 @@ std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDes
 void SceneCompiler::add_media() {
   medium_boxes_.resize(in_.media.size());
   if (in_.media.size() > kMaxMedia) throw SceneError("more than " + std::to_string(kMaxMedia) + " media");
+  // Collect the media with their phase functions and bounds
   std::vector<PlacedMedium> placed;
   for (std::size_t i = 0; i < in_.media.size(); ++i) {
     const MediumDescription& m = in_.media[i];
@@ -53,6 +54,7 @@ void SceneCompiler::add_media() {
     placed.push_back({&m, row_of_phase_.at(phase), flakes, medium_boxes_[i], {lower_, upper_}});
     if (m.temperature && !spectra_ && !out_->media_.blackbodies) out_->media_.blackbodies.emplace();
   }
+  // Compile and check them
   CompiledMedia media = compile_media(placed, spectra(), in_.integrator.step_size, out_->media_);
   out_->spectra_.media = std::move(media.spectra);
   if (spectra_) out_->spectra_.samples = spectra_->samples();

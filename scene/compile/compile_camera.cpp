@@ -104,6 +104,7 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   const bool orthographic = description.projection == Projection::kOrthographic;
   if (!orthographic && description.projection != Projection::kPerspective)
     return make_meter(description, width, height);
+  // Compute the size of the film at distance 1
   const double half =
       orthographic ? 1.0 : half_width_of(description.fov, description.fov_axis, width, height, description.where);
   const double step = 2.0 * half / width;
@@ -113,11 +114,13 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   const double left = half * (1.0 - 2.0 * description.principal_point_x);
   const double top = half * height / width * (1.0 - 2.0 * description.principal_point_y);
   Camera camera;
+  // Set the clipping planes and the lens
   camera.near_clip = description.near_clip;
   camera.clip_range = description.far_clip - description.near_clip;
   camera.lens_x = to_world(description.aperture_radius, 0, 0);
   camera.lens_y = to_world(0, description.aperture_radius, 0);
   camera.inverse_focus_distance = 1.0f / description.focus_distance;
+  // Orthographic cameras: the origin moves over the film
   if (orthographic) {
     camera.origin = description.to_world.point({static_cast<float>(left), static_cast<float>(top), 0});
     camera.origin_dx = to_world(-step, 0, 0);
@@ -126,12 +129,14 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
     camera.z_axis = z_axis_of(camera);
     return camera;
   }
+  // Perspective cameras: all rays start at the origin
   camera.origin = description.to_world.point({0, 0, 0});
   camera.corner = to_world(left, top, 1.0);
   camera.dx = to_world(-step, 0, 0);
   camera.dy = to_world(0, -step, 0);
   camera.z_axis = z_axis_of(camera);
   if (description.distortion == std::array<float, 2>{0, 0}) return camera;
+  // Check and add the radial distortion
   const double right = left - 2 * half, bottom = top - 2 * half * height / width;
   check_distortion(description, std::hypot(std::max(std::fabs(left), std::fabs(right)),
                                            std::max(std::fabs(top), std::fabs(bottom))));

@@ -14,7 +14,7 @@ constexpr float kShortLine = 5e-3f;
 
 /// Minimum radius of the convex hull of a cubic B-spline segment whose control points start at `p`, from its Bezier
 /// form. Radii that shrink linearly to zero have a negative control radius beyond the end.
-float least_radius(const Curves::Point* p) {
+float min_radius(const Curves::Point* p) {
   const float a = p[0].radius, b = p[1].radius, c = p[2].radius, d = p[3].radius;
   return std::min({(a + 4 * b + c) / 6, (2 * b + c) / 3, (b + 2 * c) / 3, (b + 4 * c + d) / 6});
 }
@@ -25,10 +25,10 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i + curves.order() <= end; ++i) {
     const Curves::Point* p = curves.points.data() + i;
     const bool linear = curves.basis == Curves::Basis::kLinear;
-    const float least = linear ? std::min(p[0].radius, p[1].radius) : least_radius(p);
-    const float most = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
-    if (!(least >= -kRounding * std::max(most, 0.0f)))
-      throw SceneError("the radius of a curve is " + std::to_string(least));
+    const float smallest = linear ? std::min(p[0].radius, p[1].radius) : min_radius(p);
+    const float largest = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
+    if (!(smallest >= -kRounding * std::max(largest, 0.0f)))
+      throw SceneError("the radius of a curve is " + std::to_string(smallest));
   }
 }
 
@@ -61,6 +61,7 @@ UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePoin
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
     const auto end = static_cast<std::uint32_t>(i + 1 < curves.starts.size() ? curves.starts[i + 1] : points.size());
     for (std::uint32_t first = curves.starts[i]; first + order <= end; ++first) {
+      // Bound the control points
       GridBox around{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
       float radius = 0;
       bool usable = true;
@@ -71,6 +72,7 @@ UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePoin
         radius = std::max(radius, point.radius);
         grow_box(around.min, around.max, point.position, point.position);
       }
+      // Skip segments that cannot be intersected
       if (!usable || !(radius > 0.0f) || around.min == around.max) {
         ++out.left_out;
         continue;
@@ -90,11 +92,13 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
   check_curves(shape, curves);
   if (4 * (out_->geometry_.curve_points.size() + curves.points.size()) > kMaxWords)
     throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
+  // Transform the control points
   std::vector<CurvePointRow> points;
   points.reserve(curves.points.size());
   for (const Curves::Point& point : curves.points)
     points.push_back({shape.to_world.point(point.position), point.radius});
 
+  // Find the usable segments, and report the others
   const UsableSegments segments = usable_segments(curves, points);
   if (segments.left_out > 0)
     warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
@@ -107,6 +111,7 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
     warn(shape, "the curves have no surface: left out");
     return;
   }
+  // Append points, segments and shape
   grow(segments.box.min, segments.box.max);
   row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
                                                                                : ShapeKind::kBsplineCurves);

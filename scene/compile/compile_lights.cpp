@@ -30,6 +30,7 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
   const ShapeTables tables{out_->geometry_.vertices.data(), out_->geometry_.triangles.data(),
                            out_->geometry_.quadrics.data()};
+  // Build the light
   LightPlaces places{static_cast<std::uint32_t>(out_->lights_.triangle_alias.size()),
                      static_cast<std::uint32_t>(out_->lights_.uvs.size()), row.first_triangle};
   if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(out_->geometry_.quadrics.size());
@@ -37,12 +38,14 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
   constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
   if (kRowWords * (out_->lights_.triangles.size() + light.triangles.size()) > kMaxWords)
     throw SceneError("the lights have more than " + std::to_string(kMaxWords / kRowWords) + " triangles in all");
+  // Scale it to the given power
   SpectrumRow spectrum = emitter.emission.spectrum;
   if (emitter.emission.power) {
     const float factor = *emitter.emission.power / (exitance_factor(light.row) * light.area);
     light.row.radiance = light.row.radiance * factor;
     spectrum.scale *= factor;
   }
+  // Append its rows
   add_light_row(light.row, spectrum, emitter.where, emitter.name);
   out_->lights_.has_textured_area_lights = out_->lights_.has_textured_area_lights || light.row.texture != kNone;
   out_->lights_.triangle_alias.insert(out_->lights_.triangle_alias.end(), light.alias.begin(), light.alias.end());

@@ -50,8 +50,10 @@ class MediaCompiler {
     const GridBox box = around(medium);
     MediumRow row;
     row.phase = medium.phase;
+    // Set the step size of ray marching
     const float diagonal = length(box.max - box.min);
     row.step_size = step_size_ > 0.0f ? step_size_ : std::max(0.01f * diagonal, 1e-6f);
+    // Set coefficients and emission
     SpectrumRow spectra[kMediumSpectra] = {};
     if (const auto* by_albedo = std::get_if<ExtinctionAlbedoDescription>(&m.coefficients)) {
       row.first_grid = input(by_albedo->sigma_t, SpectrumUse::kUnbounded, m.scale, box, m.where, row.first, spectra[0]);
@@ -65,6 +67,7 @@ class MediaCompiler {
     if (m.density) row.density = grid(*m.density, box, m.where, 1);
     add_emission(m, box, row, spectra[2]);
     if (medium.flakes != nullptr) add_flakes(*medium.flakes, m.where, row);
+    // Bound the extinction
     set_flags(row, spectra);
     if ((row.flags & kMediumHomogeneous) == 0) row.majorants = add_majorants(row, m.where);
     tables_.rows.push_back(row);
@@ -171,13 +174,13 @@ class MediaCompiler {
     row.flags |= kMediumFlakes;
     if (const auto* matrix = std::get_if<std::array<float, 6>>(&flakes.matrix)) {
       std::copy(matrix->begin(), matrix->end(), row.flakes);
-      row.most_flakes = largest_flake_area(*matrix);
+      row.max_flakes = largest_flake_area(*matrix);
       return;
     }
     const auto& volume = std::get<GridVolumeDescription>(flakes.matrix);
     FlakeGrids grids = load_flakes(volume, where);
     row.flake_grids = static_cast<std::uint32_t>(tables_.grids.size());
-    row.most_flakes = grids.most;
+    row.max_flakes = grids.largest;
     placements_.insert(placements_.end(), 2, {volume.to_world, &volume, where, true});
     tables_.grids.push_back(std::move(grids.diagonal));
     tables_.grids.push_back(std::move(grids.others));
@@ -217,15 +220,15 @@ class MediaCompiler {
   /// Optical thickness of one voxel of a grid, for the largest component of the extinction.
   float voxel_thickness(const MediumRow& row, std::uint32_t of) const {
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
-    float most = 0;
-    for (int i = 0; i < 3; ++i) most = std::max(most, row.first[i] + (both ? row.second[i] : 0.0f));
-    if ((row.flags & kMediumFlakes) != 0) most *= row.most_flakes;
+    float largest = 0;
+    for (int i = 0; i < 3; ++i) largest = std::max(largest, row.first[i] + (both ? row.second[i] : 0.0f));
+    if ((row.flags & kMediumFlakes) != 0) largest *= row.max_flakes;
     const Transform to_world = placements_[of].to_world * tables_.grids[of].grid_to_local;
     const auto& m = to_world.matrix().m;
     double side = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
       side += std::sqrt(m[0][axis] * m[0][axis] + m[1][axis] * m[1][axis] + m[2][axis] * m[2][axis]) / 3;
-    return most * static_cast<float>(side);
+    return largest * static_cast<float>(side);
   }
 
   /// Adds bounds on the product of the grids that determine the extinction.

@@ -40,6 +40,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
   constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
   if (geometry.sdf_values.size() + grid.values.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax) + " values of SDF grids in all");
+  // Lay out the grid
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
   const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
   SdfGridRow rows{};
@@ -48,6 +49,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
   rows.first_value = static_cast<std::uint32_t>(geometry.sdf_values.size());
   rows.first_cell = static_cast<std::uint32_t>(geometry.sdf_cells.size() / 2);
   rows.smooth = grid.smooth_normals ? 1 : 0;
+  // Find and bound the cells with a surface
   std::vector<std::uint32_t> cells;
   for (std::uint32_t z = 0; z + 1 < rows.size_z; ++z)
     for (std::uint32_t y = 0; y + 1 < rows.size_y; ++y)
@@ -60,6 +62,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
     const QuadricBounds bounds = sdf_cell_bounds(view, cell);
     grow_box(box.min, box.max, bounds.lower, bounds.upper);
   }
+  // Drop grids without a usable surface
   if (cells.empty()) {
     warn(shape, "the SDF grid has no surface, because its values never change sign: left out");
     return;
@@ -71,6 +74,7 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
     return;
   }
   grow(box.min, box.max);
+  // Append the grid and the shape
   row.kind = static_cast<std::uint32_t>(ShapeKind::kSdfGrid);
   row.first_triangle = static_cast<std::uint32_t>(geometry.quadrics.size());
   row.first_vertex = static_cast<std::uint32_t>(geometry.sdf_grids.size());

@@ -183,6 +183,7 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
 }
 
 SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
+  // Redirect bounds and emitters to the group
   const Vec3f lower = lower_, upper = upper_;
   const std::size_t triangles = out_->counts_.triangles;
   const auto first = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
@@ -191,10 +192,12 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   std::vector<Emitter> emitters;
   group_emitters_ = &emitters;
   group_name_ = group.id;
+  // Add the shapes
   for (const ShapeDescription& shape : group.shapes) add_shape(shape);
   group_emitters_ = nullptr;
   group_name_.clear();
   const ShapeRange range{first, static_cast<std::uint32_t>(out_->geometry_.shapes.size()) - first};
+  // Collect the contents, and restore the bounds of the scene
   GroupContents contents{range,
                          static_cast<std::uint32_t>(group_ranges_.size()),
                          out_->counts_.triangles - triangles,
@@ -213,6 +216,7 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
   for (const InstanceDescription& instance : in_.instances) {
     const GroupContents& group = groups.at(instance.group);
     if (group.range.shape_count == 0) continue;
+    // Place the instance
     InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
     const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
     if (!is_traceable(bounds.lower, bounds.upper)) {
@@ -220,6 +224,7 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
       continue;
     }
     grow(bounds.lower, bounds.upper);
+    // Add its lights
     row.first_light = static_cast<std::uint32_t>(out_->lights_.rows.size());
     for (const Emitter& emitter : group.emitters) add_area_light(out_->geometry_.shapes[emitter.shape], emitter, &row);
     out_->geometry_.instances.push_back(row);

@@ -42,14 +42,14 @@ float largest_flake_area(const std::array<float, 6>& matrix) {
   for (const float entry : matrix)
     if (!std::isfinite(entry)) throw SceneError("a matrix of microflakes holds a number that is not finite");
   constexpr double kRounding = 1e-4;
-  const auto [least, most] = extreme_eigenvalues(matrix);
-  if (least < -kRounding * std::max(most, 0.0)) {
+  const auto [smallest, largest] = extreme_eigenvalues(matrix);
+  if (smallest < -kRounding * std::max(largest, 0.0)) {
     std::string text;
     for (const float entry : matrix) text += (text.empty() ? "" : " ") + std::to_string(entry);
     throw SceneError("the matrix of microflakes " + text + " (xx yy zz xy xz yz) has the negative eigenvalue " +
-                     std::to_string(least) + ", so it describes no ellipsoid (expected none)");
+                     std::to_string(smallest) + ", so it describes no ellipsoid (expected none)");
   }
-  return static_cast<float>(std::sqrt(std::max(most, 0.0)));
+  return static_cast<float>(std::sqrt(std::max(largest, 0.0)));
 }
 
 FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLocation& where) {
@@ -63,7 +63,7 @@ FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLoc
       std::array<float, kChannels> matrix;
       std::copy_n(&volume.values[at], kChannels, matrix.begin());
       try {
-        out.most = std::max(out.most, largest_flake_area(matrix));
+        out.largest = std::max(out.largest, largest_flake_area(matrix));
       } catch (const SceneError& error) {
         throw SceneError({file}, "voxel " + std::to_string(at / kChannels) + ": " + error.what());
       }

@@ -14,7 +14,7 @@ float largest_flake_area(const std::array<float, 6>& matrix);
 /// A grid of matrices.
 struct FlakeGrids {
   BrickGrid diagonal, others;  ///< xx, yy, zz; xy, xz, yz
-  float most = 0;              ///< upper bound on the projected area; interpolated matrices do not exceed it
+  float largest = 0;           ///< upper bound on the projected area; interpolated matrices do not exceed it
 };
 
 /// Reads a .vol file of six channels. Throws SceneError at `where` for other files and for invalid matrices.

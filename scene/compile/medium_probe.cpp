@@ -49,10 +49,10 @@ Vec3f spread_direction(int i) {
 std::uint32_t majority(std::vector<std::uint32_t> votes) {
   std::sort(votes.begin(), votes.end());
   std::uint32_t best = votes.front();
-  std::ptrdiff_t most = 0;
+  std::ptrdiff_t longest = 0;
   for (auto first = votes.begin(); first != votes.end();) {
     const auto last = std::upper_bound(first, votes.end(), *first);
-    if (last - first > most) most = last - first, best = *first;
+    if (last - first > longest) longest = last - first, best = *first;
     first = last;
   }
   return best;
@@ -61,6 +61,7 @@ std::uint32_t majority(std::vector<std::uint32_t> votes) {
 }  // namespace
 
 std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, std::uint32_t default_value) {
+  // Start a probe in each direction
   std::vector<Probe> probes(kPacketWidth);
   for (int i = 0; i < kPacketWidth; ++i) {
     probes[static_cast<std::size_t>(i)].origin = p;
@@ -94,6 +95,7 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
 std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value) {
   std::vector<std::uint32_t> votes;
   for (int i = 0; i < kPacketWidth; ++i) {
+    // Shoot a ray from far outside towards the scene
     const Vec3f from = scene.center + spread_direction(i) * (2.0f * scene.radius);
     const Vec3f to = scene.center + spread_direction((7 * i + 3) % kPacketWidth) * (0.5f * scene.radius);
     Vec3f origin = from;
@@ -107,6 +109,7 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
       const ShapeRow& shape = scene.geometry.shapes[packet.shape[0]];
       const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[0], packet.u[0], packet.v[0],
                                                   origin + d * packet.t_far[0], packet.instance[0]);
+      // Vote for the near side of the first boundary
       if (shape.boundary != kNone) {
         const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
         votes.push_back(dot(y.ng, d) < 0.0f ? sides.exterior : sides.interior);
@@ -123,6 +126,7 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
   constexpr std::uint32_t kPlaces = 5;
   std::vector<std::uint32_t> votes;
   for (std::uint32_t i = 0; i < kPlaces; ++i) {
+    // Choose a point on the shape
     const bool mesh = static_cast<ShapeKind>(row.kind) == ShapeKind::kMesh;
     SurfacePoint<Scalar> y;
     if (mesh) {
@@ -141,6 +145,7 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
       const Vec3f x = spread_direction(static_cast<int>(3 * i));
       y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone);
     }
+    // Vote for the medium just outside of it
     votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, default_value));
   }
   return majority(std::move(votes));

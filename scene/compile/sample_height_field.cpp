@@ -13,13 +13,15 @@ Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& tex
   if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
     throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
                      " points (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
+  // Check the texture
   Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
   const auto* texture = std::get_if<TextureId>(&field.texture);
   const std::uint8_t needs = texture != nullptr ? textures.rows.at(static_cast<std::uint32_t>(*texture)).needs : 0;
   if (needs != 0)
     throw SceneError(std::string("the texture of a height field depends on ") +
                      ((needs & kTextureNeedsMesh) != 0 ? "meshes" : "the position") +
-                     " (expected one that depends on uv alone)");
+                     " (expected one that depends only on uv)");
+  // Evaluate it at the centres of the cells
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
   const TextureView view{textures.rows.data(), textures.tiles.get()};

@@ -22,7 +22,7 @@ void check_role(const SpectrumDescription& spectrum, SpectrumRole role, const So
   auto check = [&](float value) {
     const bool legal = value >= 0 && (role != SpectrumRole::kReflectance || value <= 1);
     if (legal) return;
-    const char* expected = role == SpectrumRole::kReflectance ? "values within [0, 1]" : "no negative value";
+    const char* expected = role == SpectrumRole::kReflectance ? "values within [0, 1]" : "non-negative values";
     throw SceneError(where, std::string(what) + " contains " + std::to_string(value) + ", expected " + expected);
   };
   if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) check(constant->value);

@@ -19,17 +19,19 @@ void end_curve(const Curves& curves, const NumberLines& lines) {
 }  // namespace
 
 Curves read_curve_file(const std::filesystem::path& file, Curves::Basis basis) {
-  const std::string name = file.string(), text = read_mesh_text(file, "file of curves");
+  const std::string name = file.string(), text = read_mesh_text(file, "curve file");
   NumberLines lines(text, name);
   Curves curves;
   curves.basis = basis;
   bool inside = false;
   while (lines.next()) {
+    // Empty lines end a curve
     if (lines.line().empty()) {
       if (inside) end_curve(curves, lines);
       inside = false;
       continue;
     }
+    // Read a control point
     float numbers[4];
     lines.read(numbers, "x y z radius");
     if (numbers[3] < 0) lines.fail("the radius " + std::to_string(numbers[3]) + " is negative");

@@ -62,11 +62,13 @@ bool is_usable(const Row& row) {
 
 std::vector<Transform> read_ellipsoids(const std::filesystem::path& file, float scale) {
   const std::string name = file.string(), bytes = read_mesh_text(file, "PLY file");
+  // Find the columns of the ellipsoids
   const PlyHeader header = parse_ply_header(bytes, name);
   if (header.elements.empty() || header.elements[0].count == 0)
     throw SceneError({name}, "the file holds no ellipsoids");
   const PlyElement& element = header.elements[0];
   const std::vector<int> columns = columns_of(element, name);
+  // Read the rows
   std::vector<Transform> out;
   out.reserve(element.count);
   with_ply_source(bytes, header, name, [&](auto& source) {

@@ -82,11 +82,13 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
     at += 4;
     return word_at(bytes, at - 4);
   };
+  // Read the number of points
   if (bytes.size() < at + 4) throw SceneError({file}, "the file is truncated: it has no number of points");
   const std::size_t count = take(0);
   hairs.begin();
   for (std::size_t point = 0; point < count; ++point) {
     float x = std::bit_cast<float>(take(point));
+    // An infinite coordinate starts a new hair
     if (std::isinf(x)) {
       hairs.begin();
       x = std::bit_cast<float>(take(point));
@@ -101,7 +103,7 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
 }  // namespace
 
 Curves read_hair_file(const std::filesystem::path& file, const HairReading& reading) {
-  const std::string name = file.string(), bytes = read_mesh_text(file, "file of hair");
+  const std::string name = file.string(), bytes = read_mesh_text(file, "hair file");
   HairBuilder hairs(reading);
   if (bytes.starts_with(kBinary)) {
     read_binary(bytes, name, hairs);

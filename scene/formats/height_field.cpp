@@ -15,12 +15,14 @@ namespace {
 Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   const SourceLocation where{file.string(), 0};
   const StoredImage image = read_stored_image(file, raw);
+  // Check the size and find the channels
   Heights out{static_cast<std::size_t>(image.width), static_cast<std::size_t>(image.height), {}};
   if (out.width < 2 || out.height < 2 || out.width * out.height > kMaxHeights)
     throw SceneError(where, "an image of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
                                 " pixels (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
   const std::vector<std::size_t> channels = find_color_channels(image.channels, where).channels;
   const bool bytes = !image.bytes.empty(), decode = !raw && (bytes || image.integers);
+  // Convert pixels to heights
   out.z.resize(out.width * out.height);
   for (std::size_t i = 0; i < out.z.size(); ++i) {
     float value[3] = {};

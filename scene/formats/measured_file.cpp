@@ -20,14 +20,17 @@ class MeasuredReader {
 
   MeasuredBrdf read(bool prefer_spectra) const {
     MeasuredBrdf out;
+    // Read the incident angles
     out.phi = list("phi_i");
     out.theta = list("theta_i");
     check_phi(out);
+    // Read the tables for sampling
     out.ndf = grids("ndf", {});
     out.sigma = grids("sigma", {});
     const TensorFile::Shape incident = {out.phi.size(), out.theta.size()};
     out.vndf = grids("vndf", incident);
     out.luminance = grids("luminance", incident);
+    // Read the values, as spectra or as colours
     const bool spectra = file_.has("spectra") && (prefer_spectra || !file_.has("rgb"));
     if (!spectra && !file_.has("rgb")) file_.fail("has neither a field 'rgb' nor a field 'spectra'");
     if (spectra) out.wavelengths = list("wavelengths");

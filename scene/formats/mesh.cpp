@@ -53,6 +53,7 @@ void fill_zero_normals(Mesh& mesh) {
   const auto is_missing = [&](std::uint32_t vertex) { return is_zero(mesh.normals[vertex]); };
   if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_zero)) return;
   std::vector<Double3> sums(mesh.positions.size()), spares(mesh.positions.size());
+  // Check the vertex indices
   for (const Triangle& t : mesh.triangles) {
     if (std::none_of(t.begin(), t.end(), is_missing)) continue;
     const Double3 normal = direction(area_normal(mesh, t));
@@ -160,6 +161,7 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
     throw SceneError(
         where, "a mesh has " + std::to_string(length) + " " + what + " for " + std::to_string(count) + " vertices");
   };
+  // Check vertex data and attributes
   check_length(mesh.normals.size(), "normals");
   check_length(mesh.uvs.size(), "texture coordinates");
   for (const Mesh::Attribute& attribute : mesh.attributes) {
@@ -215,6 +217,7 @@ Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& trian
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   Mesh part;
   part.triangles = select_rows(mesh.triangles, triangles);
+  // Renumber the vertices in use
   std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused), vertices;
   for (Triangle& t : part.triangles) {
     for (std::uint32_t& vertex : t) {
@@ -225,6 +228,7 @@ Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& trian
       vertex = renamed[vertex];
     }
   }
+  // Copy their data
   part.positions = select_rows(mesh.positions, vertices);
   part.normals = select_rows(mesh.normals, vertices);
   part.uvs = select_rows(mesh.uvs, vertices);
@@ -289,6 +293,7 @@ std::size_t count_open_edges(const Mesh& mesh) {
     std::uint64_t ends;
     int way;
   };
+  // Collect the edges with their directions
   std::vector<Edge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const auto& triangle : mesh.triangles)
@@ -296,6 +301,7 @@ std::size_t count_open_edges(const Mesh& mesh) {
       const std::uint64_t a = same[triangle[k]], b = same[triangle[(k + 1) % 3]];
       if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
     }
+  // Count edges whose directions do not cancel
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
   std::size_t open = 0;
   for (std::size_t i = 0; i < edges.size();) {

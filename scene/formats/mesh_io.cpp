@@ -30,7 +30,7 @@ std::string inflated(std::string_view bytes, const SourceLocation& where, std::s
   } catch (const SceneError&) { throw; } catch (const Error& error) {
     throw SceneError(where, std::string(what) + ": " + error.what());
   }
-  if (inflater.most_left() != 0) throw SceneError(where, std::string(what) + " is truncated");
+  if (inflater.max_remaining() != 0) throw SceneError(where, std::string(what) + " is truncated");
   return out;
 }
 

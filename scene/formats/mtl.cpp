@@ -181,13 +181,14 @@ class MtlReader {
     slot = std::move(texture);
   }
 
-  /// Whether the text starts with a minus and a letter. Names may start with a minus alone or a minus and a digit.
+  /// Whether the text starts with a minus and a letter. Names may be a single minus, or start with a minus and a digit.
   static bool is_option(std::string_view text) {
     return text.size() > 1 && text[0] == '-' &&
            ((text[1] >= 'a' && text[1] <= 'z') || (text[1] >= 'A' && text[1] <= 'Z'));
   }
 
   std::string_view take_image_name(std::string_view& arguments) const {
+    // Take a quoted name
     if (arguments.starts_with('"')) {
       const std::size_t end = arguments.find('"', 1);
       if (end == arguments.npos) fail("a name has no closing quotation mark");
@@ -195,6 +196,7 @@ class MtlReader {
       arguments = trimmed(arguments.substr(end + 1));
       return name;
     }
+    // Take all words up to an option or comment, unless the whole text names a file
     std::size_t end = arguments.size();
     std::error_code failure;
     if (!std::filesystem::exists(find_image(arguments), failure))

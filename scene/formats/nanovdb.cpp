@@ -1,16 +1,15 @@
 // File layout: a sequence of segments. Each has a magic number, a version, the number of grids and their codec, then
 // for each grid a description of 176 bytes and its name, then the grids. A grid is one block of memory with internal
 // offsets: a header, the tree's header, and nodes of four levels. All offsets are validated.
-#define NANOVDB_USE_ZIP
 #include "scene/formats/nanovdb.h"
 
 #include "core/inflate.h"
-#include "core/output_file.h"
 #include "scene/formats/mesh_io.h"
 
 #include <nanovdb/NanoVDB.h>
-#include <nanovdb/util/GridBuilder.h>
-#include <nanovdb/util/IO.h>
+#ifdef NANOVDB_USE_BLOSC
+#include <blosc.h>
+#endif
 
 #include <algorithm>
 #include <bit>
@@ -161,10 +160,10 @@ class GridMemory {
     char bytes[32];
   };
 
-  /// Allocates the grid's memory. Throws if the claimed size exceeds `most`, the maximum that the stored data can
+  /// Allocates the grid's memory. Throws if the claimed size exceeds `max_size`, the maximum that the stored data can
   /// produce.
-  void allocate(std::uint64_t most) {
-    if (entry_.size > most) {
+  void allocate(std::uint64_t max_size) {
+    if (entry_.size > max_size) {
       fail("claims " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
     }
     if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is smaller than its header");
@@ -180,7 +179,7 @@ class GridMemory {
   void inflate() {
     if (entry_.stored.size() < 8) fail("the file is truncated");
     Inflater inflater(entry_.stored.substr(8));
-    allocate(inflater.most_left());
+    allocate(inflater.max_remaining());
     std::size_t found = 0;
     try {
       found = inflater.read({memory(), entry_.size});
@@ -366,6 +365,7 @@ VoxelBlocks read_tree(const GridMemory& memory, nanovdb::GridType type) {
 SparseVolume read_volume(const GridMemory& memory) {
   const auto* const header = reinterpret_cast<const nanovdb::GridData*>(memory.data());
   if (std::memcmp(memory.data(), "NanoVDB", 7) != 0) memory.fail("the grid's memory is corrupt");
+  // Check the grid class
   switch (header->mGridClass) {
     case nanovdb::GridClass::LevelSet:
       memory.fail("is a level set (expected a fog volume)");
@@ -377,6 +377,7 @@ SparseVolume read_volume(const GridMemory& memory) {
     default:
       memory.fail("is not a fog volume");
   }
+  // Convert the transform
   Matrix4 m;
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) m.m[row][column] = header->mMap.mMatD[3 * row + column];
@@ -387,68 +388,9 @@ SparseVolume read_volume(const GridMemory& memory) {
   try {
     volume.grid_to_local = Transform(m);
   } catch (const SceneError& error) { memory.fail(error.what()); }
+  // Read the voxels
   volume.voxels = read_tree(memory, header->mGridType);
   return volume;
-}
-
-template <class ValueT, class BuildT> nanovdb::GridHandle<> build(const NanoVdbGrid& grid) {
-  const VoxelBlocks& voxels = *grid.voxels;
-  const auto to_value = [&](const float* v) {
-    if constexpr (std::is_same_v<ValueT, float>)
-      return *v;
-    else
-      return ValueT(v[0], v[1], v[2]);
-  };
-  const auto kind = grid.is_level_set        ? nanovdb::GridClass::LevelSet
-                    : voxels.channels() == 1 ? nanovdb::GridClass::FogVolume
-                                             : nanovdb::GridClass::Unknown;
-  const ValueT background = to_value(voxels.background().data());
-  // Set the voxels
-  nanovdb::GridBuilder<ValueT, BuildT> builder(background, kind);
-  auto accessor = builder.getAccessor();
-  for (const VoxelBlocks::Block& block : voxels.blocks()) {
-    const int side = block.edge * VoxelBlocks::kSide;
-    for (int z = 0; z < side; ++z)
-      for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-          const int i = block.is_constant ? 0 : (z * VoxelBlocks::kSide + y) * VoxelBlocks::kSide + x;
-          const ValueT value =
-              to_value(&voxels.values()[block.first_value + static_cast<std::size_t>(i * voxels.channels())]);
-          if (value != background)
-            accessor.setValue({block.position[0] * VoxelBlocks::kSide + x, block.position[1] * VoxelBlocks::kSide + y,
-                               block.position[2] * VoxelBlocks::kSide + z},
-                              value);
-        }
-  }
-  // Set the transform
-  nanovdb::Map map{};
-  const auto &m = grid.index_to_world.matrix().m, &inverse = grid.index_to_world.inverse_matrix().m;
-  double columns[3][3], inverse_columns[3][3], translation[3];  // layout expected by Map::set()
-  for (std::size_t row = 0; row < 3; ++row) {
-    translation[row] = m[row][3];
-    for (std::size_t column = 0; column < 3; ++column) {
-      columns[column][row] = m[row][column];
-      inverse_columns[column][row] = inverse[row][column];
-    }
-  }
-  map.set(columns, inverse_columns, translation, 1.0);
-  return builder.getHandle(map, grid.name);
-}
-
-nanovdb::GridHandle<> build_as(const NanoVdbGrid& grid) {
-  if (grid.voxels->channels() == 3) return build<nanovdb::Vec3f, nanovdb::Vec3f>(grid);
-  switch (grid.values) {
-    case NanoVdbGrid::Values::kFp4:
-      return build<float, nanovdb::Fp4>(grid);
-    case NanoVdbGrid::Values::kFp8:
-      return build<float, nanovdb::Fp8>(grid);
-    case NanoVdbGrid::Values::kFp16:
-      return build<float, nanovdb::Fp16>(grid);
-    case NanoVdbGrid::Values::kFpN:
-      return build<float, nanovdb::FpN>(grid);
-    default:
-      return build<float, float>(grid);
-  }
 }
 
 }  // namespace
@@ -472,16 +414,6 @@ bool has_nanovdb_blosc() {
 #else
   return false;
 #endif
-}
-
-void write_nanovdb(const std::filesystem::path& file, std::span<const NanoVdbGrid> grids, NanoVdbCodec codec) {
-  OutputFile output(file);
-  try {
-    std::vector<nanovdb::GridHandle<>> handles;
-    for (const NanoVdbGrid& grid : grids) handles.push_back(build_as(grid));
-    nanovdb::io::writeGrids(output.stream(), handles, static_cast<nanovdb::io::Codec>(codec));
-  } catch (const std::exception& error) { throw Error(ExitCode::kOutput, {file.string()}, error.what()); }
-  output.commit();
 }
 
 }  // namespace sheaf

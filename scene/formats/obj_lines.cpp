@@ -145,18 +145,18 @@ void ObjLines::read_smoothing_group(char* p, char* end) {
   for (const char digit : digits) smoothing_group_ = 10 * smoothing_group_ + static_cast<std::uint32_t>(digit - '0');
 }
 
-void ObjLines::check_numbers(char* p, char* end, int least, int most, const char* what) {
+void ObjLines::check_numbers(char* p, char* end, int min_count, int max_count, const char* what) {
   int count = 0;
   for (std::string_view token = next_token(p, end); !token.empty(); token = next_token(p, end)) {
-    const bool counts = count++ < most;
+    const bool counts = count++ < max_count;
     if (is_number(token)) continue;
     if (!is_non_finite(token)) {
       throw SceneError(where(), "expected a number in " + std::string(what) + ", found " + quoted(token));
     }
     if (counts) non_finite_ = true;
   }
-  if (count < least) {
-    throw SceneError(where(), "expected at least " + std::to_string(least) + " numbers in " + std::string(what) +
+  if (count < min_count) {
+    throw SceneError(where(), "expected at least " + std::to_string(min_count) + " numbers in " + std::string(what) +
                                   ", found " + std::to_string(count));
   }
 }

@@ -44,8 +44,8 @@ class ObjLines : public std::streambuf {
   char* end_of_line();
   /// Validates a line; returns whether it is relevant.
   bool check(char* p, char* end);
-  /// Throws unless at least `least` numbers follow. Only the first `most` are relevant.
-  void check_numbers(char* p, char* end, int least, int most, const char* what);
+  /// Throws unless at least `min_count` numbers follow. Only the first `max_count` are relevant.
+  void check_numbers(char* p, char* end, int min_count, int max_count, const char* what);
   /// Validates corners v, v/vt, v//vn or v/vt/vn. Blanks out trailing slashes ("1//").
   void check_face(char* p, char* end);
   /// Reads the argument of 's': a number, 'on' or 'off'.

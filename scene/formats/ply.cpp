@@ -257,12 +257,14 @@ template <class Source> void read_corner_uvs(Source& source, const PlyProperty& 
 template <class Source>
 void read_faces(Source& source, const PlyElement& element, const PlyVertices& vertices, PlyContent& content) {
   const std::size_t list = find_corner_list(source, element), uv_list = find_corner_uvs(element);
+  // Prepare the attributes
   AttributeRows attributes(element, content.polygons.ends.size(), content.warnings,
                            [&](std::size_t k) { return k == list || k == uv_list; });
   const bool has_uvs = uv_list < element.properties.size();
   std::vector<Vec2f> uvs;
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
+    // Read a face
     const std::size_t begin = content.polygons.corners.size();
     bool kept = false;
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -276,6 +278,7 @@ void read_faces(Source& source, const PlyElement& element, const PlyVertices& ve
     }
     if (!kept) continue;
     attributes.push_row();
+    // Store its texture coordinates
     if (!has_uvs || (uvs.empty() && content.corner_uvs.empty())) continue;
     const std::size_t corners = content.polygons.corners.size() - begin;
     if (!uvs.empty() && uvs.size() != corners)
@@ -303,6 +306,7 @@ void split_by_corner_uvs(PlyContent& content) {
     const Vec2f uv = content.corner_uvs[i];
     const std::uint32_t vertex = corners[i];
     if (vertex == kMissingVertex) continue;
+    // Keep the first uv of a vertex, and copy the vertex for others
     if (!has_uv[vertex]) {
       uvs[vertex] = uv;
       has_uv[vertex] = true;
@@ -316,6 +320,7 @@ void split_by_corner_uvs(PlyContent& content) {
       corners[i] = found->second;
     }
   }
+  // Append the copies
   append_vertex_copies(mesh, sources);
   mesh.uvs = std::move(uvs);
 }
@@ -376,6 +381,7 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFa
   PlyContent content = header.encoding == PlyHeader::Encoding::kAscii
                            ? read_body<AsciiSource>(bytes, header, vertices, name)
                            : read_body<BinarySource>(bytes, header, vertices, name);
+  // Check the counts and resolve texture coordinates
   if (content.polygons.ends.empty()) throw SceneError({name}, "the PLY file holds no faces");
   const bool has_corner_uvs = !content.corner_uvs.empty();
   if (content.mesh.positions.size() + content.polygons.corners.size() >= std::numeric_limits<std::uint32_t>::max())
@@ -384,6 +390,7 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFa
   if (flip_tex_coords) {
     for (Vec2f& uv : content.mesh.uvs) uv.y = 1 - uv.y;
   }
+  // Triangulate the polygons
   MeshFile result{std::move(content.mesh), std::move(content.warnings)};
   result.is_split = has_corner_uvs;
   result.texture = header.texture;

@@ -17,10 +17,10 @@ struct PlyAttribute {
 
 /// Finds the attributes among the properties of `element`. Their names start with "vertex_" or "face_", by the element.
 /// Properties `r g b` or `red green blue` become the attribute `color`. Adjacent properties with a common prefix and
-/// the suffixes _x _y _z, _r _g _b, _0 _1 _2 or _1 _2 _3 become one attribute of three channels. The first of these
-/// suffixes alone makes an attribute of one channel. The name is the prefix, followed by "_color" for _r _g _b.
-/// Attributes with another number of channels or a duplicate name are dropped with a warning, and their properties
-/// appended to `left_out`.
+/// the suffixes _x _y _z, _r _g _b, _0 _1 _2 or _1 _2 _3 become one attribute of three channels. A property with only
+/// the first of these suffixes becomes an attribute of one channel. The name is the prefix, followed by "_color" for
+/// _r _g _b. Attributes with another number of channels or a duplicate name are dropped with a warning, and their
+/// properties appended to `left_out`.
 std::vector<PlyAttribute> find_ply_attributes(const PlyElement& element, std::vector<std::string>& warnings,
                                               std::vector<std::size_t>& left_out);
 

@@ -56,10 +56,12 @@ class HeaderParser {
     for (;;) {
       const std::string_view line = next_line();
       const std::vector<std::string_view> words = split_words(line);
+      // Read comments
       if (words.size() > 2 && words[0] == "comment" && words[1] == "TextureFile" && header_.texture.empty())
         header_.texture = line.substr(static_cast<std::size_t>(words[2].data() - line.data()));
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
+      // Read declarations
       if (words[0] == "format") {
         read_format(words);
         has_format = true;
@@ -72,6 +74,7 @@ class HeaderParser {
              did_you_mean(words[0], {"format", "comment", "obj_info", "element", "property", "end_header"}));
       }
     }
+    // Check the header
     if (!has_format) fail("the PLY header has no 'format' line");
     header_.size = position_;
     header_.lines = line_;

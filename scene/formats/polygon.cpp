@@ -23,16 +23,19 @@ std::vector<Point> project(std::span<const Vec3f> corners) {
     return std::array<double, 3>{double(corners[i].x) - origin.x, double(corners[i].y) - origin.y,
                                  double(corners[i].z) - origin.z};
   };
+  // Compute the normal
   std::array<double, 3> normal{};
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto a = coordinates(i), b = coordinates((i + 1) % corners.size());
     for (std::size_t k = 0; k < 3; ++k) normal[k] += a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
   }
+  // Choose the coordinate plane
   std::size_t axis = 0;
   for (std::size_t k = 1; k < 3; ++k) {
     if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
   }
   if (normal[axis] == 0 || !std::isfinite(normal[0] + normal[1] + normal[2])) return {};
+  // Project, keeping the orientation
   std::vector<Point> points(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto c = coordinates(i);
@@ -140,10 +143,10 @@ bool triangulate_polygon(std::span<const Vec3f> corners, std::vector<PolygonTria
 
 std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh,
                                            std::vector<std::string>& warnings) {
-  const std::size_t most_triangles = polygons.corners.size() - 2 * polygons.ends.size();
-  mesh.triangles.reserve(most_triangles);
+  const std::size_t max_triangles = polygons.corners.size() - 2 * polygons.ends.size();
+  mesh.triangles.reserve(max_triangles);
   std::vector<std::uint32_t> sources;
-  sources.reserve(most_triangles);
+  sources.reserve(max_triangles);
   std::vector<Vec3f> outline;
   std::vector<PolygonTriangle> triangles;
   std::size_t begin = 0, crossed = 0, incomplete = 0;

@@ -104,7 +104,7 @@ class MeshStream {
   /// Throws unless `count` rows of `row_size` bytes can follow.
   void require(std::uint64_t count, std::uint64_t row_size, const char* what) const {
     if (count > std::numeric_limits<std::uint32_t>::max()) fail("a mesh of more than 2^32 - 1 " + std::string(what));
-    if (count * row_size <= inflater_.most_left()) return;
+    if (count * row_size <= inflater_.max_remaining()) return;
     fail("the mesh claims " + plural(count, what) + ", more than the file's size allows: truncated?");
   }
 

@@ -55,11 +55,13 @@ class TensorFile::Reader {
     const std::size_t dimensions = number<std::uint16_t>();
     field.type = number<std::uint8_t>();
     field.offset = number<std::uint64_t>();
+    // Check type and dimensions
     if (field.type == 0 || field.type >= std::size(kTypeSizes))
       file_.fail("field '" + name + "' has the type " + std::to_string(field.type) + ", expected one from 1 to 11");
     if (dimensions > kMaxDimensions)
       file_.fail("field '" + name + "' has " + std::to_string(dimensions) + " dimensions, expected at most " +
                  std::to_string(kMaxDimensions));
+    // Read the shape; the data must fit into the file
     field.count = 1;
     const std::uint64_t room =
         field.offset <= file_.content_.size() ? (file_.content_.size() - field.offset) / kTypeSizes[field.type] : 0;

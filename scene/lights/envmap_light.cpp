@@ -64,8 +64,8 @@ void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& 
 
 std::optional<CompiledLight> place_light(const EnvmapDescription& light, const SourceLocation& where,
                                          LightContext& context) {
-  EnvmapImage picture = read_envmap_image(light.file, light.raw);
-  const UnusableValues unusable = replace_unusable(picture);
+  EnvmapImage image = read_envmap_image(light.file, light.raw);
+  const UnusableValues unusable = replace_unusable(image);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
     std::string text = light.file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
     if (unusable.infinite == 0) {
@@ -76,15 +76,15 @@ std::optional<CompiledLight> place_light(const EnvmapDescription& light, const S
     }
     context.warnings.push_back(std::move(text));
   }
-  if (light.layout == EnvmapDescription::Layout::kOctahedral) picture = lat_long_of_octahedral(picture, light.file);
-  const double nodes = static_cast<double>(picture.width) * picture.height;
+  if (light.layout == EnvmapDescription::Layout::kOctahedral) image = lat_long_of_octahedral(image, light.file);
+  const double nodes = static_cast<double>(image.width) * image.height;
   const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "use a smaller map"},
                             {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};
-  check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(picture.width) + " x " +
-                   std::to_string(picture.height) + " pixels",
+  check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(image.width) + " x " +
+                   std::to_string(image.height) + " pixels",
                uses);
   Envmap map =
-      make_envmap(std::move(picture), light.scale, light.mis_compensation && can_compensate(context.description));
+      make_envmap(std::move(image), light.scale, light.mis_compensation && can_compensate(context.description));
   set_rotation(map, light.to_world, where);
   return place_map(std::move(map), context, light.file.string() + ": the environment map", where);
 }

@@ -34,7 +34,7 @@ std::optional<CompiledLight> place_light(const GoniometricLightDescription& ligh
   const LightEmission emission = context.emission(light.intensity, where);
   const GoniometricLightData<Scalar> data{origin, context.add_frame(frame_of(rotation, origin))};
   CompiledLight out{make_light_row(kLightKind<GoniometricLightKind>, emission.rgb, data), emission.spectrum};
-  out.row.texture = context.texture_row(light.picture, where);
+  out.row.texture = context.texture_row(light.image, where);
   return out;
 }
 

@@ -11,7 +11,7 @@ namespace sheaf {
 struct GoniometricLightDescription {
   Transform to_world;  ///< a rotation, possibly with a reflection, and a translation
   SpectrumDescription intensity = SpectrumDescription::constant(1);
-  TextureId picture{};
+  TextureId image{};
 };
 
 /// See PlaceableLight.

@@ -27,7 +27,7 @@ struct LightContext {
 
   /// The emission of a light. Throws SceneError at `where`.
   LightEmission emission(const SpectrumInput& emission, const SourceLocation& where) const;
-  /// The spectrum alone.
+  /// Only the spectrum.
   SpectrumRow emission_row(const SpectrumInput& emission, const SourceLocation& where) const;
   /// Row of a texture. Throws SceneError at `where` if it does not exist or cannot be used by lights.
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;

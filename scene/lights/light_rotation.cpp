@@ -13,9 +13,9 @@ std::array<double, 9> rotation_of(const Transform& to_world, const char* what, c
     const std::size_t k = (j + 1) % 3;
     mixed = std::max(mixed, std::fabs(m[0][j] * m[0][k] + m[1][j] * m[1][k] + m[2][j] * m[2][k]));
   }
-  const auto [least, most] = std::minmax_element(squared, squared + 3);
+  const auto [smallest, largest] = std::minmax_element(squared, squared + 3);
   constexpr double kTolerance = 1e-4;
-  if (!(*least > 0.0) || *most - *least > kTolerance * *most || mixed > kTolerance * *most)
+  if (!(*smallest > 0.0) || *largest - *smallest > kTolerance * *largest || mixed > kTolerance * *largest)
     throw SceneError(where, std::string(what) + " is stretched by its transform, expected a rotation");
   std::array<double, 9> rows;
   for (std::size_t i = 0; i < 9; ++i) rows[i] = m[i % 3][i / 3] / std::sqrt(squared[i / 3]);

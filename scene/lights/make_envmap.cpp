@@ -37,16 +37,16 @@ double mean_sine(std::uint32_t j, std::uint32_t height) {
 /// The largest power of two not above the image's maximum.
 float unit_of(const EnvmapImage& image, float scale) {
   using Range = tbb::blocked_range<std::size_t>;
-  const auto most_of = [&](const Range& range, float most) {
+  const auto largest_of = [&](const Range& range, float largest) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const float value = image.rgb[i] * scale;
-      most = is_usable(value) ? std::max(most, value) : most;
+      largest = is_usable(value) ? std::max(largest, value) : largest;
     }
-    return most;
+    return largest;
   };
-  const float most = tbb::parallel_reduce(Range(0, image.rgb.size(), 1 << 16), 0.0f, most_of,
-                                          [](float a, float b) { return std::max(a, b); });
-  return most > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(most), 63))) : 1.0f;
+  const float largest = tbb::parallel_reduce(Range(0, image.rgb.size(), 1 << 16), 0.0f, largest_of,
+                                             [](float a, float b) { return std::max(a, b); });
+  return largest > 0 ? std::exp2(static_cast<float>(std::min(std::ilogb(largest), 63))) : 1.0f;
 }
 
 /// A node's value in channel `c`: 0 to 2 for red, green and blue.
@@ -203,6 +203,7 @@ void uplift_nodes(Envmap& map) {
   tbb::parallel_for(std::size_t{0}, std::size_t{map.height}, [&](std::size_t row) {
     for (std::size_t first = 0; first < width; first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, width - first));
+      // Gather the colours of a register of nodes
       alignas(kSimdAlignment) float colors[3][kWidth];
       float* to[kWidth];
       for (int lane = 0; lane < kWidth; ++lane) {
@@ -210,6 +211,7 @@ void uplift_nodes(Envmap& map) {
         for (std::size_t c = 0; c < 3; ++c) colors[c][lane] = value_of(map, row, column, c) * unit;
         to[lane] = &map.spectra[4 * (row * width + column)];
       }
+      // Upsample them
       WideFloat rgb[3];
       for (int c = 0; c < 3; ++c) load(colors[c], rgb[c]);
       const ScaledSigmoid<Wide> s = uplift_unbounded<Wide>(table, {rgb[0], rgb[1], rgb[2]});

@@ -22,6 +22,7 @@ struct TriangleWithArea {
 
 /// The triangle with the given corners in world space; `side` = -1 flips its normal.
 TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
+  // Compute normal and area
   double normal[3], squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
@@ -31,6 +32,7 @@ TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
   const double twice_area = std::sqrt(squared);
   TriangleWithArea out;
   out.area = 0.5 * twice_area;
+  // Store the rounded triangle
   float* const first[3] = {&out.row.p.x, &out.row.p.y, &out.row.p.z};
   float* const edge1[3] = {&out.row.edge1.x, &out.row.edge1.y, &out.row.edge1.z};
   float* const edge2[3] = {&out.row.edge2.x, &out.row.edge2.y, &out.row.edge2.z};
@@ -45,6 +47,7 @@ TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
     across += std::fabs(*unit[c]) * largest;
     extent = std::max(extent, largest);
   }
+  // Bound the rounding error of points on it
   out.row.offset = static_cast<float>(kOffsetUlps * (across + extent));
   return out;
 }

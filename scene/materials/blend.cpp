@@ -59,7 +59,7 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
   std::vector<WeightedMaterial> parts;
   float sum = 0;
   for (std::size_t i = 0; i < nested.size(); ++i) {
-    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected no negative number");
+    if (!(weights[i] >= 0.0f)) p.fail_at("weights", "has a negative number, expected non-negative numbers");
     parts.push_back({dialect.nested(*nested[i]), weights[i]});
     sum += weights[i];
   }

@@ -14,6 +14,7 @@ namespace {
 /// Moves the parameters of `base`, the most recent row, to their positions after the coat's own.
 template <template <class> class Parameters>
 void set_base(MaterialRowBuilder<Parameters>& m, const MaterialRow& base, const MaterialSpectra& spectra) {
+  // Copy the parameters of the base, and redirect its texture bindings
   const std::uint32_t first_word = m.word_of(m.p.nested_spectra[0].c0);
   constexpr std::size_t kNestedWords = 4 * kCoatableSpectra + kCoatableNumbers;
   float words[kNestedWords] = {};
@@ -29,6 +30,7 @@ void set_base(MaterialRowBuilder<Parameters>& m, const MaterialRow& base, const 
       }
     }
   });
+  // Store them in the parameters of the coat
   const auto to = leaves(m.p);
   [&]<std::size_t... I>(std::index_sequence<I...>) {
     constexpr auto kFirst = static_cast<std::size_t>(kLeafCount<CoatedParameters>) - sizeof...(I);

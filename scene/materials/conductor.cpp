@@ -65,7 +65,7 @@ ConductorDescription ConductorDescription::read_smooth(Properties& p, const Bsdf
   const auto eta = p.find_spectrum_input("eta", SpectrumRole::kIor), k = p.find_spectrum_input("k", SpectrumRole::kIor);
   const std::optional<std::string> material = p.find_string("material");
   if (eta || k) {
-    if (!eta || !k) p.fail(std::string("has '") + (eta ? "eta" : "k") + "' alone, expected both 'eta' and 'k'");
+    if (!eta || !k) p.fail(std::string("has only '") + (eta ? "eta" : "k") + "', expected both 'eta' and 'k'");
     if (material && *material != "none")
       p.fail_at("material", "is set together with 'eta' and 'k', expected one of them");
     result.ior = {*eta, *k};

@@ -39,6 +39,7 @@ HairDescription HairDescription::read(Properties& p, const BsdfDialect&) {
 
 MaterialRow HairDescription::make_row(RowContext& context) const {
   MaterialRowBuilder<HairParameters> m{context};
+  // Set the absorption
   if (const auto* by = std::get_if<Melanin>(&color)) {
     m.set(m.p.eumelanin_absorption, kEumelanin, TextureRole::kUnbounded);
     m.set(m.p.pheomelanin_absorption, kPheomelanin, TextureRole::kUnbounded);
@@ -53,6 +54,7 @@ MaterialRow HairDescription::make_row(RowContext& context) const {
     m.set(m.p.absorption, by->color);
     m.p.by_reflectance = 1;
   }
+  // Set roughness, tilt and index of refraction
   m.set(m.p.longitudinal_roughness, longitudinal_roughness);
   m.set(m.p.azimuthal_roughness, azimuthal_roughness);
   m.p.tilt = scale_tilt * (kPi / 180);

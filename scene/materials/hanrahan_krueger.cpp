@@ -42,7 +42,7 @@ HanrahanKruegerDescription HanrahanKruegerDescription::read(Properties& p, const
   const bool pair = sigma_t || albedo, other = sigma_s || sigma_a;
   if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one of the pairs");
   if (pair != (sigma_t && albedo) || other != (sigma_s && sigma_a))
-    p.fail("has one coefficient alone, expected 'sigmaS' and 'sigmaA', or 'sigmaT' and 'albedo'");
+    p.fail("has only one coefficient, expected 'sigmaS' and 'sigmaA', or 'sigmaT' and 'albedo'");
   if ((pair || other) && p.has("material"))
     p.fail_at("material", "is set together with coefficients, expected one of them");
   if (pair) result.first = *sigma_t, result.second = *albedo;

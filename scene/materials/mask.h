@@ -1,4 +1,4 @@
-// Opacity masks, and polarizing filters as unpolarised light sees them.
+// Opacity masks, and polarizing filters with their effect on unpolarised light.
 #pragma once
 
 #include "scene/materials/model.h"

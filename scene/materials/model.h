@@ -1,4 +1,4 @@
-// What a material model declares, and the closures by which kernels know it.
+// The interface of material models, and of the closures by which kernels refer to them.
 //
 // A model is a struct XDescription in scene/materials/<name>.h that holds the parameters as a file gives them, with
 // their defaults, and declares
@@ -75,7 +75,7 @@ template <class Model> struct Plugin {
   Reader read = nullptr;
   bool has_reader = false;  ///< g++ does not compare `read` with nullptr in constant expressions under sanitizers
 };
-/// kPlugins of a model whose names belong to a dialect alone.
+/// kPlugins of a model whose names belong to a single dialect.
 inline constexpr std::array<Plugin<void>, 0> kNoPlugins{};
 
 /// Names of a parameter in files. Numbers lie in [low, high].
@@ -92,13 +92,13 @@ struct NestedTransmission {
   bool operator()(MaterialId id) const;
 };
 
-/// A model whose row is derived by code of its own.
+/// A model with custom code for its row.
 template <class Model>
 concept DerivedBsdf = requires(const Model& model, RowContext& context) {
   { model.make_row(context) } -> std::same_as<MaterialRow>;
 };
 
-/// A model that is read and compiled from its declaration alone. fields() ties its members, ScalarInputs and
+/// A model that is read and compiled only by its declaration. fields() ties its members, ScalarInputs and
 /// SpectrumInputs with their defaults, and kParameters names them.
 template <class Model>
 concept DeclarativeBsdf = !DerivedBsdf<Model> && requires(Model & model) {

@@ -20,10 +20,10 @@ Vec3f brightest(const SpectrumDescription& spectrum) {
   if (const auto* constant = std::get_if<S::Constant>(&spectrum.value))
     return {constant->value, constant->value, constant->value};
   if (const auto* rgb = std::get_if<S::Rgb>(&spectrum.value)) return rgb->value;
-  float most = 0;
+  float largest = 0;
   if (const auto* table = std::get_if<S::Table>(&spectrum.value))
-    for (const float v : table->values) most = std::max(most, v);
-  return {most, most, most};
+    for (const float v : table->values) largest = std::max(largest, v);
+  return {largest, largest, largest};
 }
 
 }  // namespace
@@ -85,7 +85,9 @@ RoughnessDescription read_roughness(Properties& p) {
     p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
-  if (along != across) p.fail(std::string("has 'alpha_") + (along ? "u" : "v") + "' alone, expected both or 'alpha'");
+  if (along != across)
+    p.fail(std::string("has only 'alpha_") + (along ? "u" : "v") +
+           "', expected both 'alpha_u' and 'alpha_v', or 'alpha'");
   if (along && p.has("alpha")) p.fail_at("alpha", "is set together with 'alpha_u' and 'alpha_v', expected one of them");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
@@ -107,12 +109,12 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
   auto* s = std::get_if<SpectrumDescription>(&specular);
   if (d == nullptr || s == nullptr) return;
   const Vec3f sum = brightest(*d) + brightest(*s);
-  const float most = std::max({sum.x, sum.y, sum.z});
-  if (!(most > 1.0f)) return;
+  const float largest = std::max({sum.x, sum.y, sum.z});
+  if (!(largest > 1.0f)) return;
   constexpr float kMax = 0.99f;
-  *d = scaled(std::move(*d), kMax / most);
-  *s = scaled(std::move(*s), kMax / most);
-  p.context().note(p.where(), "reflects up to " + std::to_string(most) +
+  *d = scaled(std::move(*d), kMax / largest);
+  *s = scaled(std::move(*s), kMax / largest);
+  p.context().note(p.where(), "reflects up to " + std::to_string(largest) +
                                   " of the light; its reflectances are scaled down so that they add up to 0.99");
 }
 

@@ -1,4 +1,4 @@
-// Reading of materials: what several models and the dialects share.
+// Helpers for reading materials, shared by the models and dialects.
 #pragma once
 
 #include "scene/description/description.h"

@@ -79,6 +79,7 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
 void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance) {
   using L = Wide;
   for (int at = 0; at < count; at += L::width) {
+    // Find the rays that hit an instance
     Uint<L> shape, instance;
     load(packet.shape + at, shape);
     load(packet.instance + at, instance);
@@ -86,6 +87,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
     const Uint<L> row = instance - Uint<L>(first_instance);
     store(packet.instance + at, select(instanced, row, Uint<L>(kNone)));
     if (!any(instanced)) continue;
+    // Convert shapes and normals to world space
     const InstanceRecord<L> record = gather_rows<L>(instances, select(instanced, row, Uint<L>(0u)));
     const InstancePlacement<L> placed(record);
     store(packet.shape + at, select(instanced, shape + record.first_shape, shape));

@@ -62,6 +62,7 @@ SHEAF_INLINE std::int32_t truncate(float x) {
 
 /// Finds the cell at world-space point `p`. Returns false outside the grid, where the background applies.
 SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_per_voxel, GridCell& cell) {
+  // Transform the point to the grid
   const NativeFloat4 g = load_float4(row.world_to_grid) * p.x +
                          (load_float4(row.world_to_grid + 4) * p.y +
                           (load_float4(row.world_to_grid + 8) * p.z + load_float4(row.world_to_grid + 12)));
@@ -72,11 +73,13 @@ SHEAF_INLINE bool find_grid_cell(const BrickGridRow& row, Vec3f p, int floats_pe
     y = wrap_grid_coordinate(row.border, row.nearest, y, row.cells[1]);
     z = wrap_grid_coordinate(row.border, row.nearest, z, row.cells[2]);
   }
+  // Find the voxel, or leave the grid
   const std::int32_t ix = truncate(x), iy = truncate(y), iz = truncate(z);
   const auto ux = static_cast<std::uint32_t>(ix), uy = static_cast<std::uint32_t>(iy),
              uz = static_cast<std::uint32_t>(iz);
   if (is_bounded && ((min(x, min(y, z)) < 0.0f) | (ux >= row.cells[0]) | (uy >= row.cells[1]) | (uz >= row.cells[2])))
     return false;
+  // Locate it in its brick
   const std::uint32_t brick = row.entries[(uz >> 3) * row.stride_z + (uy >> 3) * row.stride_y + (ux >> 3)];
   const std::uint32_t local = ((uz & 7) * kBrickStride + (uy & 7)) * kBrickStride + (ux & 7);
   cell.voxel = row.values + (std::size_t{brick} * kBrickVoxels + local) * static_cast<std::size_t>(floats_per_voxel);

@@ -1,5 +1,5 @@
-// Embree's devices and scenes, with errors as exceptions. The only file that includes Embree; for the sources of
-// accel.h alone.
+// Embree's devices and scenes, with errors as exceptions. The only file that includes Embree; only the sources of
+// accel.h include it.
 #pragma once
 
 #if SHEAF_EMBREE_MAJOR >= 4

@@ -98,12 +98,14 @@ class TreeBuilder {
 
   /// Builds node `index` at `level` from a range of lights. Returns their joined bounds.
   LightCluster build_node(std::uint32_t index, const LightRange& lights, int level, std::uint32_t trail) {
+    // Divide the lights, and reserve the child nodes
     const std::vector<LightRange> ranges = divide(lights, level);
     const auto first_node = static_cast<std::uint32_t>(tree_.nodes.size());
     const auto node_count = static_cast<std::uint32_t>(
         std::count_if(ranges.begin(), ranges.end(), [](const LightRange& range) { return range.size() > 1; }));
     tree_.nodes.resize(first_node + node_count);
     tree_.depth = std::max(tree_.depth, level + 1);
+    // Build the children
     LightCluster children[kLightChildren], whole;
     std::uint32_t leaves[kLightChildren] = {};
     for (std::uint32_t k = 0; k < ranges.size(); ++k) {
@@ -171,9 +173,11 @@ class TreeBuilder {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double extent = high[axis] - low[axis], scale = kBuckets / extent;
       if (!(extent > 0.0) || !std::isfinite(scale)) continue;
+      // Distribute the lights to buckets
       LightCluster buckets[kBuckets];
       for (std::size_t i = begin; i < end; ++i)
         buckets[bucket_of(centroid(order_[i], axis), low[axis], scale)].add(clusters_[order_[i]]);
+      // Sweep from both ends for the cheapest split
       double cost_after[kBuckets] = {};
       LightCluster after, before;
       for (int k = kBuckets - 1; k > 0; --k) {

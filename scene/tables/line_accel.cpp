@@ -78,6 +78,7 @@ LineAccel::LineAccel(const std::vector<AccelLine>& lines, float radius, float pi
   if (lines.empty()) return;
   impl_ = std::make_unique<Impl>();
   Impl& in = *impl_;
+  // Divide the lines into pieces
   in.radius = radius;
   in.lines.reserve(lines.size());
   for (std::uint32_t k = 0; k < lines.size(); ++k) {
@@ -93,6 +94,7 @@ LineAccel::LineAccel(const std::vector<AccelLine>& lines, float radius, float pi
       in.ends.push_back({end.x, end.y, end.z, kWider * radius});
     }
   }
+  // Build the curves
   in.start(false);
   RTCGeometry geometry = rtcNewGeometry(in.device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, in.ends.data(), 0,

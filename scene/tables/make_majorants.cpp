@@ -34,8 +34,8 @@ struct Range {
 };
 
 MajorantBounds bounds_of(const Range& range, bool minorants) {
-  const float most = std::max(range.high, 0.0f), least = minorants ? std::max(range.low, 0.0f) : 0.0f;
-  return MajorantBounds::around(least * (2.0f - kRounding), most * kRounding);
+  const float largest = std::max(range.high, 0.0f), smallest = minorants ? std::max(range.low, 0.0f) : 0.0f;
+  return MajorantBounds::around(smallest * (2.0f - kRounding), largest * kRounding);
 }
 
 std::size_t at(const std::array<int, 3>& size, int x, int y, int z) {
@@ -67,13 +67,13 @@ std::vector<Range> brick_ranges(const MajorantSource& source) {
 /// Ranges of the grids' values in the cubes of a base cell, from the finest cubes to the base cell itself.
 class BaseCellRanges {
  public:
-  BaseCellRanges(std::span<const MajorantSource> sources, GridFilter filter, int base_log2, int most_cut)
+  BaseCellRanges(std::span<const MajorantSource> sources, GridFilter filter, int base_log2, int max_cut)
       : sources_(sources),
         layout_(*sources.front().grid),
         voxels_beyond_(filter == GridFilter::kNearest ? 0 : 1),
         base_log2_(base_log2) {
     for (const MajorantSource& source : sources) brick_ranges_.push_back(brick_ranges(source));
-    for (int cut = most_cut; cut >= 0; --cut) {
+    for (int cut = max_cut; cut >= 0; --cut) {
       const int side = 1 << cut;
       levels_.push_back({base_log2 - cut, side, std::vector<Range>(static_cast<std::size_t>(side * side * side))});
     }
@@ -198,9 +198,9 @@ class BaseCellRanges {
 /// Chooses leaves by cost.
 class Builder {
  public:
-  Builder(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs, int most_cut,
+  Builder(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs, int max_cut,
           MajorantGrid& out)
-      : needs_(needs), ranges_(sources, filter, out.base_log2, is_uniform() || !needs.cuts ? 0 : most_cut), out_(out) {
+      : needs_(needs), ranges_(sources, filter, out.base_log2, is_uniform() || !needs.cuts ? 0 : max_cut), out_(out) {
     out.entries.assign(at(out.cells, 0, 0, out.cells[2]), 0);
     out.bounds.assign(1, {});  // bounds of empty leaves
   }
@@ -272,9 +272,9 @@ class Builder {
   /// the bounds' difference.
   std::size_t first_level(const Range& range) const {
     const auto levels = ranges_.levels();
-    const double most = leaf_cost(range, 30);
+    const double max_cost = leaf_cost(range, 30);
     std::size_t first = 0;
-    while (first + 1 < levels.size() && 0.75 / static_cast<double>(1 << levels[first].log2) > most) ++first;
+    while (first + 1 < levels.size() && 0.75 / static_cast<double>(1 << levels[first].log2) > max_cost) ++first;
     return first;
   }
 
@@ -314,13 +314,14 @@ class Builder {
 }  // namespace
 
 float MajorantGrid::max_value() const {
-  float most = outside;
-  for (const MajorantBounds& b : bounds) most = std::max(most, b.majorant());
-  return most;
+  float largest = outside;
+  for (const MajorantBounds& b : bounds) largest = std::max(largest, b.majorant());
+  return largest;
 }
 
 MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs) {
   MajorantGrid result;
+  // Bound the values outside
   Range outside;
   for (const MajorantSource& source : sources) {
     const BrickGrid& grid = *source.grid;
@@ -334,14 +335,16 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFil
   const BrickGrid& grid = *sources.front().grid;
   if (grid.is_empty()) return result;
   result.box = row_box(grid, filter);
+  // Choose the size of the base cells
   const int longest = *std::max_element(grid.bricks.begin(), grid.bricks.end());
   while ((longest - 1) >> (result.base_log2 - kBrickLog2) >= needs.max_side) ++result.base_log2;
   for (std::size_t axis = 0; axis < 3; ++axis)
     result.cells[axis] = ((grid.bricks[axis] - 1) >> (result.base_log2 - kBrickLog2)) + 1;
-  std::size_t most_bytes = 1u << 16;
-  for (const MajorantSource& source : sources) most_bytes = std::max(most_bytes, source.grid->bytes() / 2);
-  for (int most_cut = kMaxCut; most_cut == kMaxCut || (most_cut > 0 && result.bytes() > most_bytes); --most_cut)
-    Builder(sources, filter, needs, most_cut, result).run();
+  // Build, with fewer subdivisions if the result is too large
+  std::size_t max_bytes = 1u << 16;
+  for (const MajorantSource& source : sources) max_bytes = std::max(max_bytes, source.grid->bytes() / 2);
+  for (int max_cut = kMaxCut; max_cut == kMaxCut || (max_cut > 0 && result.bytes() > max_bytes); --max_cut)
+    Builder(sources, filter, needs, max_cut, result).run();
   return result;
 }
 

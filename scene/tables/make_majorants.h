@@ -28,12 +28,12 @@ struct MajorantNeeds {
 /// have the same layout of voxels.
 ///
 /// Leaves are chosen by their expected cost for a ray: one step per leaf entered, and one lookup per collision due to
-/// the difference of the bounds. Both are proportional to the length of the ray in the leaf. A leaf of side s and
-/// volume V costs in proportion to
-/// V (3 / (2 s) + kLookupCost thickness (majorant - minorant)),
-/// with the mean chord length 2 s / 3 of a cube. Bottom-up, eight leaves are merged into one if that costs less. The
-/// smallest leaves have 1/8 of the side of a base cell, which is one voxel in grids of up to about 1000 voxels per
-/// axis. They are larger if bounds would take more than half of the memory of the grids.
+/// the difference of the bounds. Both are proportional to the length of the ray in the leaf. The mean chord length of a
+/// cube of side s is 2 s / 3, so a leaf of side s and volume V costs in proportion to
+///     V (3 / (2 s) + kLookupCost thickness (majorant - minorant)).
+/// Bottom-up, eight leaves are merged into one if that costs less. The smallest leaves have 1/8 of the side of a base
+/// cell, which is one voxel in grids of up to about 1000 voxels per axis. They are larger if bounds would take more
+/// than half of the memory of the grids.
 ///
 /// Bounds are widened slightly for the rounding of lookups. A point within a rounding error of a leaf's face may belong
 /// to the neighbour, so kernels must tolerate values beyond the bounds there.

@@ -47,7 +47,7 @@ struct MediumRow {
   // kMediumFlakes: the matrix of SggxDescription.
   float flakes[6] = {};                     ///< xx, yy, zz, xy, xz, yz if constant
   std::uint32_t flake_grids = 0xffffffffu;  ///< otherwise grids of xx, yy, zz and, in the next row, of xy, xz, yz
-  float most_flakes = 0;                    ///< upper bound on the projected area over that grid
+  float max_flakes = 0;                     ///< upper bound on the projected area over that grid
 };
 inline constexpr int kMediumSpectra = 3;
 /// Maximum number of media in a scene, limited by the bits in kernels/wave/path_state.h.

@@ -114,7 +114,7 @@ inline FlakeMatrix flake_matrix(const SceneView& scene, const MediumRow& medium,
 /// Scales the spectra of a medium with microflakes to its extinction along `direction`, or to an upper bound if the
 /// flakes vary in space.
 inline void weigh_by_flakes(const MediumRow& medium, Vec3f direction, MediumSpectra& spectra) {
-  const float area = medium.flake_grids == kNone ? flake_matrix(medium).projected_area(direction) : medium.most_flakes;
+  const float area = medium.flake_grids == kNone ? flake_matrix(medium).projected_area(direction) : medium.max_flakes;
   spectra.first = spectra.first * area;
   if ((medium.flags & kMediumAbsorptionScattering) != 0) spectra.second = spectra.second * area;
 }
@@ -123,7 +123,7 @@ inline void weigh_by_flakes(const MediumRow& medium, Vec3f direction, MediumSpec
 inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f p, Vec3f direction) {
   if (medium.flake_grids == kNone) return 1.0f;
   const float area = flake_matrix(scene, medium, p).projected_area(direction);
-  return area < medium.most_flakes ? area / medium.most_flakes : 1.0f;
+  return area < medium.max_flakes ? area / medium.max_flakes : 1.0f;
 }
 
 /// Kelvin. Colder bodies do not emit visible light.

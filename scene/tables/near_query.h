@@ -1,5 +1,5 @@
-// Queries for everything near a ray: a ray through Embree whose filter records what it meets and rejects it, so that
-// the ray goes on.
+// Queries for everything near a ray: a ray through Embree whose filter records each hit and rejects it, so that the ray
+// continues.
 #pragma once
 
 #include "core/vec.h"

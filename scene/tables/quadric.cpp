@@ -63,6 +63,7 @@ Vec3d squared_axes(const Vec3d& u, const Vec3d& v) {
 /// Squared semi-axes of the image of the unit sphere under the matrix with these columns. One-sided Jacobi rotations
 /// (Hestenes 1958) compute small axes accurately.
 Vec3d squared_axes(const Vec3d (&of)[3]) {
+  // One-sided Jacobi rotations until the columns are orthogonal
   Vec3d columns[3] = {of[0], of[1], of[2]};
   constexpr int kMaxSweeps = 30;
   bool turned = true;
@@ -131,12 +132,14 @@ QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_nor
   row.kind = kind;
   const auto& m = to_world.matrix().m;
   const auto& inverse = to_world.inverse_matrix().m;
+  // Copy the matrices
   if (m[3][0] != 0.0 || m[3][1] != 0.0 || m[3][2] != 0.0) throw SceneError("shapes need an affine transform");
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 4; ++j) {
       row.to_world[4 * i + j] = static_cast<float>(m[i][j] / m[3][3]);
       row.to_object[4 * i + j] = static_cast<float>(inverse[i][j] / inverse[3][3]);
     }
+  // Compute the determinant
   double det = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -145,6 +148,7 @@ QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_nor
   det /= m[3][3] * m[3][3] * m[3][3];
   row.normal_sign = flip_normals ? -1.0f : 1.0f;
   row.determinant = static_cast<float>(std::fabs(det));
+  // Find out whether the transform is a similarity
   const double factor = std::cbrt(std::fabs(det));
   bool similar = true;
   for (std::size_t i = 0; i < 3; ++i)

@@ -33,8 +33,8 @@ struct Corners {
 
   Corners(const SdfGridRow& grid, const float* values, const std::array<std::uint32_t, 3>& corner) {
     const std::size_t row = grid.size_x, layer = row * grid.size_y;
-    const float* least = values + corner[2] * layer + corner[1] * row + corner[0];
-    for (std::size_t i = 0; i < 8; ++i) v[i] = double(least[(i & 1) + (i >> 1 & 1) * row + (i >> 2) * layer]);
+    const float* first = values + corner[2] * layer + corner[1] * row + corner[0];
+    for (std::size_t i = 0; i < 8; ++i) v[i] = double(first[(i & 1) + (i >> 1 & 1) * row + (i >> 2) * layer]);
   }
 
   static double mix(double a, double b, double t) { return (1 - t) * a + t * b; }
@@ -148,8 +148,8 @@ SdfGridView sdf_grid_view(const QuadricRow* quadrics, const SdfGridRow& grid, co
 
 bool holds_surface(const SdfGridRow& grid, const float* values, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   const Corners corners(grid, values, {x, y, z});
-  const auto [least, most] = std::minmax_element(std::begin(corners.v), std::end(corners.v));
-  return *least <= 0 && *most >= 0 && *least < *most;
+  const auto [smallest, largest] = std::minmax_element(std::begin(corners.v), std::end(corners.v));
+  return *smallest <= 0 && *largest >= 0 && *smallest < *largest;
 }
 
 QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
@@ -176,12 +176,12 @@ std::optional<QuadricHit> intersect_sdf_cell(const SdfGridView& view, std::uint3
                                              float t_near, float t_far) noexcept {
   const QuadricRow& placement = *view.placement;
   const Vec3d o = apply(placement.to_object, origin, 1.0), d = apply(placement.to_object, direction, 0.0);
-  const std::array<std::uint32_t, 3> least = corner_of(view, cell);
-  const Vec3d corner = to_double(least);
+  const std::array<std::uint32_t, 3> low_corner = corner_of(view, cell);
+  const Vec3d corner = to_double(low_corner);
   const Passage passage(o, d, corner, double(t_near), double(t_far));
   if (!(passage.begin < passage.end)) return std::nullopt;
 
-  const Corners corners(*view.grid, view.values, least);
+  const Corners corners(*view.grid, view.values, low_corner);
   const auto goes_up = [&](int axis) { return axis >= 0 && d[static_cast<std::size_t>(axis)] > 0; };
   const Vec3d first = place(o, d, corner, passage.begin, passage.in, passage.in >= 0 && !goes_up(passage.in));
   const Vec3d last = place(o, d, corner, passage.end, passage.out, goes_up(passage.out));

@@ -70,6 +70,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
   using U = typename L::Uint;
   const auto disk = kind == U(static_cast<std::uint32_t>(ShapeKind::kDisk));
   const auto sphere = kind == U(static_cast<std::uint32_t>(ShapeKind::kSphere));
+  // Compute position, normal and offset
   const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),
                      select(disk, F(1.0f), select(sphere, x.z, F(0.0f)))};
   SurfacePoint<L> out;
@@ -81,11 +82,13 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
                  abs(q.to_world[row]) + abs(q.to_world[row + 1]) + abs(q.to_world[row + 2]) + abs(q.to_world[row + 3]));
   out.offset = F(kOffsetUlps) * extent;
   if constexpr (WithUv) {
+    // Compute the texture coordinates
     const F turn = atan2(x.y, x.x) * F(0.5f * kInvPi);
     const F angle = select(turn < F(0.0f), turn + F(1.0f), turn);
     const F radius = sqrt(x.x * x.x + x.y * x.y);
     const F polar = acos(clamp(x.z, F(-1.0f), F(1.0f))) * F(kInvPi);
     out.uv = {select(disk, radius, angle), select(disk, angle, select(sphere, polar, x.z))};
+    // Compute their derivatives
     const auto on_axis = radius <= F(1e-20f);
     const F scale = F(1.0f) / select(on_axis, F(1.0f), radius);
     const F cos_angle = select(on_axis, F(1.0f), x.x * scale), sin_angle = select(on_axis, F(0.0f), x.y * scale);

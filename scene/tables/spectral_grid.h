@@ -48,6 +48,7 @@ SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
 inline Float4 lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
   using namespace detail;
   const Float4 t = (Float4(lambda) - Float4(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);
+  // Outside of the grid, use the background
   GridCell cell;
   if (!find_grid_cell(row, p, kColorVoxel, cell)) {
     const Vec3f outside{row.background[0], row.background[1], row.background[2]};
@@ -56,6 +57,7 @@ inline Float4 lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spect
     return shape_at(&s.c0, t) * s.scale;
   }
   if (row.nearest) return shape_at(cell.voxel, t) * cell.voxel[3];
+  // Interpolate shape and scale
   Float4 shape;
   float scale = 0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -15,7 +15,7 @@ bool is_inside(double number, NumberRange range) {
 
 std::string range_text(NumberRange range) {
   const bool bounded = range.high < std::numeric_limits<double>::infinity();
-  if (!bounded && range.low == 0) return range.open ? "a positive number" : "no negative number";
+  if (!bounded && range.low == 0) return range.open ? "a positive number" : "a non-negative number";
   if (!bounded) return "a number of at least " + number_text(range.low);
   return "a number " + std::string(range.open ? "between " : "from ") + number_text(range.low) +
          (range.open ? " and " : " to ") + number_text(range.high);
@@ -32,12 +32,12 @@ std::string number_text(double number) {
 }
 
 bool NamedValues::has(const char* name) {
-  asked_.emplace_back(name);
+  queried_.emplace_back(name);
   return look(name) != nullptr;
 }
 
 const NamedValue* NamedValues::use(const char* name) {
-  asked_.emplace_back(name);
+  queried_.emplace_back(name);
   NamedValue* value = look(name);
   if (value != nullptr) value->used = true;
   return value;
@@ -107,11 +107,11 @@ void NamedValues::ignore(std::initializer_list<const char*> names) {
 
 void NamedValues::reject(const NamedValue& value) const {
   std::vector<std::string> keys;
-  for (const std::string& name : asked_) keys.push_back(key_of(name));
+  for (const std::string& name : queried_) keys.push_back(key_of(name));
   std::string message = "unknown " + subject(value);
   const std::string nearest = nearest_name(key_of(value.name), keys);
   const auto at = std::find(keys.begin(), keys.end(), nearest) - keys.begin();
-  if (!nearest.empty()) message += ", did you mean '" + asked_[static_cast<std::size_t>(at)] + "'?";
+  if (!nearest.empty()) message += ", did you mean '" + queried_[static_cast<std::size_t>(at)] + "'?";
   leave_out(value, message);
 }
 

@@ -81,7 +81,7 @@ class NamedValues {
 
   /// Returns the value of this name, or null.
   virtual NamedValue* look(const char* name) = 0;
-  /// What the syntax calls a value: "property" or "parameter".
+  /// The term for a value in messages: "property" or "parameter".
   virtual const char* value_kind() const = 0;
   /// Returns the form of a name by which names are compared.
   virtual std::string key_of(std::string_view name) const { return std::string(name); }
@@ -94,12 +94,12 @@ class NamedValues {
   virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
   /// Throws SceneError at the value, or at the object if it is null.
   [[noreturn]] virtual void throw_error(const NamedValue* value, const std::string& message) const = 0;
-  /// Calls throw_error(). g++ takes virtual functions to return, whatever their attributes.
+  /// Calls throw_error(). A non-virtual function, because g++ ignores [[noreturn]] on virtual ones.
   [[noreturn]] void raise(const NamedValue* value, const std::string& message) const {
     throw_error(value, message);
     std::abort();
   }
-  /// Throws SceneError at the value; in lenient mode only reports that it is left out.
+  /// Throws SceneError at the value; in lenient mode, reports that it is ignored.
   virtual void leave_out(const NamedValue& value, const std::string& message) const = 0;
 
   /// Returns the value of this name and marks it as used; null if absent. Marks the name as known.
@@ -112,7 +112,7 @@ class NamedValues {
   void reject(const NamedValue& value) const;
 
  private:
-  std::vector<std::string> asked_;  ///< queried names, as spelled in the code
+  std::vector<std::string> queried_;  ///< queried names, as spelled in the code
 };
 
 }  // namespace sheaf

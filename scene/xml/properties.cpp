@@ -80,6 +80,7 @@ void Properties::expect_attributes(const XmlElement& element, std::initializer_l
 void Properties::add(const XmlElement& child) {
   const XmlElement* target = &child;
   if (context_.left_out.count(&child) != 0) return;
+  // Resolve references
   if (child.name == "ref") {
     expect_attributes(child, {"id", "name"});
     try {
@@ -89,6 +90,7 @@ void Properties::add(const XmlElement& child) {
   }
   const std::string* name = child.find_attribute("name");
   const bool nameless = name == nullptr || name->empty();
+  // Add nested objects
   if (contains(kObjectTags, target->name) || (target->name == "texture" && nameless)) {
     entries_.emplace_back("", name != nullptr ? *name : "", child, *target);
     return;
@@ -100,6 +102,7 @@ void Properties::add(const XmlElement& child) {
     throw ElementError(child,
                        "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
   }
+  // Add properties, each once
   if (nameless) throw ElementError(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
   const std::string key = spelling_key(*name);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
@@ -282,7 +285,7 @@ const XmlElement* Properties::any_texture() {
     if (found != nullptr) throw ElementError(*entry.written, title() + " has a second <texture>, expected one");
     found = &entry;
   }
-  asked_kinds_.emplace_back("texture");
+  queried_kinds_.emplace_back("texture");
   if (found == nullptr) return nullptr;
   found->used = true;
   return found->target;
@@ -295,7 +298,7 @@ std::filesystem::path Properties::find_file(const std::string& file, const Named
 }
 
 std::vector<const XmlElement*> Properties::objects(const char* kind) {
-  asked_kinds_.emplace_back(kind);
+  queried_kinds_.emplace_back(kind);
   std::vector<const XmlElement*> found;
   for (Entry& entry : entries_)
     if (entry.key.empty() && entry.target->name == kind) {
@@ -312,8 +315,8 @@ const XmlElement* Properties::object(const char* kind) {
 }
 
 const XmlElement* Properties::named_object(const char* kind, const char* name) {
-  if (!contains(asked_kinds_, kind)) asked_kinds_.emplace_back(kind);
-  asked_objects_[kind].emplace_back(name);
+  if (!contains(queried_kinds_, kind)) queried_kinds_.emplace_back(kind);
+  queried_objects_[kind].emplace_back(name);
   const std::string key = spelling_key(name);
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
@@ -354,12 +357,12 @@ void Properties::fail_unused_object(const Entry& entry) const {
   const std::string& kind = entry.target->name;
   if (kind == "texture") raise(&entry, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
   std::string message = title() + " takes no nested <" + kind + ">";
-  if (const auto known = asked_objects_.find(kind); known != asked_objects_.end()) {
+  if (const auto known = queried_objects_.find(kind); known != queried_objects_.end()) {
     message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
     message += did_you_mean(spelling_key(entry.name), known->second);
     raise(&entry, message + known_names(known->second));
   }
-  if (!asked_kinds_.empty()) message += " (known: " + joined(asked_kinds_) + ")";
+  if (!queried_kinds_.empty()) message += " (known: " + joined(queried_kinds_) + ")";
   raise(&entry, message);
 }
 

@@ -159,7 +159,7 @@ class Properties : public NamedValues {
     if (const Value* found = table.find(type_)) return *found;
     fail_plugin(table, others...);
   }
-  /// Throws SceneError: the object's plugin is in none of the tables, whose names the message lists.
+  /// Throws SceneError for an unknown plugin; the message lists the names in the tables.
   template <class... Values> [[noreturn]] void fail_plugin(const NameTable<Values>&... tables) const {
     std::vector<std::string> known;
     const auto add = [&](const std::vector<std::string>& names) {
@@ -215,8 +215,8 @@ class Properties : public NamedValues {
   ReadContext& context_;
   std::string type_;
   std::vector<Entry> entries_;
-  std::vector<std::string> asked_kinds_;                           ///< queried kinds of nested objects
-  std::map<std::string, std::vector<std::string>> asked_objects_;  ///< queried names of nested objects, by kind
+  std::vector<std::string> queried_kinds_;                           ///< queried kinds of nested objects
+  std::map<std::string, std::vector<std::string>> queried_objects_;  ///< queried names of nested objects, by kind
 };
 
 }  // namespace sheaf

@@ -61,6 +61,7 @@ SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (error || !stream) throw SceneError(where, "cannot be read");
   if (size > kMaxSize) throw SceneError(where, "spectrum file is larger than 64 MiB");
+  // Read the pairs line by line
   SpectrumDescription::Table table;
   for (std::string line; std::getline(stream, line);) {
     if (++where.line == 1) remove_byte_order_mark(line, where.file);

@@ -83,6 +83,7 @@ struct Converter {
     element.where = where(node);
     if (depth > kMaxDepth)
       throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    // Copy the attributes, each once
     element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
@@ -94,6 +95,7 @@ struct Converter {
         throw SceneError(element.where, "more than " + std::to_string(kMaxAttributes) + " attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
     }
+    // Convert the children, and free their nodes
     element.children.reserve(count(node.children()));
     for (pugi::xml_node child; (child = node.first_child()); node.remove_child(child)) {
       if (child.type() == pugi::node_element) {

@@ -82,6 +82,7 @@ struct ExpandedScene::Expansion {
     if (text.find('$') == std::string::npos) return;
     std::string result;
     for (std::size_t i = 0; i < text.size();) {
+      // Find the end of the name
       std::size_t end = i + 1;
       if (text[i] == '$')
         while (end < text.size() && end - i <= kLongestName && is_name_character(text[end])) ++end;
@@ -90,6 +91,7 @@ struct ExpandedScene::Expansion {
         continue;
       }
       const std::string_view name = std::string_view(text).substr(i + 1, end - i - 1);
+      // Substitute the parameter
       const auto* parameter = longest_parameter(name);
       if (parameter == nullptr) {
         fail_undefined(std::string(name), where);
@@ -182,17 +184,20 @@ struct ExpandedScene::Expansion {
 ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
                              bool lenient)
     : lenient_(lenient) {
+  // Read and expand the file
   search_.push_back(file.parent_path());
   files_.push_back(file);
   root_ = read_xml(file, lenient ? &left_out_ : nullptr);
   Expansion expansion{*this, {}, {}};
   for (const auto& [name, value] : defines) expansion.parameters[name] = value;
   expansion.expand(root_.children, 0);
+  // Reject defines that the scene does not use
   const std::vector<std::string> known(expansion.read.begin(), expansion.read.end());
   for (const auto& define : defines)
     if (expansion.read.count(define.first) == 0)
       throw SceneError(SourceLocation{file.string(), 0}, "the scene has no parameter " + in_quotes(define.first) +
                                                              " for -D to set" + did_you_mean(define.first, known));
+  // Resolve ids
   for (const XmlElement& child : root_.children) index(child);
   apply_aliases();
   mark_references(root_);

@@ -30,10 +30,10 @@ std::string error_in(const std::vector<ExrTestPart>& parts) {
 }
 
 /// Checks the channels of the first pixel.
-void check_pixel(const StoredImage& picture, const std::vector<float>& expected) {
-  REQUIRE(picture.channels.size() == expected.size());
+void check_pixel(const StoredImage& image, const std::vector<float>& expected) {
+  REQUIRE(image.channels.size() == expected.size());
   for (std::size_t c = 0; c < expected.size(); ++c)
-    CHECK(picture.floats.at(c) == doctest::Approx(double{expected[c]}).scale(0.1).epsilon(1e-5));
+    CHECK(image.floats.at(c) == doctest::Approx(double{expected[c]}).scale(0.1).epsilon(1e-5));
 }
 
 }  // namespace
@@ -53,9 +53,9 @@ TEST_CASE("exr image: red and green and blue are found by all their names and in
     std::map<std::string, float> values{{name[0], 0.25f}, {name[1], 0.5f}, {name[2], 0.75f}};
     check_pixel(read({exr_part(2, 2, values)}), expected);
     values.insert(junk.begin(), junk.end());
-    const StoredImage picture = read({exr_part(2, 2, values)});
-    check_pixel(picture, expected);
-    CHECK(picture.channels == std::vector<std::string>{"R", "G", "B"});
+    const StoredImage image = read({exr_part(2, 2, values)});
+    check_pixel(image, expected);
+    CHECK(image.channels == std::vector<std::string>{"R", "G", "B"});
     check_pixel(read({exr_part(2, 2, {{"Z", 9}}, {}, "depth"), exr_part(2, 2, values, {}, "colours")}), expected);
   }
 }
@@ -75,12 +75,12 @@ TEST_CASE("exr image: root channels precede layers and the layer of the image pr
 TEST_CASE("exr image: alpha belongs to the layer of the colours and is not converted") {
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
   const std::map<std::string, float> values{{"a.R", 0.2f}, {"a.G", 0.5f}, {"a.B", 0.3f}, {"a.A", 0.125f}, {"A", 9}};
-  const StoredImage picture = read({exr_part(2, 1, values, xyz)});
-  CHECK(picture.channels == std::vector<std::string>{"R", "G", "B", "A"});
-  REQUIRE(picture.floats.size() == 8);
+  const StoredImage image = read({exr_part(2, 1, values, xyz)});
+  CHECK(image.channels == std::vector<std::string>{"R", "G", "B", "A"});
+  REQUIRE(image.floats.size() == 8);
   for (const std::size_t i : {0u, 4u}) {
-    CHECK(picture.floats[i] == doctest::Approx(-0.27008048));
-    CHECK(picture.floats[i + 3] == 0.125f);
+    CHECK(image.floats[i] == doctest::Approx(-0.27008048));
+    CHECK(image.floats[i + 3] == 0.125f);
   }
 }
 
@@ -172,21 +172,21 @@ TEST_CASE("exr image: a crop rendered by Sheaf keeps its position in the frame")
   crop.frame_width = 4;
   crop.frame_height = 3;
   write_exr(folder / "crop.exr", crop);
-  const StoredImage picture = read_stored_image(folder / "crop.exr");
-  CHECK(picture.width == 4);
-  CHECK(picture.height == 3);
+  const StoredImage image = read_stored_image(folder / "crop.exr");
+  CHECK(image.width == 4);
+  CHECK(image.height == 3);
   std::vector<float> expected(4 * 3 * 4);
   for (std::size_t x = 0; x < 2; ++x)
     for (std::size_t c = 0; c < 4; ++c)
       expected[4 * (2 * 4 + 1 + x) + c] = static_cast<float>(10 * (c < 3 ? 3 - c : 0) + x);
-  CHECK(picture.floats == expected);
+  CHECK(image.floats == expected);
 }
 
 TEST_CASE("exr image: non-finite values are unchanged") {
   const float infinity = std::numeric_limits<float>::infinity();
-  const StoredImage picture =
+  const StoredImage image =
       read({exr_part(1, 1, {{"R", infinity}, {"G", 2}, {"B", 3}}, {1, 0, 0, 1, 0, 0, 0.3f, 0.3f})});
-  CHECK(picture.floats == std::vector<float>{infinity, 2, 3});
+  CHECK(image.floats == std::vector<float>{infinity, 2, 3});
 }
 
 }  // namespace sheaf::test_exr_colors

@@ -70,7 +70,7 @@ TEST_CASE("file format: the extension decides for undecided bytes that cannot be
                                        {"a.abc", "an Alembic file"},
                                        {"a.exr", "an OpenEXR image"},
                                        {"a.png", "a PNG image"},
-                                       {"a.mtl", "a library of materials"}}) {
+                                       {"a.mtl", "a material library"}}) {
     CAPTURE_BINDING(name);
     write_bytes(folder / name, "broken");
     const FileFormat format = file_format(folder / name);

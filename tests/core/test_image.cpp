@@ -6,7 +6,7 @@
 #include "core/image_library.h"
 #include "core/output_file.h"
 #include "tests/support/capture.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 
 #include <doctest/doctest.h>
 
@@ -108,7 +108,7 @@ TEST_CASE("a truncated or damaged PNG is an error and not a crash") {
     write_bytes(folder / "cut.png", bytes.substr(0, bytes.size() * i / 16));
     CHECK_THROWS_AS(read_image(folder / "cut.png"), SceneError);
   }
-  write_bytes(folder / "text.png", "not a picture at all");
+  write_bytes(folder / "text.png", "not an image at all");
   CHECK_THROWS_AS(read_image(folder / "text.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder / "missing.png"), SceneError);
   CHECK_THROWS_AS(read_image(folder.path()), SceneError);

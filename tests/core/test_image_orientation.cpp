@@ -3,7 +3,7 @@
 #include "core/image.h"
 #include "core/image_corrections.h"
 #include "tests/support/contains.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 
 #include <doctest/doctest.h>
 
@@ -41,20 +41,20 @@ std::string size_of(const std::string& axis) { return std::to_string(axis[1] == 
 
 void check_upright(const std::filesystem::path& file, const std::function<float(int)>& value) {
   const Image image = read_image(file);
-  const StoredImage picture = read_stored_image(file);
+  const StoredImage stored = read_stored_image(file);
   REQUIRE(image.width == kWidth);
   REQUIRE(image.height == kHeight);
   REQUIRE(image.frame_width == kWidth);
   REQUIRE(image.frame_height == kHeight);
-  REQUIRE(picture.width == kWidth);
-  REQUIRE(picture.height == kHeight);
+  REQUIRE(stored.width == kWidth);
+  REQUIRE(stored.height == kHeight);
   const std::size_t channels = image.channels.size();
   for (std::size_t i = 0; i < kUpright.size(); ++i) {
     const float expected = value(kUpright[i]);
     CHECK(image.data[channels * i] == doctest::Approx(expected));
-    CHECK((picture.bytes.empty()
-               ? picture.floats[channels * i]
-               : static_cast<float>(picture.bytes[channels * i]) / 255.0f) == doctest::Approx(expected));
+    CHECK((stored.bytes.empty()
+               ? stored.floats[channels * i]
+               : static_cast<float>(stored.bytes[channels * i]) / 255.0f) == doctest::Approx(expected));
   }
 }
 
@@ -190,13 +190,13 @@ TEST_CASE("images: bilevel TIFF files without BitsPerSample have one bit in both
         write_bytes(folder / "a.tif", TiffBytes(big_endian)
                                           .finish(strip, bilevel(photometric, is_packed ? 32773 : 1,
                                                                  static_cast<std::uint32_t>(strip.size()))));
-        const StoredImage picture = read_stored_image(folder / "a.tif");
-        REQUIRE(picture.width == 12);
-        REQUIRE(picture.height == 2);
-        REQUIRE(picture.bytes.size() == 24);
+        const StoredImage image = read_stored_image(folder / "a.tif");
+        REQUIRE(image.width == 12);
+        REQUIRE(image.height == 2);
+        REQUIRE(image.bytes.size() == 24);
         for (std::size_t i = 0; i < 24; ++i) {
           const bool is_white = (set[i] == 1) == (photometric == 1);
-          CHECK(static_cast<int>(picture.bytes[i]) == (is_white ? 255 : 0));
+          CHECK(static_cast<int>(image.bytes[i]) == (is_white ? 255 : 0));
         }
       }
 }
@@ -221,13 +221,13 @@ TEST_CASE("images: Radiance files of CIE XYZ are converted to Rec.709 unless raw
   std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n";
   for (const int byte : {102, 204, 51, 128}) bytes += static_cast<char>(byte);
   write_bytes(folder / "a.hdr", bytes);
-  const StoredImage raw = read_stored_image(folder / "a.hdr", true), picture = read_stored_image(folder / "a.hdr");
+  const StoredImage raw = read_stored_image(folder / "a.hdr", true), image = read_stored_image(folder / "a.hdr");
   REQUIRE(raw.floats.size() == 3);
   const double x = 102 / 256.0, y = 204 / 256.0, z = 51 / 256.0;
   CHECK(raw.floats[0] == doctest::Approx(x).epsilon(0.01));
-  CHECK(picture.floats[0] == doctest::Approx(3.2409699 * x - 1.5373832 * y - 0.4986108 * z).epsilon(0.02));
-  CHECK(picture.floats[1] == doctest::Approx(-0.9692436 * x + 1.8759675 * y + 0.0415551 * z).epsilon(0.02));
-  CHECK(picture.floats[2] == doctest::Approx(0.0556301 * x - 0.2039770 * y + 1.0569715 * z).epsilon(0.02));
+  CHECK(image.floats[0] == doctest::Approx(3.2409699 * x - 1.5373832 * y - 0.4986108 * z).epsilon(0.02));
+  CHECK(image.floats[1] == doctest::Approx(-0.9692436 * x + 1.8759675 * y + 0.0415551 * z).epsilon(0.02));
+  CHECK(image.floats[2] == doctest::Approx(0.0556301 * x - 0.2039770 * y + 1.0569715 * z).epsilon(0.02));
 }
 
 }  // namespace sheaf::test_image_orientation

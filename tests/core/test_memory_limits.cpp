@@ -66,7 +66,7 @@ TEST_CASE("memory: exceeding the available memory is an error that names the pur
   CHECK(one.starts_with("not enough memory for a map: it takes 5000000.0 GB, and "));
   CHECK(one.ends_with(" are free (use a smaller map)"));
   const std::string two =
-      message_of("a picture", {{"the film", 2e15, "Crop"}, {"rays", 3e15, "Threads"}, {"dust", 1000, "Sweep"}});
+      message_of("an image", {{"the film", 2e15, "Crop"}, {"rays", 3e15, "Threads"}, {"dust", 1000, "Sweep"}});
   CHECK(two.find("it takes 5000000.0 GB (2000000.0 GB for the film, 3000000.0 GB for rays), and ") != two.npos);
   CHECK(two.ends_with(" (Threads)"));
   // Each fits alone, but not both together.

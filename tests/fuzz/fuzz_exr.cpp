@@ -24,7 +24,7 @@ void try_part(const std::filesystem::path& file) {
 }  // namespace
 
 void try_input(std::string_view input) {
-  const auto file = make_file("picture.exr", input);
+  const auto file = make_file("image.exr", input);
   if (!is_exr(file)) return;
   reads([&] { (void)read_exr_header(file); });
   reads([&] { (void)read_exr_metadata(file); });

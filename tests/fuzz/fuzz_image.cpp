@@ -48,7 +48,7 @@ void try_input(std::string_view input) {
   const std::string extension(kImageExtensions[choice % std::size(kImageExtensions)]);
   std::string bytes(input);
   if (extension == "png") put_check_sums(bytes);
-  const auto file = make_file("picture." + extension, bytes);
+  const auto file = make_file("image." + extension, bytes);
   const bool is_large = claims_much(file);
   if (is_large && choice >> 4 != 15) return;
   if (!reads([&] { (void)read_stored_image(file); })) return;

@@ -8,7 +8,7 @@
 #include "tests/fuzz/image_extensions.h"
 #include "tests/support/deflate.h"
 #include "tests/support/exr_files.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/parts.h"
 
@@ -95,11 +95,11 @@ void add_meshes(Seeds& seeds) {
   seeds.add_words("obj", {"scene/formats/obj"});
   seeds.add("mtl",
             "# two\nnewmtl a\nKd 0.5 0.25 1\nKs 0.1 0.1 0.1\nNs 30\nNi 1.5\nd 0.5\nillum 2\nmap_Kd -s 2 2 1 -o 0.5 "
-            "0 0 -clamp on picture.png\nbump -bm 0.2 picture.png\nnewmtl b\nKe 1 2 3\nPr 0.3\nPm 1\nTr 0.25\n");
+            "0 0 -clamp on image.png\nbump -bm 0.2 image.png\nnewmtl b\nKe 1 2 3\nPr 0.3\nPm 1\nTr 0.25\n");
   seeds.add("mtl",
             "newmtl a\r\nillum 7\r\nTf 1 1 0.5\r\nNi 1.33\r\nnewmtl b\r\nillum 3\r\nKs 1 1 1\r\nPs 0.5\r\nPc 1\r\n"
-            "Pcr 0.1\r\naniso 0.7\r\nnorm picture.png\r\nmap_d picture.png\r\nnewmtl c\r\nillum 4\r\n");
-  seeds.add("mtl", "newmtl \"a b\"\nmap_Kd \"my picture.png\" -s 2 2 -clamp on # why\nmap_Ks picture.png -o 1\n");
+            "Pcr 0.1\r\naniso 0.7\r\nnorm image.png\r\nmap_d image.png\r\nnewmtl c\r\nillum 4\r\n");
+  seeds.add("mtl", "newmtl \"a b\"\nmap_Kd \"my image.png\" -s 2 2 -clamp on # why\nmap_Ks image.png -o 1\n");
   seeds.add_words("mtl", {"scene/formats/mtl"});
 }
 
@@ -272,7 +272,7 @@ void add_checkpoints(Seeds& seeds) {
 }
 
 /// Images of 3 x 2 pixels, and parts of one for merging.
-void add_pictures(Seeds& seeds) {
+void add_images(Seeds& seeds) {
   const TemporaryFolder folder;
   const std::vector<int> grey = {0, 50, 100, 150, 200, 250},
                          rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
@@ -334,7 +334,7 @@ void make_seeds(const fs::path& folder) {
   add_measured(seeds);
   add_curves(seeds);
   add_checkpoints(seeds);
-  add_pictures(seeds);
+  add_images(seeds);
 }
 
 }  // namespace sheaf::fuzz

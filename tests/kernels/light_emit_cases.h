@@ -33,12 +33,6 @@ struct Case {
 
 inline SpectrumDescription rgb(Vec3f value) { return SpectrumDescription{SpectrumDescription::Rgb{value}}; }
 
-inline TextureId add_board(Description& d, Vec3f first, Vec3f second) {
-  d.textures.push_back({CheckerboardDescription{rgb(first), rgb(second)}, {}, {}, {}});
-  d.textures.back().to_uv = {1, 0, 0, 0, 1, 0};
-  return static_cast<TextureId>(d.textures.size() - 1);
-}
-
 inline const Transform kTilt = Transform::translate({0.3f, -0.2f, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
 /// For lights around kTilt: one receiver in front and one far to the side.
 inline const Receiver kBelow{{0, 0, 0.2f}, normalize(Vec3f{0.1f, -0.3f, 1}), 1.5f};
@@ -68,7 +62,7 @@ inline Case flipped(Case c) {
 
 inline Case textured(Case c) {
   c.name += ", textured";
-  c.scene.shapes[0].radiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  c.scene.shapes[0].radiance = add_checkerboard(c.scene, {6, 1, 0}, {2, 3, 1});
   c.power_error = 1e-2;
   return c;
 }
@@ -82,7 +76,7 @@ inline Case instanced_case() {
   emit(add_rectangle(shapes, Transform::translate({0, 0.6f, 0}) * Transform::scale({0.3f, 0.2f, 1})), 5);
   emit(add_shape(shapes, CylinderShape{{-0.5f, 0, 0}, {-0.4f, 0.3f, 0.1f}, 0.1f}, Transform()), 2);
   add_shape(shapes, DiskShape{}, Transform::translate({0, -0.5f, 0}) * Transform::scale({0.3f, 0.3f, 1})).radiance =
-      add_board(c.scene, {8, 1, 1}, {2, 3, 1});
+      add_checkerboard(c.scene, {8, 1, 1}, {2, 3, 1});
   group.shapes = shapes.shapes;
   c.scene.groups.push_back(group);
   for (const Transform& place : {kTilt, Transform::translate({1, 0, 3}) * Transform::rotate({1, 1, 0}, 150) *
@@ -154,7 +148,7 @@ inline std::vector<Case> spot_cases() {
   cases[1].receivers[0] = {kTilt.point({0, 0, 2}), normalize(axis + Vec3f{0.5f, 0, 0}), 0.1f};
   cases[1].receivers[1] = {kTilt.point({0.1f, 0, 1.5f}), axis, 0.15f};
   Case c = placed_case("textured spot", spot_of(kLinear, kTilt, 40, 20), 1e-2);
-  std::get<SpotLightDescription>(c.scene.lights[0].model).texture = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  std::get<SpotLightDescription>(c.scene.lights[0].model).texture = add_checkerboard(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
   return cases;
 }
@@ -193,10 +187,10 @@ inline Case goniometric_case() {
   light.to_world = kTilt * Transform::scale({-2, 2, 2});
   light.intensity = rgb({3, 1, 2});
   Case c = placed_case("goniometric", light, 1e-2);
-  auto picture = std::make_shared<Image>(4, 4, std::vector<std::string>{"Y"});
-  for (std::size_t i = 0; i < 16; ++i) picture->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
+  auto image = std::make_shared<Image>(4, 4, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < 16; ++i) image->data[i] = 0.1f + 0.3f * static_cast<float>((5 * i) % 16);
   BitmapDescription bitmap;
-  bitmap.made = picture;
+  bitmap.made = image;
   bitmap.filter = TextureFilter::kNearest;
   c.scene.textures.push_back({bitmap, {1, 0, 0, 0, 1, 0}, {}, {}});
   return c;
@@ -228,7 +222,7 @@ inline std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   for (std::size_t k = 2; k < 7; ++k) cases[k].photons = 500000;
   cases[6].photons = 2000000;  // few photons carry much flux
   Case c = placed_case("textured projector", projector_of(), 1e-2);
-  std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_board(c.scene, {6, 1, 0}, {2, 3, 1});
+  std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_checkerboard(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
   ProjectorDescription even = projector_of();
   even.is_even = true;

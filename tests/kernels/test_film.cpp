@@ -66,7 +66,7 @@ Film read_film(const std::filesystem::path& file) {
   return film;
 }
 
-bool same_pictures(const Image& a, const Image& b) {
+bool same_images(const Image& a, const Image& b) {
   return a.channels == b.channels && a.width == b.width && a.height == b.height && a.x0 == b.x0 && a.y0 == b.y0 &&
          a.frame_width == b.frame_width && a.data.size() == b.data.size() &&
          std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
@@ -155,12 +155,12 @@ TEST_CASE("a film restored from a file continues to the same result") {
     CHECK(read.width() == 7);
     CHECK(read.crop().x1 == 5);
     CHECK(read.spectral_bins() == bins);
-    CHECK(same_pictures(film.to_image(), read.to_image()));
+    CHECK(same_images(film.to_image(), read.to_image()));
     for (Film* each : {&film, &read}) {
       add_samples(*each, 3, 2, some_samples(bins), 1);
       each->end_replicate();
     }
-    CHECK(same_pictures(film.to_image(), read.to_image()));
+    CHECK(same_images(film.to_image(), read.to_image()));
     write_film(folder / "b.film", read);
     write_film(folder / "c.film", film);
     CHECK(read_bytes(folder / "b.film") == read_bytes(folder / "c.film"));
@@ -200,7 +200,7 @@ TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip
   Image image = film.to_image(), again = read.to_image();
   add_id_layers(aovs, names, film, image);
   add_id_layers(aovs, names, read, again);
-  CHECK(same_pictures(image, again));
+  CHECK(same_images(image, again));
   CHECK(image.at(5, 4, image.find_channel("half.G")) == image.at(5, 4, kGreen));
   const int id = image.find_channel("CryptoObject00.r"), number = image.find_channel("objectId");
   REQUIRE(id == number + 1);
@@ -265,7 +265,7 @@ TEST_CASE("films without channels keep their adaptive tile sums and impossible f
 
   write(Film(std::numeric_limits<int>::max(), 5, {2, 1, 5, 3}, kLayout));
   BinaryInput wide(file, kLine);
-  CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("has a frame that cannot be"), Error);
+  CHECK_THROWS_WITH_AS(get_film(wide), doctest::Contains("is damaged (invalid frame size)"), Error);
 }
 
 }  // namespace sheaf::test_film

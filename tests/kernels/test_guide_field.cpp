@@ -180,11 +180,11 @@ TEST_CASE("guiding: cells shrink with the number of training samples and do not 
       for (auto& task : told)
         for (GuideRecord& r : task)
           r.row_and_side |= guide_row<Scalar>(field.view(), r.side(), guide_code<Scalar>(field.view(), r.p)) << 3;
-      field.learn(told, 400);
+      field.train(told, 400);
     }
     const GuideView view = field.view();
-    CHECK(field.places() > 40);
-    std::vector<std::byte> bytes((field.places() + 1) * sizeof(GuideMixture));
+    CHECK(field.cells() > 40);
+    std::vector<std::byte> bytes((field.cells() + 1) * sizeof(GuideMixture));
     std::memcpy(bytes.data(), view.mixtures, bytes.size());
     if (expected.empty()) expected = bytes;
     CHECK(bytes == expected);
@@ -197,7 +197,7 @@ TEST_CASE("guiding: cells shrink with the number of training samples and do not 
     CHECK(row(4, {1, 0.5f, 0.5f}) != row(kGuideMedia, {1, 0.5f, 0.5f}));
     CHECK(row(4, {7, 0.5f, 0.5f}) != row(4, {1, 0.5f, 0.5f}));
     // Every position, even an invalid one, has a valid row.
-    for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")}) CHECK(row(3, {x, 0, 0}) <= field.places());
+    for (const float x : {-1e9f, 1e9f, -kInfinity, std::nanf("")}) CHECK(row(3, {x, 0, 0}) <= field.cells());
     // SIMD lookups find the same rows.
     for (int round = 0; round < 20; ++round) {
       const auto numbers = [&](float scale) { return wide_floats([&](int) { return scale * uniform(random); }); };

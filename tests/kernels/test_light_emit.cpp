@@ -311,14 +311,14 @@ TEST_CASE("light emission: directions follow their pdf") {
   projector.to_world = Transform();
   const auto scene = compile_scene(placed_case("", projector).scene);
   const double half = std::tan(35 * kDegree);
-  const auto on_picture = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
+  const auto on_plane = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const auto e = emit_photon<Scalar>(scene->view(), {0, 1}, u, u);
     const double cosine = e.direction.z;
     CHECK(e.pdf_direction == doctest::Approx(1 / (4 * half * half * cosine * cosine * cosine)).epsilon(1e-4));
     return std::array<double, 2>{e.direction.x / cosine, e.direction.y / cosine};
   };
   const auto density = [&](double, double) { return 0.25 / (half * half); };
-  CHECK(chi_square_plane(on_picture, density, {-half, half, -half, half, 12, 12}, 20000).p_value > significance);
+  CHECK(chi_square_plane(on_plane, density, {-half, half, -half, half, 12, 12}, 20000).p_value > significance);
 }
 
 TEST_CASE("light emission: beams and surfaces with normal emission emit parallel photons") {

@@ -2,6 +2,7 @@
 // light selection, and SIMD lanes against scalar code.
 #include "tests/support/light_testing.h"
 
+#include "core/image.h"
 #include "kernels/lights/light_weight.h"
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
@@ -226,12 +227,12 @@ TEST_CASE("light sampling: a cube is sampled on its visible faces") {
 
 TEST_CASE("light sampling: a goniometric light follows its image with the first row towards -y") {
   Description d = empty_scene(4, 4);
-  auto picture = std::make_shared<Image>(8, 8, std::vector<std::string>{"Y"});
+  auto image = std::make_shared<Image>(8, 8, std::vector<std::string>{"Y"});
   for (int y = 0; y < 8; ++y)
-    for (int x = 0; x < 8; ++x) picture->at(x, y, 0) = (y < 4 ? 1.0f : 3.0f) * (x < 4 ? 1.0f : 5.0f);
+    for (int x = 0; x < 8; ++x) image->at(x, y, 0) = (y < 4 ? 1.0f : 3.0f) * (x < 4 ? 1.0f : 5.0f);
   TextureDescription texture;
   BitmapDescription bitmap;
-  bitmap.made = picture;
+  bitmap.made = image;
   texture.model = bitmap;
   d.textures.push_back(texture);
   d.lights.push_back({GoniometricLightDescription{}, {}});

@@ -16,7 +16,7 @@ namespace {
 
 const double kLevel = significance_of_each(200);
 
-Description picture() {
+Description small_scene() {
   Description d = empty_scene(16, 16);
   d.sampler.sample_count = 64;
   d.integrator.max_depth = 1;
@@ -36,7 +36,7 @@ void check_mean(const Description& d, double expected) {
 
 /// A camera at `x` that looks along +x at a wall of radiance 1 at x = 10.
 Description view_from(float x) {
-  Description d = picture();
+  Description d = small_scene();
   look_at(d, {x, 0, 0}, {x + 1, 0, 0}, {0, 1, 0}, 0.01f);
   add_area_light_rectangle(
       d, Transform::translate({10, 0, 0}) * Transform::rotate({0, 1, 0}, -90) * Transform::scale({4, 4, 1}), 1);
@@ -118,7 +118,7 @@ TEST_CASE("media tracking: glass filled with a medium and glass inside a medium 
 }
 
 TEST_CASE("media tracking: shadow rays pass masks by their opacity and cross the media behind") {
-  Description d = picture();
+  Description d = small_scene();
   d.integrator.max_depth = 2;
   look_at(d, {3, 0, 0.5f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
   add_rectangle(d, Transform::scale({9, 9, 1}), add_diffuse(d, 0.5f));
@@ -169,7 +169,7 @@ TEST_CASE("media tracking: rays whose steps vanish in rounding are terminated") 
     CHECK(result.report.stats.collisions.abandoned == 1);
     CHECK(result.report.stats.dropped.samples + result.report.stats.dropped.rays == 0);
     REQUIRE(result.warnings.size() == 1);
-    CHECK(result.warnings[0].find("rays were given up in a medium") != std::string::npos);
+    CHECK(result.warnings[0].find("rays were abandoned in a medium") != std::string::npos);
     return result.film.to_image().at(0, 0, 0);
   };
   // Light along camera rays.

@@ -33,7 +33,7 @@ SceneNames some_names() {
 }
 
 /// The image of `samples`, a range of whole sample sets, in `crop`. `part`: includes all channels that merging needs.
-Image picture_of(const FilterWeights* weights, const PixelRect& crop, const SampleRange& samples, bool part) {
+Image image_of(const FilterWeights* weights, const PixelRect& crop, const SampleRange& samples, bool part) {
   const int reach = weights != nullptr ? weights->reach() : 0;
   const PixelRect wanted = crop.grown(reach).intersection({0, 0, kFrameWidth, kFrameHeight});
   Film film(kFrameWidth, kFrameHeight, crop, kLayout, 3, VarianceUnit::kReplicate, true);
@@ -78,12 +78,12 @@ std::array<std::vector<float>, kNameKinds> some_ids() {
 /// Merges parts. The result has no channels for further merging.
 Image joined(const FilterWeights* weights, const std::vector<ImagePart>& parts) {
   const PixelRect frame{0, 0, kFrameWidth, kFrameHeight};
-  const std::vector<std::string> channels = picture_of(weights, {0, 0, 1, 1}, {0, kPerSet}, false).channels;
+  const std::vector<std::string> channels = image_of(weights, {0, 0, 1, 1}, {0, kPerSet}, false).channels;
   ImageMerger merger(kFrameWidth, kFrameHeight, frame, channels, kSamples, some_ids());
   check_overlaps(parts);
   CHECK(!find_gap(parts, frame, kSamples));
   for (const ImagePart& part : parts)
-    merger.add(part, picture_of(weights, part.pixels, part.samples, part.samples.count < kSamples));
+    merger.add(part, image_of(weights, part.pixels, part.samples, part.samples.count < kSamples));
   return merger.finish();
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("merge: merged sample ranges approximate the whole for every filter an
                   right_part = frame_part(8, 0, kFrameWidth, kFrameHeight);
   for (const FilterWeights* weights : {static_cast<const FilterWeights*>(nullptr), &of_gaussian, &of_mitchell}) {
     CAPTURE(weights == &of_mitchell);
-    const Image whole = picture_of(weights, frame, {0, kSamples}, false);
+    const Image whole = image_of(weights, frame, {0, kSamples}, false);
     check_near(
         joined(weights, {{"a", frame, {0, 2}}, {"b", frame, {2, 2}}, {"c", frame, {4, 2}}, {"d", frame, {6, 6}}}),
         whole);
@@ -157,7 +157,7 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
     check_overlaps(std::vector<ImagePart>{{"a.exr", frame, {0, 8}}, {"b.exr", frame_part(3, 2, 4, 3), {4, 8}}});
     CHECK(false);
   } catch (const SceneError& error) {
-    CHECK(std::string(error.what()) == "b.exr: has samples that 'a.exr' has too: 4:4 of the pixel 3,2");
+    CHECK(std::string(error.what()) == "b.exr: shares samples with 'a.exr': 4:4 of pixel 3,2");
   }
   const std::vector<ImagePart> parts{{"a", top, {0, 8}},
                                      {"b", bottom, {0, 3}},
@@ -177,8 +177,8 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
 
 TEST_CASE("merge: parts with missing layers or impossible headers are rejected") {
   const PixelRect frame = frame_part(0, 0, kFrameWidth, kFrameHeight);
-  const Image whole = picture_of(nullptr, frame, {0, kSamples}, false);
-  const Image part = picture_of(nullptr, frame, {0, 6}, true);
+  const Image whole = image_of(nullptr, frame, {0, kSamples}, false);
+  const Image part = image_of(nullptr, frame, {0, 6}, true);
   const ImagePart of{"a.exr", frame, {0, 6}};
   const auto merger = [&] {
     return ImageMerger(kFrameWidth, kFrameHeight, frame, whole.channels, kSamples, some_ids());

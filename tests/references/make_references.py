@@ -165,9 +165,9 @@ def importance_sampling_square(kind, path, spp):
 
 def write(name, mean, variance, samples):
     mi = mitsuba()
-    picture = mi.Bitmap(mean.astype(np.float32), mi.Bitmap.PixelFormat.RGB)
-    picture.metadata()["samples"] = str(samples)
-    picture.write(str(FOLDER / f"{name}.exr"))
+    image = mi.Bitmap(mean.astype(np.float32), mi.Bitmap.PixelFormat.RGB)
+    image.metadata()["samples"] = str(samples)
+    image.write(str(FOLDER / f"{name}.exr"))
     mi.Bitmap(variance.astype(np.float16), mi.Bitmap.PixelFormat.RGB).write(str(FOLDER / f"{name}_var.exr"))
     print(f"{name}: {samples} samples, mean {mean.mean(axis=(0, 1))}, one sample's standard deviation "
           f"{np.sqrt(variance.mean(axis=(0, 1)))}", flush=True)
@@ -175,7 +175,7 @@ def write(name, mean, variance, samples):
 
 def make(name, spp):
     if name.startswith("medium_") or name == "sunsky":
-        make_by_pictures(name, name, spp)
+        make_by_images(name, name, spp)
         return
     path = SCENES / f"{name}.xml"
     mean, square, samples = moments(load(path), spp)
@@ -185,14 +185,14 @@ def make(name, spp):
     write(name, mean, np.maximum(square - mean**2, 0) * (samples / (samples - 1)), samples)
 
 
-def make_by_pictures(name, output, spp):
+def make_by_images(name, output, spp):
     """Estimates the variance from 32 images, because spectral variants do not expose the colours of single samples."""
-    pictures = 32
+    images = 32
     scene = load(SCENES / f"{name}.xml")
-    each = max(spp // pictures, 1)
+    each = max(spp // images, 1)
     means = np.array([np.array(mitsuba().render(scene, spp=each, seed=2000 + i), dtype=float)[..., :3]
-                      for i in range(pictures)])
-    write(output, means.mean(axis=0), means.var(axis=0, ddof=1) * each, each * pictures)
+                      for i in range(images)])
+    write(output, means.mean(axis=0), means.var(axis=0, ddof=1) * each, each * images)
 
 
 def make_cornell(spp):
@@ -221,7 +221,7 @@ def main():
         sys.exit(f"no such scene: {', '.join(sorted(unknown))}")
     if arguments.variant.endswith("spectral"):
         for name in arguments.names or SPECTRAL:
-            make_by_pictures(name, f"{name}_spectral", arguments.spp)
+            make_by_images(name, f"{name}_spectral", arguments.spp)
         return
     for name in arguments.names or names:
         if name == "cornell":

@@ -175,7 +175,7 @@ TEST_CASE("adaptive sampling: tiles stop at the noise target or at the maximum s
     const RenderResult result = render(*scene, adaptive_options(target, 4096));
     const Image image = result.film.to_image();
     CHECK(result.report.adaptive->reached == 6);
-    CHECK(result.report.adaptive->least_samples < result.report.adaptive->most_samples);
+    CHECK(result.report.adaptive->min_samples < result.report.adaptive->max_samples);
     for (int ty = 0; ty < 2; ++ty)
       for (int tx = 0; tx < 3; ++tx) {
         std::vector<double> squares;
@@ -204,7 +204,7 @@ TEST_CASE("adaptive sampling: the bits do not depend on threads or wave size or 
   options.aovs = {aov_named("normal"), aov_named("half"), aov_named("object_id")};
   options.threads = 1;
   const RenderResult whole = render(*scene, options);
-  CHECK(whole.report.adaptive->least_samples < whole.report.adaptive->most_samples);
+  CHECK(whole.report.adaptive->min_samples < whole.report.adaptive->max_samples);
   options.threads = 7;
   options.wave_size = 333;
   CHECK(same_bits(render(*scene, options).to_image(), whole.to_image()));
@@ -240,8 +240,8 @@ TEST_CASE("adaptive sampling: a time limit ends the render with an image") {
   const RenderResult result = render(*scene, options);
   CHECK_FALSE(result.interrupted);
   CHECK(result.report.render_seconds < 30);
-  CHECK(result.report.adaptive->least_samples >= 8);
-  CHECK(result.report.adaptive->most_samples < 1 << 20);
+  CHECK(result.report.adaptive->min_samples >= 8);
+  CHECK(result.report.adaptive->max_samples < 1 << 20);
   CHECK(mean_of(result.film.to_image(), "A") > 0);
 }
 

@@ -12,7 +12,7 @@ namespace {
 const AovSet kSurfaces{aov_named("albedo"),   aov_named("normal"), aov_named("geometric_normal"),
                        aov_named("position"), aov_named("depth"),  aov_named("uv")};
 
-Image picture(const Description& d, const RenderOptions& options, ColorMode color = ColorMode::kRgb) {
+Image render_image(const Description& d, const RenderOptions& options, ColorMode color = ColorMode::kRgb) {
   CompileOptions compile;
   compile.color = color;
   return render(*compile_scene(d, compile), options).to_image();
@@ -75,7 +75,7 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
         Description d = wall(coloured);
         d.film.filter_mode = mode;
         if (wide) d.film.filter.kind = PixelFilter::Kind::kGaussian;
-        const Image image = picture(d, with(kSurfaces, 64), color);
+        const Image image = render_image(d, with(kSurfaces, 64), color);
         for (const auto& [x, y] : {std::pair{0, 0}, {3, 5}, {7, 7}}) {
           // With filter importance sampling, weights vary, and means are not exact.
           if (mode == FilterMode::kWeighted || !wide) check_wall(image, x, y);
@@ -89,7 +89,7 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
 }
 
 TEST_CASE("layers: every layer of the first surface gets values") {
-  const Image image = picture(wall(coloured), with(aovs_from_names("all"), 16));
+  const Image image = render_image(wall(coloured), with(aovs_from_names("all"), 16));
   for (const AovEntry& entry : kAovList) {
     if (entry.source != AovSource::kVertex) continue;
     CAPTURE(std::string(entry.name));
@@ -103,13 +103,13 @@ TEST_CASE("layers: every layer of the first surface gets values") {
 TEST_CASE("layers: depth is measured along the camera axis for every camera transform") {
   Description d = wall(coloured);
   d.camera.to_world = Transform::translate({1, 0.5f, -2}) * Transform::scale({3, 3, 3});
-  const Image image = picture(d, with(kSurfaces));
+  const Image image = render_image(d, with(kSurfaces));
   CHECK(value(image, 0, 0, "Z") == doctest::Approx(6));
   CHECK(value(image, 7, 3, "Z") == doctest::Approx(6));
   // A panorama has no axis, so that depth is the distance.
   d.camera.projection = CameraDescription::Projection::kSpherical;
   d.camera.to_world = Transform();
-  const Image around = picture(d, with(kSurfaces, 1));
+  const Image around = render_image(d, with(kSurfaces, 1));
   for (int x = 0; x < 8; ++x) {
     const Vec3f p = vector(around, x, 4, "P");
     CHECK(value(around, x, 4, "Z") == doctest::Approx(length(p)));
@@ -121,7 +121,7 @@ TEST_CASE("layers: samples without a hit are zero and count in the mean") {
   // Half of the samples of each pixel at x = 4 miss the wall.
   d.shapes[0].to_world =
       Transform::translate({1.5f, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({2, 10, 1});
-  const Image image = picture(d, with(kSurfaces, 256));
+  const Image image = render_image(d, with(kSurfaces, 256));
   CHECK(value(image, 7, 2, "Z") == 0);
   check_vector(vector(image, 7, 2, "albedo", "RGB"), {0, 0, 0});
   check_vector(vector(image, 4, 2, "N"), {0, 0, -0.5f}, 0.01);
@@ -140,13 +140,13 @@ TEST_CASE("layers: normals include normal maps and face the camera") {
   const MaterialId mapped = add_material(d, NormalMapDescription{TextureId{0}, false, add_diffuse(d, 0.5f)});
   const Transform place = Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1});
   add_rectangle(d, place * Transform::rotate({0, 1, 0}, 180), mapped);
-  Image image = picture(d, with(kSurfaces));
+  Image image = render_image(d, with(kSurfaces));
   check_vector(vector(image, 1, 2, "N"), {-n.x, n.y, -n.z}, 1e-3);
   check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
   // One-sided surface, seen from behind.
   d.shapes[0].to_world = place;
   d.shapes[0].material = add_diffuse(d, 0.5f);
-  image = picture(d, with(kSurfaces));
+  image = render_image(d, with(kSurfaces));
   check_vector(vector(image, 1, 2, "N"), {0, 0, -1});
   check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
 }
@@ -179,7 +179,7 @@ TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
     d.integrator.rr_depth = 3;
     d.integrator.strategy = LightStrategy::kBsdfOnly;  // noise-free where the BSDF is sampled exactly
     d.sampler.kind = SamplerKind::kIndependent;
-    const Image image = picture(d, with({aov_named("albedo")}, 1024));
+    const Image image = render_image(d, with({aov_named("albedo")}, 1024));
     Vec3f light{}, albedo{};
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) {
@@ -193,7 +193,7 @@ TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
 }
 
 TEST_CASE("layers: the albedo of glass is one") {
-  const Image image = picture(wall([](Description& d) { return add_glass(d); }), with(kSurfaces));
+  const Image image = render_image(wall([](Description& d) { return add_glass(d); }), with(kSurfaces));
   check_vector(vector(image, 4, 4, "albedo", "RGB"), {1, 1, 1});
 }
 
@@ -202,10 +202,10 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
   add_point_light(d, {1, 2, 0}, 10);
   const Image image =
-      picture(d, with({aov_named("half"), aov_named("variance"), aov_named("normal"), aov_named("depth")}, 32));
+      render_image(d, with({aov_named("half"), aov_named("variance"), aov_named("normal"), aov_named("depth")}, 32));
   RenderOptions half_options;
   half_options.samples_per_pixel = 16;
-  const Image half = picture(d, half_options);
+  const Image half = render_image(d, half_options);
   bool same = true, differs = false;
   for (int y = 0; y < 8; ++y)
     for (int x = 0; x < 8; ++x)
@@ -223,9 +223,9 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
   for (const char* name : {"variance.N.Y", "variance.R", "variance.B"}) CHECK(image.find_channel(name) >= 0);
   // Independent samples form one replicate, which is split into halves.
   d.sampler.kind = SamplerKind::kIndependent;
-  const Image independent = picture(d, with({aov_named("half")}, 32));
+  const Image independent = render_image(d, with({aov_named("half")}, 32));
   half_options.seed = 0;
-  const Image first = picture(d, half_options);
+  const Image first = render_image(d, half_options);
   CHECK(value(independent, 3, 3, "half.G") == first.at(3, 3, 1));
 }
 
@@ -239,7 +239,7 @@ TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   CameraDescription second = d.camera;
   second.to_world = Transform::look_at({2, 0, -6}, {-1, 0, -6}, {0, 1, 0});
   d.more_cameras.push_back(second);
-  const Image image = picture(d, with({aov_named("depth"), aov_named("position")}, 16));
+  const Image image = render_image(d, with({aov_named("depth"), aov_named("position")}, 16));
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == doctest::Approx(5).epsilon(1e-5));
     for (const int x : {5, 6}) {
@@ -257,10 +257,10 @@ TEST_CASE("layers: the first half is the smaller one for an odd number of replic
     CAPTURE(sets);
     RenderOptions options = with({aov_named("half")}, static_cast<std::uint32_t>(8 * sets));
     options.replicates = sets;
-    const Image image = picture(d, options);
+    const Image image = render_image(d, options);
     // Renders only the samples of the replicates that make up the half.
     options.samples = SampleRange{0, static_cast<std::uint32_t>(8 * (sets / 2))};
-    const Image part = picture(d, options);
+    const Image part = render_image(d, options);
     double difference = 0;
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x)
@@ -276,14 +276,14 @@ TEST_CASE("layers: media and masks do not count as surfaces and the surfaces beh
   Description d = wall(coloured);
   MediumDescription thin = fog(0.1f, 0.9f);
   fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
-  Image image = picture(d, with(kSurfaces, 1024));
+  Image image = render_image(d, with(kSurfaces, 1024));
   // The sphere is about 2 long in the middle: exp(-0.1 * length) of the samples pass it.
   CHECK(value(image, 4, 4, "Z") == doctest::Approx(4 * std::exp(-0.1 * 1.85)).epsilon(0.03));
   CHECK(value(image, 0, 0, "Z") == doctest::Approx(4));
   d = wall(coloured);
   add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::scale({10, 10, 1}),
                 add_material(d, MaskDescription{0.25f, add_diffuse(d, 1)}));
-  image = picture(d, with(kSurfaces, 1024));
+  image = render_image(d, with(kSurfaces, 1024));
   CHECK(value(image, 4, 4, "Z") == doctest::Approx(0.25 * 2 + 0.75 * 4).epsilon(0.02));
 }
 
@@ -291,7 +291,7 @@ TEST_CASE("layers: layers without data are errors") {
   Description d = wall(coloured);
   const auto fails = [&](const RenderOptions& options) {
     try {
-      picture(d, options);
+      render_image(d, options);
     } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
     return false;
   };

@@ -44,7 +44,7 @@ MaterialId add_tilted(Description& d, const TemporaryFolder& folder, MaterialId 
 /// The camera sees one point of a floor of one material, made by `add`.
 using AddMaterial = std::function<MaterialId(Description&)>;
 Description floor_of(const AddMaterial& add, int samples = 1) {
-  Description d = picture_of_one_point(samples);
+  Description d = one_point_scene(samples);
   add_rectangle(d, Transform::scale({20, 20, 1}), add(d));
   look_at_point(d, {2, 0.5f, 3}, {0, 0, 0});
   return d;

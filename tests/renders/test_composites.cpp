@@ -16,7 +16,7 @@ namespace {
 constexpr double kPiD = 3.14159265358979323846;
 const double kLevel = significance_of_each(60);
 
-Description picture() {
+Description small_scene() {
   Description d = empty_scene(32, 32);
   d.sampler.sample_count = 64;
   d.sampler.seed = 11;
@@ -135,7 +135,7 @@ TEST_SUITE_BEGIN("slow");
 TEST_CASE("composites: a mask transmits the uncovered share") {
   for (const float opacity : {0.0f, 0.3f, 1.0f}) {
     CAPTURE(opacity);
-    Description d = picture();
+    Description d = small_scene();
     const MaterialId mask = add_material(d, MaskDescription{opacity, add_diffuse(d, 0.5f)});
     // The camera sees a masked sheet in front of a bright one. The sheet itself is lit by a constant environment.
     add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180), mask);
@@ -147,7 +147,7 @@ TEST_CASE("composites: a mask transmits the uncovered share") {
 }
 
 TEST_CASE("composites: null interfaces change nothing and do not cost depth") {
-  Description d = picture();
+  Description d = small_scene();
   add_rectangle(d, Transform::scale({20, 20, 1}), add_diffuse(d, 0.6f));
   aim_at_floor(d);
   d.integrator.max_depth = 2;
@@ -158,7 +158,7 @@ TEST_CASE("composites: null interfaces change nothing and do not cost depth") {
 }
 
 TEST_CASE("composites: a blend is the mixture of its parts") {
-  Description d = picture();
+  Description d = small_scene();
   const MaterialId parts[2] = {add_diffuse(d, 0.2f), add_diffuse(d, 0.8f)};
   const MaterialId inner = add_material(d, BlendDescription{0.5f, {parts[0], parts[1]}});
   add_rectangle(d, Transform::scale({20, 20, 1}), add_material(d, BlendDescription{0.25f, {inner, parts[1]}}));
@@ -172,7 +172,7 @@ TEST_CASE("textures: the colours of an image are those of the surface") {
   // The lower row is 0.1 and 0.2, the upper row 0.3 and 0.4. Files begin with the upper row.
   for (int quarter = 0; quarter < 4; ++quarter) {
     CAPTURE(quarter);
-    Description d = picture();
+    Description d = small_scene();
     const auto grey = [](float v) { return std::vector<float>{v, v, v}; };
     std::vector<float> texels;
     for (const float v : {0.3f, 0.4f, 0.1f, 0.2f})
@@ -188,7 +188,7 @@ TEST_CASE("textures: the colours of an image are those of the surface") {
 
 TEST_CASE("textures: opacity may vary with a texture") {
   const TemporaryFolder folder;
-  Description d = picture();
+  Description d = small_scene();
   const TextureId opacity = add_uniform(d, folder, "opacity.exr", 0.25f, 0.25f, 0.25f);
   add_rectangle(d, Transform::scale({5, 5, 1}),
                 add_material(d, MaskDescription{opacity, add_two_sided(d, add_diffuse(d, 0))}));
@@ -206,7 +206,7 @@ TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
   const double tan2_turn = std::pow(std::tan(20 * kPiD / 180), 2), tan2_light = std::pow(std::tan(60 * kPiD / 180), 2);
   const double softened = lit * 2 / (1 + std::sqrt(1 + 0.125 * tan2_turn * tan2_light));
   const auto scene = [&](bool soften, bool flip_green, float turn, bool from_behind = false) {
-    Description d = picture();
+    Description d = small_scene();
     // The normal is rotated by `turn` degrees about the floor's normal, against the texture's x axis.
     const float phi = turn * static_cast<float>(kPiD) / 180;
     const Vec3f n{std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi), std::cos(tilt)};
@@ -234,7 +234,7 @@ TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
 TEST_CASE("normal maps: flat normal maps and bump maps change nothing") {
   const TemporaryFolder folder;
   for (const bool bump : {false, true}) {
-    Description d = picture();
+    Description d = small_scene();
     const TextureId map = add_uniform(d, folder, "up.exr", 0.5f, 0.5f, 1);
     const MaterialId nested = add_diffuse(d, 0.5f);
     const MaterialId m = bump ? add_material(d, BumpMapDescription{map, 3, nested})
@@ -248,7 +248,7 @@ TEST_CASE("normal maps: flat normal maps and bump maps change nothing") {
 
 TEST_CASE("bump maps: the normal is that of the displaced surface") {
   const TemporaryFolder folder;
-  Description d = picture();
+  Description d = small_scene();
   // Heights 0 and 0.5 at u = 1/4 and 3/4 give a slope of 1 per unit of u, or 0.5 per unit of length.
   const TextureId map = add_bitmap(d, folder, "slope.exr", 2, 1, {0, 0, 0, 0.5f, 0.5f, 0.5f});
   std::get<BitmapDescription>(d.textures.back().model).filter = TextureFilter::kBilinear;
@@ -264,7 +264,7 @@ TEST_CASE("bump maps: the normal is that of the displaced surface") {
 
 TEST_CASE("normal maps: normals that face away from the viewer are flipped") {
   const TemporaryFolder folder;
-  Description d = picture();
+  Description d = small_scene();
   // The camera looks from 30 degrees off the normal towards +x. The mapped normal is 80 degrees off towards -x.
   const float tilt = 80 * static_cast<float>(kPiD) / 180;
   const TextureId map =

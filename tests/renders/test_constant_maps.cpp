@@ -16,7 +16,7 @@ using namespace test;
 namespace {
 
 /// Renders a square with the material under a light from the side. The folder holds map.exr, an image of one colour.
-Image picture_of(const std::string& material, const std::string& lights, ColorMode color = ColorMode::kRgb) {
+Image render_image(const std::string& material, const std::string& lights, ColorMode color = ColorMode::kRgb) {
   const TemporaryFolder folder;
   Image map(2, 2, {"B", "G", "R"});
   for (std::size_t i = 0; i < map.pixel_count(); ++i)
@@ -50,7 +50,7 @@ double brightest(const Image& image) {
 
 const std::string kSun = "<emitter type='directional'><vector name='direction' value='-1, 0, -1'/></emitter>";
 const std::string kDiffuse = "<bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>";
-const std::string kPicture =
+const std::string kImage =
     "<texture type='bitmap' name='x'><string name='filename' value='map.exr'/><boolean name='raw' "
     "value='true'/></texture>";
 
@@ -66,24 +66,24 @@ TEST_CASE("constant maps: constant normal maps act like images of one colour") {
       "<texture type='srgb' name='x'><rgb name='color' value='0.8, 0.5, 0.9'/></texture>",
       "<rgb name='normalmap' value='0.8, 0.5, 0.9'/>", "<spectrum name='normalmap' value='0.8, 0.5, 0.9'/>"};
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
-    const Image plain = picture_of(kDiffuse, kSun, color);
-    const Image picture = picture_of(map_of("normalmap", kPicture), kSun, color);
-    CHECK(largest_difference(plain, picture) > 0.02);
+    const Image plain = render_image(kDiffuse, kSun, color);
+    const Image image = render_image(map_of("normalmap", kImage), kSun, color);
+    CHECK(largest_difference(plain, image) > 0.02);
     for (const std::string& constant : constants)
-      CHECK(largest_difference(picture_of(map_of("normalmap", constant), kSun, color), picture) < 1e-5);
+      CHECK(largest_difference(render_image(map_of("normalmap", constant), kSun, color), image) < 1e-5);
     const std::string identity =
         "<texture type='rawconstant' name='x'><vector name='value' value='0.5, 0.5, 1'/></texture>";
-    CHECK(largest_difference(picture_of(map_of("normalmap", identity), kSun, color), plain) < 1e-5);
+    CHECK(largest_difference(render_image(map_of("normalmap", identity), kSun, color), plain) < 1e-5);
   }
 }
 
 TEST_CASE("constant maps: constant bump maps change nothing") {
-  const Image plain = picture_of(kDiffuse, kSun);
+  const Image plain = render_image(kDiffuse, kSun);
   for (const std::string& constant :
        {std::string("<texture type='rawconstant' name='x'><float name='value' value='0.7'/></texture>"),
         std::string("<texture type='scale'><float name='scale' value='3'/><texture type='uniform'><float name='value' "
                     "value='0.3'/></texture></texture>")})
-    CHECK(largest_difference(picture_of(map_of("bumpmap", constant), kSun), plain) < 1e-5);
+    CHECK(largest_difference(render_image(map_of("bumpmap", constant), kSun), plain) < 1e-5);
 }
 
 TEST_CASE("constant maps: spot lights and reflectances and opacities and area lights accept constant textures") {
@@ -93,19 +93,19 @@ TEST_CASE("constant maps: spot lights and reflectances and opacities and area li
            texture + "</emitter>";
   };
   const std::string grey = "<texture type='rawconstant' name='texture'><float name='value' value='0.25'/></texture>";
-  const double bright = brightest(picture_of(kDiffuse, spot("")));
+  const double bright = brightest(render_image(kDiffuse, spot("")));
   CHECK(bright > 0.01);
-  CHECK(brightest(picture_of(kDiffuse, spot(grey))) < 0.3 * bright);
-  CHECK(brightest(picture_of(kDiffuse, spot(grey))) > 0.1 * bright);
+  CHECK(brightest(render_image(kDiffuse, spot(grey))) < 0.3 * bright);
+  CHECK(brightest(render_image(kDiffuse, spot(grey))) > 0.1 * bright);
   const std::string albedo =
       "<bsdf type='diffuse'><texture type='rawconstant' name='reflectance'><vector name='value' "
       "value='0.5, 0.5, 0.5'/></texture></bsdf>";
-  CHECK(largest_difference(picture_of(albedo, kSun), picture_of(kDiffuse, kSun)) < 1e-6);
+  CHECK(largest_difference(render_image(albedo, kSun), render_image(kDiffuse, kSun)) < 1e-6);
   const std::string mask =
       "<bsdf type='mask'><texture type='rawconstant' name='opacity'><float name='value' value='0'/>"
       "</texture>" +
       kDiffuse + "</bsdf>";
-  CHECK(brightest(picture_of(mask, kSun)) == 0.0);
+  CHECK(brightest(render_image(mask, kSun)) == 0.0);
 }
 
 }  // namespace sheaf::test_constant_maps

@@ -50,7 +50,7 @@ Mattes decode(const Image& image, int x, int y, const std::string& layer) {
   return mattes;
 }
 
-Image picture(const Description& d, const RenderOptions& options) {
+Image render_image(const Description& d, const RenderOptions& options) {
   return render(*compile_scene(d), options).to_image();
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("cryptomatte: coverage adds up to the visible area of objects with any
       d.film.filter_mode = mode;
       RenderOptions options;
       options.aovs = kIds;
-      const Image image = picture(d, options);
+      const Image image = render_image(d, options);
       const std::uint32_t wall = cryptomatte_id("wall"), ball = cryptomatte_id("sphere_2");
       bool mixed = false;
       for (int y = 0; y < 16; ++y)
@@ -117,7 +117,7 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
                   add_diffuse(d, 0.5f));
     RenderOptions options;
     options.aovs = kIds;
-    const Image image = picture(d, options);
+    const Image image = render_image(d, options);
     double whole = 0;
     std::vector<double> up_to;
     constexpr int kSteps = 2000;

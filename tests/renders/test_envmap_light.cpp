@@ -19,8 +19,8 @@
 
 namespace sheaf::test_envmap_light {
 
-using test::picture_of;
-using test::uneven_picture;
+using test::envmap_image;
+using test::uneven_image;
 using test::write_map;
 
 namespace {
@@ -44,7 +44,7 @@ double irradiance(const EnvmapView& map, Vec3f n) {
 
 TEST_CASE("environment map: the bits do not depend on which paths share registers for light sampling") {
   const TemporaryFolder folder;
-  write_map(folder / "map.exr", uneven_picture());
+  write_map(folder / "map.exr", uneven_image());
   Description d = empty_scene(40, 30);
   d.sampler.sample_count = 4;
   look_at(d, {0, 1, 4}, {0, 0, 0}, {0, 1, 0}, 45);
@@ -71,7 +71,7 @@ TEST_CASE("environment map: the bits do not depend on which paths share register
 
 TEST_CASE("environment map: all strategies agree on a diffuse floor" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
-  write_map(folder / "map.exr", uneven_picture());
+  write_map(folder / "map.exr", uneven_image());
   for (const bool compensated : {false, true}) {
     Description d = empty_scene(32, 32);
     d.sampler.sample_count = 256;
@@ -148,7 +148,7 @@ void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVari
 
 TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
-  write_map(folder / "smooth.exr", picture_of(64, 32, [](std::uint32_t x, std::uint32_t y) {
+  write_map(folder / "smooth.exr", envmap_image(64, 32, [](std::uint32_t x, std::uint32_t y) {
               const float turn = std::sin(kPi * static_cast<float>(x) / 32),
                           polar = std::cos(kPi * static_cast<float>(y) / 31);
               return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
@@ -161,7 +161,7 @@ TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" *
 
 TEST_CASE("environment map: all strategies agree in spectral mode" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
+  write_map(folder / "uneven.exr", uneven_image());
   const auto found = floor_means(folder / "uneven.exr", ColorMode::kSpectral, LightStrategy::kLightOnly);
   check_agree(floor_means(folder / "uneven.exr", ColorMode::kSpectral, LightStrategy::kBsdfOnly), found, 0);
   check_agree(floor_means(folder / "uneven.exr", ColorMode::kSpectral, LightStrategy::kMis), found, 0);
@@ -187,7 +187,7 @@ Description foggy_scene(const std::filesystem::path& map, bool compensated) {
 
 TEST_CASE("environment map: MIS compensation is unbiased on surfaces and in fog") {
   const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
+  write_map(folder / "uneven.exr", uneven_image());
   const auto plain = compile_scene(foggy_scene(folder / "uneven.exr", false));
   const auto compensated = compile_scene(foggy_scene(folder / "uneven.exr", true));
   const auto expected = means_of_seeds(*plain), found = means_of_seeds(*compensated);
@@ -201,7 +201,7 @@ TEST_CASE("environment map: MIS compensation is unbiased on surfaces and in fog"
 
 TEST_CASE("environment map: MIS compensation is used only where BSDF sampling covers dark texels") {
   const TemporaryFolder folder;
-  write_map(folder / "uneven.exr", uneven_picture());
+  write_map(folder / "uneven.exr", uneven_image());
   const auto is_compensated = [&](auto&& change) {
     Description d = foggy_scene(folder / "uneven.exr", true);
     change(d.integrator);

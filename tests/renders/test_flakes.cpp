@@ -62,7 +62,7 @@ void fill_cube(Description& d, float sigma_t, float albedo, const Matrix& s, con
        add_medium(d, m));
 }
 
-Description picture(int side, int samples, MediumEstimator estimator = MediumEstimator::kNullMis) {
+Description small_scene(int side, int samples, MediumEstimator estimator = MediumEstimator::kNullMis) {
   Description d = empty_scene(side, side);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
   d.sampler.seed = 3;
@@ -91,14 +91,14 @@ TEST_CASE("flakes: transmittance follows the projected area with every estimator
       CAPTURE(on_grid);
       // Paths see an emissive object behind the cube. Shadow rays connect a wall to a lamp through the cube.
       const Vec3f middle{0.5f, 0.5f, 0.5f}, behind = middle + along * 4.0f, before = middle - along * 4.0f;
-      Description through = picture(16, 64, estimator);
+      Description through = small_scene(16, 64, estimator);
       through.integrator.max_depth = 1;
       look_at(through, before, middle, {0, 1, 0}, 0.01f);
       add_area_light_sphere(through, behind, 1, 2);
       fill_cube(through, 2, 0.5f, kOblique, on_grid ? grid : std::filesystem::path());
       check_mean(statistics_of(through), 2 * passed, 1e-4);
 
-      Description below = picture(16, 64, estimator);
+      Description below = small_scene(16, 64, estimator);
       below.integrator.max_depth = 2;
       look_at(below, behind - Vec3f{0, 3, 0}, behind, {1, 0, 0}, 0.01f);
       add_rectangle(below, Transform::look_at(behind, middle, {0, 1, 0}) * Transform::scale({9, 9, 1}),
@@ -119,7 +119,7 @@ TEST_CASE("flakes: matrices are interpolated between voxels and extinction follo
     depth += 2 * std::sqrt(0.2 + 0.8 * std::clamp((i + 0.5) / 1000, 1.0 / 32, 31.0 / 32)) / 1000;
   for (const MediumEstimator estimator :
        {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio}) {
-    Description d = picture(32, 128, estimator);
+    Description d = small_scene(32, 128, estimator);
     d.integrator.max_depth = 1;
     look_at(d, {-4, 0.5f, 0.5f}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 0.01f);
     add_area_light_sphere(d, {4, 0.5f, 0.5f}, 1, 2);
@@ -129,7 +129,7 @@ TEST_CASE("flakes: matrices are interpolated between voxels and extinction follo
 }
 
 TEST_CASE("flakes: flakes without absorption are invisible in a white environment") {
-  Description d = picture(16, 64);
+  Description d = small_scene(16, 64);
   look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 20);
   add_constant_light(d, 1);
   d.integrator.rr_depth = 1000;
@@ -139,7 +139,7 @@ TEST_CASE("flakes: flakes without absorption are invisible in a white environmen
 
 TEST_CASE("flakes: isotropic flakes equal an isotropic medium") {
   const auto scene = [](bool flakes) {
-    Description d = picture(16, 128);
+    Description d = small_scene(16, 128);
     look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 20);
     add_point_light(d, {1, 3, -1}, 10);
     // Flakes of half the area, twice as many.
@@ -154,7 +154,7 @@ TEST_CASE("flakes: light tracing and all path estimators agree") {
   const TemporaryFolder folder;
   const auto grid = write_matrices(folder / "flakes.vol", kOblique, {0.9f, 0.1f, 0.1f, 0, 0, 0});
   const auto scene = [&](IntegratorKind kind, MediumEstimator estimator, LightStrategy strategy) {
-    Description d = picture(16, kind == IntegratorKind::kPath ? 96 : 192, estimator);
+    Description d = small_scene(16, kind == IntegratorKind::kPath ? 96 : 192, estimator);
     look_at(d, {-2, 1.4f, -1}, {0.5f, 0.5f, 0.5f}, {0, 1, 0}, 25);
     add_area_light_sphere(d, {2.5f, 2, -1.5f}, 0.8f, 6);
     d.integrator.kind = kind;

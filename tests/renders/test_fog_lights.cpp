@@ -27,7 +27,7 @@ void add_lights(Description& d) {
 
 /// A sphere of `medium` around the origin, seen from the side.
 Description ball_between_lights(const MediumDescription& medium, float g, int samples = 64) {
-  Description d = picture_of_one_point(samples);
+  Description d = one_point_scene(samples);
   look_at_point(d, {-5, 0.2f, 0.3f}, {0, 0.2f, 0.3f});
   d.integrator.max_depth = 3;
   MediumDescription m = medium;

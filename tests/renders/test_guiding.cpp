@@ -22,7 +22,7 @@ const double kLevel = significance_of_each(60);
 /// Two rooms joined by a gap, one with a lamp, seen from the other. Every pixel sees one point. `share` scales the
 /// reflectance of the walls.
 Description two_rooms(int samples, float share = 1) {
-  Description d = picture_of_one_point(samples);
+  Description d = one_point_scene(samples);
   d.film.width = d.film.height = 16;
   d.integrator.max_depth = 6;
   look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.9f, 0.2f, -1}, {0, 1, 0});
@@ -100,7 +100,7 @@ TEST_CASE("guiding: the mean is kept without light sampling and with several can
 
 TEST_CASE("guiding: light sampling and guided sampling are combined by MIS") {
   // An emissive wall that both strategies find with similar probability.
-  Description d = picture_of_one_point(64);
+  Description d = one_point_scene(64);
   d.film.width = d.film.height = 16;
   look_at_point(d, {0, 2, 0.5f}, {0, 0, 0}, {0, 0, 1});
   add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse(d, 0.8f));
@@ -148,7 +148,7 @@ TEST_CASE("guiding: lossless surfaces keep the energy of every lobe") {
   // In a constant environment all directions have the same radiance: a white plastic has radiance 1, as has a diffuse
   // base under a mirror.
   const auto furnace = [](MaterialId (*material)(Description&), ColorMode color) {
-    Description d = picture_of_one_point(64);
+    Description d = one_point_scene(64);
     d.film.width = d.film.height = 16;
     d.integrator.max_depth = 2;
     d.integrator.strategy = LightStrategy::kBsdfOnly;
@@ -209,7 +209,7 @@ TEST_CASE("guiding: glossy and layered and dispersive surfaces that fill the ima
     for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly}) {
       CAPTURE_BINDING(name);
       CAPTURE(static_cast<int>(strategy));
-      Description d = picture_of_one_point(64);
+      Description d = one_point_scene(64);
       d.film.width = d.film.height = 16;
       d.integrator.max_depth = 3;
       d.integrator.strategy = strategy;

@@ -2,7 +2,7 @@
 // small images against a long render that selects lights uniformly.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 #include "tests/support/statistics.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"

@@ -29,7 +29,7 @@ Description lit_scene() {
   return d;
 }
 
-Image picture(const Description& d, ColorMode color = ColorMode::kRgb, FilterMode mode = FilterMode::kWeighted) {
+Image render_image(const Description& d, ColorMode color = ColorMode::kRgb, FilterMode mode = FilterMode::kWeighted) {
   Description filtered = d;
   filtered.film.filter_mode = mode;
   CompileOptions compile;
@@ -79,7 +79,7 @@ double sum_of(const Image& image, const char* channel) {
 TEST_CASE("light groups: groups add up to the image in both colour modes with any filter and with photon maps") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance}) {
-      const Image image = picture(lit_scene(), color, mode);
+      const Image image = render_image(lit_scene(), color, mode);
       CHECK(groups_of(image).size() == 4);
       CHECK(difference_of_sum(image) < 2e-5);
       for (const char* group : {"light_lamp_left.R", "light_area.R", "light_key.R", "light_environment.R"}) {
@@ -93,7 +93,7 @@ TEST_CASE("light groups: groups add up to the image in both colour modes with an
   mapped.integrator.photons.global.count = 500;
   mapped.integrator.photons.caustic.count = 200;
   mapped.integrator.photons.volume.count = 200;
-  const Image image = picture(mapped);
+  const Image image = render_image(mapped);
   CHECK(difference_of_sum(image) < 2e-5);
   CHECK(sum_of(image, "light_other.G") > 0);
 }
@@ -132,7 +132,7 @@ TEST_CASE("light groups: layers have unique names whatever the names of lights")
   add_constant_light(d, 0.3f);
   d.lights.back().id = "point";
   add_area_light_sphere(d, {1, 1, 2}, 0.3f, 5);
-  const Image image = picture(d);
+  const Image image = render_image(d);
   // The two unnamed lights form one group, as do the two called "point". The area light is unnamed as well.
   CHECK(groups_of(image).size() == hostile.size());
   CHECK(std::set<std::string>(image.channels.begin(), image.channels.end()).size() == image.channels.size());
@@ -153,7 +153,7 @@ TEST_CASE("light groups: layers have unique names whatever the names of lights")
   // The contribution of photon maps has its own layer, beside that of a lamp called "other".
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global.count = 500;
-  const Image mapped = picture(d);
+  const Image mapped = render_image(d);
   CHECK(groups_of(mapped).size() == hostile.size() + 1);
   CHECK(std::set<std::string>(mapped.channels.begin(), mapped.channels.end()).size() == mapped.channels.size());
   CHECK(difference_of_sum(mapped) < 2e-5);
@@ -172,7 +172,7 @@ TEST_CASE("light groups: each group contains the light of its own lamp only") {
     add_point_light(d, {x, 0, 2}, 10);
     d.lights.back().id = x > 0 ? "left" : "right";
   }
-  const Image image = picture(d);
+  const Image image = render_image(d);
   const int left = image.find_channel("light_left.R"), right = image.find_channel("light_right.R");
   for (int y = 0; y < 8; ++y) {
     CHECK(image.at(1, y, left) > 0);
@@ -185,13 +185,13 @@ TEST_CASE("light groups: each group contains the light of its own lamp only") {
 TEST_CASE("light groups: too many groups are rejected and unnamed lights form one group") {
   Description d = empty_scene(2, 2);
   for (std::size_t i = 0; i <= kMaxLightGroups; ++i) add_point_light(d, {0, 0, 1}, 1);
-  CHECK(groups_of(picture(d)).size() == 1);
+  CHECK(groups_of(render_image(d)).size() == 1);
   for (std::size_t i = 0; i < d.lights.size(); ++i) d.lights[i].id = std::to_string(i);
-  CHECK_THROWS_WITH(picture(d), doctest::Contains("expected at most 64"));
+  CHECK_THROWS_WITH(render_image(d), doctest::Contains("expected at most 64"));
   d.lights.pop_back();
-  CHECK(groups_of(picture(d)).size() == kMaxLightGroups);
+  CHECK(groups_of(render_image(d)).size() == kMaxLightGroups);
   d.integrator.kind = IntegratorKind::kLightTracer;
-  CHECK_THROWS_AS(picture(d), Error);
+  CHECK_THROWS_AS(render_image(d), Error);
 }
 
 }  // namespace sheaf::test_light_groups

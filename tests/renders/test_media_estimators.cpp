@@ -19,7 +19,7 @@ namespace {
 const double kLevel = significance_of_each(2000);
 constexpr MediumEstimator kUnbiased[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio};
 
-Description picture(int samples = 128) {
+Description small_scene(int samples = 128) {
   Description d = empty_scene(32, 32);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
   d.sampler.seed = 11;
@@ -71,7 +71,7 @@ void check_equal(const MeanVariance& a, const MeanVariance& b) {
 
 /// An emissive wall behind the cube [0, 1]^3, seen through it along x from far away.
 Description wall_behind_cube() {
-  Description d = picture();
+  Description d = small_scene();
   aim(d, {-5, 0.5f, 0.5f}, {0, 0.5f, 0.5f});
   d.integrator.max_depth = 1;
   add_area_light_rectangle(d, Transform::translate({3, 0.5f, 0.5f}) * Transform::rotate({0, 1, 0}, -90), 2);
@@ -81,7 +81,7 @@ Description wall_behind_cube() {
 
 /// A diffuse floor, lit by a point light through the cube.
 Description floor_below_cube() {
-  Description d = picture();
+  Description d = small_scene();
   aim(d, {3, -2.0f, 0.5f}, {0.5f, -3, 0.5f});
   d.integrator.max_depth = 2;
   add_rectangle(
@@ -119,7 +119,7 @@ GridVolumeDescription ones_in_nanovdb(const std::filesystem::path& file, float s
 
 /// The whole space, or a sphere of radius 1, filled with a medium in a white environment.
 Description furnace(const MediumDescription& medium, float g) {
-  Description d = picture(64);
+  Description d = small_scene(64);
   look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 20);
   d.integrator.rr_depth = 1000;
   add_constant_light(d, 1);
@@ -204,7 +204,7 @@ constexpr float kGlowRadius = 0.8f, kGlowHeight = 1.5f;
 
 /// A diffuse floor at z = 0, seen from the side, below a sphere of `medium`.
 Description floor_below_glow(const MediumDescription& medium) {
-  Description d = picture();
+  Description d = small_scene();
   look_at(d, {3, 0, 0.5f}, {0, 0, 0}, {0, 0, 1}, 0.01f);
   d.integrator.max_depth = 2;
   add_rectangle(d, Transform::scale({9, 9, 1}), add_diffuse(d, 0.5f));
@@ -243,7 +243,7 @@ TEST_CASE("media: an emissive sphere matches the closed form directly and as ill
         CAPTURE(static_cast<int>(estimator));
         MediumDescription m = glowing(sigma, 0, 3);
         if (on_grid) m.density = vol(one, around);
-        Description seen = picture();
+        Description seen = small_scene();
         aim(seen, {0, 0, -5}, {0, 0, 0});
         const MediumId id = add_medium(seen, m);
         fill(seen, add_sphere(seen, {0, 0, 0}, 0.8f), id);
@@ -280,7 +280,7 @@ TEST_CASE("media: an isothermal gas emits as a black body in both colour modes")
         m.emission = VolumeInput(SpectrumDescription{SpectrumDescription::Blackbody{3000, 1}});
       }
       m.emission_scale = 1e-4f;
-      Description d = picture();
+      Description d = small_scene();
       aim(d, {0, 0, -5}, {0, 0, 0});
       const MediumId id = add_medium(d, m);
       fill(d, add_sphere(d, {0, 0, 0}, 0.8f), id);
@@ -351,7 +351,7 @@ TEST_CASE("media: homogeneous media and grids have the same mean for every estim
   });
   const Transform around = Transform::translate({-1, -1, -1}) * Transform::scale({2, 2, 2});
   const auto scene = [&](const MediumDescription& medium, MediumEstimator estimator) {
-    Description d = picture(64);
+    Description d = small_scene(64);
     look_at(d, {0, 0, -3}, {0, 0, 0}, {0, 1, 0}, 30);
     d.integrator.max_depth = 8;
     d.integrator.medium_estimator = estimator;

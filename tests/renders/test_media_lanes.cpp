@@ -19,7 +19,7 @@ const double kLevel = significance_of_each(250);
 constexpr MediumEstimator kUnbiased[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio};
 constexpr int kSize = 16;
 
-Description picture(int samples) {
+Description small_scene(int samples) {
   Description d = empty_scene(kSize, kSize);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
   d.sampler.seed = 17;
@@ -48,7 +48,7 @@ void check_mean(const MeanVariance& found, double expected, double rounding = 2e
 
 /// A wall of radiance 2 behind `medium` in the cube [0, 1]^3, seen along x.
 Description wall_behind(const MediumDescription& medium) {
-  Description d = picture(128);
+  Description d = small_scene(128);
   look_at(d, {-5, 0.5f, 0.5f}, {0, 0.5f, 0.5f}, {0, 1, 0}, 0.01f);
   d.integrator.max_depth = 1;
   add_area_light_rectangle(d, Transform::translate({5, 0.5f, 0.5f}) * Transform::rotate({0, 1, 0}, -90), 2);
@@ -59,7 +59,7 @@ Description wall_behind(const MediumDescription& medium) {
 
 /// A diffuse floor of albedo 0.5, lit by a point light along y through `medium` in the cube [0, 1]^3.
 Description floor_below(const MediumDescription& medium) {
-  Description d = picture(128);
+  Description d = small_scene(128);
   look_at(d, {3, -2.0f, 0.5f}, {0.5f, -3, 0.5f}, {0, 1, 0}, 0.01f);
   d.integrator.max_depth = 2;
   add_rectangle(
@@ -86,7 +86,7 @@ double below_slab(double depth) {
 
 /// A diffuse floor of albedo 0.5 that sees a white environment through a slab of `medium`, y in [0, 1], 200 wide.
 Description floor_below_slab(const MediumDescription& medium) {
-  Description d = picture(128);
+  Description d = small_scene(128);
   look_at(d, {0.05f, -0.05f, 0}, {0, -0.1f, 0}, {0, 1, 0}, 0.01f);
   d.integrator.max_depth = 2;
   add_constant_light(d, 1);

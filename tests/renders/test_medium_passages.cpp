@@ -33,7 +33,7 @@ TEST_CASE("medium passages: a cloud behind another attenuates the remaining ligh
     for (const bool by_path : {true, false}) {
       CAPTURE(static_cast<int>(estimator));
       CAPTURE(by_path);
-      Description d = picture_of_one_point(64);
+      Description d = one_point_scene(64);
       d.integrator.medium_estimator = estimator;
       double expected = 0;
       if (by_path) {
@@ -55,7 +55,7 @@ TEST_CASE("medium passages: a cloud behind another attenuates the remaining ligh
 }
 
 TEST_CASE("medium passages: all strategies agree behind a rough boundary of a medium") {
-  Description d = picture_of_one_point(64);
+  Description d = one_point_scene(64);
   look_at_point(d, {1, 0, 3}, {0, 0, 0});
   d.integrator.max_depth = 2;
   DielectricDescription glass;
@@ -79,7 +79,7 @@ TEST_CASE("medium passages: all strategies agree behind a rough boundary of a me
 TEST_CASE("medium passages: coloured fog seen through weakly dispersive glass looks as through ordinary glass") {
   PixelMeans means[2];
   for (const bool disperses : {false, true}) {
-    Description d = picture_of_one_point(64);
+    Description d = one_point_scene(64);
     d.sampler.seed += disperses;
     look_at_point(d, {0, 0, 4}, {0, 0, 0}, {0, 1, 0});
     d.integrator.max_depth = 2;

@@ -4,8 +4,8 @@
 #include "core/image.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/image_files.h"
 #include "tests/support/media_testing.h"
-#include "tests/support/picture_files.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -41,7 +41,7 @@ struct Scene {
 class Studio {
  public:
   Studio() {
-    write_pnm(folder_ / "picture.ppm", 2, 2, 3, 255, {255, 20, 40, 30, 200, 60, 90, 50, 250, 240, 230, 10});
+    write_pnm(folder_ / "image.ppm", 2, 2, 3, 255, {255, 20, 40, 30, 200, 60, 90, 50, 250, 240, 230, 10});
     write_vol(folder_ / "fog.vol", 4, 1, [](Vec3f p, int) { return 4 * p.x; });
     Image sky(4, 2, {"R", "G", "B"});
     for (std::size_t i = 0; i < sky.data.size(); ++i) sky.data[i] = 0.1f * static_cast<float>(i);
@@ -85,19 +85,19 @@ using Spellings = std::vector<std::string>;
 /// Checks groups of equivalent spellings. `place` inserts one into a scene; an empty string leaves the default.
 template <class Place> void check_groups(const std::vector<Spellings>& groups, Place&& place) {
   const Studio studio;
-  const auto picture = [&](const std::string& text) {
+  const auto rendered = [&](const std::string& text) {
     Scene scene;
     place(scene, text);
     return studio.render(scene);
   };
-  const std::vector<float> plain = picture("");
+  const std::vector<float> plain = rendered("");
   for (const Spellings& group : groups) {
-    const std::vector<float> first = picture(group.front());
+    const std::vector<float> first = rendered(group.front());
     CAPTURE(group.front());
     CHECK(difference(plain, first) > 1e-3);
     for (std::size_t i = 1; i < group.size(); ++i) {
       CAPTURE(group[i]);
-      CHECK(difference(first, picture(group[i])) < 1e-5);
+      CHECK(difference(first, rendered(group[i])) < 1e-5);
     }
   }
 }
@@ -172,7 +172,7 @@ TEST_CASE("Nori spellings: material parameters render equally in all spellings")
                                   {number("extIOR", "1.3")},
                                   {color("sigmaA", "0.2,0.5,1"), color("sigma_a", "0.2,0.5,1")}});
   check_parameters("null", {{color("sigmaA", "0.2,0.5,1")}});
-  const std::string normals = "<texture name='normal' type='image'>" + text("filename", "picture.ppm") + "</texture>";
+  const std::string normals = "<texture name='normal' type='image'>" + text("filename", "image.ppm") + "</texture>";
   check_parameters("diffuse", {{normals}});
   check_parameters("microfacet", {{normals}});
 }
@@ -181,7 +181,7 @@ TEST_CASE("Nori spellings: textures render equally in all spellings") {
   const auto texture = [](const std::string& type, const std::string& inside) {
     return "<texture name='albedo' type='" + type + "'>" + inside + "</texture>";
   };
-  const std::string file = text("filename", "picture.ppm"), two = "' value='0.3, 0.4'/>";
+  const std::string file = text("filename", "image.ppm"), two = "' value='0.3, 0.4'/>";
   const auto scales = [&](const std::string& name) {
     return Spellings{"<vector2 name='" + name + two, "<point2 name='" + name + two, "<vector name='" + name + two,
                      "<point name='" + name + two};
@@ -261,7 +261,7 @@ TEST_CASE("Nori spellings: emitters render equally in all spellings") {
   check_groups(
       {{area("area", ""), area("area", number("radiance", "1")), area("sphere_emitter", "")},
        {area("area", color("radiance", "3,2,1")), area("mesh_emitter", color("radiance", "3,2,1"))},
-       {area("area", "<texture name='radiance' type='image'>" + text("filename", "picture.ppm") + "</texture>")}},
+       {area("area", "<texture name='radiance' type='image'>" + text("filename", "image.ppm") + "</texture>")}},
       [](Scene& scene, const std::string& s) { scene.inside = s; });
 }
 
@@ -356,16 +356,16 @@ TEST_CASE("Nori spellings: integrators render equally in all spellings") {
                 {of_type("integrator", "simple", point("position", "2,3,4") + color("energy", "300,200,100"))}},
                place);
   const Studio studio;
-  const auto picture = [&](const std::string& integrator) {
+  const auto rendered = [&](const std::string& integrator) {
     Scene scene;
     place(scene, integrator);
     return studio.render(scene);
   };
-  const std::vector<float> path = picture("");
+  const std::vector<float> path = rendered("");
   for (const char* same : {"path", "vol_path", "vol_path_mis", "volpath_mis", "path_vol", "path_vol_mis",
                            "path_mis_vol", "medium_path", "medium_path_mis", "volpath", "volpathmis"}) {
     CAPTURE(same);
-    CHECK(difference(path, picture(plain(same))) == 0);
+    CHECK(difference(path, rendered(plain(same))) == 0);
   }
   const std::string hidden = "<boolean name='hideEmitters' value='true'/>";
   check_groups(
@@ -400,12 +400,12 @@ TEST_CASE("Nori spellings: photon maps render equally in all spellings") {
   check_groups({{number("initialRadius", "0.5"), number("initial_radius", "0.5")}, {number("alpha", "0.1")}},
                place("sppm", few));
   const Studio studio;
-  const auto picture = [&](const std::string& type) {
+  const auto rendered = [&](const std::string& type) {
     Scene scene;
     place(type, few + wide)(scene, "");
     return studio.render(scene);
   };
-  CHECK(difference(picture("photonmapper"), picture("photonmap")) == 0);
+  CHECK(difference(rendered("photonmapper"), rendered("photonmap")) == 0);
 }
 
 TEST_CASE("Nori spellings: media render equally in all spellings") {

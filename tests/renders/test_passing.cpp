@@ -22,7 +22,7 @@ constexpr int kSide = 32;
 constexpr LightStrategy kStrategies[] = {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly};
 
 /// A camera that looks at one point.
-Description picture(Vec3f from, Vec3f at, int samples) {
+Description small_scene(Vec3f from, Vec3f at, int samples) {
   Description d = empty_scene(kSide, kSide);
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);
   d.sampler.seed = 23;
@@ -55,7 +55,7 @@ Transform facing_back(float z) { return Transform::translate({0, 0, z}) * Transf
 TEST_CASE("pass-through: paths scatter behind a hidden light in a medium as if it were absent") {
   // Scattered light comes from the environment or the light, which have the same radiance. Unscattered paths see
   // nothing, nor do those that scatter inside the light, which is dark inside.
-  Description d = picture({0, 0, 0}, {0, 0, 1}, 32);
+  Description d = small_scene({0, 0, 0}, {0, 0, 1}, 32);
   d.integrator.hide_emitters = true;
   d.integrator.rr_depth = 1000;
   add_constant_light(d, 1);
@@ -70,7 +70,7 @@ TEST_CASE("pass-through: the far plane keeps its distance") {
     for (int what = 0; what < 3; ++what) {
       CAPTURE(behind);
       CAPTURE(what);
-      Description d = picture({0, 0, 0}, {0, 0, 1}, 1);
+      Description d = small_scene({0, 0, 0}, {0, 0, 1}, 1);
       d.camera.far_clip = behind ? 6.5f : 5;
       d.integrator.hide_emitters = true;
       add_constant_light(d, 1);
@@ -138,7 +138,7 @@ TEST_CASE("pass-through: a hidden light still bounds its media") {
   // Two metres of emissive gas before a black wall, in a cube that is a hidden light.
   MediumDescription gas = fog(1, 0);
   gas.emission = VolumeInput(SpectrumDescription::constant(1));
-  Description d = picture({0, 0, 0}, {0, 0, 1}, 4);
+  Description d = small_scene({0, 0, 0}, {0, 0, 1}, 4);
   d.integrator.hide_emitters = true;
   const MaterialId black = add_diffuse(d, 0);
   add_rectangle(d, facing_back(8) * Transform::scale({4, 4, 1}), black);
@@ -152,7 +152,7 @@ namespace {
 
 /// A floor in an unbounded `medium`, seen from 2 m above, in a white environment.
 Description foggy_floor(const MediumDescription& medium, int samples) {
-  Description d = picture({1.2f, 1.6f, 0}, {0, 0, 0}, samples);
+  Description d = small_scene({1.2f, 1.6f, 0}, {0, 0, 0}, samples);
   d.camera.to_world = Transform::look_at({1.2f, 1.6f, 0}, {0, 0, 0}, {0, 0, 1});
   add_constant_light(d, 1);
   add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}), add_diffuse(d, 0.5f));

@@ -59,7 +59,7 @@ void add_screen(Description& d, const Screen& screen) {
 
 /// A diffuse floor at z = 0 that the camera sees at the origin, from below all screens.
 Description floor_below(const std::vector<Screen>& screens) {
-  Description d = picture_of_one_point(48);
+  Description d = one_point_scene(48);
   look_at_point(d, {0.5f, 0, 0.1f}, {0, 0, 0});
   d.integrator.max_depth = 2;
   d.integrator.thin_dielectrics_are_free = true;

@@ -53,7 +53,7 @@ Difference difference(const Image& a, const Image& b) {
 }
 
 /// Renders a scene without the clip planes of its camera.
-Image picture(Description d, ColorMode color) {
+Image render_image(Description d, ColorMode color) {
   d.camera.near_clip = 0, d.camera.far_clip = kInfinity;
   CompileOptions options;
   options.color = color;
@@ -62,8 +62,8 @@ Image picture(Description d, ColorMode color) {
 
 void check_twins(const std::string& name, ColorMode color = ColorMode::kRgb) {
   CAPTURE(name);
-  const Difference d = difference(picture(read_scene(kTwins / (name + ".pbrt")), color),
-                                  picture(read_scene(kTwins / (name + ".xml")), color));
+  const Difference d = difference(render_image(read_scene(kTwins / (name + ".pbrt")), color),
+                                  render_image(read_scene(kTwins / (name + ".xml")), color));
   INFO("differing pixels " << d.share << ", means " << d.mean << ", light " << d.light);
   CHECK(d.light > 0.005);
   CHECK(d.share <= kDifferingShare);
@@ -92,8 +92,8 @@ TEST_SUITE("pbrt twins") {
   TEST_CASE("the comparison detects a mirrored image") {
     Description mirrored = read_scene(kTwins / "camera.pbrt");
     mirrored.camera.to_world = mirrored.camera.to_world * Transform::scale({-1, 1, 1});
-    const Image twin = picture(read_scene(kTwins / "camera.xml"), ColorMode::kRgb);
-    CHECK(difference(picture(mirrored, ColorMode::kRgb), twin).share > 0.3);
+    const Image twin = render_image(read_scene(kTwins / "camera.xml"), ColorMode::kRgb);
+    CHECK(difference(render_image(mirrored, ColorMode::kRgb), twin).share > 0.3);
   }
 }
 

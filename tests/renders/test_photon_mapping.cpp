@@ -258,7 +258,7 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
     Workers workers([&] { return Worker(256, WaveNeeds::of(context)); });
     PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
     PhotonMapping mapping(context, 64, 24);
-    CHECK(mapping.wanted() == (progressive ? 64 * (500 + 200) : 32 * (16 + 7)));
+    CHECK(mapping.photon_total() == (progressive ? 64 * (500 + 200) : 32 * (16 + 7)));
     CHECK(photon_map_sets(d.integrator.photons, ColorMode::kSpectral, 64) == (progressive ? 64 : 32));
     double expected = 0.09;
     std::array<int, 16> strata{};

@@ -2,6 +2,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/scene_files.h"
+#include "tests/support/xml_elements.h"
 
 #include <doctest/doctest.h>
 
@@ -37,18 +38,7 @@ std::string scene_of(const std::string& integrator, bool fog) {
          "<emitter type='area'><color name='radiance' value='60,60,60'/></emitter></mesh></scene>";
 }
 
-std::string number(const std::string& name, const std::string& value) {
-  return "<float name='" + name + "' value='" + value + "'/>";
-}
-std::string integer(const std::string& name, const std::string& value) {
-  return "<integer name='" + name + "' value='" + value + "'/>";
-}
-std::string flag(const std::string& name) { return "<boolean name='" + name + "' value='true'/>"; }
-std::string word(const std::string& name, const std::string& value) {
-  return "<string name='" + name + "' value='" + value + "'/>";
-}
-
-struct Picture {
+struct Rendering {
   std::vector<float> data;
   double mean = 0;
   double roughness = 0;  ///< mean difference of neighbours over the mean
@@ -59,14 +49,14 @@ struct Picture {
 
 const std::string kFew = integer("photonCount", "4000") + number("photonRadius", "0.15");
 
-Picture picture(const std::string& properties, const std::string& type = "photonmapper", bool fog = false) {
+Rendering rendering(const std::string& properties, const std::string& type = "photonmapper", bool fog = false) {
   const Description d = read_text(
       scene_of("<integrator type='" + type + "'>" + properties + integer("maxDepth", "6") + "</integrator>", fog));
   RenderOptions options;
   options.seed = 3;
   const RenderResult result = render(*compile_scene(d), options);
   const Image image = result.film.to_image();
-  Picture out;
+  Rendering out;
   out.data = image.data;
   out.stored = static_cast<double>(result.report.photons.stored);
   out.spp = result.report.spp;
@@ -84,72 +74,72 @@ Picture picture(const std::string& properties, const std::string& type = "photon
 }  // namespace
 
 TEST_CASE("photon settings: counts and radii are read") {
-  const Picture plain = picture(kFew);
-  const Picture more = picture(integer("photonCount", "16000") + number("photonRadius", "0.15"));
+  const Rendering plain = rendering(kFew);
+  const Rendering more = rendering(integer("photonCount", "16000") + number("photonRadius", "0.15"));
   CHECK(more.stored == doctest::Approx(4 * plain.stored).epsilon(0.1));
   CHECK(more.roughness < 0.9 * plain.roughness);
-  const Picture wide = picture(integer("photonCount", "4000") + number("photonRadius", "0.6"));
+  const Rendering wide = rendering(integer("photonCount", "4000") + number("photonRadius", "0.6"));
   CHECK(wide.stored == plain.stored);
   CHECK(wide.roughness < 0.6 * plain.roughness);
-  const Picture nearest = picture(kFew + integer("lookupSize", "4"));
+  const Rendering nearest = rendering(kFew + integer("lookupSize", "4"));
   CHECK(nearest.roughness > 1.3 * plain.roughness);
   for (const char* kernel : {"cone", "epanechnikov"}) {
-    const Picture other = picture(kFew + word("kernel", kernel));
+    const Rendering other = rendering(kFew + word("kernel", kernel));
     CHECK(other.data != plain.data);
     CHECK(other.mean == doctest::Approx(plain.mean).epsilon(0.1));
   }
-  CHECK(picture(kFew + word("kernel", "disc")).data == plain.data);
+  CHECK(rendering(kFew + word("kernel", "disc")).data == plain.data);
 }
 
 TEST_CASE("photon settings: numGatherRays enables final gathering") {
-  const Picture plain = picture(kFew), path = picture("", "path_mis");
-  const Picture gathered = picture(kFew + integer("numGatherRays", "4"));
-  CHECK(gathered.data == picture(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
+  const Rendering plain = rendering(kFew), path = rendering("", "path_mis");
+  const Rendering gathered = rendering(kFew + integer("numGatherRays", "4"));
+  CHECK(gathered.data == rendering(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
   CHECK(gathered.spp == 4 * plain.spp);
   CHECK(gathered.mean == doctest::Approx(path.mean).epsilon(0.1));
-  CHECK(picture(kFew + integer("numGatherRays", "1")).data == picture(kFew + flag("finalGather")).data);
-  CHECK(picture(kFew + integer("numGatherRays", "0")).data == plain.data);
+  CHECK(rendering(kFew + integer("numGatherRays", "1")).data == rendering(kFew + flag("finalGather")).data);
+  CHECK(rendering(kFew + integer("numGatherRays", "0")).data == plain.data);
   // Final gathering is disabled explicitly.
-  CHECK(picture(kFew + integer("numGatherRays", "4") + "<boolean name='finalGather' value='false'/>").data ==
+  CHECK(rendering(kFew + integer("numGatherRays", "4") + "<boolean name='finalGather' value='false'/>").data ==
         plain.data);
 }
 
 TEST_CASE("photon settings: causticPhotonCount enables a caustic map with causticRadius") {
-  const Picture plain = picture(kFew), path = picture("", "path_mis");
+  const Rendering plain = rendering(kFew), path = rendering("", "path_mis");
   const std::string caustics = integer("causticPhotonCount", "4000");
-  const Picture sharp = picture(kFew + caustics + number("causticRadius", "0.04"));
-  const Picture blurred = picture(kFew + caustics + number("causticRadius", "0.5"));
+  const Rendering sharp = rendering(kFew + caustics + number("causticRadius", "0.04"));
+  const Rendering blurred = rendering(kFew + caustics + number("causticRadius", "0.5"));
   CHECK(sharp.stored > plain.stored + 3000);
   CHECK(sharp.peak > 1.1 * plain.peak);
   CHECK(blurred.peak < 0.8 * plain.peak);
   CHECK(sharp.mean == doctest::Approx(path.mean).epsilon(0.1));
-  CHECK(picture(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
+  CHECK(rendering(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
   // Caustic maps combined with final gathering and with direct light sampling.
-  const Picture both = picture(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
-  CHECK(both.data != picture(kFew + integer("numGatherRays", "4")).data);
+  const Rendering both = rendering(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
+  CHECK(both.data != rendering(kFew + integer("numGatherRays", "4")).data);
   CHECK(both.mean == doctest::Approx(path.mean).epsilon(0.1));
-  const Picture sampled = picture(kFew + flag("sampleDirect"));
+  const Rendering sampled = rendering(kFew + flag("sampleDirect"));
   CHECK(sampled.stored < 0.7 * plain.stored);
   CHECK(sampled.roughness < plain.roughness);
-  CHECK(picture(kFew + flag("sampleDirect") + caustics).data != sampled.data);
+  CHECK(rendering(kFew + flag("sampleDirect") + caustics).data != sampled.data);
 }
 
 TEST_CASE("photon settings: photons in media are read") {
   const auto in_fog = [](const std::string& properties, const std::string& type = "photonmapper") {
-    return picture(properties, type, true);
+    return rendering(properties, type, true);
   };
-  const Picture plain = in_fog(kFew), path = in_fog("", "path_mis");
+  const Rendering plain = in_fog(kFew), path = in_fog("", "path_mis");
   const std::string volume = integer("volumePhotonCount", "3000");
-  const Picture points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
+  const Rendering points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
   CHECK(points.stored == doctest::Approx(plain.stored + 3000).epsilon(0.1));
   CHECK(points.mean == doctest::Approx(path.mean).epsilon(0.15));
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.4")).roughness < points.roughness);
-  const Picture beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
+  const Rendering beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
   CHECK(beams.data != points.data);
   CHECK(beams.mean == doctest::Approx(path.mean).epsilon(0.15));
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "points")).data == points.data);
   // With photonCount alone, media get as many photons with the same radius. Both can be set separately.
-  const Picture both = in_fog(kFew, "volumetricphotonmapper");
+  const Rendering both = in_fog(kFew, "volumetricphotonmapper");
   CHECK(both.data == in_fog(kFew + integer("volumePhotonCount", "4000") + number("volumeRadius", "0.15")).data);
   CHECK(in_fog(kFew + volume, "volumetricphotonmapper").data ==
         in_fog(kFew + volume + number("volumeRadius", "0.15")).data);
@@ -158,18 +148,18 @@ TEST_CASE("photon settings: photons in media are read") {
 }
 
 TEST_CASE("photon settings: all integrator names and progressive maps are read") {
-  const Picture plain = picture(kFew);
-  CHECK(picture(kFew, "photonmap").data == plain.data);
+  const Rendering plain = rendering(kFew);
+  CHECK(rendering(kFew, "photonmap").data == plain.data);
   const std::string all = "<boolean name='sampleDirect' value='false'/>";
   const std::string few = all + integer("photonCount", "2000") + number("initialRadius", "0.2");
-  const Picture progressive = picture(few, "sppm");
-  CHECK(picture(few, "ppm").data == progressive.data);
+  const Rendering progressive = rendering(few, "sppm");
+  CHECK(rendering(few, "ppm").data == progressive.data);
   CHECK(progressive.stored == doctest::Approx(4 * 2000).epsilon(0.2));
-  CHECK(picture(few + integer("maxPasses", "7"), "sppm").spp == 7);
-  CHECK(picture(all + integer("photonCount", "2000") + number("initialRadius", "0.05"), "sppm").roughness >
+  CHECK(rendering(few + integer("maxPasses", "7"), "sppm").spp == 7);
+  CHECK(rendering(all + integer("photonCount", "2000") + number("initialRadius", "0.05"), "sppm").roughness >
         1.2 * progressive.roughness);
-  CHECK(picture(few + number("alpha", "0.05"), "sppm").roughness >
-        picture(few + number("alpha", "0.95"), "sppm").roughness);
+  CHECK(rendering(few + number("alpha", "0.05"), "sppm").roughness >
+        rendering(few + number("alpha", "0.95"), "sppm").roughness);
 }
 
 }  // namespace sheaf::test_photon_settings

@@ -21,7 +21,8 @@ MaterialId add_metal(Description& d, std::optional<float> alpha) {
 }
 
 /// An image of two columns.
-TextureId add_picture(Description& d, const TemporaryFolder& folder, const std::string& name, Vec3f left, Vec3f right) {
+TextureId add_image_texture(Description& d, const TemporaryFolder& folder, const std::string& name, Vec3f left,
+                            Vec3f right) {
   Image image(2, 1, {"R", "G", "B"});
   image.data = {left.x, left.y, left.z, right.x, right.y, right.z};
   write_exr(folder.path() / name, image, {});
@@ -101,11 +102,11 @@ TEST_CASE("photon mapping: masks and blends have the mean of path tracing with c
 TEST_CASE("photon mapping: textured masks and blends have the mean of path tracing") {
   const TemporaryFolder folder;
   check([&](Description& d) {
-    const TextureId weight = add_picture(d, folder, "mask.exr", {0.2f, 0.2f, 0.2f}, {0.9f, 0.9f, 0.9f});
+    const TextureId weight = add_image_texture(d, folder, "mask.exr", {0.2f, 0.2f, 0.2f}, {0.9f, 0.9f, 0.9f});
     return add_material(d, MaskDescription{weight, kGreen(d)});
   });
   check([&](Description& d) {
-    const TextureId weight = add_picture(d, folder, "blend.exr", {0.2f, 0.2f, 0.2f}, {0.9f, 0.9f, 0.9f});
+    const TextureId weight = add_image_texture(d, folder, "blend.exr", {0.2f, 0.2f, 0.2f}, {0.9f, 0.9f, 0.9f});
     const MaterialId a = kMirror(d);
     return add_material(d, BlendDescription{weight, {a, kGreen(d)}});
   });
@@ -115,13 +116,13 @@ TEST_CASE("photon mapping: normal and bump maps have the mean of path tracing") 
   const TemporaryFolder folder;
   const auto tilted = [&](const AddMaterial& nested, bool soften) {
     return AddMaterial([&folder, nested, soften](Description& d) {
-      const TextureId normals = add_picture(d, folder, "tilt.exr", {0.2f, 0.5f, 0.9f}, {0.1f, 0.6f, 0.85f});
+      const TextureId normals = add_image_texture(d, folder, "tilt.exr", {0.2f, 0.5f, 0.9f}, {0.1f, 0.6f, 0.85f});
       return add_material(d, NormalMapDescription{normals, false, nested(d), {.soften_terminator = soften}});
     });
   };
   const auto bumped = [&](const AddMaterial& nested) {
     return AddMaterial([&folder, nested](Description& d) {
-      const TextureId heights = add_picture(d, folder, "bump.exr", {0, 0, 0}, {1, 1, 1});
+      const TextureId heights = add_image_texture(d, folder, "bump.exr", {0, 0, 0}, {1, 1, 1});
       return add_material(d, BumpMapDescription{heights, 0.6f, nested(d)});
     });
   };

@@ -116,8 +116,8 @@ struct Verdict {
 };
 
 /// Variance of the difference of two means: that of the reference, or that of the image where its blocks vary more.
-Image difference_variance(const Estimate& picture, const Estimate& reference) {
-  const Image own = block_means(picture.variance, kBlock), theirs = block_means(reference.variance, kBlock);
+Image difference_variance(const Estimate& estimate, const Estimate& reference) {
+  const Image own = block_means(estimate.variance, kBlock), theirs = block_means(reference.variance, kBlock);
   Image out = reference.variance;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
@@ -127,25 +127,25 @@ Image difference_variance(const Estimate& picture, const Estimate& reference) {
         const double excess = std::max(0.0, own.at(x / kBlock, y / kBlock, c) - block);
         const double of_sample = reference.variance.at(x, y, c);
         out.at(x, y, c) =
-            static_cast<float>((of_sample + excess) / picture.samples + of_sample / reference.samples + floor * floor);
+            static_cast<float>((of_sample + excess) / estimate.samples + of_sample / reference.samples + floor * floor);
       }
   return out;
 }
 
 /// Share of the values that the Z-test accepts at the joint significance level `significance`.
-double accepted_share(const Image& picture, const Image& reference, const Image& variance, double significance) {
+double accepted_share(const Image& estimate, const Image& reference, const Image& variance, double significance) {
   CompareOptions options;
   options.variance_b = variance;
-  options.significance = significance_of_each(3 * static_cast<int>(picture.pixel_count()), significance);
-  return compare_images(picture, reference, options).z_test->accepted_share();
+  options.significance = significance_of_each(3 * static_cast<int>(estimate.pixel_count()), significance);
+  return compare_images(estimate, reference, options).z_test->accepted_share();
 }
 
-Verdict judge(const Estimate& picture, const Estimate& reference) {
-  REQUIRE(picture.mean.width == reference.mean.width);
-  REQUIRE(picture.mean.height == reference.mean.height);
-  const Image variance = difference_variance(picture, reference);
+Verdict judge(const Estimate& estimate, const Estimate& reference) {
+  REQUIRE(estimate.mean.width == reference.mean.width);
+  REQUIRE(estimate.mean.height == reference.mean.height);
+  const Image variance = difference_variance(estimate, reference);
   Verdict v;
-  v.pixel_share = accepted_share(picture.mean, reference.mean, variance, 0.01);
+  v.pixel_share = accepted_share(estimate.mean, reference.mean, variance, 0.01);
   Image block_variance = block_means(variance, kBlock);
   for (int y = 0; y < block_variance.height; ++y)
     for (int x = 0; x < block_variance.width; ++x)
@@ -154,24 +154,24 @@ Verdict judge(const Estimate& picture, const Estimate& reference) {
         const int height = std::min(kBlock, variance.height - y * kBlock);
         block_variance.at(x, y, c) /= static_cast<float>(width * height);
       }
-  v.block_share = accepted_share(block_means(picture.mean, kBlock), block_means(reference.mean, kBlock), block_variance,
-                                 kSignificance);
+  v.block_share = accepted_share(block_means(estimate.mean, kBlock), block_means(reference.mean, kBlock),
+                                 block_variance, kSignificance);
   for (int c = 0; c < 3; ++c) {
     const double expected = mean_of(reference.mean, c);
     const double sigma = std::sqrt(mean_of(variance, c) / static_cast<double>(variance.pixel_count()));
     const double allowed = std::hypot(kMeanFloor * expected, kMeanSigmas * sigma);
-    v.worst_mean_error = std::max(v.worst_mean_error, std::fabs(mean_of(picture.mean, c) - expected) / allowed);
+    v.worst_mean_error = std::max(v.worst_mean_error, std::fabs(mean_of(estimate.mean, c) - expected) / allowed);
     const double least = kFloor * kFloor;
     v.worst_variance_ratio = std::max(
-        v.worst_variance_ratio, (mean_of(picture.variance, c) + least) / (mean_of(reference.variance, c) + least));
+        v.worst_variance_ratio, (mean_of(estimate.variance, c) + least) / (mean_of(reference.variance, c) + least));
   }
   return v;
 }
 
-void check(const std::string& name, const Estimate& picture, const Estimate& reference) {
-  const Verdict v = judge(picture, reference);
-  INFO(name << ": mean " << mean_of(picture.mean, 0) << " " << mean_of(picture.mean, 1) << " "
-            << mean_of(picture.mean, 2) << ", expected " << mean_of(reference.mean, 0) << " "
+void check(const std::string& name, const Estimate& estimate, const Estimate& reference) {
+  const Verdict v = judge(estimate, reference);
+  INFO(name << ": mean " << mean_of(estimate.mean, 0) << " " << mean_of(estimate.mean, 1) << " "
+            << mean_of(estimate.mean, 2) << ", expected " << mean_of(reference.mean, 0) << " "
             << mean_of(reference.mean, 1) << " " << mean_of(reference.mean, 2));
   CHECK(v.pixel_share >= kAcceptedShare);
   CHECK(v.block_share == 1);
@@ -226,9 +226,9 @@ TEST_SUITE("slow") {
 
   TEST_CASE("the comparison notices small errors") {
     const Estimate reference = read_reference("direct_area");
-    Estimate picture = render_batches(kFolder / "scenes" / "direct_area.xml", kBatches, kBatchSamples, 1);
-    REQUIRE(judge(picture, reference).agrees());
-    Estimate brighter = picture, shifted = picture, patched = picture;
+    Estimate estimate = render_batches(kFolder / "scenes" / "direct_area.xml", kBatches, kBatchSamples, 1);
+    REQUIRE(judge(estimate, reference).agrees());
+    Estimate brighter = estimate, shifted = estimate, patched = estimate;
     for (float& value : brighter.mean.data) value *= 1.01f;
     CHECK(judge(brighter, reference).worst_mean_error > 1);
     for (int y = 0; y < shifted.mean.height; ++y)

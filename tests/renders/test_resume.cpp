@@ -68,7 +68,7 @@ std::vector<Case> all_cases() {
   return cases;
 }
 
-bool same_pictures(const Image& a, const Image& b) {
+bool same_images(const Image& a, const Image& b) {
   return a.channels == b.channels && a.data.size() == b.data.size() &&
          std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
 }
@@ -116,7 +116,7 @@ TEST_CASE("a resumed render has the same bytes as an uninterrupted one") {
       options.on_pause = [&](const RenderState& end) { write_checkpoint(file, kSettings, end); };
       const RenderResult result = render(*scene, options);
       CHECK_FALSE(result.interrupted);
-      CHECK(same_pictures(result.to_image(), whole));
+      CHECK(same_images(result.to_image(), whole));
     }
   }
 }
@@ -174,7 +174,7 @@ TEST_CASE("pauses do not change the image") {
     ++pauses;
     CHECK(state.film.width() == 70);
   };
-  CHECK(same_pictures(render(*scene, options).to_image(), whole));
+  CHECK(same_images(render(*scene, options).to_image(), whole));
   CHECK(pauses > 2);
 }
 
@@ -197,19 +197,19 @@ TEST_CASE("a checkpoint keeps the counters of a render") {
   options.samples_per_pixel = 64;
   std::atomic<int> asked{0};
   options.wants_pause = [&] { return asked.fetch_add(1) % 3 == 2; };
-  int with_picture = 0, without = 0;
+  int with_image = 0, without = 0;
   options.on_pause = [&](const RenderState& state) {
     REQUIRE(state.adaptive.has_value());
     write_checkpoint(file, kSettings, state);
     const RenderState again = read_checkpoint(file, kSettings);
     REQUIRE(again.adaptive.has_value());
     CHECK(again.adaptive->has_image() == state.adaptive->has_image());
-    ++(state.adaptive->has_image() ? with_picture : without);
+    ++(state.adaptive->has_image() ? with_image : without);
     for (const std::size_t tile : {0u, 1u})
       CHECK(again.adaptive->expected_samples(tile) == state.adaptive->expected_samples(tile));
   };
   render(*scene, options);
-  CHECK(with_picture > 0);
+  CHECK(with_image > 0);
   CHECK(without > 0);
 }
 
@@ -229,8 +229,8 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
   };
   const auto contains = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
   CHECK(message_of(kSettings).empty());
-  CHECK(contains(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}), "--spp is '9' now, and was '8' then"));
-  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given now"));
+  CHECK(contains(message_of({{"--spp", "9"}, {"scene.xml", "1 bytes"}}), "--spp is '9', but the checkpoint has '8'"));
+  CHECK(contains(message_of({{"--spp", "8"}}), "scene.xml is not given"));
   CHECK(contains(message_of({{"--spp", "8"}, {"scene.xml", "1 bytes"}, {"--seed", "2"}}), "--seed is '2' now"));
 
   const std::string good = read_bytes(file);

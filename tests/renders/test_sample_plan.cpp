@@ -40,7 +40,7 @@ struct Asked {
 
 void finish_tile(SamplePlan& plan, std::size_t i, Asked& asked) {
   const TileTask task = plan.tile_task(i);
-  const PixelRect& wanted = task.tile.wanted;
+  const PixelRect& wanted = task.tile.sampled;
   for (int y = wanted.y0; y < wanted.y1; ++y)
     for (int x = wanted.x0; x < wanted.x1; ++x) {
       std::uint32_t& next = asked.per_pixel[{x, y, plan.state().adaptive ? task.replicate : 0}];

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace sheaf::test_camera {
 
@@ -378,6 +379,42 @@ TEST_CASE("camera: SIMD results equal scalar ones") {
     }
   }
   CHECK(worst < 1e-6);
+}
+
+TEST_CASE("camera: the view of a point is the ray that hits it and its importance the area of a patch on the film") {
+  for (int kind = 0; kind < 3; ++kind) {
+    CAPTURE(kind);
+    CameraDescription description;
+    description.to_world = Transform::look_at({1, 2, 3}, {-0.3f, 0.5f, 0.2f}, {0, 0, 1});
+    description.fov = 50;
+    description.principal_point_x = 0.1f;
+    description.near_clip = 0.5f;
+    if (kind == 1) description.projection = CameraDescription::Projection::kOrthographic;
+    if (kind == 2) description.aperture_radius = 0.3f, description.focus_distance = 2;
+    const Camera camera = make_camera(description, 40, 30);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> u(-1, 1);
+    for (int i = 0; i < 100; ++i) {
+      const float x = 20 + 20 * u(random), y = 15 + 15 * u(random), lens_u = 0.7f * u(random),
+                  lens_v = 0.7f * u(random);
+      const auto ray = camera.ray<Scalar>(x, y, lens_u, lens_v);
+      const float t = 2 + u(random);
+      const auto at = [&](float film_x, float film_y) {
+        const auto r = camera.ray<Scalar>(film_x, film_y, lens_u, lens_v);
+        // Point where the neighbouring ray meets the plane perpendicular to the ray.
+        return r.origin + r.direction * (dot(ray.origin + ray.direction * t - r.origin, ray.direction) /
+                                         dot(r.direction, ray.direction));
+      };
+      const auto view = camera.view<Scalar>(ray.origin + ray.direction * t, lens_u, lens_v);
+      CHECK(view.valid);
+      CHECK(view.film_x == doctest::Approx(x).epsilon(1e-4));
+      CHECK(view.film_y == doctest::Approx(y).epsilon(1e-4));
+      CHECK(length(view.target - ray.origin) < 1e-5f);
+      constexpr float kStep = 0.05f;
+      const Vec3f dx = at(x + kStep, y) - at(x - kStep, y), dy = at(x, y + kStep) - at(x, y - kStep);
+      CHECK(view.importance * length(cross(dx, dy)) == doctest::Approx(4 * kStep * kStep).epsilon(2e-3));
+    }
+  }
 }
 
 }  // namespace sheaf::test_camera

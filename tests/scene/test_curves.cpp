@@ -206,19 +206,25 @@ TEST_CASE("curves: hits lie on the swept circles and tangents are perpendicular 
   CHECK(hits > 1000);
 }
 
-// Mitsuba 3.9 (scalar_rgb), ray_intersect() of rays along +-x on the two curves below: p, n and uv.
-TEST_CASE("curves: positions and normals and uv match Mitsuba") {
-  const std::string text =
-      "0 0 0 0.1\n0 0 1 0.1\n0.3 0 2 0.2\n0 0 3 0.2\n1 0 4 .1\n\n2 0 0 .1\n2 0 1 .1\n2 0 2 .1\n2 0 3 .1\n";
-  struct Expected {
-    Curves::Basis basis;
-    Vec3f origin;
-    float side;
-    Vec3f p, n;
-    Vec2f uv;
-  };
+namespace {
+
+/// Curves in Mitsuba's format: one of 5 control points and one of 4.
+const std::string kTwoCurves =
+    "0 0 0 0.1\n0 0 1 0.1\n0.3 0 2 0.2\n0 0 3 0.2\n1 0 4 .1\n\n2 0 0 .1\n2 0 1 .1\n2 0 2 .1\n2 0 3 .1\n";
+
+/// Expected hit of a ray along +x or -x.
+struct Expected {
+  Curves::Basis basis;
+  Vec3f origin;
+  float side;
+  Vec3f p, n;
+  Vec2f uv;
+};
+
+/// Mitsuba 3.9 (scalar_rgb), ray_intersect() of rays with kTwoCurves: p, n and uv.
+std::vector<Expected> hits_of_mitsuba() {
   const auto linear = Curves::Basis::kLinear, spline = Curves::Basis::kBspline;
-  const Expected all[] = {
+  return {
       {spline,
        {-5, 0.05f, 1.2f},
        1,
@@ -257,8 +263,13 @@ TEST_CASE("curves: positions and normals and uv match Mitsuba") {
        {0.428313f, 0.05f, 3.2f},
        {0.723763f, 0.295105f, -0.623763f},
        {0.797801f, 0.472241f}}};
-  for (const Expected& e : all) {
-    const auto scene = lone(read_curves(text, e.basis));
+}
+
+}  // namespace
+
+TEST_CASE("curves: positions and normals and uv match Mitsuba") {
+  for (const Expected& e : hits_of_mitsuba()) {
+    const auto scene = lone(read_curves(kTwoCurves, e.basis));
     const auto hit = trace_ray(scene->view(), e.origin, {e.side, 0, 0});
     REQUIRE(hit);
     const auto y = surface_at(scene->view(), e.origin, {e.side, 0, 0}, *hit);

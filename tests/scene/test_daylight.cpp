@@ -218,22 +218,22 @@ TEST_CASE("daylight: a sun between texels of the map keeps its position and powe
                                       static_cast<float>(std::sin(kElevation)),
                                       static_cast<float>(-std::cos(turn) * std::cos(kElevation))});
     sky.suns = {sun};
-    const EnvmapImage picture = sky_image(sky, front);
+    const EnvmapImage image = sky_image(sky, front);
     double flux = 0, across = 0, down = 0;
-    for (std::uint32_t j = 0; j < picture.height; ++j)
-      for (std::uint32_t i = 0; i < picture.width; ++i) {
+    for (std::uint32_t j = 0; j < image.height; ++j)
+      for (std::uint32_t i = 0; i < image.width; ++i) {
         const double value =
-            double(picture.rgb[3 * (j * picture.width + i) + 1]) * node_solid_angle(j, picture.width, picture.height);
+            double(image.rgb[3 * (j * image.width + i) + 1]) * node_solid_angle(j, image.width, image.height);
         flux += value;
         // Columns up to half of the map away from the sun's
-        across += value * std::remainder(i - column, picture.width);
+        across += value * std::remainder(i - column, image.width);
         down += value * j;
       }
     REQUIRE(flux > 0);
     if (brightness == 0) brightness = flux;
     CHECK(flux == doctest::Approx(brightness).epsilon(1e-5));
     CHECK(std::fabs(across / flux) < 1e-4);
-    CHECK(down / flux == doctest::Approx((0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
+    CHECK(down / flux == doctest::Approx((0.5 - kElevation / kPiD) * (image.height - 1)).epsilon(1e-4));
   }
 }
 
@@ -245,15 +245,15 @@ TEST_CASE("daylight: a stretched sky moves the sun of its map away from the zeni
   sky.stretch = 1.5f;
   constexpr double kElevation = 0.9;
   sky.suns = {{static_cast<float>(std::cos(kElevation)), static_cast<float>(std::sin(kElevation)), 0}};
-  const EnvmapImage picture = sky_image(sky, {0, 0, 1});
+  const EnvmapImage image = sky_image(sky, {0, 0, 1});
   double flux = 0, down = 0;
-  for (std::uint32_t j = 0; j < picture.height; ++j)
-    for (std::uint32_t i = 0; i < picture.width; ++i) {
+  for (std::uint32_t j = 0; j < image.height; ++j)
+    for (std::uint32_t i = 0; i < image.width; ++i) {
       const double value =
-          double(picture.rgb[3 * (j * picture.width + i) + 1]) * node_solid_angle(j, picture.width, picture.height);
+          double(image.rgb[3 * (j * image.width + i) + 1]) * node_solid_angle(j, image.width, image.height);
       flux += value, down += value * j;
     }
-  CHECK(down / flux == doctest::Approx(1.5 * (0.5 - kElevation / kPiD) * (picture.height - 1)).epsilon(1e-4));
+  CHECK(down / flux == doctest::Approx(1.5 * (0.5 - kElevation / kPiD) * (image.height - 1)).epsilon(1e-4));
 }
 
 TEST_CASE("daylight: skies of several suns are averaged and the night sky is black") {

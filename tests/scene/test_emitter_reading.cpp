@@ -30,7 +30,20 @@ std::string nori_error(const std::string& type, const std::string& inside = "") 
   return error_of_text(nori_scene("<emitter type='" + type + "'>" + inside + "</emitter>"));
 }
 
-const std::string kPicture = "<string name='filename' value='image.png'/>";
+const std::string kImageFile = "<string name='filename' value='image.png'/>";
+
+/// The lights of an emitter in a scene of the given version.
+std::vector<LightDescription> lights_of(const std::string& type, const std::string& inside,
+                                        const std::string& version) {
+  return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
+                                 "<sensor type='perspective'/>", "<integrator type='path'/>", version))
+      .lights;
+}
+
+/// A direction of the sun, and scales.
+const std::string kAimedSun =
+    "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
+    "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
 
 bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
@@ -38,7 +51,7 @@ bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") {
   const auto envmap = [](const std::string& inside) {
-    return read_text(mitsuba_scene("<emitter type='envmap'>" + kPicture + inside + "</emitter>"));
+    return read_text(mitsuba_scene("<emitter type='envmap'>" + kImageFile + inside + "</emitter>"));
   };
   const auto is_raw = [&](const std::string& gamma) {
     const Description d = envmap("<float name='gamma' value='" + gamma + "'/><boolean name='cache' value='false'/>");
@@ -50,7 +63,7 @@ TEST_CASE("emitters: environment maps of Mitsuba 0.6 may have gamma and cache") 
   CHECK_FALSE(is_raw("2.2"));
   CHECK(contains(envmap("<float name='gamma' value='2.2'/>").notes.at(0),
                  "emitter 'envmap' has 'gamma' 2.2, rendered as sRGB"));
-  CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
+  CHECK(contains(mitsuba_error("envmap", kImageFile + "<float name='gamma' value='3'/>"), "expected 1 (linear) or -1"));
 }
 
 TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and parameters") {
@@ -64,7 +77,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
                     "<transform name='to_world'><lookat origin='1,2,3' target='1,2,9' up='0,1,0'/></transform>"
                     "<rgb name='intensity' value='1,2,3'/><float name='cutoffAngle' value='40'/>"
                     "<float name='beam_width' value='8'/><texture name='texture' type='bitmap'>" +
-                        kPicture + "</texture><float name='sampling_weight' value='2'/>")
+                        kImageFile + "</texture><float name='sampling_weight' value='2'/>")
           .model);
   CHECK(full.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
   CHECK(near(full.to_world.vector({0, 0, 1}), {0, 0, 1}));
@@ -80,7 +93,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
   CHECK(contains(mitsuba_error("spot", "<float name='beam_width' value='60'/>"), "scene.xml:4: "));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='181'/>"), "'cutoff_angle'"));
   CHECK(contains(mitsuba_error("spot", "<float name='cutoff_angle' value='90'/><texture name='texture' type='bitmap'>" +
-                                           kPicture + "</texture>"),
+                                           kImageFile + "</texture>"),
                  "less than 90"));
   CHECK(mitsuba_error("spot", "<rgb name='texture' value='1,1,1'/>").empty());
 }
@@ -103,7 +116,7 @@ TEST_CASE("emitters of Mitsuba: directional lights have the documented defaults 
 
 TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documented parameters") {
   const auto projector = std::get<ProjectorDescription>(
-      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kPicture +
+      mitsuba_light("projector", "<texture name='irradiance' type='bitmap'>" + kImageFile +
                                      "</texture>"
                                      "<float name='fov' value='30'/><string name='fov_axis' value='y'/>"
                                      "<float name='scale' value='4'/>")
@@ -116,30 +129,22 @@ TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documen
   CHECK(contains(mitsuba_error("projector", "<float name='scale' value='-1'/>"), "'scale'"));
 
   const auto map = std::get<EnvmapDescription>(
-      mitsuba_light("envmap", kPicture + "<float name='scale' value='2'/>"
-                                         "<boolean name='mis_compensation' value='false'/>"
-                                         "<transform name='to_world'><rotate y='1' angle='90'/></transform>")
+      mitsuba_light("envmap", kImageFile + "<float name='scale' value='2'/>"
+                                           "<boolean name='mis_compensation' value='false'/>"
+                                           "<transform name='to_world'><rotate y='1' angle='90'/></transform>")
           .model);
   CHECK(map.file.filename() == "image.png");
   CHECK(map.scale == 2);
   CHECK_FALSE(map.mis_compensation);
-  CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kPicture).model).mis_compensation);
+  CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kImageFile).model).mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(mitsuba_error("envmap"), "'filename'"));
   CHECK(contains(mitsuba_error("envmap", "<string name='filename' value='none.exr'/>"), "none.exr"));
-  CHECK(contains(mitsuba_error("envmap", kPicture + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
+  CHECK(contains(mitsuba_error("envmap", kImageFile + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
 }
 
 TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and parameters") {
-  const auto lights_of = [](const std::string& type, const std::string& inside, const std::string& version) {
-    return read_text(mitsuba_scene("<emitter type='" + type + "'>" + inside + "</emitter>",
-                                   "<sensor type='perspective'/>", "<integrator type='path'/>", version))
-        .lights;
-  };
-  const std::string aimed =
-      "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
-      "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
-  const auto both = lights_of("sunsky", aimed + "<float name='sun_aperture' value='2'/>", "3.0.0");
+  const auto both = lights_of("sunsky", kAimedSun + "<float name='sun_aperture' value='2'/>", "3.0.0");
   REQUIRE(both.size() == 2);
   const auto sky = std::get<SkyDescription>(both[0].model);
   const auto sun = std::get<SunDescription>(both[1].model);
@@ -156,14 +161,6 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(sun.scale == 0.5f);
   CHECK(sun.radius == 1);
 
-  // By date and time: +x is south from version 2 on, and east before.
-  const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
-  const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
-  CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
-  CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
-  CHECK(near(before.up, {0, 1, 0}));
-  CHECK(before.scale == 3);
-  CHECK(later.radius == SunDescription::kSunRadius);
   const auto turned = lights_of("sky",
                                 "<transform name='toWorld'><rotate x='1' angle='90'/></transform>"
                                 "<float name='stretch' value='1.5'/><integer name='resolution' value='256'/>",
@@ -174,9 +171,22 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(old.stretch == 1.5f);
   CHECK(old.resolution == 256);
   CHECK(dump(old.albedo) == dump(SpectrumDescription::constant(0.2f)));
+}
+
+TEST_CASE("emitters of Mitsuba: suns are placed by date and time") {
+  // +x is south from version 2 on, and east before.
+  const auto later = std::get<SunDescription>(lights_of("sunsky", "", "3.0.0")[1].model);
+  const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
+  CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
+  CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
+  CHECK(near(before.up, {0, 1, 0}));
+  CHECK(before.scale == 3);
+  CHECK(later.radius == SunDescription::kSunRadius);
   CHECK(std::get<SunDescription>(lights_of("sunsky", "<float name='sunRadiusScale' value='0'/>", "0.6.0")[1].model)
             .radius == 0);
+}
 
+TEST_CASE("emitters of Mitsuba: timed skies average many positions of the sun") {
   const auto timed = lights_of("timed_sunsky",
                                "<integer name='end_day' value='3'/><integer name='end_year' value='2025'/>"
                                "<float name='window_end_time' value='9'/>",
@@ -186,8 +196,10 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(moving.suns.size() == 8192);
   CHECK(moving.sun_scale == 1);
   for (const Vec3f& at : moving.suns) CHECK(at.y < 0);  // before sunrise
+}
 
-  CHECK(contains(mitsuba_error("sunsky", aimed + "<float name='hour' value='9'/>"),
+TEST_CASE("emitters of Mitsuba: errors of sun and sky name the property") {
+  CHECK(contains(mitsuba_error("sunsky", kAimedSun + "<float name='hour' value='9'/>"),
                  "is set together with 'sun_direction'"));
   CHECK(contains(mitsuba_error("sunsky", "<float name='turbidity' value='11'/>"), "'turbidity'"));
   CHECK(contains(mitsuba_error("sunsky", "<vector name='sun_direction' value='0,0,0'/>"), "no length"));
@@ -215,7 +227,7 @@ TEST_CASE("emitters of Mitsuba: collimated beams and directional area lights are
 
 TEST_CASE("emitters on shapes may be textured even in shape groups") {
   const std::string area =
-      "<emitter type='area'><texture name='radiance' type='bitmap'>" + kPicture + "</texture></emitter>";
+      "<emitter type='area'><texture name='radiance' type='bitmap'>" + kImageFile + "</texture></emitter>";
   const Description d = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='sphere'>" + area +
                                                 "</shape></shape><shape type='instance'><ref id='g'/></shape>"
                                                 "<shape type='rectangle'>" +
@@ -225,7 +237,7 @@ TEST_CASE("emitters on shapes may be textured even in shape groups") {
   CHECK(std::holds_alternative<TextureId>(d.shapes.at(0).radiance.value()));
   const Description nori =
       read_text(nori_scene("<mesh type='sphere'><emitter type='area'><texture name='radiance' type='image'>" +
-                           kPicture + "</texture></emitter></mesh>"));
+                           kImageFile + "</texture></emitter></mesh>"));
   CHECK(std::holds_alternative<TextureId>(nori.shapes.at(0).radiance.value()));
 }
 
@@ -271,11 +283,12 @@ TEST_CASE("emitters of Nori: directional lights and environment maps have the do
       nori_error("directional", "<color name='intensity' value='1,2,3'/><color name='irradiance' value='1,2,3'/>"),
       "expected one"));
   const auto map = std::get<EnvmapDescription>(
-      nori_light("envmap", kPicture + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>").model);
+      nori_light("envmap", kImageFile + "<transform name='toWorld'><rotate axis='0,1,0' angle='90'/></transform>")
+          .model);
   CHECK(map.scale == 1);
   CHECK(map.mis_compensation);
   CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
-  CHECK(contains(nori_error("envmapp", kPicture), "did you mean 'envmap'"));
+  CHECK(contains(nori_error("envmapp", kImageFile), "did you mean 'envmap'"));
 }
 
 }  // namespace sheaf::test_emitter_reading

@@ -6,8 +6,8 @@
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/envmap_testing.h"
+#include "tests/support/image_files.h"
 #include "tests/support/lanes_testing.h"
-#include "tests/support/picture_files.h"
 #include "tests/support/spectral_testing.h"
 #include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"
@@ -20,8 +20,8 @@
 
 namespace sheaf::test_envmap {
 
-using test::picture_of;
-using test::uneven_picture;
+using test::envmap_image;
+using test::uneven_image;
 
 namespace {
 
@@ -41,8 +41,8 @@ Envmap turned(Envmap map) {
 }
 
 /// More rows and columns than quantiles, with a few bright texels.
-EnvmapImage large_picture() {
-  return picture_of(2100, 1500, [](std::uint32_t x, std::uint32_t y) {
+EnvmapImage large_image() {
+  return envmap_image(2100, 1500, [](std::uint32_t x, std::uint32_t y) {
     if (x >= 400 && x < 406 && y >= 300 && y < 304) return Vec3f{2e4f, 2e4f, 2e4f};
     const float noise = static_cast<float>((x * 2654435761u ^ y * 2246822519u) >> 20 & 0xffu) / 255;
     const float slow = 1 + std::sin(0.01f * static_cast<float>(x)) * std::cos(0.02f * static_cast<float>(y));
@@ -70,53 +70,53 @@ double integral_of(const Envmap& map) {
 }  // namespace
 
 TEST_CASE("environment map: texel centres lie at their documented directions") {
-  const EnvmapImage picture = uneven_picture();
-  const Envmap map = make_envmap(picture, 2, false);
+  const EnvmapImage image = uneven_image();
+  const Envmap map = make_envmap(image, 2, false);
   for (std::uint32_t j = 0; j < 7; ++j)
     for (std::uint32_t i = 0; i < 11; ++i) {
       const double v = std::clamp(j / 6.0, 1e-5, 1 - 1e-5);  // at a pole the longitude would be lost
       const auto value = lookup_envmap<Scalar>(map.view(), direction_of((i + 0.5) / 11, v)).radiance;
-      const float* pixel = &picture.rgb[3 * (j * 11 + i)];
+      const float* pixel = &image.rgb[3 * (j * 11 + i)];
       CHECK(value.c0 == doctest::Approx(2 * pixel[0]).epsilon(2e-3));
       CHECK(value.c1 == doctest::Approx(2 * pixel[1]).epsilon(2e-3));
       CHECK(value.c2 == doctest::Approx(2 * pixel[2]).epsilon(2e-3));
     }
   // Between the last and the first column, and between two rows.
   const auto seam = lookup_envmap<Scalar>(map.view(), direction_of(0, 5.5 / 6)).radiance;
-  const float* row = &picture.rgb[3 * 5 * 11];
+  const float* row = &image.rgb[3 * 5 * 11];
   const float expected = 2 * 0.25f * (row[0] + row[30] + row[33] + row[63]);
   CHECK(seam.c0 == doctest::Approx(expected).epsilon(1e-4));
 }
 
 TEST_CASE("environment map: directions follow their pdf" * doctest::test_suite("slow")) {
   SUBCASE("untransformed") {
-    CHECK(check_sampling(make_envmap(uneven_picture(), 1, false)).p_value > significance_of_each(kTests));
+    CHECK(check_sampling(make_envmap(uneven_image(), 1, false)).p_value > significance_of_each(kTests));
   }
   SUBCASE("rotated and mirrored") {
-    const ChiSquare result = check_sampling(turned(make_envmap(uneven_picture(), 1, false)));
+    const ChiSquare result = check_sampling(turned(make_envmap(uneven_image(), 1, false)));
     CHECK(result.p_value > significance_of_each(kTests));
     CHECK(result.integral == doctest::Approx(1).epsilon(2e-3));
   }
   SUBCASE("compensated") {
-    const Envmap map = make_envmap(uneven_picture(), 1, true);
+    const Envmap map = make_envmap(uneven_image(), 1, true);
     CHECK(check_sampling(map).p_value > significance_of_each(kTests));
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).pdf_solid_angle == 0);
     CHECK(lookup_envmap<Scalar>(map.view(), direction_of(0.05, 0.4)).radiance.c1 > 0);
   }
   SUBCASE("more rows and columns than quantiles") {
-    const ChiSquare result = check_sampling(make_envmap(large_picture(), 1, false));
+    const ChiSquare result = check_sampling(make_envmap(large_image(), 1, false));
     CHECK(result.p_value > significance_of_each(kTests));
   }
   SUBCASE("one row") {
-    const auto p = picture_of(5, 1, [](std::uint32_t x, std::uint32_t) { return Vec3f{1.0f + x, 1, 1}; });
+    const auto p = envmap_image(5, 1, [](std::uint32_t x, std::uint32_t) { return Vec3f{1.0f + x, 1, 1}; });
     CHECK(check_sampling(make_envmap(p, 1, false)).p_value > significance_of_each(kTests));
   }
   SUBCASE("one column") {
-    const auto p = picture_of(1, 5, [](std::uint32_t, std::uint32_t y) { return Vec3f{1, 1.0f + y, 1}; });
+    const auto p = envmap_image(1, 5, [](std::uint32_t, std::uint32_t y) { return Vec3f{1, 1.0f + y, 1}; });
     CHECK(check_sampling(make_envmap(p, 1, false)).p_value > significance_of_each(kTests));
   }
   SUBCASE("one pixel") {
-    const auto p = picture_of(1, 1, [](std::uint32_t, std::uint32_t) { return Vec3f{2, 3, 4}; });
+    const auto p = envmap_image(1, 1, [](std::uint32_t, std::uint32_t) { return Vec3f{2, 3, 4}; });
     const Envmap map = make_envmap(p, 1, false);
     CHECK(check_sampling(map).p_value > significance_of_each(kTests));
     CHECK(lookup_envmap<Scalar>(map.view(), {1, 0, 0}).radiance.c2 == doctest::Approx(4));
@@ -126,12 +126,12 @@ TEST_CASE("environment map: directions follow their pdf" * doctest::test_suite("
 
 TEST_CASE("environment map: the pdf integrates to one and is positive wherever there is radiance") {
   for (const bool bright_pole : {false, true}) {
-    EnvmapImage picture = uneven_picture();
+    EnvmapImage image = uneven_image();
     if (bright_pole) {
       const auto top = [](std::uint32_t, std::uint32_t y) { return y == 0 ? Vec3f{9, 9, 9} : Vec3f{0, 0, 0}; };
-      picture = picture_of(6, 4, top);
+      image = envmap_image(6, 4, top);
     }
-    const Envmap map = make_envmap(picture, 1, false);
+    const Envmap map = make_envmap(image, 1, false);
     CHECK(integral_of(map) == doctest::Approx(1).epsilon(1e-5));
     for (std::uint32_t i = 0; i < 2000; ++i) {
       const auto u = random4<Scalar>(3, i, 0, 0);
@@ -151,7 +151,7 @@ TEST_CASE("environment map: radiance is rounded to 11 bits over a range of 2^62"
   CHECK(envmap_value<Scalar>(envmap_code(5)) * 0x1p64f == doctest::Approx(2).epsilon(1e-3));
   // The brightest texel sets the unit. A sun of 2^40 does not affect dark texels.
   for (const float bright : {3e-30f, 1.0f, 1e12f, 1e18f}) {
-    const auto p = picture_of(8, 4, [&](std::uint32_t x, std::uint32_t y) {
+    const auto p = envmap_image(8, 4, [&](std::uint32_t x, std::uint32_t y) {
       return Vec3f{1, 0.25f, 0} * (x == 2 && y == 1 ? bright : bright * 0x1p-40f);
     });
     const Envmap map = make_envmap(p, 1, false);
@@ -161,12 +161,12 @@ TEST_CASE("environment map: radiance is rounded to 11 bits over a range of 2^62"
     CHECK(night.c1 == doctest::Approx(bright * 0x1p-42f).epsilon(2e-3));
     CHECK(night.c2 == 0);
   }
-  CHECK_THROWS_AS(make_envmap(picture_of(kMaxQuantileEntries + 1, 1, [](auto, auto) { return Vec3f{}; }), 1, false),
+  CHECK_THROWS_AS(make_envmap(envmap_image(kMaxQuantileEntries + 1, 1, [](auto, auto) { return Vec3f{}; }), 1, false),
                   SceneError);
 }
 
 TEST_CASE("environment map: rounding of the quantiles adds little variance") {
-  const Envmap map = make_envmap(large_picture(), 1, false);
+  const Envmap map = make_envmap(large_image(), 1, false);
   MeanVariance ratio;
   for (std::uint32_t i = 0; i < 100000; ++i) {
     const auto u = random4<Scalar>(9, i, 0, 0);
@@ -177,7 +177,7 @@ TEST_CASE("environment map: rounding of the quantiles adds little variance") {
 }
 
 TEST_CASE("environment map: the radiance of a sample equals the lookup in its direction") {
-  const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
+  const Envmap map = turned(make_envmap(uneven_image(), 1, false));
   double worst = 0;
   for (std::uint32_t i = 0; i < 5000; ++i) {
     const auto u = random4<Scalar>(4, i, 0, 0);
@@ -191,7 +191,7 @@ TEST_CASE("environment map: the radiance of a sample equals the lookup in its di
 }
 
 TEST_CASE("environment map: SIMD results equal scalar ones") {
-  const Envmap map = turned(make_envmap(uneven_picture(), 1, false));
+  const Envmap map = turned(make_envmap(uneven_image(), 1, false));
   for (std::uint32_t i = 0; i < 500; ++i) {
     const auto one = [i](int lane) { return random4<Scalar>(5, i, static_cast<std::uint32_t>(lane), 0); };
     const WideFloat u = wide_floats([&](int lane) { return one(lane).x; });
@@ -239,7 +239,7 @@ ShapeAndScale grey(double value) { return {{0.5, 0.5, 0.5, 0.5}, 2 * value}; }
 /// Two columns of one colour each, `a` at u = 1/4 and `b` at u = 3/4.
 Envmap two_colors(Vec3f a, Vec3f b) {
   return uplifted(
-      make_envmap(picture_of(2, 2, [&](std::uint32_t x, std::uint32_t) { return x == 0 ? a : b; }), 1, false));
+      make_envmap(envmap_image(2, 2, [&](std::uint32_t x, std::uint32_t) { return x == 0 ? a : b; }), 1, false));
 }
 
 }  // namespace
@@ -247,7 +247,7 @@ Envmap two_colors(Vec3f a, Vec3f b) {
 TEST_CASE("environment map: a map of one colour has the spectrum of that colour") {
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{20, 40, 30}, Vec3f{0.5f, 0.5f, 0.5f}}) {
     const Envmap map =
-        uplifted(make_envmap(picture_of(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
+        uplifted(make_envmap(envmap_image(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
     const Vec3f w = direction_of(0.3, 0.7);
     const auto at = [&](float l) { return lookup_envmap<Scalar, kSpectral>(map.view(), w, Spectrum4(l)).radiance.c0; };
     const Vec3f seen = reflectance_to_rgb(at);
@@ -289,7 +289,7 @@ TEST_CASE("environment map: spectra are interpolated by mixing their shapes and 
 }
 
 TEST_CASE("environment map: the spectrum of a sample equals the lookup in its direction and in registers") {
-  const Envmap map = uplifted(turned(make_envmap(uneven_picture(), 1, false)));
+  const Envmap map = uplifted(turned(make_envmap(uneven_image(), 1, false)));
   const Spectrum<Wide> lambda(430, 510, 590, 670);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto one = [i](int lane) { return random4<Scalar>(8, i, static_cast<std::uint32_t>(lane), 0); };
@@ -319,14 +319,14 @@ TEST_CASE("environment map: only spectral mode stores spectra and includes them 
   d.lights.push_back({EnvmapDescription{folder / "plain.hdr", 1, {}, false}, {}});
   CHECK(compile_scene(d)->view().lights.envmap.spectra == nullptr);
   CHECK(compile_scene(d, {false, kSpectral})->view().lights.envmap.spectra != nullptr);
-  Envmap map = make_envmap(uneven_picture(), 1, false);
+  Envmap map = make_envmap(uneven_image(), 1, false);
   const std::size_t before = map.bytes();
   uplift_nodes(map);
   CHECK(map.bytes() - before == 11 * 7 * 16);
 }
 
 TEST_CASE("environment map: sampling is monotonic and preserves stratification") {
-  const Envmap map = make_envmap(uneven_picture(), 1, false);
+  const Envmap map = make_envmap(uneven_image(), 1, false);
   float before = -1;
   for (int i = 0; i < 4096; ++i) {
     const float v = static_cast<float>(i) / 4096;
@@ -338,7 +338,7 @@ TEST_CASE("environment map: sampling is monotonic and preserves stratification")
 }
 
 TEST_CASE("environment map: the mean is the average over all directions") {
-  const Envmap map = make_envmap(uneven_picture(), 3, false);
+  const Envmap map = make_envmap(uneven_image(), 3, false);
   double sum = 0;
   constexpr std::uint32_t kSide = 600;
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
@@ -407,10 +407,10 @@ TEST_CASE("environment map: image files are checked and invalid ones are reporte
 }
 
 TEST_CASE("environment map: sampling a small sun has 1/1000 of the variance of uniform sampling") {
-  const auto picture = picture_of(128, 64, [](std::uint32_t x, std::uint32_t y) {
+  const auto image = envmap_image(128, 64, [](std::uint32_t x, std::uint32_t y) {
     return x == 40 && y == 20 ? Vec3f{1e4f, 1e4f, 1e4f} : Vec3f{1, 1, 1};
   });
-  const Envmap map = make_envmap(picture, 1, false);
+  const Envmap map = make_envmap(image, 1, false);
   MeanVariance sampled, uniform;
   for (std::uint32_t i = 0; i < 100000; ++i) {
     const auto u = random4<Scalar>(7, i, 0, 0);

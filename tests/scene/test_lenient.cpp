@@ -159,8 +159,8 @@ TEST_CASE("lenient: cyclic references are cut") {
 TEST_CASE("lenient: files that turn out to be malformed are dropped") {
   const TemporaryFolder folder;
   write_below(folder, "bad.obj", "v 0 0 0\nf 1 2 3\n");
-  write_below(folder, "bad.png", "no picture");
-  write_below(folder, "bad.exr", "no picture");
+  write_below(folder, "bad.png", "no image");
+  write_below(folder, "bad.exr", "no image");
   const auto path = write_below(folder, "scene.xml", mitsuba_scene(R"(
     <shape type='obj'><string name='filename' value='bad.obj'/></shape>
     <emitter type='envmap'><string name='filename' value='bad.exr'/></emitter>

@@ -51,9 +51,8 @@ TEST_CASE("microflakes: a grid of six channels is interpolated as matrices") {
   const FlakeMatrix s = flake_matrix(view, medium, {0.1f, -0.2f, 5});
   const float expected[6] = {1.6f, 1, 1, 0.15f, -0.25f, 0.125f};
   for (int k = 0; k < 6; ++k) CHECK(s.entries[k] == doctest::Approx(expected[k]));
-  CHECK(medium.most_flakes >= s.projected_area({1, 0, 0}));
-  CHECK(flake_share(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) ==
-        doctest::Approx(std::sqrt(1.6f) / medium.most_flakes));
+  CHECK(medium.max_flakes >= s.projected_area({1, 0, 0}));
+  CHECK(flake_share(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) == doctest::Approx(std::sqrt(1.6f) / medium.max_flakes));
 }
 
 TEST_CASE("microflakes: invalid grids and emissive media are errors") {

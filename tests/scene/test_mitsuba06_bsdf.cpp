@@ -1,38 +1,21 @@
 // Materials of Mitsuba 0.6 and mixtures: both notations, and compiled rows.
 #include "scene/compile/compile_materials.h"
-#include "tests/support/scene_files.h"
+#include "tests/support/mitsuba_testing.h"
 
 #include <doctest/doctest.h>
 
 #include <map>
 
-namespace sheaf::test_old_bsdf {
+namespace sheaf::test_mitsuba06_bsdf {
 
 using namespace test;
 
 namespace {
 
-std::string bsdf(const std::string& type, const std::string& inside = "") {
-  return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
-}
-std::string number(const std::string& name, const std::string& value) {
-  return "<float name='" + name + "' value='" + value + "'/>";
-}
-std::string word(const std::string& name, const std::string& value) {
-  return "<string name='" + name + "' value='" + value + "'/>";
-}
 std::string color(const std::string& name, const std::string& value) {
   return "<rgb name='" + name + "' value='" + value + "'/>";
 }
 Description read_new(const std::string& text) { return read_text(mitsuba_scene(text)); }
-Description read_old(const std::string& text) {
-  return read_text(mitsuba_scene(text, "<sensor type='perspective'/>", "<integrator type='path'/>", "0.6.0"));
-}
-std::string material(const std::string& type, const std::string& inside = "") {
-  return dump(read_new(bsdf(type, inside)).materials.back());
-}
-std::string error(const std::string& text) { return error_of_text(mitsuba_scene(text)); }
-
 SpectrumInput grey(float v) { return SpectrumDescription::constant(v); }
 
 /// The shares of the diffuse rows below a material's row, by reflectance.
@@ -101,9 +84,10 @@ TEST_CASE("old materials: single-scattering slabs are read") {
         dump_all("hk", grey(2), grey(0.5f), true, 1.0f, 0.4f));
   CHECK(material("hk") == material("hk", word("material", "skin1")));
   CHECK(material("hk") != material("hk", word("material", "marble")));
-  CHECK(error(bsdf("hk", number("sigma_t", "2"))).find("has one coefficient alone") != std::string::npos);
-  CHECK(error(bsdf("hk", number("sigma_t", "2") + number("sigma_a", "1"))).find("mixes") != std::string::npos);
-  CHECK(error(bsdf("hk", "<phase type='rayleigh'/>")).find("isotropic or hg") != std::string::npos);
+  CHECK(error_of_elements(bsdf("hk", number("sigma_t", "2"))).find("has only one coefficient") != std::string::npos);
+  CHECK(error_of_elements(bsdf("hk", number("sigma_t", "2") + number("sigma_a", "1"))).find("mixes") !=
+        std::string::npos);
+  CHECK(error_of_elements(bsdf("hk", "<phase type='rayleigh'/>")).find("isotropic or hg") != std::string::npos);
 }
 
 TEST_CASE("old materials: coats are read") {
@@ -117,7 +101,7 @@ TEST_CASE("old materials: coats are read") {
                  std::optional(RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.3f, 0.3f}),
                  MaterialId{0}));
   const auto refused = [](const std::string& text, const char* what) {
-    CHECK(error(text).find(what) != std::string::npos);
+    CHECK(error_of_elements(text).find(what) != std::string::npos);
   };
   refused(bsdf("coating"), "has 0 nested <bsdf>, expected one");
   refused(bsdf("coating", bsdf("dielectric")), "transmits light (line ");
@@ -159,7 +143,7 @@ TEST_CASE("compile materials: the material under a coat is found with its textur
 }
 
 TEST_CASE("compile materials: coats apply to blends and to both sides") {
-  const Description d = read_old(
+  const Description d = read_mitsuba06(
       bsdf("twosided",
            bsdf("coating", bsdf("blendbsdf", number("weight", "0.25") + bsdf("diffuse") + bsdf("roughconductor")))));
   const CompiledMaterials c = compile_materials(d.materials);
@@ -176,7 +160,7 @@ TEST_CASE("compile materials: coats apply to blends and to both sides") {
 TEST_CASE("mixtures: weights become shares and the remainder is black") {
   const std::string three = grey_bsdf("0.1") + grey_bsdf("0.2") + grey_bsdf("0.3");
   const auto of = [&](const std::string& weights, const std::string& inside) {
-    return shares(read_old(bsdf("mixturebsdf", word("weights", weights) + inside)));
+    return shares(read_mitsuba06(bsdf("mixturebsdf", word("weights", weights) + inside)));
   };
   const auto full = of("0.5, 0.2, 0.3", three);
   CHECK(full.size() == 3);
@@ -196,7 +180,7 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   for (int i = 1; i <= 100; ++i) many += grey_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";
   CHECK(of(weights, many).at(0.5f) == doctest::Approx(0.01));
   const auto refused = [&](const std::string& w, const std::string& inside, const char* what) {
-    CHECK(error(bsdf("mixturebsdf", word("weights", w) + inside)).find(what) != std::string::npos);
+    CHECK(error_of_elements(bsdf("mixturebsdf", word("weights", w) + inside)).find(what) != std::string::npos);
   };
   refused("0.5", three, "has 1 numbers, expected as many as there are nested <bsdf>, 3");
   refused("0.5, -0.1, 0.1", three, "has a negative number");
@@ -204,4 +188,4 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   refused("", "", "has 0 nested <bsdf>");
 }
 
-}  // namespace sheaf::test_old_bsdf
+}  // namespace sheaf::test_mitsuba06_bsdf

@@ -1,56 +1,18 @@
-// The Mitsuba dialect: materials and textures in the notations of all versions.
+// Materials of Mitsuba: defaults, parameters in the notations of all versions, and nesting.
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_materials.h"
-#include "tests/support/scene_files.h"
+#include "tests/support/mitsuba_testing.h"
 
 #include <doctest/doctest.h>
 
-#include <array>
 #include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace sheaf::test_mitsuba_bsdf {
 
 using namespace test;
-
-namespace {
-
-std::string bsdf(const std::string& type, const std::string& inside = "") {
-  return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
-}
-
-Description read_old(const std::string& text) {
-  return read_text(mitsuba_scene(text, "<sensor type='perspective'/>", "<integrator type='path'/>", "0.6.0"));
-}
-
-/// The last material of a scene, which is the outermost.
-std::string last_material(const Description& d) { return dump(d.materials.back()); }
-std::string material(const std::string& type, const std::string& inside = "") {
-  return last_material(read_text(mitsuba_scene(bsdf(type, inside))));
-}
-template <class T> T model_of(const std::string& type, const std::string& inside = "") {
-  return std::get<T>(read_text(mitsuba_scene(bsdf(type, inside))).materials.back().model);
-}
-
-std::string texture(const std::string& inside, const std::string& type = "bitmap") {
-  const std::string file = type == "bitmap" ? "<string name='filename' value='image.png'/>" : "";
-  const std::string element = "<texture type='" + type + "' name='reflectance'>" + file + inside + "</texture>";
-  return dump(read_text(mitsuba_scene(bsdf("diffuse", element))).textures.back());
-}
-
-std::string error(const std::string& text) { return error_of_text(mitsuba_scene(text)); }
-std::string number(const std::string& name, const std::string& value) {
-  return "<float name='" + name + "' value='" + value + "'/>";
-}
-std::string word(const std::string& name, const std::string& value) {
-  return "<string name='" + name + "' value='" + value + "'/>";
-}
-
-/// Applies a 2x3 matrix in row order.
-std::array<float, 2> apply(const std::array<float, 6>& m, float u, float v) {
-  return {m[0] * u + m[1] * v + m[2], m[3] * u + m[4] * v + m[5]};
-}
-
-}  // namespace
 
 TEST_CASE("Mitsuba materials: defaults match the documentation") {
   const std::string one = " constant 0x1p+0", half = " constant 0x1p-1";
@@ -72,14 +34,14 @@ TEST_CASE("Mitsuba materials: defaults match the documentation") {
   CHECK(material("null") == "null");
   CHECK(material("mask", bsdf("diffuse")) == "mask 0x1p-1 0");
   CHECK(material("blendbsdf", bsdf("diffuse") + bsdf("plastic")) == "blend 0x1p-1 0 1");
-  const std::string picture = "<texture type='bitmap' name='any'>" + word("filename", "image.png") + "</texture>";
-  CHECK(material("bumpmap", bsdf("diffuse") + picture) == "bumpmap 0 0x1p+0 0");
-  CHECK(material("normalmap", bsdf("diffuse") + picture) == "normalmap 0 0 0");
+  const std::string image = "<texture type='bitmap' name='any'>" + word("filename", "image.png") + "</texture>";
+  CHECK(material("bumpmap", bsdf("diffuse") + image) == "bumpmap 0 0x1p+0 0");
+  CHECK(material("normalmap", bsdf("diffuse") + image) == "normalmap 0 0 0");
 }
 
 TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for other names by default") {
   const auto disperses = [](const std::string& inside) {
-    return model_of<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
+    return read_material<DielectricDescription>("dielectric", inside).int_dispersion.has_value();
   };
   const std::string on = "<boolean name='dispersion' value='true'/>",
                     off = "<boolean name='dispersion' value='false'/>";
@@ -155,7 +117,8 @@ TEST_CASE("Mitsuba materials: every number and colour and switch is read in both
 
 TEST_CASE("Mitsuba materials: specular of principled becomes an index of refraction") {
   for (const float specular : {0.0f, 0.2f, 0.5f, 1.0f}) {
-    const float eta = model_of<PrincipledDescription>("principled", number("specular", std::to_string(specular))).eta;
+    const float eta =
+        read_material<PrincipledDescription>("principled", number("specular", std::to_string(specular))).eta;
     // The reflectance at normal incidence is 0.08 times as large.
     CHECK(std::pow((eta - 1) / (eta + 1), 2) == doctest::Approx(0.08 * specular));
   }
@@ -197,10 +160,12 @@ TEST_CASE("Mitsuba materials: hair is defined by pigments or by absorption") {
   CHECK(contains(material("hair", textures), "hair melanin texture 0 texture 1 texture 2 texture 3 "));
   CHECK(contains(material("hair", std::string("<texture name='sigma_a'") + attribute), "hair absorption texture 0 "));
 
-  CHECK(contains(error(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is set together with 'sigma_a'"));
-  CHECK(contains(error(bsdf("hair", number("azimuthal_roughness", "1.5"))), "expected a number from 0 to 1"));
-  CHECK(contains(error(bsdf("hair", number("roughness", "0.5"))), "unknown property 'roughness'"));
-  CHECK(contains(error(bsdf("twosided", bsdf("hair"))), "transmits light"));
+  CHECK(
+      contains(error_of_elements(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is set together with 'sigma_a'"));
+  CHECK(
+      contains(error_of_elements(bsdf("hair", number("azimuthal_roughness", "1.5"))), "expected a number from 0 to 1"));
+  CHECK(contains(error_of_elements(bsdf("hair", number("roughness", "0.5"))), "unknown property 'roughness'"));
+  CHECK(contains(error_of_elements(bsdf("twosided", bsdf("hair"))), "transmits light"));
 }
 
 TEST_CASE("compile materials: hair gets its absorption and needs its tangent") {
@@ -236,7 +201,7 @@ TEST_CASE("compile materials: hair gets its absorption and needs its tangent") {
 }
 
 TEST_CASE("Mitsuba materials: a roughness of zero becomes 1e-4") {
-  const auto rough = *model_of<ConductorDescription>("roughconductor", number("alpha", "0")).roughness;
+  const auto rough = *read_material<ConductorDescription>("roughconductor", number("alpha", "0")).roughness;
   CHECK(std::get<float>(rough.alpha_u) == 1e-4f);
   CHECK(std::get<float>(rough.alpha_v) == 1e-4f);
 }
@@ -274,7 +239,7 @@ TEST_CASE("Mitsuba materials: every parameter that may be textured is") {
     if (std::string(c.type) == "blendbsdf") inside += bsdf("null") + bsdf("null");
     const Description d = read_text(mitsuba_scene(bsdf(c.type, inside)));
     CHECK(d.textures.size() == static_cast<std::size_t>(count));
-    const std::string text = last_material(d);
+    const std::string text = dump(d.materials.back());
     for (int i = 0; i < count; ++i) {
       CAPTURE(text);
       CHECK(contains(text + " ", " texture " + std::to_string(i) + " "));
@@ -284,43 +249,21 @@ TEST_CASE("Mitsuba materials: every parameter that may be textured is") {
         "conductor constant 0x1p+0 beckmann texture 0 texture 0");
 }
 
-TEST_CASE("Mitsuba materials: checkerboards of numbers are swapped except in version 0.6") {
-  const std::string text = mitsuba_scene(
-      "<bsdf type='mask'><texture name='opacity' type='checkerboard' id='squares'>"
-      "<float name='color0' value='0.25'/><texture name='color1' type='checkerboard'/></texture>"
-      "<bsdf type='diffuse'><ref name='reflectance' id='squares'/></bsdf></bsdf>");
-  const auto first = [](const Description& d, TextureId id) {
-    const auto& squares = std::get<CheckerboardDescription>(d.textures.at(static_cast<std::size_t>(id)).model);
-    const auto* value = std::get_if<SpectrumDescription>(&squares.color0);
-    return value != nullptr ? std::get<SpectrumDescription::Constant>(value->value).value : -1.0f;
-  };
-  for (const bool old : {false, true}) {
-    std::string version = text;
-    if (old) version.replace(version.find("3.0.0"), 5, "0.6.0");
-    const Description d = read_text(version);
-    const auto& mask = std::get<MaskDescription>(d.materials.back().model);
-    const auto& diffuse = std::get<DiffuseDescription>(d.materials.at(static_cast<std::size_t>(mask.nested)).model);
-    CHECK(first(d, std::get<TextureId>(mask.opacity)) == (old ? 0.25f : -1.0f));
-    CHECK(first(d, std::get<TextureId>(diffuse.reflectance)) == 0.25f);
-    CHECK(d.textures.size() == (old ? 2 : 4));
-  }
-}
-
 TEST_CASE("Mitsuba materials: metals are found by name") {
-  const auto gold = model_of<ConductorDescription>("conductor", word("material", "Au"));
+  const auto gold = read_material<ConductorDescription>("conductor", word("material", "Au"));
   REQUIRE(gold.ior);
   const auto& eta = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(gold.ior->eta).value);
   CHECK(eta.wavelengths.front() <= 360);
   CHECK(eta.wavelengths.back() >= 830);
-  CHECK(model_of<ConductorDescription>("roughconductor", word("material", "Ag")).ior.has_value());
-  CHECK_FALSE(model_of<ConductorDescription>("conductor", word("material", "none")).ior.has_value());
-  CHECK_FALSE(model_of<ConductorDescription>("conductor").ior.has_value());
+  CHECK(read_material<ConductorDescription>("roughconductor", word("material", "Ag")).ior.has_value());
+  CHECK_FALSE(read_material<ConductorDescription>("conductor", word("material", "none")).ior.has_value());
+  CHECK_FALSE(read_material<ConductorDescription>("conductor").ior.has_value());
   // Before version 2, the default is copper in air.
   auto eta_of = [](const std::string& inside) {
-    const auto m = std::get<ConductorDescription>(read_old(bsdf("roughconductor", inside)).materials.at(0).model);
+    const auto m = std::get<ConductorDescription>(read_mitsuba06(bsdf("roughconductor", inside)).materials.at(0).model);
     return std::get<SpectrumDescription>(m.ior.value().eta);
   };
-  const auto copper = model_of<ConductorDescription>("conductor", word("material", "Cu"));
+  const auto copper = read_material<ConductorDescription>("conductor", word("material", "Cu"));
   const auto& table = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(copper.ior->eta).value);
   const SpectrumDescription in_air = eta_of("");
   CHECK(std::get<SpectrumDescription::Table>(in_air.value).values.at(3) ==
@@ -355,16 +298,16 @@ TEST_CASE("Mitsuba materials: two-sided materials may have one or two children")
                                       bsdf("normalmap", map + bsdf("dielectric"))};
   for (const std::string& child : transmitting) {
     CAPTURE(child);
-    const std::string message = error("<bsdf type='twosided'>\n" + child + "</bsdf>");
+    const std::string message = error_of_elements("<bsdf type='twosided'>\n" + child + "</bsdf>");
     CHECK_MESSAGE(contains(message, "scene.xml:4: bsdf 'twosided' has a nested material that transmits light (line 5)"),
                   message);
   }
 }
 
 TEST_CASE("Mitsuba materials: bump and normal maps are read") {
-  const std::string picture = "<texture type='bitmap' NAME>" + word("filename", "image.png") + "</texture>";
+  const std::string image = "<texture type='bitmap' NAME>" + word("filename", "image.png") + "</texture>";
   auto named = [&](const std::string& name) {
-    std::string text = picture;
+    std::string text = image;
     return text.replace(text.find("NAME"), 4, name.empty() ? "" : "name='" + name + "'");
   };
   for (const char* name : {"", "normalmap", "bump", "arbitrary", "scale"}) {
@@ -382,198 +325,13 @@ TEST_CASE("Mitsuba materials: bump and normal maps are read") {
     CHECK_FALSE(contains(material(type, start), "keep_normals"));
   }
   // Before version 2, a texture around another one scales it.
-  const Description old = read_old(
+  const Description old = read_mitsuba06(
       bsdf("bumpmap", bsdf("diffuse") + "<texture type='scale'>" + number("scale", "10") + named("") + "</texture>"));
   CHECK(dump(old.materials.back()) == "bumpmap 0 0x1.4p+3 0");
-  const Description referred = read_old("<texture type='scale' id='s'><float name='scale' value='2'/>" + named("") +
-                                        "</texture>" + bsdf("bumpmap", bsdf("diffuse") + "<ref id='s'/>"));
+  const Description referred =
+      read_mitsuba06("<texture type='scale' id='s'><float name='scale' value='2'/>" + named("") + "</texture>" +
+                     bsdf("bumpmap", bsdf("diffuse") + "<ref id='s'/>"));
   CHECK(dump(referred.materials.back()) == "bumpmap 0 0x1p+1 0");
-}
-
-TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
-  // v of an image points down: (u, v) becomes (u, 1 - v).
-  const std::string unchanged = " 0x1p+0 0 0x1p+0";  // BitmapDescription::change
-  const std::string upright = unchanged + " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
-  CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
-  CHECK(texture("<boolean name='raw' value='true'/>") == "bitmap image.png 0 0 0 1" + upright);
-  CHECK(texture(word("filter_type", "nearest") + word("wrap_mode", "mirror")) == "bitmap image.png 1 1 1 0" + upright);
-  CHECK(texture(word("filterType", "bilinear") + word("wrapMode", "clamp")) == "bitmap image.png 0 2 2 0" + upright);
-  CHECK(texture(word("wrapModeU", "clamp") + word("wrapModeV", "mirror")) == "bitmap image.png 0 2 1 0" + upright);
-  CHECK(texture(word("wrapMode", "clamp") + word("wrapModeV", "repeat")) == "bitmap image.png 0 2 0 0" + upright);
-  CHECK(texture(number("gamma", "1")) == "bitmap image.png 0 0 0 1" + upright);
-  CHECK(texture(number("gamma", "-1")) == "bitmap image.png 0 0 0 0" + upright);
-  CHECK(texture(word("format", "variant") +
-                "<boolean name='accel' value='false'/><boolean name='cache' value='true'/>" +
-                number("maxAnisotropy", "8")) == "bitmap image.png 0 0 0 0" + upright);
-  auto notes = [](const std::string& inside) {
-    return read_text(mitsuba_scene(bsdf("diffuse", "<texture type='bitmap' name='reflectance'>" +
-                                                       word("filename", "image.png") + inside + "</texture>")))
-        .notes;
-  };
-  CHECK(notes("").empty());
-  for (const char* filter : {"ewa", "trilinear"}) {
-    REQUIRE(notes(word("filterType", filter)).size() == 1);
-    CHECK(contains(notes(word("filterType", filter))[0], "scene.xml:4: texture 'bitmap' has the filter"));
-  }
-  REQUIRE(notes(number("gamma", "2.2")).size() == 1);
-  CHECK(contains(notes(number("gamma", "2.2"))[0], "rendered as sRGB"));
-}
-
-// Positions of uv points in the image, found with Mitsuba 3.9 and an image of four colours: row 0 is at v = 0, and
-// to_uv applies to the original uv.
-TEST_CASE("Mitsuba textures: uv transforms are applied") {
-  auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
-    const std::string file = std::string(type) == "bitmap" ? word("filename", "image.png") : "";
-    return read_text(mitsuba_scene(bsdf("diffuse", std::string("<texture name='reflectance' type='") + type + "'>" +
-                                                       file + inside + "</texture>")))
-        .textures.at(0)
-        .to_uv;
-  };
-  auto transform = [](const std::string& steps) { return "<transform name='to_uv'>" + steps + "</transform>"; };
-  auto near = [](std::array<float, 2> found, float u, float v) {
-    return std::abs(found[0] - u) < 1e-5f && std::abs(found[1] - v) < 1e-5f;
-  };
-  CHECK(near(apply(to_uv(""), 0.25f, 0.125f), 0.25f, 0.875f));
-  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>")), 0.1f, 0.1f), 0.6f, 0.9f));
-  CHECK(near(apply(to_uv(transform("<translate y='0.5'/>")), 0.1f, 0.1f), 0.1f, 0.4f));
-  CHECK(near(apply(to_uv(transform("<scale x='2' y='3'/>")), 0.1f, 0.2f), 0.2f, 0.4f));
-  CHECK(near(apply(to_uv(transform("<scale value='2'/><translate value='-.5,-.5,0'/>")), 0.5f, 0.25f), 0.5f, 1.0f));
-  CHECK(near(apply(to_uv(transform("<rotate z='1' angle='90'/>")), 0.2f, 0.1f), -0.1f, 0.8f));
-  CHECK(near(
-      apply(to_uv(number("uscale", "2") + number("vscale", "4") + number("uoffset", "0.5") + number("voffset", "0.25")),
-            0.1f, 0.1f),
-      0.7f, 0.35f));
-  CHECK(near(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
-  // Checkerboards are symmetric under the flip of v.
-  CHECK(near(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
-  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>"), "checkerboard"), 0.1f, 0.1f), 0.6f, 0.1f));
-  CHECK(near(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));
-}
-
-TEST_CASE("Mitsuba textures: checkerboards and mesh attributes and spectra are read") {
-  const std::string as_is = " to_uv " + dump_all(1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f);
-  CHECK(texture("", "checkerboard") == dump_all("checkerboard constant", 0.4f, "constant", 0.2f) + as_is);
-  CHECK(texture("<rgb name='color0' value='0,0.5,1'/>" + number("color1", "0.5"), "checkerboard") ==
-        "checkerboard rgb 0x0p+0 0x1p-1 0x1p+0 constant 0x1p-1" + as_is);
-  CHECK(texture("<texture type='checkerboard' name='color0'/>", "checkerboard") ==
-        dump_all("checkerboard texture 0 constant", 0.2f) + as_is);
-  CHECK(texture(word("name", "vertex_color"), "mesh_attribute") == "mesh_attribute vertex_color 0x1p+0" + as_is);
-  CHECK(texture(word("name", "face_x") + number("scale", "2"), "mesh_attribute") ==
-        "mesh_attribute face_x 0x1p+1" + as_is);
-  CHECK(material("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "0.25") + "</texture>") ==
-        "diffuse constant 0x1p-2");
-  CHECK(material("diffuse", "<texture type='srgb' name='reflectance'><rgb name='color' value='0,0,1'/></texture>") ==
-        "diffuse rgb 0x0p+0 0x0p+0 0x1p+0");
-}
-
-TEST_CASE("Mitsuba textures: references to a texture share it") {
-  const Description d = read_text(mitsuba_scene(
-      "<bsdf type='diffuse'><ref name='reflectance' id='t'/></bsdf><texture type='mesh_attribute' id='t'>" +
-      word("name", "vertex_x") +
-      "</texture>"
-      "<bsdf type='principled'><ref name='base_color' id='t'/><ref name='roughness' id='t'/></bsdf>"
-      "<texture type='mesh_attribute'><string name='name' value='vertex_color'/></texture>"));
-  REQUIRE(d.textures.size() == 2);
-  CHECK(d.textures[0].id == "t");
-  CHECK(d.textures[0].where.line == 4);
-  CHECK(dump(d.materials.at(0)) == "diffuse texture 0");
-  CHECK(contains(dump(d.materials.at(1)), "principled texture 0 texture 0 "));
-}
-
-TEST_CASE("Mitsuba materials and textures: errors have line and fault and nearest name") {
-  const std::string two = bsdf("diffuse") + bsdf("diffuse"), board = "<texture type='checkerboard'/>";
-  auto bitmap = [](const std::string& inside) {
-    return "<bsdf type='diffuse'><texture type='bitmap' name='reflectance'>" + word("filename", "image.png") + "\n" +
-           inside + "</texture></bsdf>";
-  };
-  struct Case {
-    std::string text;
-    const char* expected;
-  };
-  const Case cases[] = {
-      {bsdf("roughconducter"), "scene.xml:4: unknown bsdf plugin 'roughconducter', did you mean 'roughconductor'?"},
-      {bsdf("irawan"), "unknown bsdf plugin 'irawan'"},
-      {bsdf("irawan"),
-       "(known: blendbsdf, bumpmap, circular, coating, conductor, dielectric, difftrans, diffuse, hair, hk, mask,"},
-      {"<bsdf type='principled'>\n" + number("rougness", "0") + "</bsdf>",
-       "scene.xml:5: unknown property 'rougness' of bsdf 'principled', did you mean 'roughness'?"},
-      {bsdf("principled", number("roughness", "1.5")), "is '1.5', expected a number from 0 to 1"},
-      {bsdf("principled", number("eta", "1.5") + number("specular", "0.5")), "has both 'eta' and 'specular'"},
-      {bsdf("principled", word("roughness", "rough")), "is given as <string>, expected float or texture"},
-      {bsdf("principled", "<spectrum name='roughness' value='400:1, 700:0'/>"),
-       "is a spectrum, expected a number or a texture"},
-      {bsdf("principledthin", number("diff_trans", "2.5")), "expected a number from 0 to 2"},
-      {bsdf("principledthin", number("metallic", "0.5")), "unknown property 'metallic' of bsdf 'principledthin'"},
-      {bsdf("conductor", word("material", "Aux")),
-       "property 'material' of bsdf 'conductor' is 'Aux', expected the name of a metal, did you mean 'Au'? (known: Ag, "
-       "Al, AlAs,"},
-      {bsdf("conductor", number("eta", "1")), "has 'eta' alone, expected both 'eta' and 'k'"},
-      {bsdf("conductor", number("k", "1")), "has 'k' alone"},
-      {bsdf("conductor", number("eta", "1") + number("k", "1") + word("material", "Au")),
-       "is set together with 'eta' and"},
-      {bsdf("conductor", number("ext_eta", "1")), "unknown property 'ext_eta' of bsdf 'conductor'"},
-      {bsdf("conductor", number("alpha", "0.1")), "unknown property 'alpha' of bsdf 'conductor'"},
-      {bsdf("roughconductor", word("distribution", "fong")), "is 'fong', expected beckmann or ggx"},
-      {bsdf("roughconductor", word("distribution", "gxx")), "is 'gxx', expected beckmann or ggx"},
-      {bsdf("roughconductor", number("alpha_u", "0.1")), "has 'alpha_u' alone, expected both or 'alpha'"},
-      {bsdf("roughconductor", number("alphaU", "0.1") + number("alphaV", "0.1") + number("alpha", "0.1")),
-       "property 'alpha' of bsdf 'roughconductor' is set together with 'alpha_u' and 'alpha_v'"},
-      {bsdf("roughconductor", number("alpha", "-1")), "expected no negative number"},
-      {bsdf("roughplastic", number("alpha_u", "0.1") + number("alpha_v", "0.2")), "differs from 'alpha_u'"},
-      {bsdf("roughplastic", "<texture type='checkerboard' name='alpha'/>"), "is a texture, expected a number"},
-      {bsdf("dielectric", word("int_ior", "diamant")),
-       "is 'diamant', expected a number or the name of a material, did you mean 'diamond'?"},
-      {bsdf("dielectric", number("int_ior", "-1")), "expected a positive number"},
-      {bsdf("dielectric", word("int_ior", "pyrex") + "<boolean name='dispersion' value='true'/>"),
-       "property 'dispersion' of bsdf 'dielectric' is true, but neither side has a dispersion formula"},
-      {bsdf("null", number("opacity", "1")), "unknown property 'opacity' of bsdf 'null'"},
-      {bsdf("twosided"), "has 0 nested <bsdf>, expected one or two"},
-      {bsdf("twosided", two + bsdf("diffuse")), "has 3 nested <bsdf>, expected one or two"},
-      {bsdf("mask"), "has 0 nested <bsdf>, expected one"},
-      {bsdf("mask", two), "has 2 nested <bsdf>, expected one"},
-      {bsdf("mask", bsdf("diffuse") + number("opacity", "2")), "expected a number from 0 to 1"},
-      {bsdf("blendbsdf", bsdf("diffuse")), "has 1 nested <bsdf>, expected two"},
-      {bsdf("bumpmap", bsdf("diffuse")), "bsdf 'bumpmap' has no <texture>, expected one"},
-      {bsdf("bumpmap", board), "has 0 nested <bsdf>, expected one"},
-      {bsdf("bumpmap", bsdf("diffuse") + board + board), "has a second <texture>, expected one"},
-      {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
-      {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
-       "has a second colour, expected one"},
-      {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
-      {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
-      {"<texture type='checkerboard' id='a'><ref name='color0' id='a'/></texture>" +
-           bsdf("diffuse", "<ref name='reflectance' id='a'/>"),
-       "texture 'checkerboard' refers to itself"},
-      {bsdf("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "2") + "</texture>"),
-       "property 'reflectance' of bsdf 'diffuse' contains 2.000000, expected values within [0, 1]"},
-      {bsdf("diffuse", "<texture type='curvature' name='reflectance'/>"),
-       "unknown texture plugin 'curvature' (known: bitmap, blackbody, checkerboard, d65, gridtexture, illuminant, "
-       "irregular, mesh_attribute,"},
-      {"<texture type='mesh_attribute'/>", "scene.xml:4: texture 'mesh_attribute' needs the string 'name'"},
-      {"<texture type='mesh_attribute'>" + word("name", "color") + "</texture>", "begins with vertex_ or face_"},
-      {"<texture type='bitmap'>\n" + word("filename", "gone.png") + "</texture>",
-       "scene.xml:5: file 'gone.png' not found"},
-      {bitmap(word("filter_type", "cubic")), "scene.xml:5: property 'filter_type' of texture 'bitmap' is 'cubic'"},
-      {bitmap(word("wrap_mode", "zero")), "is 'zero', expected repeat, mirror or clamp"},
-      {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is set together with 'wrap_mode'"},
-      {bitmap(number("gamma", "1.8")), "expected 1 (linear) or -1 (sRGB)"},
-      {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is set together with 'raw'"},
-      {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
-      {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
-       "is set together with 'to_uv'"},
-      {bitmap(number("uscal", "2")),
-       "scene.xml:5: unknown property 'uscal' of texture 'bitmap', did you mean 'uscale'?"},
-  };
-  for (const Case& c : cases) {
-    CAPTURE(c.text);
-    const std::string message = error(c.text);
-    CHECK_MESSAGE(contains(message, c.expected), message);
-    CHECK(message.starts_with("scene.xml:"));
-  }
-  const std::string old = error_of_text(mitsuba_scene(
-      bsdf("conductor", "<texture type='checkerboard' name='eta'/>" + number("k", "1") + number("ext_eta", "1.5")),
-      "<sensor type='perspective'/>", "", "0.6.0"));
-  CHECK_MESSAGE(contains(old, "is set together with a texture of 'eta' or 'k'"), old);
 }
 
 TEST_CASE("Mitsuba materials: polarisers transmit half of the light with a note") {

@@ -134,9 +134,9 @@ TEST_CASE("mtl: given parameters are read and missing ones have defaults") {
 
 TEST_CASE("mtl: textures have options and are found in their folders") {
   const MtlMaterial m =
-      one("map_Kd a picture.png\nmap_Ks -s 2 3 4 -o 0.5 -clamp on sub\\dir\\b.png\nmap_d -s 2 c.png\n"
+      one("map_Kd an image.png\nmap_Ks -s 2 3 4 -o 0.5 -clamp on sub\\dir\\b.png\nmap_d -s 2 c.png\n"
           "map_Bump -bm 0.5 -mm 0 1 -imfchan l d.png\nnorm -o 1 2 3 4.png\nmap_Pr -s 1 1 5\n");
-  CHECK(m.map_diffuse->file.filename() == "a picture.png");
+  CHECK(m.map_diffuse->file.filename() == "an image.png");
   CHECK(m.map_diffuse->where.line == 2);
   CHECK(contains(m.map_specular->file.string(), "/sub/dir/b.png"));
   CHECK(m.map_specular->scale.x == 2.0f);
@@ -437,7 +437,7 @@ TEST_CASE("obj materials: names may be quoted") {
 
 TEST_CASE("mtl: options may follow a file name and names may be quoted or contain spaces") {
   const TemporaryFolder folder;
-  for (const char* name : {"a.png", "my picture.png", "wood -s 2.png", "2.png"}) write_bytes(folder / name, "");
+  for (const char* name : {"a.png", "my image.png", "wood -s 2.png", "2.png"}) write_bytes(folder / name, "");
   const auto texture = [&](const std::string& arguments) {
     write_bytes(folder / "lib.mtl", "newmtl m\nmap_Kd " + arguments + "\n");
     return read_mtl(folder / "lib.mtl").materials.at(0).map_diffuse.value();
@@ -456,13 +456,13 @@ TEST_CASE("mtl: options may follow a file name and names may be quoted or contai
   check("a.png -s 2", "a.png", {2, 1}, {0, 0}, false);
   check("a.png -s 2 3", "a.png", {2, 3}, {0, 0}, false);
   check("-s 2 3 a.png -o .5 .25 0 -clamp on", "a.png", {2, 3}, {0.5f, 0.25f}, true);
-  check("my picture.png -clamp on", "my picture.png", {1, 1}, {0, 0}, true);
-  check("\"my picture.png\"", "my picture.png", {1, 1}, {0, 0}, false);
-  check("-s 2 2 \"my picture.png\" -o 1 1", "my picture.png", {2, 2}, {1, 1}, false);
+  check("my image.png -clamp on", "my image.png", {1, 1}, {0, 0}, true);
+  check("\"my image.png\"", "my image.png", {1, 1}, {0, 0}, false);
+  check("-s 2 2 \"my image.png\" -o 1 1", "my image.png", {2, 2}, {1, 1}, false);
   check("\"wood -s 2.png\" -clamp on", "wood -s 2.png", {1, 1}, {0, 0}, true);
   check("wood -s 2.png", "wood -s 2.png", {1, 1}, {0, 0}, false);
   check("-s 3 2.png", "2.png", {3, 1}, {0, 0}, false);
-  check("lost picture.png -s 2 2", "lost picture.png", {2, 2}, {0, 0}, false);
+  check("lost image.png -s 2 2", "lost image.png", {2, 2}, {0, 0}, false);
   check("a.png # the wood", "a.png", {1, 1}, {0, 0}, false);
   check("a.png -clamp on # the wood", "a.png", {1, 1}, {0, 0}, true);
   CHECK(texture("a.png -bm 0.5").bump_multiplier == 0.5f);

@@ -1,6 +1,6 @@
 // The Nori dialect: descriptions of each element, defaults, errors.
 #include "tests/support/capture.h"
-#include "tests/support/scene_files.h"
+#include "tests/support/scene_errors.h"
 
 #include <doctest/doctest.h>
 
@@ -268,12 +268,8 @@ TEST_CASE("Nori: spheres have the documented parameters") {
   CHECK(sphere.radius == 0.5f);
 }
 
-TEST_CASE("Nori: errors have line and fault and nearest name") {
-  struct Case {
-    std::string text;
-    const char* expected;
-  };
-  const Case cases[] = {
+TEST_CASE("Nori: errors of meshes and materials have line and fault and nearest name") {
+  check_errors({
       {scene_with("<mesh type='obi'/>"), "scene.xml:4: unknown mesh plugin 'obi', did you mean 'obj'?"},
       {scene_with("<mesh type='obj'/>"), "scene.xml:4: mesh 'obj' needs the string 'filename'"},
       {scene_with("<mesh type='obj'><string name='filename' value='no.obj'/></mesh>"),
@@ -300,6 +296,11 @@ TEST_CASE("Nori: errors have line and fault and nearest name") {
        "property 'radius' of mesh 'sphere' is given as <string>, expected float"},
       {scene_with("<mesh type='sphere'><flaot name='radius' value='2'/></mesh>"),
        "unknown element <flaot> in mesh 'sphere', did you mean 'float'?"},
+  });
+}
+
+TEST_CASE("Nori: errors of emitters and cameras and samplers and integrators have line and fault and nearest name") {
+  check_errors({
       {scene_with("<emitter type='area'/>"), "emitter 'area' must be nested in a <mesh>"},
       {scene_with("<emitter type='point'><color name='power' value='1'/><color name='intensity' value='1'/></emitter>"),
        "has both 'power' (W) and 'intensity' (W/sr)"},
@@ -329,12 +330,7 @@ TEST_CASE("Nori: errors have line and fault and nearest name") {
       {scene_with("", "<camera type='perspective'><float name='fov' value='nan'/></camera>"),
        "property 'fov' is 'nan', expected a finite number"},
       {scene_with("<test type='chi2test'/>"), "unknown element <test> in a Nori scene"},
-  };
-  for (const Case& c : cases) {
-    CAPTURE(c.text);
-    const std::string message = error_of_text(c.text);
-    CHECK_MESSAGE(contains(message, c.expected), message);
-  }
+  });
 }
 
 TEST_CASE("Nori: shapes may be called shape and appear beside a camera without a version") {

@@ -1,6 +1,7 @@
 // The Nori dialect: materials and textures.
 #include "tests/support/capture.h"
-#include "tests/support/scene_files.h"
+#include "tests/support/scene_errors.h"
+#include "tests/support/xml_elements.h"
 
 #include <doctest/doctest.h>
 
@@ -16,16 +17,6 @@ namespace {
 std::string scene_with(const std::string& bsdf) {
   return "<scene>\n<camera type='perspective'/>\n<integrator type='path_mis'/>\n<mesh type='sphere'>" + bsdf +
          "</mesh>\n</scene>\n";
-}
-
-std::string bsdf(const std::string& type, const std::string& inside = "") {
-  return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
-}
-std::string number(const std::string& name, const std::string& value) {
-  return "<float name='" + name + "' value='" + value + "'/>";
-}
-std::string word(const std::string& name, const std::string& value) {
-  return "<string name='" + name + "' value='" + value + "'/>";
 }
 
 std::string material(const std::string& type, const std::string& inside = "") {
@@ -164,39 +155,33 @@ TEST_CASE("Nori textures: images are upright") {
 }
 
 TEST_CASE("Nori materials and textures: errors have line and fault and nearest name") {
-  struct Case {
-    std::string text;
-    const char* expected;
-  };
-  auto texture = [](const std::string& type, const std::string& inside = "") {
+  const auto texture = [](const std::string& type, const std::string& inside = "") {
     return bsdf("diffuse", "\n<texture name='albedo' type='" + type + "'>" + inside + "</texture>");
   };
-  const Case cases[] = {
-      {bsdf("disnei"), "scene.xml:4: unknown bsdf plugin 'disnei', did you mean 'disney'?"},
-      {bsdf("disney", number("specTint", "0.5")), "unknown property 'specTint' of bsdf 'disney'"},
-      {bsdf("disney", number("metalic", "0.5")), "did you mean 'metallic'?"},
-      {bsdf("disney", "\n" + number("roughness", "2")), "scene.xml:5: property 'roughness' of bsdf 'disney' is '2'"},
-      {bsdf("microfacet", number("alpha", "-1")), "expected no negative number"},
-      {bsdf("microfacet", "<color name='ks' value='1'/>"), "unknown property 'ks' of bsdf 'microfacet'"},
-      {bsdf("diffuse", number("reflectivity", "0.5")), "unknown property 'reflectivity' of bsdf 'diffuse'"},
-      {texture("checkerbord_color"),
-       "scene.xml:5: unknown texture plugin 'checkerbord_color', did you mean 'checkerboard_color'?"},
-      {texture("checkerboard_color", number("value3", "1")),
-       "unknown property 'value3' of texture 'checkerboard_color', did you mean"},
-      {texture("checkerboard_color", "<vector2 name='scale' value='1,0'/>"), "is 0 along an axis"},
-      {texture("checkerboard_color", "<vector2 name='scale' value='1,2,3'/>"), "has 3 numbers, expected two"},
-      {texture("checkerboard_color", "<color name='scale' value='1'/>"), "is given as <color>, expected vector2"},
-      {texture("image"), "texture 'image' needs the string 'filename'"},
-      {texture("image", word("filename", "gone.png")), "scene.xml:5: file 'gone.png' not found"},
-      {texture("image", word("filename", "image.png") + word("wrap", "fold")), "is 'fold', expected repeat, mirror or"},
-      {texture("constant_color", "<color name='value' value='2'/>"), "expected values within [0, 1]"},
-  };
-  for (const Case& c : cases) {
-    CAPTURE(c.text);
-    const std::string message = error_of_text(scene_with(c.text));
-    CHECK_MESSAGE(contains(message, c.expected), message);
-    CHECK(message.starts_with("scene.xml:"));
-  }
+  check_errors(
+      {
+          {bsdf("disnei"), "scene.xml:4: unknown bsdf plugin 'disnei', did you mean 'disney'?"},
+          {bsdf("disney", number("specTint", "0.5")), "unknown property 'specTint' of bsdf 'disney'"},
+          {bsdf("disney", number("metalic", "0.5")), "did you mean 'metallic'?"},
+          {bsdf("disney", "\n" + number("roughness", "2")),
+           "scene.xml:5: property 'roughness' of bsdf 'disney' is '2'"},
+          {bsdf("microfacet", number("alpha", "-1")), "expected a non-negative number"},
+          {bsdf("microfacet", "<color name='ks' value='1'/>"), "unknown property 'ks' of bsdf 'microfacet'"},
+          {bsdf("diffuse", number("reflectivity", "0.5")), "unknown property 'reflectivity' of bsdf 'diffuse'"},
+          {texture("checkerbord_color"),
+           "scene.xml:5: unknown texture plugin 'checkerbord_color', did you mean 'checkerboard_color'?"},
+          {texture("checkerboard_color", number("value3", "1")),
+           "unknown property 'value3' of texture 'checkerboard_color', did you mean"},
+          {texture("checkerboard_color", "<vector2 name='scale' value='1,0'/>"), "is 0 along an axis"},
+          {texture("checkerboard_color", "<vector2 name='scale' value='1,2,3'/>"), "has 3 numbers, expected two"},
+          {texture("checkerboard_color", "<color name='scale' value='1'/>"), "is given as <color>, expected vector2"},
+          {texture("image"), "texture 'image' needs the string 'filename'"},
+          {texture("image", word("filename", "gone.png")), "scene.xml:5: file 'gone.png' not found"},
+          {texture("image", word("filename", "image.png") + word("wrap", "fold")),
+           "is 'fold', expected repeat, mirror or"},
+          {texture("constant_color", "<color name='value' value='2'/>"), "expected values within [0, 1]"},
+      },
+      [](const std::string& bsdfs) { return error_of_text(scene_with(bsdfs)); });
 }
 
 }  // namespace sheaf::test_nori_bsdf

@@ -1,4 +1,4 @@
-// Lights of pbrt: their power on shapes of all kinds, both sides, images, and colours of other spaces.
+// Lights of pbrt: parameters, power on shapes of all kinds, both sides, images, and colours of other spaces.
 #include "core/color.h"
 #include "core/image.h"
 #include "scene/compile/compile.h"
@@ -18,18 +18,18 @@ using doctest::Approx;
 namespace {
 
 /// Writes PPM files of 2 x 2 (red, green; blue, white), 4 x 2 grey and 16 x 16 white pixels.
-void add_pictures(const TemporaryFolder& folder) {
+void add_images(const TemporaryFolder& folder) {
   write_pnm(folder / "colours.ppm", 2, 2, 3, 255, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
   write_pnm(folder / "grey.ppm", 4, 2, 3, 255, std::vector<int>(24, 188));
   write_pnm(folder / "white.ppm", 16, 16, 3, 255, std::vector<int>(768, 255));
 }
 
-Description read(const std::string& world) { return read_pbrt_world(world, "", add_pictures); }
+Description read(const std::string& world) { return read_pbrt_world(world, "", add_images); }
 
 /// Luminance of the total power of all lights.
 double power_of(const std::string& world) {
   const TemporaryFolder folder;
-  add_pictures(folder);
+  add_images(folder);
   const auto scene = compile_scene(read_scene(write_below(folder, "scene.pbrt", "WorldBegin\n" + world)), {});
   double sum = 0;
   for (std::uint32_t i = 0; i < scene->view().lights.count; ++i)
@@ -40,6 +40,58 @@ double power_of(const std::string& world) {
 const std::string kSquare = " \"point3 P\" [ 0 0 0  2 0 0  2 3 0  0 3 0 ] \"integer indices\" [ 0 1 2  0 2 3 ]";
 
 }  // namespace
+
+TEST_CASE("pbrt: a light of L 1 has radiance 1 and spectra luminance 1 and the exposure of the film counts") {
+  const auto light = [](const std::string& parameters, const std::string& options = "") {
+    const Description d = read_pbrt_world(
+        "LightSource \"infinite\" " + parameters, options,
+        [](const TemporaryFolder& folder) { write_below(folder, "light.spd", "# a flat light\n300 2\n900 2\n"); });
+    return std::get<ConstantLightDescription>(d.lights.at(0).model).radiance;
+  };
+  CHECK(rgb_of(light("")).x == 1);
+  CHECK(rgb_of(light("\"rgb L\" [ 1 2 3 ] \"float scale\" 2")).y == 4);
+  CHECK(rgb_of(light("\"rgb L\" [ 1 2 3 ] \"float illuminance\" 3.14159265")).z == Approx(3));
+  CHECK(rgb_of(light("\"spectrum L\" \"stdillum-D65\"")).x == 1);
+  CHECK(rgb_of(light("", "Film \"rgb\" \"float iso\" 50")).x == 0.5f);
+  CHECK(rgb_of(light("", "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 4")).x == 3);
+  const auto flat = std::get<SpectrumDescription::Table>(light("\"spectrum L\" [ 400 7 600 7 ]").value);
+  for (const float value : flat.values) CHECK(value == Approx(1));
+  CHECK(std::get<SpectrumDescription::Table>(light("\"spectrum L\" \"light.spd\"").value).values[0] == Approx(1));
+  const auto body = std::get<SpectrumDescription::Blackbody>(light("\"blackbody L\" 4000").value);
+  const Vec3f rgb = blackbody_to_rgb(body.temperature, body.scale);
+  CHECK(luminance(rgb) == Approx(1).epsilon(0.002));
+  CHECK(rgb.x > rgb.z);
+}
+
+TEST_CASE("pbrt: lights have the documented parameters") {
+  const Description d = read_pbrt_world(R"(Translate 0 0 1
+LightSource "point" "point3 from" [ 1 0 0 ] "float power" 12.566370614
+LightSource "spot" "point3 to" [ 0 -1 0 ] "float coneangle" 40 "float conedeltaangle" 10 "rgb I" [ 1 1 2 ]
+LightSource "distant" "point3 from" [ 0 5 0 ] "point3 to" [ 0 0 0 ] "float illuminance" 3
+LightSource "infinite" "string filename" "sky.exr" "float scale" 2)");
+  const auto& point = std::get<PointLightDescription>(d.lights.at(0).model);
+  CHECK(point.position.x == 1);
+  CHECK(point.position.z == 1);
+  CHECK(rgb_of(point.intensity).x == Approx(1));
+  const auto& spot = std::get<SpotLightDescription>(d.lights.at(1).model);
+  CHECK(spot.falloff == SpotLightDescription::Falloff::kSmooth);
+  CHECK(spot.cutoff_angle == 40);
+  CHECK(spot.beam_width == 30);
+  CHECK(spot.to_world.vector({0, 0, 1}).y == Approx(-1));
+  const auto& distant = std::get<DirectionalLightDescription>(d.lights.at(2).model);
+  CHECK(distant.direction.y < 0);
+  CHECK(rgb_of(distant.irradiance).x == 3);
+  const auto& sky = std::get<EnvmapDescription>(d.lights.at(3).model);
+  CHECK(sky.layout == EnvmapDescription::Layout::kOctahedral);
+  CHECK(sky.scale == 2);
+  const Description areas = read_pbrt_world(R"(AreaLightSource "diffuse" "float power" 39.4784176
+Shape "sphere" "float radius" 2
+AreaLightSource "diffuse" "string filename" "image.png" "float scale" 3
+Shape "disk")");
+  CHECK(rgb_of(std::get<SpectrumDescription>(*areas.shapes[0].radiance)).x == Approx(0.25));
+  const auto texture = std::get<TextureId>(*areas.shapes[1].radiance);
+  CHECK(std::get<BitmapDescription>(areas.textures[static_cast<std::size_t>(texture)].model).change.scale == 3);
+}
 
 TEST_CASE("pbrt lights: the power of an area light is the given one for each triangle and patch") {
   const std::string patch = "Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0  2 0 0  0 3 0  2 3 0.5 ]";
@@ -53,10 +105,10 @@ TEST_CASE("pbrt lights: the power of an area light is the given one for each tri
     CHECK(power_of("AreaLightSource \"diffuse\" \"rgb L\" [ 3 3 3 ]" + sides + " Shape \"trianglemesh\"" + kSquare) ==
           Approx(3 * 6 * 3.14159265 * (sides.empty() ? 1 : 2)).epsilon(1e-4));
   }
-  const std::string picture = "AreaLightSource \"diffuse\" \"float power\" 60 \"string filename\" \"colours.ppm\"\n";
+  const std::string image = "AreaLightSource \"diffuse\" \"float power\" 60 \"string filename\" \"colours.ppm\"\n";
   const std::string uv = " \"point2 uv\" [ 0 0  1 0  1 1  0 1 ]";
-  CHECK(power_of(picture + "Shape \"trianglemesh\"" + kSquare + uv) == Approx(2 * 60).epsilon(5e-3));
-  CHECK(power_of(picture + "Shape \"disk\"") == Approx(60).epsilon(0.1));
+  CHECK(power_of(image + "Shape \"trianglemesh\"" + kSquare + uv) == Approx(2 * 60).epsilon(5e-3));
+  CHECK(power_of(image + "Shape \"disk\"") == Approx(60).epsilon(0.1));
 }
 
 TEST_CASE("pbrt lights: the power of a spot light includes its falloff") {
@@ -96,7 +148,7 @@ TEST_CASE("pbrt lights: a projection is uniform over directions and keeps its po
 TEST_CASE("pbrt lights: a goniometric light is a point light times the luminance of its image") {
   const Description d = read("LightSource \"goniometric\" \"string filename\" \"colours.ppm\" \"rgb I\" [ 1 2 3 ]");
   const auto& light = std::get<GoniometricLightDescription>(d.lights.at(0).model);
-  const auto& bitmap = std::get<BitmapDescription>(d.textures.at(static_cast<std::size_t>(light.picture)).model);
+  const auto& bitmap = std::get<BitmapDescription>(d.textures.at(static_cast<std::size_t>(light.image)).model);
   REQUIRE(bitmap.made);
   CHECK(bitmap.made->data[0] == Approx(1.0 / 3));
   CHECK(bitmap.made->data[3] == 1);
@@ -146,24 +198,6 @@ TEST_CASE("pbrt colours: other colour spaces keep white and colours outside Rec.
       "AttributeBegin ColorSpace \"rec2020\" AttributeEnd LightSource \"point\" \"rgb I\" [ 0.1 1 0.1 ]");
   const auto& intensity = std::get<PointLightDescription>(inside.lights.at(0).model).intensity;
   CHECK(std::get<SpectrumDescription::Rgb>(intensity.value).value.x == 0.1f);
-}
-
-TEST_CASE("pbrt cameras: spherical cameras face the direction of pbrt with +y upwards") {
-  const Description areas = read_pbrt_world("", "Camera \"spherical\"");
-  CHECK(areas.camera.equal_area);
-  CHECK(areas.camera.to_world.vector({0, 0, 1}).y == 1);
-  CHECK(areas.camera.to_world.vector({1, 0, 0}).x == 1);
-  const Description turns = read_pbrt_world("", "Camera \"spherical\" \"string mapping\" \"equirectangular\"");
-  CHECK(!turns.camera.equal_area);
-  CHECK(turns.camera.to_world.vector({0, 0, 1}).x == -1);
-  CHECK(turns.camera.to_world.vector({0, 1, 0}).y == 1);
-  CHECK(turns.camera.to_world.vector({1, 0, 0}).z == 1);
-  const Description lens =
-      read_pbrt_world("",
-                      "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 10\n"
-                      "Camera \"orthographic\" \"float lensradius\" 0.5 \"float focaldistance\" 7");
-  CHECK(length(lens.camera.to_world.vector({lens.camera.aperture_radius, 0, 0})) == Approx(0.5));
-  CHECK(lens.camera.focus_distance == 7);
 }
 
 }  // namespace sheaf::test_pbrt_lights

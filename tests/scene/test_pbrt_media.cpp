@@ -219,7 +219,7 @@ TEST_CASE("pbrt media: invalid grids are errors") {
   };
   check("\"uniformgrid\"", "needs 'density'");
   check("\"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 2 3 ]", "has 3 numbers, expected 2");
-  check("\"uniformgrid\" \"float density\" -1", "expected no negative number");
+  check("\"uniformgrid\" \"float density\" -1", "expected a non-negative number");
   check("\"uniformgrid\" \"float density\" 1 \"rgb Le\" [ 1 1 1 ] \"float temperature\" 3", "both 'Le' and");
   check("\"uniformgrid\" \"float density\" 1 \"point3 p1\" [ 1 0 1 ]", "is flat");
   check("\"rgbgrid\"", "needs 'sigma_a' or 'sigma_s'");

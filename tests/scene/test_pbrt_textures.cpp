@@ -25,7 +25,7 @@ struct Seen {
 
   explicit Seen(const std::string& text) {
     const TemporaryFolder folder;
-    write_pnm(folder / "picture.ppm", 2, 1, 3, 255, {255, 255, 255, 0, 0, 0});
+    write_pnm(folder / "image.ppm", 2, 1, 3, 255, {255, 255, 255, 0, 0, 0});
     Image white(1, 1, {"Y"});
     white.data = {1};
     write_png(folder / "white.png", white);
@@ -52,27 +52,27 @@ struct Seen {
 
 TEST_CASE("pbrt textures: a mix combines three textures with individual mappings") {
   const Seen seen(R"(
-Texture "weight" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point" "string encoding" "linear"
+Texture "weight" "float" "imagemap" "string filename" "image.ppm" "string filter" "point" "string encoding" "linear"
 Texture "board" "spectrum" "checkerboard" "rgb tex1" [ 1 0 0 ] "rgb tex2" [ 0 1 0 ] "float vscale" 2 "float uscale" 2
 Texture "x" "spectrum" "mix" "texture tex1" "board" "rgb tex2" [ 0.2 0.4 0.6 ] "texture amount" "weight")");
   CHECK(length(seen.at(0.25f, 0.25f) - Vec3f{0.2f, 0.4f, 0.6f}) < 1e-6f);
   CHECK(length(seen.at(0.75f, 0.25f) - Vec3f{0, 1, 0}) < 1e-6f);
   CHECK(length(seen.at(0.75f, 0.75f) - Vec3f{1, 0, 0}) < 1e-6f);
   const Seen quarter(R"(
-Texture "p" "spectrum" "imagemap" "string filename" "picture.ppm" "string filter" "point" "bool invert" true
+Texture "p" "spectrum" "imagemap" "string filename" "image.ppm" "string filter" "point" "bool invert" true
 Texture "x" "spectrum" "mix" "texture tex1" "p" "rgb tex2" [ 1 0.5 0 ] "float amount" 0.25)");
   CHECK(length(quarter.at(0.75f, 0.5f) - Vec3f{1, 0.875f, 0.75f}) < 1e-6f);
 }
 
 TEST_CASE("pbrt textures: textures are multiplied and inverted images are scaled") {
   const Seen seen(R"(
-Texture "a" "float" "imagemap" "string filename" "picture.ppm" "string filter" "point"
+Texture "a" "float" "imagemap" "string filename" "image.ppm" "string filter" "point"
 Texture "b" "spectrum" "bilerp" "rgb v00" [ 1 0 0 ] "rgb v10" [ 1 0 0 ] "rgb v01" [ 0 0 2 ] "rgb v11" [ 0 0 2 ]
 Texture "x" "spectrum" "scale" "texture tex" "b" "texture scale" "a")");
   CHECK(length(seen.at(0.25f, 0.25f) - Vec3f{0.75f, 0, 0.5f}) < 1e-6f);
   CHECK(length(seen.at(0.75f, 0.25f)) < 1e-6f);
   const Seen inverted(R"(
-Texture "p" "spectrum" "imagemap" "string filename" "picture.ppm" "string filter" "point" "bool invert" true
+Texture "p" "spectrum" "imagemap" "string filename" "image.ppm" "string filter" "point" "bool invert" true
 Texture "x" "spectrum" "scale" "texture tex" "p" "float scale" 0.5)");
   CHECK(inverted.at(0.75f, 0.5f).x == 0.5f);
 }
@@ -180,11 +180,11 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
 
 TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours") {
   const TemporaryFolder folder;
-  Image picture(1, 1, {"R", "G", "B", "A"});
+  Image image(1, 1, {"R", "G", "B", "A"});
   const auto seen = [&](const std::string& file, float alpha) {
-    picture.data = {0.2f, 0.4f, 0.9f, alpha};
+    image.data = {0.2f, 0.4f, 0.9f, alpha};
     if (file.ends_with("exr"))
-      write_exr(folder / file, picture, {});
+      write_exr(folder / file, image, {});
     else
       write_tga(folder / file, 1, 1, 4, {255, 0, 0, static_cast<int>(alpha * 255)});
     const Description d = read_scene(

@@ -1,64 +1,24 @@
-// PLY files, written byte by byte: encodings, layouts and wrong headers.
+// PLY files: encodings, number types, layouts, and malformed files.
 #include "scene/formats/mesh_io.h"
+#include "tests/scene/ply_files.h"
 #include "tests/support/mesh_files.h"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
-#include <cstring>
+#include <cstdint>
 #include <limits>
 #include <random>
-#include <sstream>
-#include <tuple>
+#include <string>
+#include <vector>
 
 namespace sheaf::test_ply {
 
 using namespace test;
+using namespace ply_files;
 
 namespace {
-
-MeshFile read(const std::string& bytes, bool flip = false) {
-  const TemporaryFile file("mesh.ply", bytes);
-  return read_ply(file.path(), flip);
-}
-
-std::string error_in(const std::string& bytes) {
-  return error_of([&] { read(bytes); });
-}
-
-/// Writes numbers as text or as bytes in one of two byte orders.
-class Body {
- public:
-  enum class Encoding { kAscii, kLittle, kBig };
-  explicit Body(Encoding encoding) : encoding_(encoding) {}
-
-  template <class T> Body& put(T value) {
-    if (encoding_ == Encoding::kAscii) {
-      text_ += (text_.empty() ? "" : " ") + std::to_string(value);
-      return *this;
-    }
-    std::array<char, sizeof(T)> raw;
-    std::memcpy(raw.data(), &value, sizeof(T));
-    const bool is_little = std::endian::native == std::endian::little;
-    if (is_little != (encoding_ == Encoding::kLittle)) std::reverse(raw.begin(), raw.end());
-    text_.append(raw.data(), raw.size());
-    return *this;
-  }
-  const std::string& text() const { return text_; }
-  std::string format() const {
-    return encoding_ == Encoding::kAscii    ? "format ascii 1.0\n"
-           : encoding_ == Encoding::kLittle ? "format binary_little_endian 1.0\n"
-                                            : "format binary_big_endian 1.0\n";
-  }
-
- private:
-  Encoding encoding_;
-  std::string text_;
-};
-
-constexpr std::array<Body::Encoding, 3> kEncodings{Body::Encoding::kAscii, Body::Encoding::kLittle,
-                                                   Body::Encoding::kBig};
 
 /// Every number type, unknown elements and properties, lists between numbers, a quadrangle and a triangle.
 std::string rich_file(Body::Encoding encoding) {
@@ -85,15 +45,6 @@ std::string rich_file(Body::Encoding encoding) {
          "property list uint8 float weights\nend_header\n" +
          body.text();
 }
-
-std::string header(const std::string& elements, const std::string& format = "ascii") {
-  return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
-}
-
-const std::string kTriangle =
-    "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-    "element face 1\nproperty list uchar int vertex_indices\n";
-const std::string kTriangleBody = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 
 }  // namespace
 
@@ -146,24 +97,6 @@ TEST_CASE("ply: faces may precede vertices") {
                          "3 2 1 0\n0 0 0\n1 0 0\n0 1 0\n")
                         .mesh;
   CHECK(mesh.triangles[0] == std::array<std::uint32_t, 3>{2, 1, 0});
-}
-
-TEST_CASE("ply: texture coordinates have several names and are flipped on request") {
-  for (const std::string_view names : {"uv", "st"}) {
-    for (const std::string prefix : {"", "texture_"}) {
-      std::string columns;
-      for (const char name : names) columns += "property float " + prefix + name + "\n";
-      const std::string text = header("element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" +
-                                      columns + "element face 1\nproperty list uchar int vertex_indices\n") +
-                               "0 0 0 .1 .2\n1 0 0 .3 .25\n0 1 0 nan .6\n3 0 1 2\n";
-      const Mesh mesh = read(text).mesh;
-      REQUIRE(mesh.uvs.size() == 3);
-      CHECK(mesh.uvs[1].x == 0.3f);
-      CHECK(mesh.uvs[1].y == 0.25f);
-      CHECK(mesh.uvs[2].x == 0.0f);
-      CHECK(read(text, true).mesh.uvs[1].y == 0.75f);
-    }
-  }
 }
 
 TEST_CASE("ply: incomplete normals are ignored and non-finite ones are missing") {
@@ -304,246 +237,6 @@ TEST_CASE("ply: truncated and randomly edited files give a mesh or an error") {
       });
     }
   }
-}
-
-namespace {
-
-/// A triangle whose vertices and face have additional properties. All rows have equal `values`.
-template <class... V, class... F>
-MeshFile with_attributes(const std::string& vertex_columns, std::tuple<V...> vertex, const std::string& face_columns,
-                         std::tuple<F...> face, Body::Encoding encoding = Body::Encoding::kAscii) {
-  Body body(encoding);
-  for (const int corner : {0, 1, 2}) {
-    body.put(float(corner == 1)).put(float(corner == 2)).put(0.0f);
-    std::apply([&](auto... value) { (body.put(value), ...); }, vertex);
-  }
-  body.put<std::uint8_t>(3).put(0).put(1).put(2);
-  std::apply([&](auto... value) { (body.put(value), ...); }, face);
-  return read("ply\n" + body.format() + "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n" +
-              vertex_columns + "element face 1\nproperty list uchar int vertex_indices\n" + face_columns +
-              "end_header\n" + body.text());
-}
-
-/// "property T a", "property T b" ... for the names in "a b ...".
-std::string columns(const std::string& type, const std::string& names) {
-  std::string text;
-  std::istringstream words(names);
-  for (std::string name; words >> name;) text += "property " + type + " " + name + "\n";
-  return text;
-}
-
-}  // namespace
-
-TEST_CASE("ply: attributes are named after their properties") {
-  const auto names = [](const std::string& first, const std::string& second, const std::string& third) {
-    const MeshFile file = with_attributes(columns("float", first + " " + second + " " + third),
-                                          std::tuple(0.25f, 0.5f, 0.75f), "", std::tuple());
-    std::string found;
-    for (const Mesh::Attribute& a : file.mesh.attributes) {
-      found += (found.empty() ? "" : " ") + a.name + ":" + std::to_string(a.channels);
-      CHECK(a.values.size() == 3 * static_cast<std::size_t>(a.channels));
-      CHECK(a.values[0] == a.values[static_cast<std::size_t>(a.channels)]);
-    }
-    return found;
-  };
-  CHECK(names("r", "g", "b") == "vertex_color:3");
-  CHECK(names("red", "green", "blue") == "vertex_color:3");
-  CHECK(names("b", "r", "g") == "vertex_color:3");
-  CHECK(names("foo_r", "foo_g", "foo_b") == "vertex_foo_color:3");
-  CHECK(names("foo_x", "foo_y", "foo_z") == "vertex_foo:3");
-  CHECK(names("my_long_0", "my_long_1", "my_long_2") == "vertex_my_long:3");
-  CHECK(names("a_1", "a_2", "a_3") == "vertex_a:3");
-  CHECK(names("a_0", "b_x", "c_r") == "vertex_a:1 vertex_b:1 vertex_c_color:1");
-  CHECK(names("a_x", "b_x", "a_y") == "vertex_a:1 vertex_b:1");
-  CHECK(names("quality", "flags", "a_q") == "");
-  CHECK(names("red", "green", "alpha") == "");
-  CHECK(names("s", "t", "a_x") == "vertex_a:1");
-  CHECK(names("_x", "x_", "a_xy") == "");
-}
-
-TEST_CASE("ply: attributes of vertices and faces are read in every encoding") {
-  for (const Body::Encoding encoding : kEncodings) {
-    const MeshFile file = with_attributes(
-        columns("float", "b g") + columns("double", "r temperature_0") + "property list uchar int tags\n",
-        std::tuple(0.75f, 0.5f, 0.25, 300.0, std::uint8_t{2}, 7, 8), columns("float", "q_x q_y q_z r g b"),
-        std::tuple(1.0f, 2.0f, 3.0f, 0.125f, 0.25f, 0.5f), encoding);
-    REQUIRE(file.warnings.size() == 1);
-    CHECK(contains(file.warnings[0], "element 'vertex': property 'tags' not understood: left out"));
-    REQUIRE(file.mesh.attributes.size() == 4);
-    CHECK(file.mesh.attributes[0].values == std::vector<float>{.25f, .5f, .75f, .25f, .5f, .75f, .25f, .5f, .75f});
-    CHECK(file.mesh.attributes[1].name == "vertex_temperature");
-    CHECK(file.mesh.attributes[1].values == std::vector<float>{300, 300, 300});
-    CHECK(file.mesh.attributes[2].name == "face_color");
-    CHECK(file.mesh.attributes[2].values == std::vector<float>{0.125f, 0.25f, 0.5f});
-    CHECK(file.mesh.attributes[3].name == "face_q");
-    CHECK(file.mesh.attributes[3].values == std::vector<float>{1, 2, 3});
-  }
-}
-
-TEST_CASE("ply: integer attributes are sRGB fractions of their maximum and non-finite ones are zero") {
-  const auto first = [](const std::string& type, auto value) {
-    const MeshFile file = with_attributes(columns(type, "r g b"), std::tuple(value, value, value), "", std::tuple());
-    return double(file.mesh.attributes.at(0).values.at(0));
-  };
-  CHECK(first("uchar", std::uint8_t{255}) == 1.0);
-  CHECK(first("uchar", std::uint8_t{128}) == doctest::Approx(0.21586).epsilon(1e-4));
-  CHECK(first("ushort", std::uint16_t{32768}) == doctest::Approx(0.21404809).epsilon(1e-6));  // value of Mitsuba 3.9
-  CHECK(first("int", 32768) == doctest::Approx(1.1810208e-06).epsilon(1e-6));                 // value of Mitsuba 3.9
-  CHECK(first("char", std::int8_t{-100}) == doctest::Approx(-0.06094439).epsilon(1e-6));      // value of Mitsuba 3.9
-  CHECK(first("float", 7.5f) == 7.5);
-  CHECK(first("float", std::numeric_limits<float>::quiet_NaN()) == 0.0);
-  CHECK(first("double", 1e300) == 0.0);
-}
-
-TEST_CASE("ply: unusable attributes are dropped with a warning") {
-  const MeshFile two = with_attributes(columns("float", "a_x a_y"), std::tuple(1.0f, 2.0f), "", std::tuple());
-  CHECK(two.mesh.attributes.empty());
-  REQUIRE(two.warnings.size() == 1);
-  CHECK(contains(two.warnings[0], "attribute 'vertex_a' has 2 channels, expected 1 or 3"));
-  const MeshFile twice =
-      with_attributes(columns("float", "a_x b_x a_0"), std::tuple(1.0f, 2.0f, 3.0f), "", std::tuple());
-  REQUIRE(twice.mesh.attributes.size() == 2);
-  CHECK(twice.mesh.attributes[0].values[0] == 1.0f);
-  REQUIRE(twice.warnings.size() == 1);
-  CHECK(contains(twice.warnings[0], "'vertex_a' appears twice"));
-}
-
-TEST_CASE("ply: attributes of polygons are copied to their triangles") {
-  const std::string points = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
-  const std::string faces = "property list uchar int vertex_indices\nproperty float id_0\n";
-  const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
-  const MeshFile file =
-      read(header(points + "element face 4\n" + faces) + square + "4 0 1 2 3 5\n2 0 1 6\n3 0 1 2 7\n3 1 2 3 8\n");
-  REQUIRE(file.mesh.attributes.size() == 1);
-  CHECK(file.mesh.attributes[0].values == std::vector<float>{5, 5, 7, 8});
-  for (const bool strips_first : {true, false}) {
-    const std::string strips = "element tristrips 1\nproperty list uchar int vertex_indices\n";
-    const std::string face = "element face 1\n" + faces;
-    const MeshFile mixed = read(header(points + (strips_first ? strips + face : face + strips)) + square +
-                                (strips_first ? "4 0 1 2 3\n3 0 1 2 9\n" : "3 0 1 2 9\n4 0 1 2 3\n"));
-    CHECK(mixed.mesh.attributes.at(0).values ==
-          (strips_first ? std::vector<float>{0, 0, 9} : std::vector<float>{9, 0, 0}));
-  }
-}
-
-TEST_CASE("ply: unknown properties are listed in one warning for each element") {
-  CHECK(read(header(kTriangle) + kTriangleBody).warnings.empty());
-  std::string elements = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n", row = "0 0 0";
-  for (int i = 0; i < 100; ++i) {
-    elements += "property float quality" + std::to_string(i) + std::string(200, 'q') + "\n";
-    row += " 1";
-  }
-  elements += "element face 1\nproperty list uchar int vertex_indices\n";
-  const MeshFile many = read(header(elements) + row + "\n" + row + "\n" + row + "\n3 0 1 2\n");
-  REQUIRE(many.warnings.size() == 1);
-  CHECK(contains(many.warnings[0], "'quality0qqq"));
-  CHECK(contains(many.warnings[0], " and 88 more not understood"));
-  CHECK(many.warnings[0].size() < 700);
-}
-
-namespace {
-
-const std::string kCornerUvs = "property list uchar float texcoord\n";
-
-/// A square of two triangles with the lists of texture coordinates `first` and `second` after their corners.
-std::string square(const std::string& first, const std::string& second, const std::string& vertex_uvs = "") {
-  const bool has_uvs = !vertex_uvs.empty();
-  return header("element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" +
-                (has_uvs ? std::string("property float u\nproperty float v\n") : "") +
-                "element face 2\nproperty list uchar int vertex_indices\n" + kCornerUvs) +
-         "0 0 0" + vertex_uvs + "\n1 0 0" + vertex_uvs + "\n1 1 0" + vertex_uvs + "\n0 1 0" + vertex_uvs +
-         "\n3 0 1 2 " + first + "\n3 0 2 3 " + second + "\n";
-}
-
-/// u and v of the corners of a triangle.
-std::vector<float> corner_uvs(const Mesh& mesh, std::size_t triangle) {
-  std::vector<float> uvs;
-  for (const std::uint32_t vertex : mesh.triangles.at(triangle)) {
-    uvs.push_back(mesh.uvs.at(vertex).x);
-    uvs.push_back(mesh.uvs.at(vertex).y);
-  }
-  return uvs;
-}
-
-}  // namespace
-
-TEST_CASE("ply: vertices are shared where texture coordinates of corners agree and split elsewhere") {
-  const MeshFile same = read(square("6 0 0 1 0 1 1", "6 0 0 1 1 0 1"));
-  CHECK(same.mesh.positions.size() == 4);
-  CHECK(corner_uvs(same.mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
-  CHECK(corner_uvs(same.mesh, 1) == std::vector<float>{0, 0, 1, 1, 0, 1});
-  CHECK(same.warnings.empty());
-  const MeshFile seam = read(square("6 0 0 .5 0 .5 1", "6 .5 0 1 1 .5 1"), true);
-  CHECK(seam.mesh.positions.size() == 6);
-  CHECK(corner_uvs(seam.mesh, 0) == std::vector<float>{0, 1, 0.5f, 1, 0.5f, 0});
-  CHECK(corner_uvs(seam.mesh, 1) == std::vector<float>{0.5f, 1, 1, 0, 0.5f, 0});
-  CHECK(seam.is_split);
-  for (std::size_t t = 0; t < 2; ++t) CHECK(area_normal(seam.mesh, t) == Vec3f{0, 0, 1});
-  CHECK(seam.mesh.positions[seam.mesh.triangles[1][1]] == Vec3f{1, 1, 0});
-}
-
-TEST_CASE("ply: texture coordinates of corners override those of vertices unless no face has any") {
-  CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 1) == std::vector<float>(6, 0));
-  CHECK(corner_uvs(read(square("6 0 0 1 0 1 1", "0", " 7 7")).mesh, 0) == std::vector<float>{0, 0, 1, 0, 1, 1});
-  const MeshFile none = read(square("0", "0", " 7 7"));
-  CHECK(corner_uvs(none.mesh, 0) == std::vector<float>(6, 7));
-  CHECK_FALSE(none.is_split);
-  CHECK(read(square("0", "0")).mesh.uvs.empty());
-}
-
-TEST_CASE(
-    "ply: texture coordinates of corners are read in binary and before the indices and with attributes and strips") {
-  for (const Body::Encoding encoding : kEncodings) {
-    Body body(encoding);
-    for (const float c : {0.f, 0.f, 0.f, 10.f, 1.f, 0.f, 0.f, 11.f, 1.f, 1.f, 0.f, 12.f, 0.f, 1.f, 0.f, 13.f})
-      body.put(c);
-    body.put<std::uint8_t>(4).put(1).put(0).put(3).put(2);  // a strip
-    body.put<std::uint8_t>(8);
-    for (const double uv : {0., 0., 1., 0., 1., 1., 0., 1.}) body.put(uv);
-    body.put<std::uint8_t>(4).put(0).put(1).put(2).put(3);
-    body.put<std::uint8_t>(4);
-    for (const double uv : {9., 9., 9., 9.}) body.put(uv);
-    body.put<std::uint8_t>(2).put(0).put(1);  // too short: dropped with its coordinates
-    body.put<std::uint8_t>(6);
-    for (const double uv : {0.25, 0., 1., 1., 0., 1.}) body.put(uv);
-    body.put<std::uint8_t>(3).put(0).put(2).put(3);
-    const MeshFile file = read(
-        "ply\n" + body.format() +
-        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float id_0\n"
-        "element tristrips 1\nproperty list uchar int vertex_indices\n"
-        "element face 3\nproperty list uchar double texcoord\nproperty list uchar int vertex_indices\nend_header\n" +
-        body.text());
-    const Mesh& mesh = file.mesh;
-    REQUIRE(mesh.triangles.size() == 5);
-    CHECK(corner_uvs(mesh, 0) == std::vector<float>(6, 0));
-    CHECK(corner_uvs(mesh, 2) == std::vector<float>{0, 0, 1, 0, 1, 1});
-    CHECK(corner_uvs(mesh, 3) == std::vector<float>{0, 0, 1, 1, 0, 1});
-    CHECK(corner_uvs(mesh, 4) == std::vector<float>{0.25f, 0, 1, 1, 0, 1});
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-      const Vec3f p = mesh.positions[i];
-      const float id = p.y > 0 ? (p.x > 0 ? 12.0f : 13.0f) : (p.x > 0 ? 11.0f : 10.0f);
-      CHECK(mesh.attributes.at(0).values.at(i) == id);
-    }
-  }
-}
-
-TEST_CASE("ply: lists of texture coordinates of the wrong length are errors and NaN counts as 0") {
-  CHECK(contains(
-      error_in(square("6 0 0 1 0 1 1", "4 0 0 1 1")),
-      "mesh.ply:16: row 1 of element 'face' (2 rows): list 'texcoord' has 4 numbers, expected two for each of 3 "
-      "corners"));
-  CHECK(contains(error_in(square("5 0 0 1 0 1", "0")), "has 5 numbers, expected two for each corner"));
-  CHECK(contains(error_in(square("6 0 0 1 0 1 1", "200 0 0")), "truncated"));
-  CHECK(corner_uvs(read(square("6 0 0 nan 0 1 inf", "0")).mesh, 0) == std::vector<float>{0, 0, 0, 0, 0, 0});
-}
-
-TEST_CASE("ply: the comment TextureFile names a texture and may contain spaces") {
-  const auto texture = [](const std::string& comment) {
-    return read(header(comment + kTriangle) + kTriangleBody).texture;
-  };
-  CHECK(texture("comment TextureFile my picture.png\ncomment TextureFile other.png\n") == "my picture.png");
-  CHECK(texture("comment TextureFile\n").empty());
-  CHECK(texture("comment texture a.png\n").empty());
 }
 
 }  // namespace sheaf::test_ply

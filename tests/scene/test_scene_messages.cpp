@@ -142,7 +142,7 @@ TEST_CASE("messages: unreadable environment maps are errors with line and file n
   write_below(folder, "empty.exr", "");
   write_below(folder, "empty.hdr", "");
   write_below(folder, "broken.exr", "v/1\x01 and so on");
-  write_below(folder, "text.png", "no picture");
+  write_below(folder, "text.png", "no image");
   Image depth(2, 2, {"Q", "P"});
   write_exr(folder / "channels.exr", depth);
   std::filesystem::create_directory(folder / "folder.exr");

@@ -1,7 +1,13 @@
-// Sensors of Mitsuba beyond perspective cameras: descriptions, defaults, and errors with the nearest name.
+// Sensors, films, pixel filters and samplers of Mitsuba: parameters, defaults, and errors with the nearest name.
+#include "tests/support/capture.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
 
 namespace sheaf::test_sensor_reading {
 
@@ -22,9 +28,148 @@ std::string sensor_error(const std::string& type, const std::string& inside) {
   return error_of_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
 }
 
+Description with_perspective(const std::string& inside) { return with_sensor("perspective", inside); }
+
+Description with_film(const std::string& inside) {
+  return with_perspective("<film type='hdrfilm'>" + inside + "</film>");
+}
+
 bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
+
+TEST_CASE("Mitsuba: perspective sensors have the documented parameters") {
+  using Axis = CameraDescription::FovAxis;
+  const Description d = with_perspective(
+      "<float name='fov' value='40'/><string name='fovAxis' value='smaller'/><float name='nearClip' value='1'/>"
+      "<float name='far_clip' value='5'/><float name='principal_point_offset_x' value='0.1'/>"
+      "<transform name='toWorld'><lookat origin='1,2,3' target='1,2,4' up='0,1,0'/></transform>");
+  CHECK(d.camera.fov == 40);
+  CHECK(d.camera.fov_axis == Axis::kSmaller);
+  CHECK(d.camera.to_world.point({0, 0, 1}) == Vec3f{1, 2, 4});
+  CHECK(d.camera.near_clip == 1);
+  CHECK(d.camera.far_clip == 5);
+  CHECK(d.camera.principal_point_x == 0.1f);
+  CHECK(d.camera.principal_point_y == 0);
+  for (const auto& [name, axis] :
+       {std::pair{"x", Axis::kX}, {"y", Axis::kY}, {"diagonal", Axis::kDiagonal}, {"larger", Axis::kLarger}}) {
+    const Description e =
+        with_perspective(std::string("<float name='fov' value='40'/><string name='fov_axis' value='") + name + "'/>");
+    CHECK(e.camera.fov_axis == axis);
+  }
+  for (const char* length : {"<string name='focal_length' value='85mm'/>", "<string name='focalLength' value='85'/>",
+                             "<float name='focal_length' value='85'/>"}) {
+    const Description e = with_perspective(length);
+    CHECK(e.camera.fov == doctest::Approx(2 * std::atan(std::hypot(36.0, 24.0) / 170) * 180 / std::numbers::pi));
+    CHECK(e.camera.fov_axis == Axis::kDiagonal);
+  }
+  const Description two = read_text(mitsuba_scene("<sensor type='perspective'/>",
+                                                  "<sensor type='perspective'><film "
+                                                  "type='hdrfilm'><integer name='width' value='8'/></film></sensor>"));
+  CHECK(two.film.width == 8);
+  REQUIRE(two.notes.size() == 1);
+  CHECK(contains(two.notes[0], "scene.xml:4: "));
+}
+
+TEST_CASE("Mitsuba: thin-lens and orthographic sensors are read") {
+  const auto sensor = [](const std::string& type, const std::string& inside) {
+    return read_text(mitsuba_scene("", "<sensor type='" + type + "'>" + inside + "</sensor>"));
+  };
+  const Description lens = sensor("thinlens",
+                                  "<float name='aperture_radius' value='0.5'/><float name='fov' value='40'/>"
+                                  "<float name='focus_distance' value='7'/>");
+  CHECK(lens.camera.projection == CameraDescription::Projection::kPerspective);
+  CHECK(lens.camera.fov == 40);
+  CHECK(lens.camera.aperture_radius == 0.5f);
+  CHECK(lens.camera.focus_distance == 7);
+  CHECK(sensor("thinlens", "<float name='aperture_radius' value='0'/>").camera.focus_distance == 10'000);
+  const Description parallel = sensor("orthographic", "<float name='near_clip' value='1'/>");
+  CHECK(parallel.camera.projection == CameraDescription::Projection::kOrthographic);
+  CHECK(parallel.camera.near_clip == 1);
+  CHECK(parallel.camera.far_clip == 10'000);
+}
+
+TEST_CASE("Mitsuba: films and filters have the documented parameters") {
+  const Description d = with_film(
+      "<integer name='width' value='100'/><integer name='height' value='50'/><integer name='crop_offset_x' value='10'/>"
+      "<integer name='cropOffsetY' value='5'/><integer name='crop_width' value='20'/><integer name='crop_height' "
+      "value='45'/><string name='pixel_format' value='rgb'/><string name='componentFormat' value='float32'/><boolean "
+      "name='banner' value='false'/><boolean name='sample_border' value='true'/><string name='file_format' "
+      "value='openexr'/><boolean name='highQualityEdges' value='true'/>");
+  REQUIRE(d.film.crop.has_value());
+  CHECK(d.film.crop->x0 == 10);
+  CHECK(d.film.crop->y0 == 5);
+  CHECK(d.film.crop->width() == 20);
+  CHECK(d.film.crop->height() == 45);
+  CHECK(d.notes.empty());
+  // Each property of the crop window alone. Missing ones extend to the rest of the film.
+  const auto check_crop = [](const char* name, PixelRect expected) {
+    CAPTURE(std::string(name));
+    const Description cropped =
+        with_film("<integer name='width' value='100'/><integer name='height' value='50'/><integer name='" +
+                  std::string(name) + "' value='10'/>");
+    REQUIRE(cropped.film.crop.has_value());
+    const PixelRect& crop = *cropped.film.crop;
+    CHECK(crop.x0 == expected.x0);
+    CHECK(crop.y0 == expected.y0);
+    CHECK(crop.x1 == expected.x1);
+    CHECK(crop.y1 == expected.y1);
+  };
+  check_crop("crop_offset_x", {10, 0, 100, 50});
+  check_crop("crop_offset_y", {0, 10, 100, 50});
+  check_crop("crop_width", {0, 0, 10, 50});
+  check_crop("crop_height", {0, 0, 100, 10});
+  CHECK_FALSE(with_film("").film.crop.has_value());
+  using Kind = PixelFilter::Kind;
+  struct Case {
+    const char* text;
+    Kind kind;
+    float radius;
+  };
+  const Case cases[] = {
+      {"<rfilter type='box'/>", Kind::kBox, 0.5f},
+      {"<rfilter type='tent'/>", Kind::kTent, 1},
+      {"<rfilter type='tent'><float name='radius' value='2'/></rfilter>", Kind::kTent, 2},
+      {"<rfilter type='gaussian'/>", Kind::kGaussian, 2},
+      {"<rfilter type='gaussian'><float name='stddev' value='1'/></rfilter>", Kind::kGaussian, 4},
+      {"<rfilter type='mitchell'><float name='B' value='0.5'/></rfilter>", Kind::kMitchell, 2},
+      {"<rfilter type='catmullrom'/>", Kind::kCatmullRom, 2},
+      {"<rfilter type='lanczos'/>", Kind::kLanczos, 3},
+      {"<rfilter type='lanczos'><integer name='lobes' value='2'/></rfilter>", Kind::kLanczos, 2},
+  };
+  for (const Case& c : cases) {
+    CAPTURE(std::string(c.text));
+    const PixelFilter filter = with_film(c.text).film.filter;
+    CHECK(filter.kind == c.kind);
+    CHECK(filter.radius == c.radius);
+  }
+  for (const char* film : {"ldrfilm", "mfilm", "tiledhdrfilm"})
+    CHECK(with_perspective(std::string("<film type='") + film + "'><float name='gamma' value='2.2'/></film>")
+              .film.width == 768);
+}
+
+TEST_CASE("Mitsuba: samplers are mapped to those of Sheaf") {
+  const std::string properties = "<integer name='sampleCount' value='16'/><integer name='seed' value='7'/></sampler>";
+  for (const auto& [name, kind] : {std::pair{"independent", SamplerKind::kIndependent},
+                                   {"stratified", SamplerKind::kStratified},
+                                   {"multijitter", SamplerKind::kMultijitter},
+                                   {"sobol", SamplerKind::kSobol},
+                                   {"zsobol", SamplerKind::kZSobol}}) {
+    const Description d = with_perspective(std::string("<sampler type='") + name + "'>" + properties);
+    CHECK(d.sampler.kind == kind);
+    CHECK(d.sampler.sample_count == 16);
+    CHECK(d.sampler.seed == 7);
+    CHECK(d.notes.empty());
+  }
+  for (const char* name : {"ldsampler", "orthogonal", "halton", "hammersley"}) {
+    const Description d = with_perspective(std::string("<sampler type='") + name +
+                                           "'><integer name='dimension' value='8'/>" + properties);
+    CHECK(d.sampler.kind == SamplerKind::kSobol);
+    CHECK(d.sampler.sample_count == 16);
+    REQUIRE(d.notes.size() == 1);
+    CHECK(contains(d.notes[0], std::string("sampler '") + name + "' is rendered with 'sobol'"));
+  }
+}
 
 TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
   CHECK(with_sensor("spherical", "").camera.projection == Projection::kSpherical);

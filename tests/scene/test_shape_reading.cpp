@@ -1,6 +1,6 @@
 // Shapes and textures that refer to files or other shapes: curves, hair, height fields, merged shapes.
 #include "scene/compile/compile.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>

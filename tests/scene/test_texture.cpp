@@ -7,7 +7,7 @@
 #include "scene/compile/texture_image.h"
 #include "tests/support/capture.h"
 #include "tests/support/contains.h"
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 
 #include <doctest/doctest.h>
 
@@ -255,7 +255,7 @@ TEST_CASE("texture: unreadable files are errors with the line of the scene") {
   CHECK(contains(missing, "texture 'wood'"));
   CHECK(contains(missing, "none.png: image file not found"));
   CHECK(contains(compile_error({bitmap(folder.path())}), "image file not found"));
-  write_bytes(folder / "text.png", "not a picture");
+  write_bytes(folder / "text.png", "not an image");
   CHECK(contains(compile_error({bitmap(folder / "text.png")}), "scene.xml:12: "));
   write_bytes(folder / "empty.png", "");
   CHECK(contains(compile_error({bitmap(folder / "empty.png")}), "empty.png: "));

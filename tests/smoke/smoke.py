@@ -146,7 +146,7 @@ def check_scenes(arguments, folder, failures):
     """Renders a few pixels in the middle of every scene with few photons, in both or alternating colour modes."""
     check_origins(arguments, folder, failures)
     make_scenes(arguments, folder, failures)
-    sheaf, picture, stats = arguments.build / "sheaf", folder / "picture.exr", folder / "stats.json"
+    sheaf, image, stats = arguments.build / "sheaf", folder / "image.exr", folder / "stats.json"
     scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)
                     if "generated" not in f.parts)
     for i, scene in enumerate(scenes):
@@ -160,21 +160,21 @@ def check_scenes(arguments, folder, failures):
         few = [f"-D{count}=1000" for count in ("photons", "caustic_photons", "volume_photons")
                if f'"${count}"' in scene.read_text()]
         for color in [("rgb", "spectral")[i % 2]] if arguments.one_color else ("rgb", "spectral"):
-            good, output = run([sheaf, "render", scene, "-o", picture, "--spp", "1", "--color", color, "--crop",
+            good, output = run([sheaf, "render", scene, "-o", image, "--spp", "1", "--color", color, "--crop",
                                 f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few], folder)
             if not good:
                 failures.add(f"render {name} --color {color}", output)
             elif any(json.loads(stats.read_text())["dropped"].values()):
                 failures.add(f"render {name} --color {color}", "samples were dropped:\n" + stats.read_text())
-    check_layers(sheaf, picture, folder, failures)
+    check_layers(sheaf, image, folder, failures)
 
 
-def check_layers(sheaf, picture, folder, failures):
+def check_layers(sheaf, image, folder, failures):
     """Renders one scene with all layers, and checks that `info` lists them."""
     for color in ("rgb", "spectral"):
-        good, output = run([sheaf, "render", "scenes/cornell/cornell.xml", "-o", picture, "--spp", "2", "--color", color,
+        good, output = run([sheaf, "render", "scenes/cornell/cornell.xml", "-o", image, "--spp", "2", "--color", color,
                             "--scale", "0.05", "--aov", "all", "--light-groups", "--quiet"], folder)
-        good_info, told = run([sheaf, "info", picture], folder)
+        good_info, told = run([sheaf, "info", image], folder)
         if not good or not good_info or "albedo.R (half)" not in told or "CryptoObject02.a (float)" not in told:
             failures.add(f"render with all layers --color {color}", output + told)
 
@@ -254,7 +254,7 @@ def check_benchmarks(arguments, folder, failures):
     if not good:
         return failures.add("sheaf_bench", output)
     benchmarks = json.loads(report.read_text())["benchmarks"]
-    nothing_to_do = ("no items reach this stage", "the scene has no use for this stage")
+    nothing_to_do = ("no items reach this stage", "the scene does not use this stage")
     idle = [b for b in benchmarks if b.get("error_message") in nothing_to_do]
     print(f"{len(benchmarks)} benchmarks, {len(idle)} of them without items: {', '.join(b['name'] for b in idle)}")
     if len(benchmarks) == len(idle):

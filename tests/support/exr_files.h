@@ -2,7 +2,7 @@
 // chromaticities, channels and parts that write_exr() does not support.
 #pragma once
 
-#include "tests/support/picture_files.h"
+#include "tests/support/image_files.h"
 
 #include <algorithm>
 #include <array>

@@ -24,7 +24,7 @@ inline constexpr NamedStrategy kLightStrategies[] = {
     {LightStrategy::kMis, "path"}, {LightStrategy::kBsdfOnly, "path_mats"}, {LightStrategy::kLightOnly, "path_ems"}};
 
 /// An image of 32 x 32 pixels with independent samples.
-inline Description picture_of_one_point(int samples) {
+inline Description one_point_scene(int samples) {
   Description d = empty_scene(32, 32);
   d.sampler.kind = SamplerKind::kIndependent;
   d.sampler.sample_count = static_cast<std::uint32_t>(samples);

@@ -253,7 +253,7 @@ inline std::string dump(const LightDescription& light) {
                               << dump(v.irradiance);
                         },
                         [&](const GoniometricLightDescription& v) {
-                          out << "goniometric " << dump(v.intensity) << " picture " << dump(v.picture) << ' '
+                          out << "goniometric " << dump(v.intensity) << " image " << dump(v.image) << ' '
                               << dump(v.to_world);
                         },
                         [&](const ProjectorDescription& v) {

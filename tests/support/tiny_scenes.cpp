@@ -25,6 +25,14 @@ MaterialId add_material(Description& d, const decltype(MaterialDescription::mode
   return static_cast<MaterialId>(d.materials.size() - 1);
 }
 
+TextureId add_checkerboard(Description& d, Vec3f first, Vec3f second) {
+  const auto rgb = [](Vec3f v) { return SpectrumDescription{SpectrumDescription::Rgb{v}}; };
+  TextureDescription texture;
+  texture.model = CheckerboardDescription{rgb(first), rgb(second)};
+  d.textures.push_back(texture);
+  return static_cast<TextureId>(d.textures.size() - 1);
+}
+
 ShapeDescription& add_shape(Description& d, const decltype(ShapeDescription::geometry)& geometry,
                             const Transform& to_world, std::optional<MaterialId> material) {
   ShapeDescription shape;

@@ -77,7 +77,7 @@ TEST_CASE("farm: frames are rendered in parts and merged whatever the file names
                    cut.parts + " --submit --time 1:00 --partition 'a b' -- " + options);
     INFO(made.err);
     REQUIRE(made.code == 0);
-    CHECK(contains(made.out, "frame 9: parts are job 7, joining them is job 7"));
+    CHECK(contains(made.out, "frame 9: parts are job 7, merging is job 7"));
     for (const std::string frame : {"9", "10"}) {
       const std::string number = frame == "9" ? "0009" : "0010";
       REQUIRE(farm.sheaf("render " + scene + " --quiet -o whole.exr -o whole.png --replicates 3 -D frame=" + frame +
@@ -158,16 +158,16 @@ TEST_CASE("farm: invalid requests are usage errors and write nothing") {
     CHECK(!std::filesystem::exists(farm.here / "jobs"));
     return made.err;
   };
-  CHECK(contains(error("--parts 65"), "64 samples per pixel cannot be cut into 65 parts"));
-  CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sets"));
-  CHECK(contains(error("--parts 17 --tiles"), "16 rows"));
-  CHECK(contains(error("--parts 900 -- --spp 1700"), "1700 sets (--replicates), at most 1024"));
+  CHECK(contains(error("--parts 65"), "64 samples per pixel cannot be split into 65 parts"));
+  CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sample sets"));
+  CHECK(contains(error("--parts 17 --tiles"), "16 pixel rows"));
+  CHECK(contains(error("--parts 900 -- --spp 1700"), "1700 sample sets (--replicates), expected at most 1024"));
   for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:3", "a:b", "1:99999999"})
     CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
   CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));
   CHECK(contains(error("--parts 2 -- --denoise nlm"), "sheaf denoise"));
-  CHECK(contains(error("--parts 2 -- --noise-target 0.1"), "each part would judge itself"));
-  CHECK(contains(error("--parts 2 -- -o x.exr"), "--output of its own"));
+  CHECK(contains(error("--parts 2 -- --noise-target 0.1"), "rendered independently"));
+  CHECK(contains(error("--parts 2 -- -o x.exr"), "the --output of 'sheaf farm'"));
   CHECK(contains(error("--parts 2 -- --integrator ptracer"), "ptracer"));
   CHECK(contains(error("--parts 2 -- --sppp 3"), "--sppp"));
   CHECK(contains(error("--parts 2 -- -D no=1", 3), "no"));

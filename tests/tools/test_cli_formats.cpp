@@ -27,11 +27,11 @@ constexpr Reader kSceneReaders[] = {
     {"render FILE --lenient --quiet -o out.exr", "expected a scene of Mitsuba or Nori"},
     {"info FILE", "expected a scene of Mitsuba or Nori"},
     {"farm FILE --parts 2 --quiet", "expected a scene of Mitsuba or Nori"}};
-constexpr Reader kPictureReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR image"},
-                                      {"merge FILE --quiet -o out.exr", "expected an OpenEXR image"},
-                                      {"compare FILE FILE", "expected a picture"},
-                                      {"compare picture.exr FILE", "expected a picture"},
-                                      {"compare picture.exr picture.exr --variance-a FILE", "expected a picture"}};
+constexpr Reader kImageReaders[] = {{"denoise FILE --quiet -o out.exr", "expected an OpenEXR image"},
+                                    {"merge FILE --quiet -o out.exr", "expected an OpenEXR image"},
+                                    {"compare FILE FILE", "expected an image"},
+                                    {"compare image.exr FILE", "expected an image"},
+                                    {"compare image.exr image.exr --variance-a FILE", "expected an image"}};
 
 std::string with_file(const Reader& reader, const std::string& file) {
   std::string arguments = reader.arguments;
@@ -62,7 +62,7 @@ const std::vector<Foreign>& foreign_files() {
       {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
       {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
       {"a.nvdb", "NanoVDB2", "a NanoVDB file", "use it in a scene"},
-      {"a.mtl", "newmtl x\n", "a library of materials", "use it in a scene"},
+      {"a.mtl", "newmtl x\n", "a material library", "use it in a scene"},
       {"a.zip", "PK\x03\x04\0"s, "a ZIP archive", "unpack"}};
   return files;
 }
@@ -70,8 +70,8 @@ const std::vector<Foreign>& foreign_files() {
 struct Workplace {
   Workplace() {
     write_bytes(folder / "scene.xml", test::kScene);
-    write_exr(folder / "picture.exr", Image(4, 4, {"R", "G", "B"}));
-    write_png(folder / "picture.png", Image(4, 4, {"R", "G", "B"}));
+    write_exr(folder / "image.exr", Image(4, 4, {"R", "G", "B"}));
+    write_png(folder / "image.png", Image(4, 4, {"R", "G", "B"}));
   }
   /// Checks for a message in one line that begins with the names of the program and of the file.
   void check_refused(const std::string& arguments, const std::string& file, const std::string& expected) const {
@@ -102,24 +102,24 @@ TEST_CASE("formats: foreign files are errors that name the format and how to con
   write_bytes(place.folder / "broken.glb", "nothing of the kind");
   for (const char* const file : {"a.glb", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.glb"}) {
     for (const Reader& reader : kSceneReaders) place.check_refused(with_file(reader, file), file, reader.expected);
-    for (const Reader& reader : kPictureReaders) place.check_refused(with_file(reader, file), file, reader.expected);
+    for (const Reader& reader : kImageReaders) place.check_refused(with_file(reader, file), file, reader.expected);
   }
 }
 
 TEST_CASE("formats: images are rejected as scenes and images without layers are not denoised or merged") {
   const Workplace place;
-  for (const char* const file : {"picture.png", "picture.exr"})
+  for (const char* const file : {"image.png", "image.exr"})
     for (const Reader& reader : kSceneReaders)
-      if (!std::string(reader.arguments).starts_with("info") || std::string(file) == "picture.png")
+      if (!std::string(reader.arguments).starts_with("info") || std::string(file) == "image.png")
         place.check_refused(with_file(reader, file), file, "image, expected a scene of Mitsuba or Nori");
-  for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
-    place.check_refused(with_file(reader, "picture.png"), "picture.png",
-                        "is a PNG image, expected an OpenEXR image, as 'sheaf render -o NAME.exr' writes it; other "
-                        "formats lack the layers");
+  for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
+    place.check_refused(with_file(reader, "image.png"), "image.png",
+                        "is a PNG image, expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'; other "
+                        "formats lack the required layers");
   // Scenes are not images.
-  for (const Reader& reader : {kPictureReaders[0], kPictureReaders[1]})
+  for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
     place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
-                        "this is not an OpenEXR file, expected an OpenEXR image");
+                        "has an unknown format, expected an OpenEXR image");
 }
 
 TEST_CASE("formats: empty and malformed files are errors") {
@@ -128,34 +128,34 @@ TEST_CASE("formats: empty and malformed files are errors") {
     CAPTURE(std::string(file));
     write_bytes(place.folder / file, "");
     for (const Reader& reader : kSceneReaders) {
-      const bool is_picture = std::string(reader.arguments).starts_with("info") && std::string(file) == "e.exr";
+      const bool is_image = std::string(reader.arguments).starts_with("info") && std::string(file) == "e.exr";
       // Where the extension names a format, the reader of that format reports the error.
       const bool is_named = std::set<std::string>{"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized"}.count(file) > 0;
       place.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
-      if (is_picture) place.check_refused(with_file(reader, file), file, "expected an OpenEXR image");
+      if (is_image) place.check_refused(with_file(reader, file), file, "expected an OpenEXR image");
     }
-    for (const Reader& reader : kPictureReaders)
+    for (const Reader& reader : kImageReaders)
       place.check_refused(with_file(reader, file), file, "is empty, expected ");
   }
   write_bytes(place.folder / "b.exr", "nothing of the kind");
-  place.check_refused("info b.exr", "b.exr", "does not begin as an OpenEXR image does");
-  for (const Reader& reader : kPictureReaders)
-    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not begin as an OpenEXR image does");
+  place.check_refused("info b.exr", "b.exr", "does not start like an OpenEXR file");
+  for (const Reader& reader : kImageReaders)
+    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not start like an OpenEXR file");
   // Truncated at any length.
-  const std::string whole = read_bytes(place.folder / "picture.exr");
+  const std::string whole = read_bytes(place.folder / "image.exr");
   for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {
     CAPTURE(size);
     write_bytes(place.folder / "c.exr", whole.substr(0, size));
     const Outcome info = run(place.folder, "info c.exr");
     CHECK((info.code == 3 || info.code == 0));  // the header may be complete
     if (info.code == 3) CHECK(info.err.starts_with("sheaf: c.exr: "));
-    for (const Reader& reader : kPictureReaders) {
+    for (const Reader& reader : kImageReaders) {
       const Outcome outcome = run(place.folder, with_file(reader, "c.exr"));
       CHECK(outcome.code == 3);
       CHECK(outcome.err.starts_with("sheaf: c.exr: "));
     }
   }
-  const std::string png = read_bytes(place.folder / "picture.png");
+  const std::string png = read_bytes(place.folder / "image.png");
   write_bytes(place.folder / "c.png", png.substr(0, png.size() / 2));
   place.check_refused("compare c.png c.png", "c.png", "cannot read the image");
 }

@@ -114,7 +114,7 @@ TEST_CASE("memory: renders beyond the available memory have exit code 1 and leav
   const std::string whole = "render scene.xml --quiet -o out.exr --size 46000x46000";
   const Outcome film = run(folder, whole);
   CHECK(film.code == 1);
-  CHECK(contains(film.err, "not enough memory for a picture of 46000 x 46000 pixels: it takes "));
+  CHECK(contains(film.err, "not enough memory for an image of 46000 x 46000 pixels: it takes "));
   CHECK(contains(film.err, " GB for the film, "));
   CHECK(contains(film.err, "--crop"));
   CHECK(folder.entry_count() == 1);
@@ -134,7 +134,7 @@ TEST_CASE("memory: renders beyond the available memory have exit code 1 and leav
   CHECK(run(folder, "render scene.xml --quiet -o out.exr").code == 2);
   const Outcome info = run(folder, "info scene.xml");
   CHECK(info.code == 0);
-  CHECK(contains(info.out, "while loading; as it is the scene cannot be rendered: samples per pixel"));
+  CHECK(contains(info.out, "while loading; the scene cannot be rendered: samples per pixel"));
   CHECK(folder.entry_count() == 1);
 }
 
@@ -144,7 +144,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
   const TemporaryFolder folder;
   write_map(folder / "sky.exr", 4096, 2048);
   write_bytes(folder / "scene.xml", scene(24, 16, envmap("sky.exr")));
-  write_bytes(folder / "picture.xml",
+  write_bytes(folder / "image.xml",
               scene(24, 16,
                     "<shape type='sphere'><bsdf type='diffuse'><texture type='bitmap' name='reflectance'>"
                     "<string name='filename' value='sky.exr'/></texture></bsdf></shape>"));
@@ -163,7 +163,7 @@ TEST_CASE("memory: an address space limit is reported when memory runs out") {
     MESSAGE("skipped: no render succeeds under an address space limit");
     return;
   }
-  for (const char* name : {"scene.xml", "picture.xml"}) {
+  for (const char* name : {"scene.xml", "image.xml"}) {
     CAPTURE(std::string(name));
     const Outcome outcome = run(folder, "render " + std::string(name) + " --quiet -o big.exr", limited(megabytes));
     CAPTURE(outcome.err);

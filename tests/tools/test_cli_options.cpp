@@ -52,7 +52,7 @@ TEST_CASE("options: integers may be written as floats of integral value") {
     REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --spp " + std::string(spp)).code == 0);
     CHECK(place.attribute("sheaf/samplesPerPixel") == "16");
   }
-  for (const auto& [options, message] : {std::pair{"--spp 16.5", "--spp: '16.5' is not a whole number"},
+  for (const auto& [options, message] : {std::pair{"--spp 16.5", "--spp: '16.5' is not an integer"},
                                          {"--spp many", "--spp: 'many' is not a number"},
                                          {"--spp 0x10", "'0x10' is not a number"},
                                          {"--spp 1e400", "'1e400' is not a number"},
@@ -61,7 +61,7 @@ TEST_CASE("options: integers may be written as floats of integral value") {
                                          {"--threads 1e30", "'1e30' is too large"},
                                          {"--seed 4294967296", "not in range 0 to 4294967295"},
                                          {"--crop 0,0,99999999999,4", "--crop"},
-                                         {"--crop 0,0,4.5,4", "'4.5' is not a whole number"},
+                                         {"--crop 0,0,4.5,4", "'4.5' is not an integer"},
                                          {"--noise-target 2x", "'2x' is not a number"},
                                          {"--size 99999999999x4", "--size 99999999999x4: expected WxH"}}) {
     CAPTURE_BINDING(options);
@@ -98,11 +98,11 @@ TEST_CASE("options: times have units and shares may be percentages") {
 TEST_CASE("options: frames beyond the limits are rejected") {
   const Workplace place;
   for (const auto& [options, message] :
-       {std::pair{"--scale 119304648", "--scale 1.19305e+08 makes a frame of 2.86331e+09 x 1.90887e+09 pixels"},
-        {"--scale 1e30", "expected at most 1000000000 along each side"},
+       {std::pair{"--scale 119304648", "--scale 1.19305e+08 gives a frame of 2.86331e+09 x 1.90887e+09 pixels"},
+        {"--scale 1e30", "expected at most 1000000000 per side"},
         {"--size 1000000x1000000 --scale 2148", "expected at most 1000000000"},
-        {"--scale 2e7", "too large: expected 2^31 pixels at most"},
-        {"--size 1000000x1000000", "too large: expected 2^31 pixels at most"},
+        {"--scale 2e7", "too large (expected at most 2^31 pixels"},
+        {"--size 1000000x1000000", "too large (expected at most 2^31 pixels"},
         {"--size 1000001x1", "each from 1 to 1000000"},
         {"--crop -2147483648,0,2147483647,16", "reaches beyond the frame"},
         {"--crop 0,0,2147483647,2147483647", "reaches beyond the frame"},
@@ -120,7 +120,7 @@ TEST_CASE("options: frames beyond the limits are rejected") {
   write_bytes(place.folder / "scene.xml", scene);
   const Outcome wide = run(place.folder, "farm scene.xml --parts 1000 --tiles -- -D size=1000000000");
   CHECK(wide.code == 2);
-  CHECK(contains(wide.err, "1 rows of pixels cannot be cut into 1000 parts"));
+  CHECK(contains(wide.err, "1 pixel rows cannot be split into 1000 parts"));
   scene = kScene;
   scene.replace(scene.find("value=\"16\""), 10, "value=\"$size\"");
   scene.replace(scene.find("value=\"$size\""), 13, "value=\"1\"");
@@ -151,10 +151,10 @@ TEST_CASE("options: misplaced options name their command and only similar names 
   const Workplace place;
   for (const char* const arguments : {"--quiet render scene.xml", "--quiet", "--quiet=1 render"}) {
     CAPTURE(std::string(arguments));
-    CHECK(contains(run(place.folder, arguments).err, "' belongs behind its command: sheaf "));
+    CHECK(contains(run(place.folder, arguments).err, "' must follow its command: sheaf "));
   }
   CHECK(contains(run(place.folder, "--quiet render scene.xml").err,
-                 "option '--quiet' belongs behind its command: sheaf render --quiet"));
+                 "option '--quiet' must follow its command: sheaf render --quiet"));
   CHECK(contains(run(place.folder, "--qiet render scene.xml").err, "unknown option '--qiet'"));
   for (const char* const option : {"--env", "--fast", "--gpu", "--bounces", "--frobnicate"}) {
     CAPTURE(std::string(option));
@@ -191,7 +191,7 @@ TEST_CASE("options: layers that no output can hold are rejected") {
     CAPTURE(std::string(options));
     const Outcome outcome = run(place.folder, "render scene.xml --spp 1 -o out.png " + std::string(options));
     CHECK(outcome.code == 2);
-    CHECK(contains(outcome.err, "layers, which .exr files alone hold: add -o out.exr"));
+    CHECK(contains(outcome.err, "layers, which only .exr files can store: add -o out.exr"));
     CHECK(run(place.folder, "render scene.xml --spp 1 --quiet -o out.png -o out.exr " + std::string(options)).code ==
           0);
     std::filesystem::remove(place.folder / "out.png");
@@ -224,7 +224,7 @@ TEST_CASE("options: an unwritable standard output has exit code 4") {
 
 namespace {
 
-/// Each option that changes the picture, with a value that is not the standard.
+/// Each option that changes the image, with a value that is not the standard.
 const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"},
                                                                    {"color", "spectral"},
                                                                    {"spectral-bins", "4"},
@@ -257,7 +257,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"up", ""},
                                                                    {"fov", ""}};
 
-/// Options of the run, with which the same picture comes out.
+/// Options of the run, with which the same image comes out.
 const std::vector<std::pair<std::string, std::string>> kRuns = {
     {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
     {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},

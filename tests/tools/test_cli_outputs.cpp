@@ -38,8 +38,8 @@ struct Written {
 
 /// All kinds of files.
 const std::vector<Written> kWritten = {
-    {"picture.exr", "x.exr", "render scene.xml --quiet --spp 2 -o TO"},
-    {"picture.png", "x.png", "render scene.xml --quiet --spp 2 -o TO"},
+    {"image.exr", "x.exr", "render scene.xml --quiet --spp 2 -o TO"},
+    {"image.png", "x.png", "render scene.xml --quiet --spp 2 -o TO"},
     {"statistics", "x.json", "render scene.xml --quiet --spp 2 -o /tmp/sheaf_test_none.exr --stats TO"},
     {"checkpoint", "x.state", "render scene.xml --quiet --spp 2 -o /tmp/sheaf_test_none.exr --checkpoint TO --resume"},
     {"denoised.exr", "x.exr", "denoise noisy.exr --quiet -o TO"},

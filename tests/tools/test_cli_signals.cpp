@@ -161,7 +161,7 @@ TEST_CASE("a killed or interrupted render resumes from its checkpoint to the sam
   REQUIRE(std::filesystem::exists(folder / "part.state"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").code == 5);
   CHECK(contains(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").err,
-                 "--spp is '2999' now, and was '3000' then"));
+                 "--spp is '2999', but the checkpoint has '3000'"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 3000 --checkpoint part.state").code == 2);
   CHECK(run(folder, "render scene.xml --resume").code == 2);
   CHECK(run(folder, "render scene.xml --checkpoint scene.xml --resume").code == 2);
@@ -187,7 +187,7 @@ TEST_CASE("SIGUSR1 writes the current image and the render continues") {
   const int status = std::system(("cd '" + folder.path().string() + "' && bash go.sh >log.txt 2>&1").c_str());
   REQUIRE(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 130);
-  CHECK(contains(read_bytes(folder / "log.txt"), "wrote what there is to out.exr"));
+  CHECK(contains(read_bytes(folder / "log.txt"), "wrote the unfinished image to out.exr"));
   const Image preview = read_exr(folder / "preview.exr"), end = read_exr(folder / "out.exr");
   CHECK(preview.width == 128);
   check_marked(folder, "preview.exr", preview, 16'000'000);

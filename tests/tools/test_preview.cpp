@@ -110,12 +110,12 @@ std::string body_of(const std::string& answer) {
 nlohmann::json status(int port) { return nlohmann::json::parse(body_of(get(port, "/status.json")), nullptr, false); }
 
 /// Polls as a browser does until an image with at least this number exists. Returns the status.
-nlohmann::json wait_for_picture(int port, int number) {
+nlohmann::json wait_for_image(int port, int number) {
   nlohmann::json now;
   for (int i = 0; i < 600; ++i, pause_for(0.05)) {
     now = status(port);
-    if (now.is_discarded() || now["picture"] >= number) break;
-    get(port, "/picture.png");
+    if (now.is_discarded() || now["image"] >= number) break;
+    get(port, "/image.png");
   }
   return now;
 }
@@ -149,7 +149,7 @@ TEST_CASE("the page and the status and the image of a render are served and noth
   for (const char* elsewhere : {"http://", "https://", "<link rel=\"stylesheet", "<script src"})
     CHECK_FALSE(contains(body_of(page), elsewhere));
 
-  const nlohmann::json first = wait_for_picture(port, 1), second = wait_for_picture(port, 2);
+  const nlohmann::json first = wait_for_image(port, 1), second = wait_for_image(port, 2);
   REQUIRE(second.is_object());
   CHECK(second["state"] == "rendering");
   CHECK(second["scene"] == "scene.xml");
@@ -159,14 +159,14 @@ TEST_CASE("the page and the status and the image of a render are served and noth
   CHECK(contains(second["messages"][0].get<std::string>(), "rendered with 'sobol'"));
   CHECK(second["report"]["stages"][0]["name"] == "camera_rays");
   CHECK(second["report"]["stages"][0]["items"] > first["report"]["stages"][0]["items"]);
-  const std::string picture = get(port, "/picture.png");
-  CHECK(contains(picture, "Content-Type: image/png"));
-  write_bytes(render.file("seen.png"), body_of(picture));
+  const std::string image = get(port, "/image.png");
+  CHECK(contains(image, "Content-Type: image/png"));
+  write_bytes(render.file("seen.png"), body_of(image));
   const Image seen = read_image(render.file("seen.png"));
   CHECK(seen.width == 48);
   CHECK(seen.height == 32);
 
-  CHECK(status_of(get(port, "/picture.exr")) == 404);
+  CHECK(status_of(get(port, "/image.exr")) == 404);
   CHECK(status_of(get(port, "/../scene.xml")) == 404);
   CHECK(status_of(get(port, "/status.json?a=b")) == 200);
   CHECK(status_of(get(port, "/", "localhost:" + std::to_string(port))) == 200);
@@ -200,7 +200,7 @@ TEST_CASE("slow and silent and malformed clients block neither the render nor ot
   for (const std::string& nonsense :
        {"GET /" + endless, "GET / HTTP/1.1\r\nX: " + endless, std::string("GET / HTTP/9.9\r\n\r\n")})
     CHECK(status_of(ask(port, nonsense)) >= 400);
-  const nlohmann::json before = wait_for_picture(port, 1), after = wait_for_picture(port, 3);
+  const nlohmann::json before = wait_for_image(port, 1), after = wait_for_image(port, 3);
   REQUIRE(after.is_object());
   CHECK(after["done"] > before["done"]);
   const double start = Progress::steady_seconds();
@@ -216,14 +216,14 @@ TEST_CASE("viewers get the finished image and do not change its bytes") {
   const int port = render.port();
   REQUIRE(port > 0);
   nlohmann::json last;
-  std::string picture;
-  int pictures = 0;
+  std::string image;
+  int images = 0;
   for (int i = 0; i < 6000; ++i, pause_for(0.02)) {
     const nlohmann::json now = status(port);
     if (now.is_discarded() || !now.is_object()) break;
-    if (now["picture"] != (last.is_object() ? last["picture"] : nlohmann::json(0))) {
-      picture = body_of(get(port, "/picture.png"));
-      ++pictures;
+    if (now["image"] != (last.is_object() ? last["image"] : nlohmann::json(0))) {
+      image = body_of(get(port, "/image.png"));
+      ++images;
     }
     last = now;
   }
@@ -231,8 +231,8 @@ TEST_CASE("viewers get the finished image and do not change its bytes") {
   CHECK(last["state"] == "done");
   CHECK(last["fraction"] == 1.0);
   CHECK(last["report"]["samples"] == 48 * 32 * 5000);
-  CHECK(pictures >= 2);
-  write_bytes(render.file("seen.png"), picture);
+  CHECK(images >= 2);
+  write_bytes(render.file("seen.png"), image);
   CHECK(read_image(render.file("seen.png")).data == read_image(render.file("out.png")).data);
   CHECK(read_bytes(render.file("out.exr")) == read_bytes(alone.file("out.exr")));
   CHECK(read_bytes(render.file("out.png")) == read_bytes(alone.file("out.png")));

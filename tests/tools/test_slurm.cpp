@@ -35,7 +35,7 @@ trap '"$source_folder/tools/slurm.sh" stop "$slurm"' EXIT
 "$sheaf" farm "a scene.xml" --frames 1:2 --parts 4 -o "out.exr" --submit -- --no-timestamps --checkpoint-every 0.1 >jobs.txt ||
   fail "not submitted"
 cat jobs.txt
-read -r first joining < <(sed -n 's/^frame 1: parts are job \([0-9]*\), joining them is job \([0-9]*\)$/\1 \2/p' jobs.txt)
+read -r first joining < <(sed -n 's/^frame 1: parts are job \([0-9]*\), merging is job \([0-9]*\)$/\1 \2/p' jobs.txt)
 parts=$PWD/"a scene_farm/parts/0001"
 # In the middle: there is a checkpoint, and the job runs.
 in_the_middle() {
@@ -60,7 +60,7 @@ for part in 0 1 2; do
   scontrol show job "${first}_$part" | grep -q 'Restarts=1 ' || fail "part $part was not run twice"
 done
 [[ $(scontrol show job "${first}_3") == *Restarts=0* ]] || fail "part 3 was run twice"
-[[ -e out_0001.exr && -e out_0002.exr ]] || fail "the pictures are not there"
+[[ -e out_0001.exr && -e out_0002.exr ]] || fail "the images are not there"
 )sh";
 
 }  // namespace

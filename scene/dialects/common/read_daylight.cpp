@@ -66,6 +66,7 @@ Vec3f read_sun(Properties& p, const DaylightSpace& space) {
 /// Returns sun positions at times that spread over the days of a date range and over the hours of each day.
 std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   SunTime begin, end;
+  // Read the range of dates and hours
   read_place(p, begin);
   begin.year = p.integer("start_year", 2025, kFirstYear, kLastYear);
   begin.month = p.integer("start_month", 1, 1, 12);
@@ -81,6 +82,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   const double last_hour = double(p.number("window_end_time", 19, {first_hour, 24, false}));
   p.ignore({"shutter_open", "shutter_close"});
   std::vector<Vec3f> suns;
+  // Spread sun positions over days and hours
   const int first_day = begin.day;
   for (int i = 0; i < kSunPlaces; ++i) {
     begin.day = first_day + static_cast<int>((i + 0.5) / kSunPlaces * std::max(days, 1.0));
@@ -117,8 +119,10 @@ std::vector<LightDescription> read_daylight(Properties& p, bool y_is_up) {
   SkyDescription sky;
   SunDescription sun;
   sky.up = sun.up = space.up();
+  // Read the position of the sun
   sky.suns = timed ? read_suns(p, space) : std::vector<Vec3f>{read_sun(p, space)};
   sun.direction = sky.suns.front();
+  // Read the parameters of sky and sun
   sky.turbidity = sun.turbidity = p.number("turbidity", 3, {1, 10, false});
   sky.albedo = p.spectrum("albedo", SpectrumDescription::constant(y_is_up ? 0.2f : 0.3f), SpectrumRole::kReflectance);
   const float scale = p.number("scale", 1, kNotNegative);
@@ -132,6 +136,7 @@ std::vector<LightDescription> read_daylight(Properties& p, bool y_is_up) {
     p.context().note(p.where(), "'complex_sun' ignored: the sun has uniform radiance");
   if (timed) sky.sun_scale = sun.scale;
   std::vector<LightDescription> lights;
+  // Append the requested parts
   if (p.type() != "sun") lights.push_back({std::move(sky), p.where()});
   if (p.type() != "sky" && !timed) lights.push_back({sun, p.where()});
   return lights;

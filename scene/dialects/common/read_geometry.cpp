@@ -70,12 +70,14 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
   const int width = p.integer("width", kPlaces, 2, kMaxGridSide),
             height = p.integer("height", kPlaces, 2, kMaxGridSide);
   shape.face_normals = !smooth;
+  // Read heights from an image file
   const XmlElement* nested = p.any_texture();
   if (nested == nullptr) {
     shape.geometry = read_height_field(p.file("filename"), scale, smooth, false);
     return;
   }
   if (p.has("filename")) p.fail_at("filename", "is set together with a texture, expected one of them");
+  // Read heights from a texture; a bitmap counts as an image
   const SpectrumInput input = p.context().readers.texture(*nested, p.context());
   const auto* id = std::get_if<TextureId>(&input);
   const BitmapDescription* bitmap =

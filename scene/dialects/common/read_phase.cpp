@@ -67,7 +67,7 @@ PhaseId read_mixture(Properties& p) {
     p.fail("has " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +
            " weights, expected equal numbers");
   for (const float weight : weights)
-    if (!(weight >= 0.0f)) p.fail_at("weights", "has " + std::to_string(weight) + ", expected no negative number");
+    if (!(weight >= 0.0f)) p.fail_at("weights", "has " + std::to_string(weight) + ", expected a non-negative number");
   const float all = std::accumulate(weights.begin(), weights.end(), 0.0f);
   if (!(all > 0.999f))
     p.fail_at("weights", "add up to " + std::to_string(all) + ", expected 1; absorption belongs in the albedo");
@@ -87,7 +87,7 @@ PhaseModel read_table(Properties& p) {
               "has " + std::to_string(values.size()) + " numbers, expected at most " + std::to_string(kMaxPhaseValues));
   for (const float value : values)
     if (!(value >= 0.0f) || !std::isfinite(value))
-      p.fail_at("values", "has " + std::to_string(value) + ", expected no negative number");
+      p.fail_at("values", "has " + std::to_string(value) + ", expected a non-negative number");
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
   if (!(sum > 0)) p.fail_at("values", "add up to " + std::to_string(sum) + ", expected more than 0");
   return TabulatedPhaseDescription{values};

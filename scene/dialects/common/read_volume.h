@@ -28,7 +28,7 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
 GridVolumeDescription world_box(const Transform& to_world);
 
 /// Returns the axis-aligned box in which Mitsuba 2 and later evaluate a `heterogeneous` medium: the world bounds of the
-/// volume `name`, already read as `volume`. Returns nullopt if the volume ends there by itself, as axis-aligned grids
+/// volume `name`, already read as `volume`. Returns nullopt if the volume already ends there, as axis-aligned grids
 /// do. Reads the bounding box of a .vol file if `use_grid_bbox` is set. Throws SceneError.
 std::optional<GridVolumeDescription> find_volume_bounds(Properties& p, const char* name, const VolumeInput& volume);
 

@@ -1,4 +1,4 @@
-// Integrators that depend on shapes alone, not on materials and lights: ambient occlusion and average visibility.
+// Integrators that depend only on shapes, not on materials and lights: ambient occlusion and average visibility.
 #pragma once
 
 #include "core/name_table.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// What such an integrator computes.
+/// The quantity that such an integrator computes.
 enum class Visibility {
   kAmbientOcclusion,  ///< cosine-weighted visibility of the sky; 0 where the camera ray misses
   kAverage            ///< fraction of the hemisphere without a near occluder; 1 where the camera ray misses

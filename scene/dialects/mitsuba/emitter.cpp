@@ -69,6 +69,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   std::vector<LightDescription> lights(1);
   LightDescription& light = lights[0];
   light.where = element.where;
+  // Read the emitter by its type
   if (is_daylight(p.type())) {
     lights = read_daylight(p, reader.before_version_2);
   } else if (p.type() == "area" || p.type() == "directionalarea") {
@@ -79,6 +80,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
     others.insert(others.end(), {"area", "directionalarea"});
     light_reader(p, kReaders, std::move(others)).read(p, light);
   }
+  // Reject unknown properties, and append the lights
   if (p.type() == "constant") p.ignore({"to_world"});
   p.ignore({"sampling_weight"});
   p.objects("medium");  // enclosing medium; found from the surrounding shapes

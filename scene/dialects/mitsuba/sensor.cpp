@@ -168,7 +168,7 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   const bool origin = p.has("origin"), direction = p.has("direction");
   if (p.has("to_world")) return p.ignore({"origin", "direction"});
   if (origin != direction)
-    p.fail_at(origin ? "origin" : "direction", "is set alone, expected both 'origin' and 'direction'");
+    p.fail_at(origin ? "origin" : "direction", "is set without the other, expected both 'origin' and 'direction'");
   if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
 }
 

@@ -117,10 +117,12 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
 void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (nori::read_exercise(p)) return p.reject_unused();
+  // Find the integrator
   const IntegratorChoice* choice = find_integrator(p.type());
   if (choice == nullptr) fail_integrator(p, nori::kExercises.names());
   IntegratorSettings& integrator = context.description.integrator;
   apply(*choice, integrator);
+  // Read its properties
   if (transports_light(choice->kind)) {
     if (!choice->direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);

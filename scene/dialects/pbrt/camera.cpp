@@ -20,15 +20,15 @@ struct ScreenWindow {
 ScreenWindow read_window(Parameters& p, const FilmSettings& film) {
   const double own = static_cast<double>(film.width) / film.height;
   const double aspect = double{p.number("frameaspectratio", static_cast<float>(own), kPositive)};
-  const bool told = p.has("screenwindow") || p.has("frameaspectratio");
+  const bool specified = p.has("screenwindow") || p.has("frameaspectratio");
   const std::vector<float> window = p.numbers("screenwindow", 4);
   if (!window.empty()) {
     if (window.size() != 4 || !(window[0] < window[1]) || !(window[2] < window[3]))
       p.fail_at("screenwindow", "is invalid, expected four numbers: left, right, bottom, top");
     return {double{window[0]}, double{window[1]}, double{window[2]}, double{window[3]}, false};
   }
-  const double wide = std::max(told ? aspect : own, 1.0), high = std::max(1 / (told ? aspect : own), 1.0);
-  return {-wide, wide, -high, high, !told};
+  const double wide = std::max(specified ? aspect : own, 1.0), high = std::max(1 / (specified ? aspect : own), 1.0);
+  return {-wide, wide, -high, high, !specified};
 }
 
 /// Sets the principal point. Returns the scale of camera space that non-square pixels need.

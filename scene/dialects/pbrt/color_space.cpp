@@ -49,13 +49,13 @@ Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use) {
       inverse(rgb_to_xyz(kRec709Space)) * (matrix * std::array<double, 3>{double{rgb.x}, double{rgb.y}, double{rgb.z}});
   // Tolerance, because white may deviate from 1 by rounding.
   constexpr double kRounding = 1e-6;
-  const double most = use == Use::kReflectance ? 1 : std::numeric_limits<double>::max();
+  const double max_value = use == Use::kReflectance ? 1 : std::numeric_limits<double>::max();
   Vec3f out;
   float* const parts[3] = {&out.x, &out.y, &out.z};
   bool outside = false;
   for (std::size_t c = 0; c < 3; ++c) {
-    outside = outside || v[c] < -kRounding || v[c] > most + kRounding;
-    *parts[c] = static_cast<float>(std::clamp(v[c], 0.0, most));
+    outside = outside || v[c] < -kRounding || v[c] > max_value + kRounding;
+    *parts[c] = static_cast<float>(std::clamp(v[c], 0.0, max_value));
   }
   if (outside && !p.reader().noted_gamut) {
     p.reader().note(p.where(),

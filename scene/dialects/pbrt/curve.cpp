@@ -56,8 +56,8 @@ Segment segment_of(const Form& form, const std::vector<Vec3f>& points, std::size
 float width_scale(Parameters& p, const Transform& to_world) {
   const float lengths[] = {length(to_world.vector({1, 0, 0})), length(to_world.vector({0, 1, 0})),
                            length(to_world.vector({0, 0, 1}))};
-  const auto [least, most] = std::minmax_element(std::begin(lengths), std::end(lengths));
-  if (*most > 1.001f * *least)
+  const auto [smallest, largest] = std::minmax_element(std::begin(lengths), std::end(lengths));
+  if (*largest > 1.001f * *smallest)
     p.reader().note_once(p.where(),
                          p.title() + " is stretched: its width is scaled by the geometric mean over the axes");
   return std::cbrt(lengths[0] * lengths[1] * lengths[2]);

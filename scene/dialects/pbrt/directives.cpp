@@ -61,7 +61,7 @@ void SceneBuilder::area_light_source(Tokens& tokens) {
 }
 
 void SceneBuilder::attribute(Tokens& tokens) {
-  const std::string target = read_string(tokens, "what the attributes are for");
+  const std::string target = read_string(tokens, "the target of the attributes");
   const std::vector<std::string> known = {"light", "material", "medium", "shape", "texture"};
   if (std::find(known.begin(), known.end(), target) == known.end())
     throw SceneError(where_, "Attribute '" + target + "', expected light, material, medium, shape or texture" +

@@ -74,7 +74,7 @@ LightKinds::Model read_infinite(Parameters& p) {
   if (lit) {
     // Irradiance on a plane that faces +z in light space.
     const double mean = mean_luminance(
-        read_linear_picture(light.file, false, p.where()),
+        read_linear_image(light.file, false, p.where()),
         [](const double*, double x, double y) {
           return std::max(0.0, double{equal_area_direction<Scalar>(static_cast<float>(x), static_cast<float>(y)).z});
         },
@@ -90,13 +90,13 @@ LightKinds::Model read_infinite(Parameters& p) {
 }
 
 /// Adds an image texture without interpolation, as pbrt's image lights use it. `upright`: the first row is at v = 1.
-TextureId add_light_picture(Parameters& p, const std::filesystem::path& file, bool upright) {
-  BitmapDescription picture;
-  picture.file = file;
-  picture.filter = TextureFilter::kNearest;
-  picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
+TextureId add_light_bitmap(Parameters& p, const std::filesystem::path& file, bool upright) {
+  BitmapDescription bitmap;
+  bitmap.file = file;
+  bitmap.filter = TextureFilter::kNearest;
+  bitmap.wrap_u = bitmap.wrap_v = TextureWrap::kClamp;
   TextureDescription texture;
-  texture.model = std::move(picture);
+  texture.model = std::move(bitmap);
   texture.where = p.where();
   if (!upright) texture.to_uv = {1, 0, 0, 0, -1, 1};
   return append(p.reader(), std::move(texture));
@@ -117,23 +117,23 @@ LightKinds::Model read_projection(Parameters& p) {
   // The first image column is at -x in pbrt and at +x here.
   light.to_world = p.reader().attributes.transform * Transform::scale({-1, 1, 1});
   const std::filesystem::path file = p.file("filename");
-  light.irradiance = add_light_picture(p, file, false);
+  light.irradiance = add_light_bitmap(p, file, false);
   const auto power = p.find_number("power");
   if (!power || !(*power > 0.0f)) return light;
-  const Image picture = read_linear_picture(file, false, p.where());
-  const double half = std::tan(double{light.fov} * double{kPi} / 360), aspect = double(picture.width) / picture.height;
+  const Image image = read_linear_image(file, false, p.where());
+  const double half = std::tan(double{light.fov} * double{kPi} / 360), aspect = double(image.width) / image.height;
   const double about[] = {half * std::max(aspect, 1.0), half * std::max(1 / aspect, 1.0)};
-  const double mean = mean_luminance(picture, cosine_cubed, about);
+  const double mean = mean_luminance(image, cosine_cubed, about);
   if (!(mean > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
   light.scale *= static_cast<float>(double{*power} / (4 * about[0] * about[1] * mean));
   return light;
 }
 
 /// Converts an image to grey as pbrt does, by the mean of red, green and blue.
-std::shared_ptr<const Image> grey_picture(const Image& picture) {
-  auto grey = std::make_shared<Image>(picture.width, picture.height, std::vector<std::string>{"Y"});
-  for (std::size_t i = 0; i < picture.pixel_count(); ++i)
-    grey->data[i] = (picture.data[3 * i] + picture.data[3 * i + 1] + picture.data[3 * i + 2]) / 3;
+std::shared_ptr<const Image> grey_image(const Image& image) {
+  auto grey = std::make_shared<Image>(image.width, image.height, std::vector<std::string>{"Y"});
+  for (std::size_t i = 0; i < image.pixel_count(); ++i)
+    grey->data[i] = (image.data[3 * i] + image.data[3 * i + 1] + image.data[3 * i + 2]) / 3;
   return grey;
 }
 
@@ -141,21 +141,21 @@ LightKinds::Model read_goniometric(Parameters& p) {
   if (!p.has("filename")) return read_point(p);
   GoniometricLightDescription light;
   const std::filesystem::path file = p.file("filename");
-  const std::shared_ptr<const Image> picture = grey_picture(read_linear_picture(file, false, p.where()));
-  if (picture->width != picture->height)
-    p.fail_at("filename", "is an image of " + std::to_string(picture->width) + " x " + std::to_string(picture->height) +
+  const std::shared_ptr<const Image> image = grey_image(read_linear_image(file, false, p.where()));
+  if (image->width != image->height)
+    p.fail_at("filename", "is an image of " + std::to_string(image->width) + " x " + std::to_string(image->height) +
                               " pixels, expected a square equal-area image");
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) {
     double sum = 0;
-    for (const float value : picture->data) sum += double{value};
+    for (const float value : image->data) sum += double{value};
     if (!(sum > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
-    scale *= *power / (4 * kPi * static_cast<float>(sum / static_cast<double>(picture->data.size())));
+    scale *= *power / (4 * kPi * static_cast<float>(sum / static_cast<double>(image->data.size())));
   }
   light.intensity = scaled(read_emission(p, "I"), scale);
-  light.picture = add_light_picture(p, {}, true);
+  light.image = add_light_bitmap(p, {}, true);
   auto& bitmap = std::get<BitmapDescription>(p.reader().description.textures.back().model);
-  bitmap.made = picture;
+  bitmap.made = image;
   // pbrt exchanges y and z before the octahedral mapping.
   Matrix4 swap;
   swap.m[1] = {0, 0, 1, 0}, swap.m[2] = {0, 1, 0, 0};
@@ -197,21 +197,22 @@ AreaLight read_area_light(Reader& reader, Entity entity) {
     throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}));
   AreaLight light;
   light.where = entity.where;
+  // Read the power and the radiance, which may be an image
   const float scale = read_scale(p);
   const auto power = p.find_number("power");
   if (power && *power > 0.0f) light.power = *power;
   if (p.has("filename")) {
     if (p.has("L")) p.fail("has both 'L' and 'filename', expected one");
-    BitmapDescription picture;
-    picture.file = p.file("filename");
-    picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
-    picture.change.scale = scale;
+    BitmapDescription bitmap;
+    bitmap.file = p.file("filename");
+    bitmap.wrap_u = bitmap.wrap_v = TextureWrap::kClamp;
+    bitmap.change.scale = scale;
     if (light.power) {
-      const double mean = mean_luminance(read_linear_picture(picture.file, false, entity.where));
+      const double mean = mean_luminance(read_linear_image(bitmap.file, false, entity.where));
       if (!(mean > 0)) p.fail_at("power", "is set for a black image, expected a brighter image");
-      picture.change.scale *= static_cast<float>(1 / mean);
+      bitmap.change.scale *= static_cast<float>(1 / mean);
     }
-    light.radiance = add_picture(reader, std::move(picture), entity.where);
+    light.radiance = add_bitmap(reader, std::move(bitmap), entity.where);
   } else {
     light.radiance = scaled(read_emission(p, "L"), scale);
   }

@@ -74,6 +74,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   const auto reflectance = find_spectrum_input(p, "reflectance", Use::kReflectance);
   const auto eta = find_spectrum_input(p, eta_name.c_str(), Use::kUnbounded);
   const auto k = find_spectrum_input(p, k_name.c_str(), Use::kUnbounded);
+  // Convert a reflectance to an index of refraction
   if (reflectance && (eta || k)) p.fail("has both 'reflectance' and '" + (eta ? eta_name : k_name) + "', expected one");
   if (reflectance) {
     if (const auto* constant = std::get_if<SpectrumDescription>(&*reflectance)) {
@@ -84,6 +85,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
     }
     return metal;
   }
+  // Make eta and k relative to the surrounding dielectric
   const auto relative = [&](const std::optional<SpectrumInput>& given, const char* copper) -> SpectrumInput {
     const SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
     if (const auto* spectrum = std::get_if<SpectrumDescription>(&input))
@@ -118,6 +120,7 @@ Layer read_clear_layer(Parameters& p) {
 
 Model coated_diffuse(Parameters& p, bool remap) {
   PlasticDescription plastic;
+  // Read the coat and the base
   plastic.int_ior = read_index(p, "eta", 1.5f).value;
   plastic.ext_ior = 1;
   plastic.diffuse_reflectance = std::get<DiffuseDescription>(diffuse(p)).reflectance;
@@ -134,6 +137,7 @@ Model coated_diffuse(Parameters& p, bool remap) {
       *u = *v = 0.5f * (*u + *v);
     }
   }
+  // Match the energy of pbrt's random walk
   const Layer layer = read_clear_layer(p);
   const double alpha = plastic.roughness ? double{std::get<float>(plastic.roughness->alpha_u)} : 0.0;
   const LayeredBase base(alpha, double{plastic.int_ior}, double{layer.thickness}, layer.max_depth);
@@ -271,15 +275,15 @@ MaterialId mapped(Parameters& p, MaterialId nested, const SourceLocation& where)
   const std::optional<ScalarInput> displacement = find_scalar_input(p, "displacement");
   if (p.has("normalmap")) {
     if (displacement) p.fail("has both 'displacement' and 'normalmap', expected one");
-    BitmapDescription picture;
-    picture.file = p.file("normalmap");
+    BitmapDescription bitmap;
+    bitmap.file = p.file("normalmap");
     // Only PNG files are linear; see read_encoding() of textures.
-    picture.raw = is_png(picture.file);
-    if (!picture.raw && may_hold_integers(picture.file))
+    bitmap.raw = is_png(bitmap.file);
+    if (!bitmap.raw && may_hold_integers(bitmap.file))
       p.reader().note(
           where, p.title() + ": as in pbrt, normal maps other than PNG, OpenEXR and PFM files are decoded from sRGB");
     p.reader().used_texture = true;
-    return add(p.reader(), NormalMapDescription{add_picture(p.reader(), std::move(picture), where), false, nested},
+    return add(p.reader(), NormalMapDescription{add_bitmap(p.reader(), std::move(bitmap), where), false, nested},
                where);
   }
   const TextureId* texture = displacement ? std::get_if<TextureId>(&*displacement) : nullptr;
@@ -301,6 +305,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     p.reject_unused();
     return {add(reader, NullDescription{}, entity.where), false, true};
   }
+  // Read the material by its type
   const bool layered = type == "coateddiffuse" || type == "coatedconductor";
   const bool rough = layered || type == "conductor" || type == "dielectric" || type == "subsurface";
   const bool remap = rough ? p.boolean("remaproughness", true) : true;
@@ -340,6 +345,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
         "interface",       "measured",      "mix",       "subsurface", "thindielectric"};
     throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known));
   }
+  // Wrap it in maps and as two-sided
   MaterialId id = mapped(p, add(reader, std::move(model), entity.where), entity.where);
   if (both_sides) id = add(reader, TwoSidedDescription{id, id}, entity.where);
   reader.description.materials.at(static_cast<std::size_t>(id)).id = name;

@@ -62,7 +62,7 @@ std::optional<GridVolumeDescription> find_grid(Parameters& p, const char* name, 
       values[i] = rgb.x, values[i + 1] = rgb.y, values[i + 2] = rgb.z;
     }
   for (const float value : values)
-    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected no negative number");
+    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected a non-negative number");
   return made_grid(p, box, channels, std::move(values));
 }
 
@@ -117,6 +117,7 @@ void read_cloud(Parameters& p, MediumDescription& medium) {
   medium.coefficients = read_coefficients(p);
   const CloudShape cloud{double{p.number("density", 1, kNotNegative)}, double{p.number("wispiness", 1)},
                          double{p.number("frequency", 5)}};
+  // Choose the resolution
   const Vec3f size = abs(p.vec3("p1", {1, 1, 1}) - p.vec3("p0", {0, 0, 0}));
   const float sides[3] = {size.x, size.y, size.z}, longest = std::max({size.x, size.y, size.z});
   DenseVolume box;
@@ -124,6 +125,7 @@ void read_cloud(Parameters& p, MediumDescription& medium) {
     box.size[axis] = std::clamp(saturate<int>(static_cast<double>(std::ceil(kCloudVoxels * sides[axis] / longest))), 1,
                                 kCloudVoxels);
   place_box(p, box);
+  // Evaluate the cloud at the voxels
   const auto nx = static_cast<std::size_t>(box.size[0]), ny = static_cast<std::size_t>(box.size[1]);
   std::vector<float> values(nx * ny * static_cast<std::size_t>(box.size[2]));
   tbb::parallel_for(0, box.size[2], [&](int z) {

@@ -63,6 +63,7 @@ double luminance_of(const SpectrumDescription& spectrum) {
   using S = SpectrumDescription;
   const auto* table = std::get_if<S::Table>(&spectrum.value);
   const auto* body = std::get_if<S::Blackbody>(&spectrum.value);
+  // Evaluate the spectrum
   const auto at = [&](double wavelength) {
     if (body != nullptr) return blackbody_radiance(wavelength, double{body->temperature}) * double{body->scale};
     const auto& x = table->wavelengths;
@@ -74,6 +75,7 @@ double luminance_of(const SpectrumDescription& spectrum) {
     }
     return 0.0;
   };
+  // Integrate it with the CIE 1931 y-bar function
   double sum = 0, total = 0;
   for (float wavelength = kWavelengthMin; wavelength <= kWavelengthMax; wavelength += 1) {
     const double y = double{cie_1931_xyz(wavelength).y};

@@ -82,7 +82,7 @@ struct Reader {
   /// Base albedo images below coats, shared among materials.
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform, LayeredBase>,
            std::shared_ptr<const Image>>
-      base_pictures = {};
+      base_images = {};
   Object* object = nullptr;                       ///< being defined
   bool used_texture = false;                      ///< since the last reset
   std::set<std::string, std::less<>> noted = {};  ///< messages of note_once()
@@ -155,27 +155,27 @@ std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input);
 /// Appends a texture of any kind.
 TextureId append(Reader& reader, TextureDescription texture);
 /// Appends a bitmap texture that appears upright in the unit square.
-TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where);
+TextureId add_bitmap(Reader& reader, BitmapDescription bitmap, const SourceLocation& where);
 
-// picture.cpp
+// image.cpp
 /// Whether pbrt reads the file with its PNG reader, by file extension. Only PNG files may specify an encoding.
 bool is_png(const std::filesystem::path& file);
 /// Whether the file may hold integers, by file extension: false for OpenEXR, PFM and Radiance files.
 bool may_hold_integers(const std::filesystem::path& file);
 /// Returns the image, after its colour transform, as albedos of the base below a coat. Null if the file cannot be read;
 /// compiling textures then reports the error.
-std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, const LayeredBase& base);
+std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const LayeredBase& base);
 /// Returns the values that pbrt uses for a scalar texture with a colour image. These are the alpha of PNG and OpenEXR
 /// files unless it is 1 everywhere, else the decoded mean of red, green and blue. Null for images with one channel and
 /// for unreadable files.
-std::shared_ptr<const Image> number_picture(const BitmapDescription& picture);
+std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap);
 /// Reads an image file as linear R, G and B, decoded unless `raw`. Throws SceneError at `where`.
-Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where);
+Image read_linear_image(const std::filesystem::path& file, bool raw, const SourceLocation& where);
 /// Returns the mean over pixels of weight(about, x, y) times the luminance. x and y in [0, 1] are the pixel centre; y
 /// points down.
-double mean_luminance(const Image& picture, double (*weight)(const double* about, double x, double y),
+double mean_luminance(const Image& image, double (*weight)(const double* about, double x, double y),
                       const double* about);
-double mean_luminance(const Image& picture);
+double mean_luminance(const Image& image);
 
 // material.cpp
 Material make_material(Reader& reader, const std::string& name, Entity entity);

@@ -223,9 +223,9 @@ void read_shape(Reader& reader, Entity entity) {
   }
   reader.used_texture = reader.attributes.material.textured;
   shape.material = masked(p, *reader.attributes.material.id);
-  const bool lit_by_picture =
+  const bool has_emission_image =
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
-  const bool textured = reader.used_texture || lit_by_picture;
+  const bool textured = reader.used_texture || has_emission_image;
   const Geometry geometry = plugin(kShapes, "shape", entity.type, entity.where)(p, shape, textured);
   const bool mirrored = geometry.is_mesh && !geometry.has_normals && reader.attributes.transform.swaps_handedness();
   const bool is_curve = std::holds_alternative<Curves>(shape.geometry);

@@ -73,6 +73,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
   medium.where = p.where();
   medium.scale = p.number("scale", 1, kPositive);
   const float g = p.number("g", 0, {-1, 1, true});
+  // Read the coefficients
   const std::optional<std::string> name = p.find_string("name");
   const auto sigma_a = find_constant(p, "sigma_a", Use::kUnbounded),
              sigma_s = find_constant(p, "sigma_s", Use::kUnbounded);
@@ -81,7 +82,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
     set_by_name(p, medium, *name);
   } else if (sigma_a || sigma_s) {
     if (!sigma_a || !sigma_s)
-      p.fail(std::string("has '") + (sigma_a ? "sigma_a" : "sigma_s") + "' alone, expected both");
+      p.fail(std::string("has only '") + (sigma_a ? "sigma_a" : "sigma_s") + "', expected 'sigma_a' and 'sigma_s'");
     if (reflectance) p.fail_at("reflectance", "is set together with 'sigma_a' and 'sigma_s', expected one of them");
     medium.coefficients = AbsorptionScatteringDescription{*sigma_a, *sigma_s};
   } else if (reflectance) {
@@ -91,6 +92,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
                                                           SpectrumDescription::rgb(2.55f, 3.21f, 3.77f)};
   }
   Description& description = p.reader().description;
+  // Append the phase function and the medium
   if (g != 0.0f && !name) {
     description.phases.push_back({HenyeyGreensteinDescription{g}, p.where()});
     medium.phase = static_cast<PhaseId>(description.phases.size() - 1);

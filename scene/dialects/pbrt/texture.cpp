@@ -60,12 +60,12 @@ std::array<float, 6> read_mapping(Parameters& p) {
 
 /// Reads the encoding of an image: "sRGB", "linear" or "gamma" with an exponent. pbrt honours it for PNG only; its
 /// other integer formats are always sRGB.
-void read_encoding(Parameters& p, BitmapDescription& picture) {
-  const bool png = is_png(picture.file);
+void read_encoding(Parameters& p, BitmapDescription& bitmap) {
+  const bool png = is_png(bitmap.file);
   const std::string encoding = p.string("encoding", "sRGB");
-  picture.raw = png && encoding == "linear";
+  bitmap.raw = png && encoding == "linear";
   if (encoding == "sRGB") return;
-  if (!png && may_hold_integers(picture.file))
+  if (!png && may_hold_integers(bitmap.file))
     p.reader().note(p.where(), p.title() + ": 'encoding' ignored: pbrt honours it for PNG files only, others are sRGB");
   if (encoding == "linear") return;
   const bool is_gamma = encoding.starts_with("gamma ");
@@ -73,11 +73,11 @@ void read_encoding(Parameters& p, BitmapDescription& picture) {
   if (!(gamma > 0.0f && std::isfinite(gamma)))
     p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
   if (!png) return;
-  if (picture.change.invert) return p.unsupported("'invert' of an image with another encoding", "rendered as sRGB");
+  if (bitmap.change.invert) return p.unsupported("'invert' of an image with another encoding", "rendered as sRGB");
   // Apply the scale before the power.
-  picture.raw = true;
-  picture.change.exponent = gamma;
-  picture.change.scale = std::pow(picture.change.scale, 1 / gamma);
+  bitmap.raw = true;
+  bitmap.change.exponent = gamma;
+  bitmap.change.scale = std::pow(bitmap.change.scale, 1 / gamma);
 }
 
 TextureWrap read_wrap(Parameters& p) {
@@ -88,17 +88,17 @@ TextureWrap read_wrap(Parameters& p) {
 }
 
 SpectrumInput read_image(Parameters& p, const Source& source) {
-  BitmapDescription picture;
-  picture.file = p.file("filename");
-  picture.wrap_u = picture.wrap_v = read_wrap(p);
-  picture.change.scale = p.number("scale", 1);
-  picture.change.invert = p.boolean("invert", false);
-  read_encoding(p, picture);
-  if (p.string("filter", "bilinear") == "point") picture.filter = TextureFilter::kNearest;
+  BitmapDescription bitmap;
+  bitmap.file = p.file("filename");
+  bitmap.wrap_u = bitmap.wrap_v = read_wrap(p);
+  bitmap.change.scale = p.number("scale", 1);
+  bitmap.change.invert = p.boolean("invert", false);
+  read_encoding(p, bitmap);
+  if (p.string("filter", "bilinear") == "point") bitmap.filter = TextureFilter::kNearest;
   p.ignore({"maxanisotropy"});
-  if (!source.colours) picture.made = number_picture(picture);
+  if (!source.colours) bitmap.made = scalar_image(bitmap);
   TextureDescription texture;
-  texture.model = std::move(picture);
+  texture.model = std::move(bitmap);
   texture.to_uv = read_mapping(p);
   texture.where = p.where();
   return append(p.reader(), std::move(texture));
@@ -174,11 +174,11 @@ SpectrumInput read_mix(Parameters& p, const Source& source) {
 TextureId add_ramp(Parameters& p, const std::array<float, 6>& mapping, bool upwards) {
   auto ends = std::make_shared<Image>(2, 1, std::vector<std::string>{"Y"});
   ends->data = {0, 1};
-  BitmapDescription picture;
-  picture.made = std::move(ends);
-  picture.wrap_u = picture.wrap_v = TextureWrap::kClamp;
+  BitmapDescription bitmap;
+  bitmap.made = std::move(ends);
+  bitmap.wrap_u = bitmap.wrap_v = TextureWrap::kClamp;
   TextureDescription ramp;
-  ramp.model = std::move(picture);
+  ramp.model = std::move(bitmap);
   ramp.where = p.where();
   const float* row = mapping.data() + (upwards ? 3 : 0);
   ramp.to_uv = {0.5f * row[0], 0.5f * row[1], 0.5f * row[2] + 0.25f, 0, 0, 0.5f};
@@ -195,10 +195,10 @@ SpectrumInput read_bilerp(Parameters& p, const Source& source) {
 
 /// Returns pbrt's "dots" as an image: about half of the unit cells around integer coordinates contain a disk, displaced
 /// by noise within its cell. The pattern repeats after 256 cells.
-std::shared_ptr<const Image> dots_picture() {
+std::shared_ptr<const Image> dots_image() {
   constexpr int kCells = 256, kTexels = 8, kSide = kCells * kTexels;  // kTexels: texels per cell side
   constexpr double kRadius = 0.35, kFarthest = 0.5 - kRadius;
-  auto picture = std::make_shared<Image>(kSide, kSide, std::vector<std::string>{"Y"});
+  auto image = std::make_shared<Image>(kSide, kSide, std::vector<std::string>{"Y"});
   for (int j = 0; j < kCells; ++j)
     for (int i = 0; i < kCells; ++i) {
       if (!(noise(i + 0.5, j + 0.5, 0.5) > 0)) continue;
@@ -207,19 +207,19 @@ std::shared_ptr<const Image> dots_picture() {
         const int x = i * kTexels - kTexels / 2 + k % kTexels, y = j * kTexels - kTexels / 2 + k / kTexels;
         const double distance = std::hypot((x + 0.5) / kTexels - s, (y + 0.5) / kTexels - t);
         const double inside = std::clamp((kRadius - distance) * kTexels + 0.5, 0.0, 1.0);
-        picture->at((x + kSide) % kSide, kSide - 1 - (y + kSide) % kSide, 0) = static_cast<float>(inside);
+        image->at((x + kSide) % kSide, kSide - 1 - (y + kSide) % kSide, 0) = static_cast<float>(inside);
       }
     }
-  return picture;
+  return image;
 }
 
 SpectrumInput read_dots(Parameters& p, const Source& source) {
-  static const std::shared_ptr<const Image> dots = dots_picture();
+  static const std::shared_ptr<const Image> dots = dots_image();
   const SpectrumInput inside = source.find("inside", 1), outside = source.find("outside", 0);
-  BitmapDescription picture;
-  picture.made = dots;
+  BitmapDescription bitmap;
+  bitmap.made = dots;
   TextureDescription texture;
-  texture.model = std::move(picture);
+  texture.model = std::move(bitmap);
   texture.to_uv = read_mapping(p);
   for (float& entry : texture.to_uv) entry /= 256;
   texture.where = p.where();
@@ -261,20 +261,20 @@ constexpr NameTable<SpectrumInput (*)(Parameters&, const Source&)> kTextures{{{"
                                                                               {"windy", read_grey},
                                                                               {"wrinkled", read_grey}}};
 
-/// Returns a copy of the input with its constants and images modified, also those that other
-/// textures combine. Returns nullopt for textures of other kinds, or if `change_picture` returns false.
-template <class ChangeConstant, class ChangePicture>
+/// Returns a copy of the input with its constants and images modified, also those that other textures combine. Returns
+/// nullopt for textures of other kinds, or if `change_bitmap` returns false.
+template <class ChangeConstant, class ChangeBitmap>
 std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& input,
-                                           const ChangeConstant& change_constant, const ChangePicture& change_picture,
+                                           const ChangeConstant& change_constant, const ChangeBitmap& change_bitmap,
                                            int depth) {
   if (const SpectrumDescription* constant = constant_of(input)) return change_constant(*constant);
   TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
   if (depth > kMaxDepth) throw SceneError(copy.where, "textures are nested deeper than 16 levels");
   const auto change = [&](const SpectrumInput& nested) {
-    return changed_input(reader, nested, change_constant, change_picture, depth + 1);
+    return changed_input(reader, nested, change_constant, change_bitmap, depth + 1);
   };
-  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
-    if (!change_picture(*picture)) return std::nullopt;
+  if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) {
+    if (!change_bitmap(*bitmap)) return std::nullopt;
     return append(reader, std::move(copy));
   }
   if (auto* constant = std::get_if<ConstantTextureDescription>(&copy.model)) return change_constant(constant->value);
@@ -296,22 +296,22 @@ TextureId append(Reader& reader, TextureDescription texture) {
   return static_cast<TextureId>(reader.description.textures.size() - 1);
 }
 
-TextureId add_picture(Reader& reader, BitmapDescription picture, const SourceLocation& where) {
+TextureId add_bitmap(Reader& reader, BitmapDescription bitmap, const SourceLocation& where) {
   TextureDescription texture;
-  texture.model = std::move(picture);
+  texture.model = std::move(bitmap);
   texture.where = where;
   return append(reader, std::move(texture));
 }
 
 std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by) {
   if (by == 1.0f) return input;
-  const auto scale_picture = [by](BitmapDescription& picture) {
-    if (picture.change.invert || picture.change.exponent != 1.0f || by < 0.0f) return false;
-    picture.change.scale *= by;
+  const auto scale_bitmap = [by](BitmapDescription& bitmap) {
+    if (bitmap.change.invert || bitmap.change.exponent != 1.0f || by < 0.0f) return false;
+    bitmap.change.scale *= by;
     return true;
   };
   return changed_input(
-      reader, input, [by](const SpectrumDescription& constant) { return scaled(constant, by); }, scale_picture, 0);
+      reader, input, [by](const SpectrumDescription& constant) { return scaled(constant, by); }, scale_bitmap, 0);
 }
 
 std::optional<SpectrumInput> base_input(Reader& reader, const SpectrumInput& input, const LayeredBase& base) {
@@ -325,25 +325,25 @@ std::optional<SpectrumInput> base_input(Reader& reader, const SpectrumInput& inp
       std::for_each(table->values.begin(), table->values.end(), change);
     return out;
   };
-  const auto change_picture = [&](BitmapDescription& picture) {
-    if (picture.made) {
-      picture.made = base_picture(picture, base);
+  const auto change_bitmap = [&](BitmapDescription& bitmap) {
+    if (bitmap.made) {
+      bitmap.made = base_image(bitmap, base);
     } else {
-      std::shared_ptr<const Image>& known = reader.base_pictures[{picture.file, picture.raw, picture.change, base}];
-      if (!known) known = base_picture(picture, base);
-      picture.made = known;
+      std::shared_ptr<const Image>& known = reader.base_images[{bitmap.file, bitmap.raw, bitmap.change, base}];
+      if (!known) known = base_image(bitmap, base);
+      bitmap.made = known;
     }
-    if (picture.made) picture.change = {};
+    if (bitmap.made) bitmap.change = {};
     return true;
   };
-  return changed_input(reader, input, change_constant, change_picture, 0);
+  return changed_input(reader, input, change_constant, change_bitmap, 0);
 }
 
 std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input) {
   if (const float* value = std::get_if<float>(&input)) return std::sqrt(std::max(*value, 0.0f));
   TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
-  if (auto* picture = std::get_if<BitmapDescription>(&copy.model)) {
-    picture->change.exponent *= 0.5f;
+  if (auto* bitmap = std::get_if<BitmapDescription>(&copy.model)) {
+    bitmap->change.exponent *= 0.5f;
   } else if (auto* board = std::get_if<CheckerboardDescription>(&copy.model)) {
     if (constant_of(board->color0) == nullptr || constant_of(board->color1) == nullptr) return std::nullopt;
     const auto root = [&](const SpectrumInput& color) { return as_spectrum(*root_of(reader, as_scalar(color))); };

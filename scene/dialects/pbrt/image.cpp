@@ -26,16 +26,16 @@ bool may_hold_integers(const std::filesystem::path& file) {
   return !has_extension(file, "exr") && !has_extension(file, "pfm") && !has_extension(file, "hdr");
 }
 
-std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, const LayeredBase& base) {
+std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const LayeredBase& base) {
   auto out = std::make_shared<Image>();
   try {
-    *out = picture.made ? *picture.made : read_linear_picture(picture.file, picture.raw, {});
+    *out = bitmap.made ? *bitmap.made : read_linear_image(bitmap.file, bitmap.raw, {});
   } catch (const SceneError&) { return nullptr; }
   // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantisation.
   constexpr int kSteps = 1024;
   std::array<float, kSteps + 2> table;
   for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
-  const BitmapDescription::ColorTransform& change = picture.change;
+  const BitmapDescription::ColorTransform& change = bitmap.change;
   for (float& value : out->data) {
     value *= change.scale;
     if (change.invert) value = 1 - value;
@@ -48,10 +48,11 @@ std::shared_ptr<const Image> base_picture(const BitmapDescription& picture, cons
   return out;
 }
 
-std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
+std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
+  // Read the image and find its channels
   StoredImage pixels;
   try {
-    pixels = read_stored_image(picture.file);
+    pixels = read_stored_image(bitmap.file);
   } catch (const SceneError&) { return nullptr; }
   const auto channel = [&](const char* name) {
     return std::find(pixels.channels.begin(), pixels.channels.end(), name) - pixels.channels.begin();
@@ -59,7 +60,8 @@ std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
   const auto count = static_cast<std::ptrdiff_t>(pixels.channels.size());
   const std::ptrdiff_t r = channel("R"), g = channel("G"), b = channel("B"), a = channel("A");
   if (r == count || g == count || b == count) return nullptr;
-  const bool decode = !picture.raw && (pixels.integers || !pixels.bytes.empty());
+  const bool decode = !bitmap.raw && (pixels.integers || !pixels.bytes.empty());
+  // Access pixels as stored and as linear values
   const auto stored = [&](std::size_t pixel, std::ptrdiff_t c) {
     const std::size_t at = pixel * pixels.channels.size() + static_cast<std::size_t>(c);
     return pixels.bytes.empty() ? pixels.floats[at] : static_cast<float>(pixels.bytes[at]) / 255;
@@ -68,7 +70,8 @@ std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
     return decode ? srgb_to_linear(stored(pixel, c)) : stored(pixel, c);
   };
   auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
-  const bool has_alpha = a < count && (is_png(picture.file) || has_extension(picture.file, "exr"));
+  const bool has_alpha = a < count && (is_png(bitmap.file) || has_extension(bitmap.file, "exr"));
+  // Use alpha unless it is 1 everywhere, otherwise the mean colour
   bool uses_alpha = false;
   for (std::size_t i = 0; has_alpha && !uses_alpha && i < out->pixel_count(); ++i) uses_alpha = stored(i, a) != 1;
   for (std::size_t i = 0; i < out->pixel_count(); ++i)
@@ -76,17 +79,17 @@ std::shared_ptr<const Image> number_picture(const BitmapDescription& picture) {
   return out;
 }
 
-Image read_linear_picture(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
+Image read_linear_image(const std::filesystem::path& file, bool raw, const SourceLocation& where) {
   try {
-    const StoredImage picture = read_stored_image(file);
-    Image out(picture.width, picture.height, {"R", "G", "B"});
-    const bool decode = !raw && (picture.integers || !picture.bytes.empty());
-    const std::size_t stride = picture.channels.size();
-    const std::vector<std::size_t> channels = find_color_channels(picture.channels, {file.string(), 0}).channels;
+    const StoredImage image = read_stored_image(file);
+    Image out(image.width, image.height, {"R", "G", "B"});
+    const bool decode = !raw && (image.integers || !image.bytes.empty());
+    const std::size_t stride = image.channels.size();
+    const std::vector<std::size_t> channels = find_color_channels(image.channels, {file.string(), 0}).channels;
     for (std::size_t pixel = 0; pixel < out.pixel_count(); ++pixel)
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t at = pixel * stride + channels[std::min(c, channels.size() - 1)];
-        const float value = picture.bytes.empty() ? picture.floats[at] : static_cast<float>(picture.bytes[at]) / 255;
+        const float value = image.bytes.empty() ? image.floats[at] : static_cast<float>(image.bytes[at]) / 255;
         if (!std::isfinite(value)) throw SceneError({file.string(), 0}, "a pixel is not a finite number");
         out.data[3 * pixel + c] = decode ? srgb_to_linear(value) : value;
       }
@@ -94,20 +97,20 @@ Image read_linear_picture(const std::filesystem::path& file, bool raw, const Sou
   } catch (const SceneError& error) { throw SceneError(where, error.what()); }
 }
 
-double mean_luminance(const Image& picture, double (*weight)(const double* about, double x, double y),
+double mean_luminance(const Image& image, double (*weight)(const double* about, double x, double y),
                       const double* about) {
   double sum = 0;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const Vec3f rgb{picture.at(x, y, 0), picture.at(x, y, 1), picture.at(x, y, 2)};
-      sum += double{luminance(rgb)} * weight(about, (x + 0.5) / picture.width, (y + 0.5) / picture.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Vec3f rgb{image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2)};
+      sum += double{luminance(rgb)} * weight(about, (x + 0.5) / image.width, (y + 0.5) / image.height);
     }
-  return sum / static_cast<double>(picture.pixel_count());
+  return sum / static_cast<double>(image.pixel_count());
 }
 
-double mean_luminance(const Image& picture) {
+double mean_luminance(const Image& image) {
   return mean_luminance(
-      picture, [](const double*, double, double) { return 1.0; }, nullptr);
+      image, [](const double*, double, double) { return 1.0; }, nullptr);
 }
 
 }  // namespace sheaf::pbrt

@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-namespace sheaf::test_cli_pictures {
+namespace sheaf::test_cli_images {
 
 namespace {
 
@@ -80,4 +80,4 @@ TEST_CASE("images: the image library is found beside the program and in lib/shea
   }
 }
 
-}  // namespace sheaf::test_cli_pictures
+}  // namespace sheaf::test_cli_images

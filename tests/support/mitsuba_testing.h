@@ -1,0 +1,30 @@
+// Materials in small scenes of Mitsuba.
+#pragma once
+
+#include "tests/support/scene_files.h"
+#include "tests/support/xml_elements.h"
+
+#include <string>
+#include <variant>
+
+namespace sheaf::test {
+
+/// Reads a scene of version 0.6 with the given elements.
+inline Description read_mitsuba06(const std::string& elements) {
+  return read_text(mitsuba_scene(elements, "<sensor type='perspective'/>", "<integrator type='path'/>", "0.6.0"));
+}
+
+/// The outermost material of a BSDF, as text.
+inline std::string material(const std::string& type, const std::string& inside = "") {
+  return dump(read_text(mitsuba_scene(bsdf(type, inside))).materials.back());
+}
+
+/// The outermost material of a BSDF, which is of type T.
+template <class T> T read_material(const std::string& type, const std::string& inside = "") {
+  return std::get<T>(read_text(mitsuba_scene(bsdf(type, inside))).materials.back().model);
+}
+
+/// The error message of a scene with the given elements, which begin in line 4.
+inline std::string error_of_elements(const std::string& elements) { return error_of_text(mitsuba_scene(elements)); }
+
+}  // namespace sheaf::test
