@@ -9,8 +9,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <fstream>
 
 namespace sheaf {
@@ -18,11 +16,6 @@ namespace sheaf {
 namespace fs = std::filesystem;
 
 namespace {
-
-/// Options that do not affect the image's bits.
-constexpr std::array<std::string_view, 13> kRunOptions = {
-    "scene",      "output",           "stats",         "threads",    "wave-size", "quiet", "resume",
-    "checkpoint", "checkpoint-every", "no-timestamps", "time-limit", "tev",       "serve"};
 
 /// Size and checksum of a file.
 std::string fingerprint(const fs::path& file) {
@@ -42,17 +35,21 @@ std::string fingerprint(const fs::path& file) {
 }  // namespace
 
 void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
-  command.add_option(
-      "--checkpoint", arguments.file,
-      "Checkpoint file: written periodically, on interruption and at the end; --resume continues from it");
+  command
+      .add_option("--checkpoint", arguments.file,
+                  "Checkpoint file: written periodically, on interruption and at the end; --resume continues from it")
+      .only_for_run();
   command
       .add_option("--checkpoint-every", arguments.every,
                   "Interval between checkpoints: seconds, or with a unit, such as 10m. Default: 60")
       .seconds()
-      .positive();
-  command.add_flag("--resume", arguments.resume,
-                   "Continue from the --checkpoint file, or start if it does not exist. The output is byte-identical "
-                   "to that of an uninterrupted render");
+      .positive()
+      .only_for_run();
+  command
+      .add_flag("--resume", arguments.resume,
+                "Continue from the --checkpoint file, or start if it does not exist. The output is byte-identical "
+                "to that of an uninterrupted render")
+      .only_for_run();
 }
 
 void check_checkpoint(const CheckpointArguments& arguments) {
@@ -65,12 +62,10 @@ void check_checkpoint(const CheckpointArguments& arguments) {
                 "the checkpoint '" + arguments.file + "' already exists: continue from it with --resume, or delete it");
 }
 
-RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
-                               const std::vector<fs::path>& files) {
+RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
   RenderSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
-  for (const auto& [name, value] : given)
-    if (std::find(kRunOptions.begin(), kRunOptions.end(), name) == kRunOptions.end())
-      settings.emplace_back("--" + name, value);
+  for (const GivenOption& option : given)
+    if (option.affects_image) settings.emplace_back("--" + option.name, option.values);
   for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
   return settings;
 }

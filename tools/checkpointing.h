@@ -20,10 +20,9 @@ void add_checkpoint_options(Command& command, CheckpointArguments& arguments);
 /// Throws Error (exit code 2) if the options contradict each other, or if the file exists and --resume is not given.
 void check_checkpoint(const CheckpointArguments& arguments);
 
-/// All settings that determine the image's bits: the options given, except those that only affect the run or the
-/// outputs; the files of the scene; Sheaf's version; and the instruction set.
-RenderSettings render_settings(const std::vector<std::pair<std::string, std::string>>& given,
-                               const std::vector<std::filesystem::path>& files);
+/// All settings that determine the image's bits: the options given, except those that are only_for_run(); the files of
+/// the scene; Sheaf's version; and the instruction set.
+RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<std::filesystem::path>& files);
 
 /// Writes the checkpoints of one render.
 class Checkpointer {

@@ -263,7 +263,7 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
-int render_scene(const RenderArguments& arguments, const std::vector<std::pair<std::string, std::string>>& given) {
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given) {
   // Check the outputs before any work
   RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);

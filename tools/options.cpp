@@ -226,6 +226,12 @@ Option& Option::list(char delimiter, int count) {
   return *this;
 }
 
+/// Sheaf has no configuration files, so CLI11's flag for these is free.
+Option& Option::only_for_run() {
+  option_->configurable(false);
+  return *this;
+}
+
 template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
   CLI::Option& option = *command_->add_option(names, value, help);
   if constexpr (is_number<T>::value) option.transform(transform(is_number<T>::is_whole ? to_whole_number : to_number));
@@ -251,22 +257,22 @@ Option Command::add_arguments(const std::string& name, std::vector<std::string>&
   return Option(*command_->add_option(name, values, help));
 }
 
-void Command::add_flag(const std::string& names, bool& value, const std::string& help) {
-  command_->add_flag(names, value, help);
+Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
+  return Option(*command_->add_flag(names, value, help));
 }
 
 Command Command::add_command(const std::string& name, const std::string& help) {
   return Command(*command_->add_subcommand(name, help));
 }
 
-std::vector<std::pair<std::string, std::string>> Command::given() const {
-  std::vector<std::pair<std::string, std::string>> options;
+std::vector<GivenOption> Command::given() const {
+  std::vector<GivenOption> options;
   for (const CLI::Option* option : command_->get_options()) {
     if (option->count() == 0) continue;
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
     std::string values;
     for (const std::string& value : option->results()) values += (values.empty() ? "" : ",") + value;
-    options.emplace_back(name, values);
+    options.push_back({name, values, option->get_configurable()});
   }
   return options;
 }

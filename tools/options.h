@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace CLI {
@@ -38,9 +37,18 @@ class Option {
   Option& one_of_named(const std::map<std::string, int>& words);
   /// Takes `count` values in one word, separated by `delimiter`.
   Option& list(char delimiter, int count);
+  /// The values do not affect the image's bits, only the run and the outputs. See GivenOption.
+  Option& only_for_run();
 
  private:
   CLI::Option* option_;
+};
+
+/// An option on the command line.
+struct GivenOption {
+  std::string name;    ///< the longest name, without dashes
+  std::string values;  ///< separated by commas
+  bool affects_image;  ///< not Option::only_for_run()
 };
 
 /// A program or one of its subcommands. `names` of options are like "-o,--output", or "scene" for a positional
@@ -58,12 +66,11 @@ class Command {
   /// Adds a variable number of positional arguments.
   Option add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help);
   /// Adds an option without a value, which sets `value` to true.
-  void add_flag(const std::string& names, bool& value, const std::string& help);
+  Option add_flag(const std::string& names, bool& value, const std::string& help);
   /// Adds a subcommand.
   Command add_command(const std::string& name, const std::string& help);
-  /// The options on the command line as pairs: the longest name without dashes, and the values separated by commas. The
-  /// order is that of add_option(). Call this after parsing.
-  std::vector<std::pair<std::string, std::string>> given() const;
+  /// The options on the command line, in the order of add_option(). Call this after parsing.
+  std::vector<GivenOption> given() const;
   /// Sets the action to run after parsing. Its exceptions propagate out of Program::parse().
   void on_call(std::function<void()> action);
 

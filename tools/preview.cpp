@@ -43,14 +43,19 @@ std::shared_ptr<const Image> beauty_of(const Image& image) {
 }  // namespace
 
 void add_preview_options(Command& command, PreviewArguments& arguments) {
-  command.add_option("--tev", arguments.tev,
-                     "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
-                     "viewer may start later or restart");
-  command.add_option(
-      "--serve", arguments.serve,
-      "Serve a web page with the image, progress, stage times and messages at PORT on this machine, or at ADDRESS:PORT "
-      "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with the render, "
-      "after connected browsers have received the final image. See docs/preview.md");
+  command
+      .add_option("--tev", arguments.tev,
+                  "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
+                  "viewer may start later or restart")
+      .only_for_run();
+  command
+      .add_option("--serve", arguments.serve,
+                  "Serve a web page with the image, progress, stage times and messages at PORT on this machine, or at "
+                  "ADDRESS:PORT "
+                  "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with "
+                  "the render, "
+                  "after connected browsers have received the final image. See docs/preview.md")
+      .only_for_run();
 }
 
 Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {

@@ -1,8 +1,10 @@
-// The options of `sheaf render`.
+// The options of `sheaf render`: each group declares its variables and adds them to the command line.
 #pragma once
 
 #include "core/name_table.h"
 #include "core/spectrum.h"
+#include "kernels/denoise/denoise.h"
+#include "kernels/film/aovs.h"
 #include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
 #include "tools/options.h"
@@ -10,6 +12,7 @@
 #include "tools/read_options.h"
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,26 +24,221 @@ inline constexpr NameTable<ColorMode> kColorModes{{{"rgb", ColorMode::kRgb}, {"s
 inline constexpr NameTable<FilterMode> kFilterModes{
     {{"weighted", FilterMode::kWeighted}, {"importance", FilterMode::kImportance}}};
 
-/// The options as given.
-struct RenderArguments {
+/// Inputs, outputs and image quality.
+struct ImageArguments {
   std::string scene;
   std::vector<std::string> outputs;
-  std::optional<std::uint32_t> spp, seed;
-  std::optional<int> max_depth, rr_depth, candidates;
-  std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  std::string color, integrator, sampler, filter_mode, light_sampler, medium_estimator, stats, size, aovs, denoiser,
-      samples;
-  std::optional<float> scale, noise_target, time_limit;
+  std::string denoiser;
+  bool watertight = false;
+  std::optional<std::uint32_t> spp;
+  std::optional<float> noise_target;
+  std::optional<float> time_limit;
+  std::optional<std::uint32_t> seed;
+  int threads = 0;
+  std::string color;
+  int spectral_bins = 0;
+
+  void add_to(Command& command) {
+    command.add_option("scene", scene, "Scene file").required().only_for_run();
+    command
+        .add_option("-o,--output", outputs,
+                    "Output image: .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. Default: "
+                    "the scene's name with .exr, in the current folder")
+        .only_for_run();
+    command
+        .add_option(
+            "--denoise", denoiser,
+            "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). Writes the "
+            "layers denoised.R/G/B to .exr, and the denoised image to .png. nlm implies --replicates 4, or 2 below 16 "
+            "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
+        .one_of(kDenoisers.names());
+    command.add_flag(
+        "--watertight", watertight,
+        "Watertight intersection: no ray passes between triangles that share an edge. Up to a third slower "
+        "in small scenes");
+    command.add_option("--spp", spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
+    command
+        .add_option("--noise-target", noise_target,
+                    "Adaptive sampling: sample each tile until the relative standard error of its pixels reaches this "
+                    "value (0.01 or 1%), or --spp samples are taken (then 65536 by default). For path tracing with the "
+                    "samplers sobol and independent")
+        .share()
+        .positive();
+    command
+        .add_option(
+            "--time-limit", time_limit,
+            "Stop sampling after this time, but not before every pixel has samples. Combines with --noise-target, "
+            "or with --spp as the maximum. Seconds, or with units: 90s, 5m, 1h30m")
+        .seconds()
+        .positive()
+        .only_for_run();
+    command.add_option("--seed", seed, "Seed of the random numbers. Default: the scene's")
+        .in_range(0u, std::numeric_limits<std::uint32_t>::max());
+    command.add_option("--threads", threads, "Worker threads. Default: 0, one per logical core")
+        .in_range(0, 4096)
+        .only_for_run();
+    command
+        .add_option(
+            "--color", color,
+            "Colour mode: rgb, or spectral with four wavelengths per path. Default: spectral for pbrt scenes, else rgb")
+        .one_of(kColorModes.names());
+    command
+        .add_option("--spectral-bins", spectral_bins,
+                    "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm, as the "
+                    "layers S0.<wavelength>nm. Needs --color spectral")
+        .in_range(1, kMaxSpectralBins);
+  }
+};
+
+/// AOVs and other layers.
+struct LayerArguments {
+  std::string aovs;
+  bool light_groups = false;
+  bool full_floats = false;
+
+  void add_to(Command& command) {
+    std::string names;
+    for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
+    command.add_option("--aov", aovs,
+                       "Additional .exr layers, separated by commas: " + names + "or all; see docs/layers.md");
+    command.add_flag(
+        "--light-groups", light_groups,
+        "Write the contribution of each light to its own layer, light_<id of the light>; see docs/layers.md");
+    command.add_flag("--float", full_floats,
+                     "Store all layers as 32-bit floats. Default: 16 bits for layers with small values");
+  }
+};
+
+/// Light transport.
+struct TransportArguments {
+  std::string integrator;
+  std::string sampler;
+  std::string filter_mode;
+  int replicates = 0;
+  std::string light_sampler;
+  std::optional<int> candidates;
+  bool guiding = false;
+  std::string medium_estimator;
   std::optional<float> step_size;
-  int threads = 0, wave_size = 0, spectral_bins = 0, replicates = 0;
-  bool no_timestamps = false, quiet = false, watertight = false, guiding = false, light_groups = false,
-       full_floats = false;
+  std::optional<int> max_depth;
+  std::optional<int> rr_depth;
+
+  void add_to(Command& command) {
+    command.add_option(
+        "--integrator", integrator,
+        "Integrator, named as in scene files, e.g. path, direct, path_mats, path_ems, path_ris, whitted, "
+        "ptracer, photonmapper, sppm, ao, av, normals, depth. Default: the scene's");
+    command.add_option("--sampler", sampler,
+                       "Sampler: sobol (Owen-scrambled), zsobol (blue noise over pixels; rounds --spp up to a power of "
+                       "two), independent, stratified or multijitter (round --spp up to a grid). Default: the scene's, "
+                       "but sobol for independent");
+    command
+        .add_option(
+            "--filter-mode", filter_mode,
+            "Application of the pixel filter. weighted (default): a sample contributes to every pixel within the "
+            "filter radius. importance: filter importance sampling, where a sample contributes to one pixel; "
+            "noisier, but uncorrelated between pixels")
+        .one_of(kFilterModes.names());
+    command
+        .add_option(
+            "--replicates", replicates,
+            "Number of independent sample sets, from which the layers variance.R/G/B are estimated. 4 to 16 give "
+            "good estimates, at a slight loss of stratification. Default: 8 with the sampler independent; "
+            "otherwise 1 (no variance layers) below 32 samples per pixel, 2 below 128, 4 below 512, else 8")
+        .in_range(1, 1024);
+    command.add_option("--light-sampler", light_sampler,
+                       "Light selection: bvh (light BVH, by estimated contribution), power or uniform. Default: the "
+                       "scene's, else bvh");
+    command
+        .add_option("--candidates", candidates,
+                    "Light samples per vertex, of which resampled importance sampling (RIS) keeps one for the shadow "
+                    "ray. Default: the scene's, else 1; 8 for path_ris")
+        .in_range(1, kMaxCandidates);
+    command.add_flag(
+        "--guiding", guiding,
+        "Path guiding: learn the incident radiance in training passes and sample directions from it. Helps "
+        "with light that is hard to find, e.g. through a small opening. Training covers the whole frame, "
+        "regardless of --crop. For path, direct and the other path tracing integrators");
+    command.add_option("--medium-estimator", medium_estimator,
+                       "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "
+                       "one wavelength), or marching (ray marching; biased). Default: the scene's, else null_mis");
+    command
+        .add_option("--step-size", step_size,
+                    "Step size of ray marching, in metres. Default: the scene's, else 1/100 of the medium's diagonal")
+        .positive();
+    command
+        .add_option(
+            "--max-depth", max_depth,
+            "Maximum path depth in segments: -1 unlimited, 1 emission only, 2 direct light. Default: the scene's")
+        .in_range(-1, 1'000'000);
+    command
+        .add_option("--rr-depth", rr_depth,
+                    "Depth at which Russian roulette starts. Default: the scene's, else 2; 5 in scenes with media, and "
+                    "for ptracer and photonmapper")
+        .in_range(1, 1'000'000);
+  }
+};
+
+/// The rendered part of the scene, and the run.
+struct RunArguments {
+  std::vector<int> crop;  ///< empty or x0, y0, x1, y1
+  std::string samples;
+  std::string size;
+  std::optional<float> scale;
+  std::string stats;
+  int wave_size = 0;
+  bool no_timestamps = false;
+  bool quiet = false;
+  ReadArguments read;
+
+  void add_to(Command& command) {
+    command
+        .add_option("--crop", crop,
+                    "Crop window to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
+        .list(',', 4);
+    command.add_option(
+        "--samples", samples,
+        "Range of samples per pixel to render, FIRST:COUNT (counted from 0), for 'sheaf merge'. The range "
+        "must consist of whole sample sets (--replicates). Default: all");
+    command.add_option("--size", size, "Frame size in pixels, WxH. Default: the scene's");
+    command
+        .add_option("--scale", scale,
+                    "Scale factor for the frame's width and height, e.g. 0.25 or 25% for a quick look. Default: 1")
+        .share()
+        .positive();
+    add_read_options(command, read);
+    command.add_option("--stats", stats, "Write times and counters to this JSON file").only_for_run();
+    command
+        .add_option(
+            "--wave-size", wave_size,
+            "Paths in flight per worker; affects speed, not results. Default: 0, derived from the L2 cache size")
+        .in_range(0, kMaxWaveSize)
+        .only_for_run();
+    command
+        .add_flag("--no-timestamps", no_timestamps,
+                  "Omit the date from the files, so that repeated renders are byte-identical")
+        .only_for_run();
+    command.add_flag("--quiet", quiet, "Print only errors").only_for_run();
+  }
+};
+
+/// The options as given.
+struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, RunArguments {
   CheckpointArguments checkpoint;
   PreviewArguments preview;
-  ReadArguments read;
 };
 
 /// Adds the subcommand with all of its options, but without an action. `arguments` must live as long as `program`.
-Command add_render_options(Command& program, RenderArguments& arguments);
+inline Command add_render_options(Command& program, RenderArguments& arguments) {
+  Command command = program.add_command(
+      "render", "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to images.");
+  arguments.ImageArguments::add_to(command);
+  arguments.LayerArguments::add_to(command);
+  arguments.TransportArguments::add_to(command);
+  arguments.RunArguments::add_to(command);
+  add_checkpoint_options(command, arguments.checkpoint);
+  add_preview_options(command, arguments.preview);
+  return command;
+}
 
 }  // namespace sheaf

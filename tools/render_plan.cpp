@@ -14,7 +14,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   Command command = add_render_options(program, arguments);
   RenderPlan plan;
   command.on_call([&] {
-    for (const auto& [name, value] : command.given()) plan.given.push_back(name);
+    for (const GivenOption& option : command.given()) plan.given.push_back(option.name);
   });
   // Parse the options as `sheaf render` does
   std::vector<std::string> line{"sheaf", "render"};
