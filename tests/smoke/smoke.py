@@ -155,7 +155,7 @@ def check_origins(arguments, folder, failures):
     needy = [f for f in sorted((folder / "scenes").rglob("*.xml")) if "generated/" in f.read_text()]
     for scene in needy:
         good, output = run([arguments.build / "sheaf", "info", scene], folder)
-        named = re.search(r"generated\.txt: (tools/\w+\.py) ", output)
+        named = re.search(r"generated\.txt: run (tools/\w+\.py) ", output)
         if good or not named or named[1] not in MAKERS or not (folder / named[1]).exists():
             failures.add(f"info {scene.relative_to(folder)}", f"should name the script that makes its files: {output}")
     if not needy:
@@ -172,7 +172,7 @@ def check_scenes(arguments, folder, failures):
     for i, scene in enumerate(scenes):
         name = str(scene.relative_to(folder))
         origin = scene.parent / "generated.txt"
-        if origin.exists() and origin.read_text().split()[0] in skipped:
+        if origin.exists() and origin.read_text().split()[1] in skipped:
             continue
         good, output = run([sheaf, "info", scene], folder)
         size = re.search(r"(\d+) x (\d+) pixels", output)
