@@ -66,7 +66,8 @@ const std::vector<Folder> kKernelFolders = {
     {"denoise", {}},  // works on images
 };
 
-/// An external library that only one file may include; a header and a source of the same name count as one.
+/// An external library that only one file may include. A header, a source of the same name and its "_writer" count as
+/// one.
 struct Wrapped {
   std::string_view library;
   std::vector<std::string_view> prefixes;  ///< prefixes of its headers
@@ -178,7 +179,9 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
     std::set<std::string> users;
     for (const auto& [file, header] : includes) {
       const auto begins = [&included = header](std::string_view prefix) { return included.starts_with(prefix); };
-      if (std::any_of(wrapped.prefixes.begin(), wrapped.prefixes.end(), begins)) users.insert(without_extension(file));
+      const std::string user = without_extension(file);
+      if (user == std::string(wrapped.wrapper) + "_writer") continue;
+      if (std::any_of(wrapped.prefixes.begin(), wrapped.prefixes.end(), begins)) users.insert(user);
     }
     if (!wrapped.wrapper.empty()) users.insert(std::string(wrapped.wrapper));
     if (users.size() <= 1) continue;
