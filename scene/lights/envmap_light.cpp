@@ -41,7 +41,7 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
 
 }  // namespace
 
-void EnvmapLightKind::read(Properties& p, LightDescription& light) {
+EnvmapDescription EnvmapDescription::read(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
   map.scale = p.number("scale", 1, kNotNegative);
@@ -49,7 +49,7 @@ void EnvmapLightKind::read(Properties& p, LightDescription& light) {
   map.mis_compensation = p.boolean("mis_compensation", true);
   map.raw = read_linear_gamma(p);
   p.ignore({"cache"});
-  light.model = std::move(map);
+  return map;
 }
 
 Vec3f EnvmapLightKind::power(const SceneView& scene, const LightRow& light) {

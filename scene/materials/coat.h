@@ -69,6 +69,9 @@ struct CoatDescription {
   static CoatDescription read_smooth(Properties& p, const BsdfDialect& dialect);
   static CoatDescription read_rough(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<CoatDescription> kPlugins[] = {{"coating", read_smooth}, {"roughcoating", read_rough}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.int_ior, s.ext_ior, s.thickness, s.sigma_a, s.specular_reflectance, s.roughness, s.nested);
+  }
   bool transmits(const NestedTransmission& of) const { return of(nested); }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

@@ -29,6 +29,7 @@ struct HanrahanKruegerDescription {
   using Closures = ClosureList<HanrahanKruegerClosure>;
   static HanrahanKruegerDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<HanrahanKruegerDescription> kPlugins[] = {{"hk", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.first, s.second, s.by_albedo, s.thickness, s.g); }
   bool transmits() const { return true; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -56,6 +56,9 @@ struct PlasticDescription {
   static PlasticDescription read_polarized(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<PlasticDescription> kPlugins[] = {
       {"plastic", read_smooth}, {"roughplastic", read_rough}, {"pplastic", read_polarized}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.int_ior, s.ext_ior, s.diffuse_reflectance, s.specular_reflectance, s.nonlinear, s.roughness);
+  }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };
