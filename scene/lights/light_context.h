@@ -7,8 +7,8 @@
 
 namespace sheaf {
 
-struct Description;
 class SpectrumSet;
+struct IntegratorSettings;
 
 /// The emission of a light in both colour modes.
 struct LightEmission {
@@ -27,10 +27,10 @@ LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data
 
 /// Scene data for placing lights.
 struct LightContext {
-  const Description& description;
-  std::span<const TextureRow> textures;
-  SpectrumSet* spectra;  ///< null in RGB mode
-  Envmap& envmap;        ///< environment map of the scene, filled by its light
+  const IntegratorSettings& integrator;
+  std::span<const TextureRow> textures;  ///< those of the description
+  SpectrumSet* spectra;                  ///< null in RGB mode
+  Envmap& envmap;                        ///< environment map of the scene, filled by its light
   std::vector<LightFrameRow>& frames;
   std::vector<std::string>& warnings;
 

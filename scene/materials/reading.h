@@ -1,7 +1,8 @@
 // Helpers for reading materials, shared by the models and dialects.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/materials/material.h"
+#include "scene/materials/roughness.h"
 #include "scene/xml/properties.h"
 
 #include <functional>
