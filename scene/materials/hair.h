@@ -16,8 +16,8 @@ template <class L> struct HairParameters {
   typename L::Float longitudinal_roughness, azimuthal_roughness;  ///< in [0, 1]
   typename L::Float tilt;                                         ///< tilt of the scales, radians
   typename L::Float eta;                                          ///< int / ext
-  typename L::Float by_reflectance;  ///< 1: absorption is derived from a reflectance; else 0
-  typename L::Float fourth;          ///< 1 if the fourth lane is a wavelength; else 0
+  typename L::Uint by_reflectance;  ///< 1: absorption is derived from a reflectance; else 0
+  typename L::Uint fourth;          ///< 1 if the fourth lane is a wavelength; else 0
   static constexpr auto fields(auto& s) {
     return std::tie(s.absorption, s.eumelanin_absorption, s.pheomelanin_absorption, s.scale, s.eumelanin, s.pheomelanin,
                     s.longitudinal_roughness, s.azimuthal_roughness, s.tilt, s.eta, s.by_reflectance, s.fourth);

@@ -58,7 +58,7 @@ MaterialRow HanrahanKruegerDescription::make_row(RowContext& context) const {
   MaterialRowBuilder<HanrahanKruegerParameters> m{context};
   m.set(m.p.first, first, TextureRole::kUnbounded);
   m.set(m.p.second, second, by_albedo ? TextureRole::kReflectance : TextureRole::kUnbounded);
-  m.p.by_albedo = by_albedo ? 1.0f : 0.0f;
+  m.p.by_albedo = by_albedo ? 1 : 0;
   m.p.thickness = thickness;
   m.p.g = g;
   return m.row<HanrahanKruegerClosure>();

@@ -9,7 +9,7 @@ namespace sheaf {
 template <class L> struct RoughDiffuseParameters {
   Spectrum<L> reflectance;  ///< of the facets
   typename L::Float alpha;  ///< roughness
-  typename L::Float fast;   ///< 1: simplified model without interreflection; else 0
+  typename L::Uint fast;    ///< 1: simplified model without interreflection; else 0
   static constexpr auto fields(auto& s) { return std::tie(s.reflectance, s.alpha, s.fast); }
 };
 
@@ -41,7 +41,7 @@ struct RoughDiffuseDescription {
     auto m = context.template builder<RoughDiffuseParameters>();
     m.set(m.p.reflectance, reflectance);
     m.set(m.p.alpha, alpha);
-    m.p.fast = fast ? 1.0f : 0.0f;
+    m.p.fast = fast ? 1 : 0;
     return m.template row<RoughDiffuseClosure>();
   }
 };

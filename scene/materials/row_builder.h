@@ -91,7 +91,8 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
 
   std::uint32_t word_of(const float& leaf) const {
     std::uint32_t word = 0, i = 0;
-    std::apply([&](const auto&... each) { ((&each == & leaf ? word = i : 0u, ++i), ...); }, leaves(p));
+    std::apply([&](const auto&... each) { ((static_cast<const void*>(&each) == & leaf ? word = i : 0u, ++i), ...); },
+               leaves(p));
     return word;
   }
 

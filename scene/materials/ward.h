@@ -10,7 +10,7 @@ namespace sheaf {
 template <class L> struct WardParameters {
   Spectrum<L> diffuse, specular;       ///< reflectances
   typename L::Float alpha_u, alpha_v;  ///< roughness along the tangent and the bitangent
-  typename L::Float variant;           ///< WardDescription::Variant
+  typename L::Uint variant;            ///< WardDescription::Variant
   static constexpr auto fields(auto& s) { return std::tie(s.diffuse, s.specular, s.alpha_u, s.alpha_v, s.variant); }
 };
 
@@ -53,7 +53,7 @@ struct WardDescription {
     m.set(m.p.specular, specular_reflectance);
     m.set(m.p.alpha_u, alpha_u);
     m.set(m.p.alpha_v, alpha_v);
-    m.p.variant = static_cast<float>(variant);
+    m.p.variant = static_cast<std::uint32_t>(variant);
     MaterialRow row = m.template row<WardClosure>();
     if (alpha_u != alpha_v) row.flags |= kNeedsUv;
     return row;
