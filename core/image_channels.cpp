@@ -96,7 +96,7 @@ class Finder {
     for (std::size_t part = 0; part < parts_.size(); ++part)
       for (const SplitName& name : parts_[part]) {
         if (name.channel != kRgb[0]) continue;
-        const auto found = three(part, name.layer, kRgb);
+        auto found = three(part, name.layer, kRgb);
         if (found && is_main(name.layer)) return found;
         if (found) all.push_back(*found);
       }

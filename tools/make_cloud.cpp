@@ -1,12 +1,15 @@
-// make_cloud: writes procedural volumes as NanoVDB files; deterministic for a given seed. The grid "density" and the
-// optional grid "temperature" hold values from 0 to 1 in the cube [-1, 1]^3 with +y up.
+// make_cloud: writes procedural volumes as NanoVDB files or as Mitsuba's .vol files; deterministic for a given seed.
+// The grid "density" and the optional grid "temperature" hold values from 0 to 1 in the cube [-1, 1]^3 with +y up.
 #include "core/error.h"
+#include "core/output_file.h"
 #include "scene/formats/nanovdb.h"
 #include "tools/options.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <vector>
@@ -183,16 +186,20 @@ std::unique_ptr<Model> make_model(int kind, std::uint32_t seed) {
   }
 }
 
+Vec3f voxel_center(const std::array<int, 3>& voxel, int resolution) {
+  const auto coordinate = [&](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(resolution)) - 1; };
+  return {coordinate(voxel[0]), coordinate(voxel[1]), coordinate(voxel[2])};
+}
+
 /// Fills the non-empty blocks of a grid with `resolution`^3 voxels.
 void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlocks& temperature) {
-  const auto coordinate = [&](int i) { return (static_cast<float>(2 * i + 1) / static_cast<float>(resolution)) - 1; };
   const int blocks = (resolution + VoxelBlocks::kSide - 1) / VoxelBlocks::kSide;
   std::vector<float> d(VoxelBlocks::kVoxels), t(VoxelBlocks::kVoxels);
   const auto add_block = [&](const std::array<int, 3>& b) {
     for (int i = 0; i < VoxelBlocks::kVoxels; ++i) {
       const int x = 8 * b[0] + (i & 7), y = 8 * b[1] + (i >> 3 & 7), z = 8 * b[2] + (i >> 6);
       const bool is_inside = std::max({x, y, z}) < resolution;
-      const Sample s = is_inside ? model.at({coordinate(x), coordinate(y), coordinate(z)}) : Sample{};
+      const Sample s = is_inside ? model.at(voxel_center({x, y, z}, resolution)) : Sample{};
       d[static_cast<std::size_t>(i)] = s.density;
       t[static_cast<std::size_t>(i)] = s.temperature;
     }
@@ -205,8 +212,25 @@ void sample(const Model& model, int resolution, VoxelBlocks& density, VoxelBlock
       for (int x = 0; x < blocks; ++x) add_block({x, y, z});
 }
 
+/// Writes the density as a .vol file of version 3 with 32-bit floats; scene/formats/vol.h has the layout.
+void write_vol(const std::filesystem::path& path, const Model& model, int resolution) {
+  OutputFile file(path);
+  const auto put = [&](std::uint32_t bits) {
+    for (int shift = 0; shift < 32; shift += 8) file.stream().put(static_cast<char>(bits >> shift & 255));
+  };
+  const auto put_float = [&](float value) { put(std::bit_cast<std::uint32_t>(value)); };
+  const auto side = static_cast<std::uint32_t>(resolution);
+  file.stream() << "VOL\3";
+  for (const std::uint32_t number : {1u, side, side, side, 1u}) put(number);
+  for (const float bound : {-1, -1, -1, 1, 1, 1}) put_float(bound);
+  for (int z = 0; z < resolution; ++z)
+    for (int y = 0; y < resolution; ++y)
+      for (int x = 0; x < resolution; ++x) put_float(model.at(voxel_center({x, y, z}, resolution)).density);
+  file.commit();
+}
+
 int run(int argc, char** argv) {
-  Program program("make_cloud", "Write a procedural volume as a NanoVDB file.");
+  Program program("make_cloud", "Write a procedural volume as a NanoVDB file, or as a .vol file of Mitsuba.");
   std::string out;
   int resolution = 128;
   std::uint32_t seed = 1;
@@ -215,13 +239,18 @@ int run(int argc, char** argv) {
   // Parse the options
   const std::map<std::string, int> kinds{
       {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
-  program.add_option("OUT", out, "Output file").required();
+  program.add_option("OUT", out, "Output file: .nvdb, or .vol for the density alone").required();
   program.add_option("--resolution", resolution, "Voxels along each side").in_range(1, 1024);
   program.add_option("--seed", seed, "Seed of the noise");
   program.add_option("--kind", kind, "Kind of volume: cloud, smoke, ramp or constant").one_of_named(kinds);
   program.add_flag("--temperature", with_temperature, "Also write the grid 'temperature'");
   if (const std::optional<int> exit_code = program.parse(argc, argv)) return *exit_code;
   // Sample the model and write the grids
+  if (std::filesystem::path(out).extension() == ".vol") {
+    if (with_temperature) throw Error(ExitCode::kUsage, "--temperature needs an .nvdb file");
+    write_vol(out, *make_model(kind, seed), resolution);
+    return 0;
+  }
   VoxelBlocks density(1), temperature(1);
   sample(*make_model(kind, seed), resolution, density, temperature);
   const float side = 2.0f / static_cast<float>(resolution), first = 0.5f * side - 1;

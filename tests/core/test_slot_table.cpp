@@ -11,7 +11,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sheaf::test_groups {
+namespace sheaf::test_slot_table {
 
 namespace {
 
@@ -204,4 +204,4 @@ TEST_CASE("slot table: a padded list of any length gathers and scatters every ro
   }
 }
 
-}  // namespace sheaf::test_groups
+}  // namespace sheaf::test_slot_table

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <string>
@@ -18,7 +19,12 @@
 
 #include <unistd.h>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+extern "C" {
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+/// Targets may define this function. It changes an input in place and returns its new size.
+[[gnu::weak]] std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                                  unsigned seed);
+}
 
 namespace sheaf::fuzz {
 
@@ -113,16 +119,22 @@ class Mutator {
  public:
   explicit Mutator(const Options& options) : options_(options), random_(options.seed) {}
 
-  /// A seed with one to four changes.
+  /// A seed with one to four changes, or changed by the target's own function.
   std::string operator()() {
     std::string input = options_.inputs[below(options_.inputs.size())];
-    for (std::size_t changes = 1 + below(4); changes > 0; --changes) change(input);
+    if (LLVMFuzzerCustomMutator == nullptr) {
+      for (std::size_t changes = 1 + below(4); changes > 0; --changes) change(input);
+      return input;
+    }
+    constexpr std::size_t kRoom = 4096;
+    const std::size_t size = input.size();
+    input.resize(size + kRoom);
+    input.resize(LLVMFuzzerCustomMutator(reinterpret_cast<std::uint8_t*>(input.data()), size, input.size(),
+                                         static_cast<unsigned>(random_())));
     return input;
   }
 
- private:
-  std::size_t below(std::size_t count) { return count == 0 ? 0 : random_() % count; }
-
+  /// One change.
   void change(std::string& input) {
     switch (below(8)) {
       case 0:  // Flip a bit.
@@ -152,6 +164,9 @@ class Mutator {
     }
   }
 
+ private:
+  std::size_t below(std::size_t count) { return count == 0 ? 0 : random_() % count; }
+
   /// Replaces a decimal number of a text, or four bytes of a binary file, by an extreme value.
   void replace_number(std::string& input) {
     static constexpr std::array kTexts = {"-1",         "0",          "1e38", "1e-40", "nan",
@@ -180,6 +195,9 @@ class Mutator {
   std::mt19937 random_;
 };
 
+/// The mutator of this program, for LLVMFuzzerMutate().
+Mutator* current_mutator = nullptr;
+
 /// Runs one input, at most for the time limit of the options.
 void run(const Options& options, std::string input) {
   current_input = std::move(input);
@@ -191,6 +209,15 @@ void run(const Options& options, std::string input) {
 }  // namespace
 
 }  // namespace sheaf::fuzz
+
+/// libFuzzer's function for custom mutators: changes an input in place and returns its new size.
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size) {
+  std::string input(reinterpret_cast<const char*>(data), size);
+  sheaf::fuzz::current_mutator->change(input);
+  const std::size_t changed = std::min(input.size(), max_size);
+  std::memcpy(data, input.data(), changed);
+  return changed;
+}
 
 int main(int argc, char** argv) {
   using namespace sheaf::fuzz;
@@ -207,6 +234,7 @@ int main(int argc, char** argv) {
   for (const std::string& input : options.inputs) run(options, input);
   if (!options.mutates) return 0;
   Mutator mutate(options);
+  current_mutator = &mutate;
   std::size_t count = 0;
   const auto start = std::chrono::steady_clock::now();
   while (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < options.seconds) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the commands in the documentation of an installed package, with smaller images and fewer samples: the generating
-scripts of docs/gallery.md, and every `sheaf` command of docs/gallery.md and README.md. Needs only Python, and `sheaf`
-and `make_cloud` in PATH.
+scripts of docs/gallery.md, and every `sheaf` command of docs/gallery.md and README.md. Needs Python with numpy, and
+`sheaf` and `make_cloud` in PATH.
 
   tests/package/check_examples.py EXAMPLES DOCUMENTATION      e.g. /usr/share/sheaf /usr/share/doc/sheaf
 

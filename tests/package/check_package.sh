@@ -33,7 +33,7 @@ apt() { in_root env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=
 apt purge --autoremove --yes sheaf || true  # missing in a new folder
 cp "$package" "$root/tmp/sheaf.deb"
 apt update || fail "apt-get update: $(tail -n 5 "$root.log")"
-apt install --yes --no-install-recommends /tmp/sheaf.deb man-db python3 || fail "cannot be installed: $(tail -n 5 "$root.log")"
+apt install --yes --no-install-recommends /tmp/sheaf.deb man-db python3 python3-numpy || fail "cannot be installed: $(tail -n 5 "$root.log")"
 passed "installed with its dependencies"
 
 levels=()

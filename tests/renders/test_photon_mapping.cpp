@@ -87,7 +87,7 @@ TEST_CASE("photon mapping: an empty map is reported and the image shows only vis
   std::vector<std::string> warnings;
   CHECK(trace(*compile_scene(d), 1, 1000, PhotonKind::kAll, &warnings).size() == 0);
   REQUIRE(warnings.size() == 1);
-  CHECK(warnings[0].find("holds about 0 of the 1000 photons") != std::string::npos);
+  CHECK(warnings[0].find("holds about 0 of the 1000 requested photons") != std::string::npos);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
   d.integrator.photons.global.count = 1000;
   const RenderResult result = render(*compile_scene(d), {});

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace sheaf::test_square_envmap {
+namespace sheaf::test_octahedral_envmap {
 
 namespace {
 
@@ -84,4 +84,4 @@ TEST_SUITE("square environment maps") {
   }
 }
 
-}  // namespace sheaf::test_square_envmap
+}  // namespace sheaf::test_octahedral_envmap

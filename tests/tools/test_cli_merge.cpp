@@ -288,7 +288,7 @@ TEST_CASE("damaged and inconsistent parts are errors") {
   wrong.at(3, 3, wrong.find_channel("part.object.number0")) = 17;
   wrong.at(3, 3, wrong.find_channel("part.object.weight0")) = 1;
   write_exr(scene.folder / "bad.exr", wrong, metadata);
-  CHECK(contains(scene.refused("a.exr bad.exr"), "no id"));
+  CHECK(contains(scene.refused("a.exr bad.exr"), "number without an id"));
   const std::string bytes = read_bytes(scene.folder / "b.exr");
   for (std::size_t cut = 0; cut < bytes.size(); cut += bytes.size() / 11) {
     write_bytes(scene.folder / "bad.exr", bytes.substr(0, cut));
