@@ -176,7 +176,7 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
     }
   }
   // Check the windows
-  const Imath::Box2i window = header.dataWindow(), frame = header.displayWindow();
+  const Imath::Box2i &window = header.dataWindow(), &frame = header.displayWindow();
   const auto extent = [](int low, int high) { return static_cast<long long>(high) - low + 1; };
   const auto too_far = [](int v) { return std::abs(static_cast<long long>(v)) > (1 << 24); };
   const long long width = extent(window.min.x, window.max.x), height = extent(window.min.y, window.max.y);

@@ -27,26 +27,29 @@ constexpr std::uint32_t part_mask(int parts, int width, int first, int last) {
   return mask;
 }
 
-/// Divides runs of 2 s bits by t^s + 1. The quotient is in the upper half, the remainder in the lower half.
-template <int s, class U> SHEAF_INLINE U divide_by_1(U i) { return i ^ ((i >> s) & U(part_mask(2, s, 0, 0))); }
-
-/// Divides runs of 4 s bits by t^2s + t^s + 1.
-template <int s, class U> SHEAF_INLINE U divide_by_2(U i) {
-  i = i ^ ((i >> s) & U(part_mask(4, s, 1, 2)));
-  return i ^ ((i >> 2 * s) & U(part_mask(4, s, 0, 0)));
+/// Divides runs of 2 s bits, s = `kShift`, by t^s + 1. The quotient is in the upper half, the remainder in the lower
+/// half.
+template <int kShift, class U> SHEAF_INLINE U divide_by_1(U i) {
+  return i ^ ((i >> kShift) & U(part_mask(2, kShift, 0, 0)));
 }
 
-/// Divides runs of 6 s bits by t^3s + t^s + 1.
-template <int s, class U> SHEAF_INLINE U divide_by_3(U i) {
-  i = i ^ ((i >> 2 * s) & U(part_mask(6, s, 3, 3)));
-  return i ^ ((i >> 3 * s) & U(part_mask(6, s, 0, 2))) ^ ((i >> 2 * s) & U(part_mask(6, s, 1, 2)));
+/// Divides runs of 4 s bits, s = `kShift`, by t^2s + t^s + 1.
+template <int kShift, class U> SHEAF_INLINE U divide_by_2(U i) {
+  i = i ^ ((i >> kShift) & U(part_mask(4, kShift, 1, 2)));
+  return i ^ ((i >> 2 * kShift) & U(part_mask(4, kShift, 0, 0)));
 }
 
-/// Divides runs of 6 s bits by t^3s + t^2s + 1.
-template <int s, class U> SHEAF_INLINE U divide_by_4(U i) {
-  i = i ^ ((i >> s) & U(part_mask(6, s, 4, 4)));
-  i = i ^ ((i >> s) & U(part_mask(6, s, 3, 3)));
-  return i ^ ((i >> 3 * s) & U(part_mask(6, s, 0, 2))) ^ ((i >> s) & U(part_mask(6, s, 2, 2)));
+/// Divides runs of 6 s bits, s = `kShift`, by t^3s + t^s + 1.
+template <int kShift, class U> SHEAF_INLINE U divide_by_3(U i) {
+  i = i ^ ((i >> 2 * kShift) & U(part_mask(6, kShift, 3, 3)));
+  return i ^ ((i >> 3 * kShift) & U(part_mask(6, kShift, 0, 2))) ^ ((i >> 2 * kShift) & U(part_mask(6, kShift, 1, 2)));
+}
+
+/// Divides runs of 6 s bits, s = `kShift`, by t^3s + t^2s + 1.
+template <int kShift, class U> SHEAF_INLINE U divide_by_4(U i) {
+  i = i ^ ((i >> kShift) & U(part_mask(6, kShift, 4, 4)));
+  i = i ^ ((i >> kShift) & U(part_mask(6, kShift, 3, 3)));
+  return i ^ ((i >> 3 * kShift) & U(part_mask(6, kShift, 0, 2))) ^ ((i >> kShift) & U(part_mask(6, kShift, 2, 2)));
 }
 
 }  // namespace sobol_detail

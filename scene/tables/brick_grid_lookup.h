@@ -11,7 +11,7 @@ namespace sheaf {
 namespace detail {
 
 /// Four floats in a register.
-typedef float NativeFloat4 __attribute__((vector_size(16)));
+using NativeFloat4 = float __attribute__((vector_size(16)));
 
 SHEAF_INLINE NativeFloat4 load_float4(const float* p) {
   NativeFloat4 v;
@@ -20,7 +20,7 @@ SHEAF_INLINE NativeFloat4 load_float4(const float* p) {
 }
 /// Loads two floats from each address. Assembled as doubles in a register, which avoids a store-forwarding stall.
 SHEAF_INLINE NativeFloat4 load_pairs(const float* low, const float* high) {
-  typedef double Double2 __attribute__((vector_size(16)));
+  using Double2 = double __attribute__((vector_size(16)));
   double first, second;
   std::memcpy(&first, low, sizeof(first));
   std::memcpy(&second, high, sizeof(second));

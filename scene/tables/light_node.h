@@ -67,13 +67,13 @@ static_assert(sizeof(LightNodeRow) == 128 && LightNodeRow::kWordCount % 4 == 0);
 LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std::uint32_t first_node,
                              std::uint32_t node_count, const std::uint32_t (&lights)[kLightChildren]);
 
-/// Unpacks child `k` of a node from the node's words in registers.
-template <class L, int k> SHEAF_INLINE LightChild<L> unpack_light_child(const typename L::Float* words) {
+/// Unpacks child `kChild` of a node from the node's words in registers.
+template <class L, int kChild> SHEAF_INLINE LightChild<L> unpack_light_child(const typename L::Float* words) {
   using F = Float<L>;
   using U = Uint<L>;
   using Row = LightNodeRow;
-  constexpr int kSecondPair = k / 2;
-  constexpr bool kIsLower = k % 2 == 0;
+  constexpr int kSecondPair = kChild / 2;
+  constexpr bool kIsLower = kChild % 2 == 0;
   const auto bfloat = [words](int word) SHEAF_LAMBDA_INLINE {
     const U bits = float_bits(words[word]);
     return bits_float(kIsLower ? bits << 16 : bits);
