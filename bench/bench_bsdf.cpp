@@ -52,7 +52,7 @@ template <class L, template <class> class Bsdf> void vertex(benchmark::State& st
     queries.template store<Scalar>(i, {direction(i, 1), direction(i, 2), u.x, u.y, u.z});
     int k = 0;
     const Bsdf<Scalar> bsdf = any_bsdf<Bsdf>(static_cast<std::uint32_t>(i));
-    std::apply([&](const auto&... leaf) { ((words[k++][i] = leaf), ...); }, leaves(bsdf));
+    std::apply([&](const auto&... leaf) { ((words[k++][i] = word_of_leaf(leaf)), ...); }, leaves(bsdf));
   }
   for (auto _ : state) {
     for (int i = 0; i < kItems; i += L::width) {

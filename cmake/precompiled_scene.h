@@ -4,4 +4,4 @@
 #include "cmake/precompiled.h"
 
 #include "core/error.h"
-#include "scene/description/description.h"
+#include "scene/content/description.h"

@@ -19,26 +19,28 @@ template <class L> constexpr std::size_t row_alignment(std::size_t bytes) {
   return std::is_same_v<L, Scalar> ? bytes : alignof(typename L::Float);
 }
 
-namespace record_table_detail {
-
-template <class L> SHEAF_INLINE void from_word(Float<L> word, Float<L>& leaf) { leaf = word; }
-template <class L> SHEAF_INLINE void from_word(Float<L> word, Uint<L>& leaf) { leaf = float_bits(word); }
+/// Sets a leaf of a record to the value that a word stores: numbers and integers keep their bits.
+template <class L> SHEAF_INLINE void set_leaf(Float<L>& leaf, Float<L> word) { leaf = word; }
+template <class L> SHEAF_INLINE void set_leaf(Uint<L>& leaf, Float<L> word) { leaf = float_bits(word); }
 template <class L, class Enum>
-requires std::is_enum_v<Enum> SHEAF_INLINE void from_word(float word, Enum& leaf) {
+requires std::is_enum_v<Enum> SHEAF_INLINE void set_leaf(Enum& leaf, float word) {
   static_assert(sizeof(Enum) == sizeof(std::uint32_t));
   leaf = static_cast<Enum>(float_bits(word));
 }
-SHEAF_INLINE WideFloat to_word(WideFloat leaf) { return leaf; }
-SHEAF_INLINE WideFloat to_word(WideUint leaf) { return bits_float(leaf); }
-SHEAF_INLINE float to_word(float leaf) { return leaf; }
-SHEAF_INLINE float to_word(std::uint32_t leaf) { return bits_float(leaf); }
+/// The word that stores a leaf; the inverse of set_leaf().
+SHEAF_INLINE WideFloat word_of_leaf(WideFloat leaf) { return leaf; }
+SHEAF_INLINE WideFloat word_of_leaf(WideUint leaf) { return bits_float(leaf); }
+SHEAF_INLINE float word_of_leaf(float leaf) { return leaf; }
+SHEAF_INLINE float word_of_leaf(std::uint32_t leaf) { return bits_float(leaf); }
+
+namespace record_table_detail {
 
 /// The words of a record in registers, in leaf order.
 template <class L, template <class> class Record> SHEAF_INLINE void to_words(const Record<L>& in, Float<L>* words) {
   std::apply(
       [words](const auto&... leaf) SHEAF_LAMBDA_INLINE {
         int k = 0;
-        ((words[k++] = to_word(leaf)), ...);
+        ((words[k++] = word_of_leaf(leaf)), ...);
       },
       leaves(in));
 }
@@ -61,7 +63,7 @@ template <class L, template <class> class Record> SHEAF_INLINE Record<L> record_
   std::apply(
       [words](auto&... leaf) SHEAF_LAMBDA_INLINE {
         int k = 0;
-        (record_table_detail::from_word<L>(words[k++], leaf), ...);
+        (set_leaf<L>(leaf, words[k++]), ...);
       },
       leaves(out));
   return out;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/passes/render.h"
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "tools/render_arguments.h"
 
 namespace sheaf {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/pixel_rect.h"
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 
 #include <string>
 #include <vector>

@@ -57,6 +57,18 @@ template <class Bsdf> constexpr unsigned numbers_of() {
 /// Whether a BSDF reads tables.
 template <class Bsdf> inline constexpr bool kHasTables = requires(Bsdf& bsdf) { bsdf.tables; };
 
+namespace bsdf_detail {
+
+/// Sets a parameter to the word that load(k, word) stores in `word`.
+template <class Load, class Leaf> SHEAF_INLINE void load_leaf(Load& load, int k, Leaf& leaf) {
+  using L = std::conditional_t<std::is_arithmetic_v<Leaf>, Scalar, Wide>;
+  Float<L> word;
+  load(k, word);
+  set_leaf<L>(leaf, word);
+}
+
+}  // namespace bsdf_detail
+
 /// Builds a BSDF whose parameter word k is the value that load(k, word) stores in `word`. `tables`:
 /// MaterialView::closure_tables.
 template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* tables, Load&& load) {
@@ -65,7 +77,7 @@ template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* t
   std::apply(
       [&load](auto&... leaf) SHEAF_LAMBDA_INLINE {
         int k = 0;
-        (load(k++, leaf), ...);
+        (bsdf_detail::load_leaf(load, k++, leaf), ...);
       },
       leaves(bsdf));
   return bsdf;

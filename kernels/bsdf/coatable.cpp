@@ -26,15 +26,15 @@ template <class L, template <class> class Bsdf> SHEAF_INLINE Bsdf<L> nested_bsdf
 
 /// Calls f.operator()<Bsdf>(bsdf, lanes) for each closure kind below the coats in the register.
 template <class L, class F> SHEAF_INLINE void for_each_nested(const CoatedParameters<L>& coat, F&& f) {
-  const LaneArray<Float<L>> kinds(coat.nested_kind);
+  const LaneArray<Uint<L>> kinds(coat.nested_kind);
   Mask<L> left(true);
   while (any(left)) {
-    const float kind = kinds[std::countr_zero(mask_bits(left))];
-    const auto same = left & (float_bits(coat.nested_kind) == Uint<L>(float_bits(kind)));
+    const std::uint32_t kind = kinds[std::countr_zero(mask_bits(left))];
+    const auto same = left & (coat.nested_kind == Uint<L>(kind));
     // Lanes beyond the end of a run may hold any value.
-    if (kind >= 0.0f && kind < static_cast<float>(kClosureKinds))
+    if (kind < std::uint32_t{kClosureKinds})
       for_each_coatable_bsdf([&]<template <class> class Bsdf>(ClosureKind each, BsdfTag<Bsdf>) SHEAF_LAMBDA_INLINE {
-        if (each == static_cast<ClosureKind>(static_cast<int>(kind))) f(nested_bsdf<L, Bsdf>(coat), same);
+        if (each == static_cast<ClosureKind>(kind)) f(nested_bsdf<L, Bsdf>(coat), same);
       });
     left = left & !same;
   }

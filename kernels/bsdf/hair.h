@@ -161,10 +161,11 @@ template <class L> struct HairBsdf : HairParameters<L> {
       // The last lobe sums all longer paths, a geometric series.
       attenuation[3] = attenuation[2] *
                        map_spectrum<L>(turns, [one](F x) SHEAF_LAMBDA_INLINE { return x / max(one - x, F(1e-7f)); });
+      const F fourth = select(hair.fourth != Uint<L>(0u), F(1.0f), F(0.0f));
       F sum(0.0f);
       for (std::size_t p = 0; p < kLobes; ++p) {
         Spectrum<L>& a = attenuation[p];
-        a.c3 = a.c3 * hair.fourth;
+        a.c3 = a.c3 * fourth;
         probability[p] = total(a);
         sum += probability[p];
       }
@@ -189,7 +190,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
   SHEAF_INLINE Spectrum<L> absorbed(F minus_length) const {
     Spectrum<L> sigma_a = this->absorption * this->scale + this->eumelanin_absorption * this->eumelanin +
                           this->pheomelanin_absorption * this->pheomelanin;
-    const Mask<L> by_colour = this->by_reflectance > F(0.5f);
+    const Mask<L> by_colour = this->by_reflectance != Uint<L>(0u);
     if (any(by_colour)) sigma_a = select<L>(by_colour, absorption_of_reflectance(), sigma_a);
     return map_spectrum<L>(sigma_a, [minus_length](F s) SHEAF_LAMBDA_INLINE { return exp(s * minus_length); });
   }

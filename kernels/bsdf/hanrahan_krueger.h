@@ -45,7 +45,7 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
     hg.g = this->g;
     return hg;
   }
-  SHEAF_INLINE Mask<L> is_by_albedo() const { return this->by_albedo > Float<L>(0.5f); }
+  SHEAF_INLINE Mask<L> is_by_albedo() const { return this->by_albedo != Uint<L>(0u); }
   SHEAF_INLINE Spectrum<L> extinction() const {
     return select<L>(is_by_albedo(), this->first, this->first + this->second);
   }

@@ -12,15 +12,16 @@
 namespace sheaf {
 
 /// Diffuse albedo of a base under a coat, without the coat's transmittance on entry and exit: albedo / (eta^2 (1 -
-/// internal_reflectance c)), where c is the albedo if `nonlinear` is 1, and 1 if it is 0.
+/// internal_reflectance c)), where c is the albedo if `nonlinear`, and otherwise 1.
 template <class L>
-SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_reflectance, Float<L> nonlinear,
+SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_reflectance, Uint<L> nonlinear,
                                        Float<L> eta) {
   using F = Float<L>;
+  const F weight = select(nonlinear != Uint<L>(0u), F(1.0f), F(0.0f));
   const F inverse_eta2 = F(1.0f) / (eta * eta);
   return map_spectrum<L>(albedo, [&](F a) SHEAF_LAMBDA_INLINE {
     // A base of albedo 1 under a coat with total internal reflection would be 0 / 0.
-    const F loss = F(1.0f) - internal_reflectance * lerp(nonlinear, F(1.0f), a);
+    const F loss = F(1.0f) - internal_reflectance * lerp(weight, F(1.0f), a);
     return a * inverse_eta2 / max(loss, F(1e-6f));
   });
 }

@@ -46,7 +46,7 @@ template <class L> struct WardBsdf : WardParameters<L> {
 
  private:
   SHEAF_INLINE Mask<L> is(WardDescription::Variant which) const {
-    return abs(this->variant - Float<L>(static_cast<float>(which))) < Float<L>(0.5f);
+    return this->variant == Uint<L>(static_cast<std::uint32_t>(which));
   }
   SHEAF_INLINE Float<L> probability() const { return lobe_probability<L>(this->specular, this->diffuse); }
 };

@@ -1,7 +1,7 @@
 // Compiles a description into a scene for kernels.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {

@@ -9,7 +9,12 @@
 namespace sheaf {
 
 LightContext SceneCompiler::light_context() {
-  return {in_, out_->textures_.rows, spectra(), out_->lights_.envmap, out_->lights_.frames, out_->warnings_};
+  return {in_.integrator,
+          std::span(out_->textures_.rows).first(in_.textures.size()),
+          spectra(),
+          out_->lights_.envmap,
+          out_->lights_.frames,
+          out_->warnings_};
 }
 
 std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {

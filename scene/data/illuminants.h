@@ -1,7 +1,7 @@
 // Named illuminants: CIE standard illuminants and the equal-energy spectrum.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/description/inputs.h"
 
 #include <optional>
 #include <string>

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <tuple>
 
 namespace sheaf {
 
@@ -17,11 +18,14 @@ struct Dispersion {
   };
   struct Term {
     float b = 0, c = 0;  ///< c: square micrometres, or an even exponent
+    static constexpr auto fields(auto& s) { return std::tie(s.b, s.c); }
   };
 
   Form form = Form::kSellmeier;
   float constant = 1;
   std::array<Term, 7> terms{};  ///< unused terms have b = 0
+
+  static constexpr auto fields(auto& s) { return std::tie(s.form, s.constant, s.terms); }
 };
 
 /// Index of refraction at `lambda` nm, relative to air or, for some sources, to vacuum (at most a factor of 1.00027).

@@ -1,7 +1,7 @@
 // Reads a scene file of any dialect.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "scene/dialects/common/model_view.h"
 
 #include <filesystem>

@@ -1,7 +1,8 @@
 // Curve files of Mitsuba 3.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 namespace sheaf {
 

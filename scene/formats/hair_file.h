@@ -1,7 +1,8 @@
 // Hair files of Mitsuba before version 2.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 namespace sheaf {
 

@@ -1,7 +1,8 @@
 // Height fields from images.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 namespace sheaf {
 

@@ -1,7 +1,8 @@
 // Loop subdivision surfaces.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 namespace sheaf {
 

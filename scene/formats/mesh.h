@@ -1,7 +1,8 @@
 // Processing of triangle meshes between file and scene, and the meshes of polyhedral shapes.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 #include <cstddef>
 

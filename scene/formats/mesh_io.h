@@ -1,7 +1,8 @@
 // Readers of triangle mesh files: Wavefront OBJ, Stanford PLY, Mitsuba's serialized meshes.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 #include <filesystem>
 #include <string>

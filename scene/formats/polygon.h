@@ -1,7 +1,8 @@
 // Polygons of mesh files and their triangulation.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 #include <array>
 #include <cstddef>

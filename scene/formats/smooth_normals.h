@@ -1,7 +1,8 @@
 // Vertex normals for meshes without normals, by smoothing groups or crease angle.
 #pragma once
 
-#include "scene/description/description.h"
+#include "core/error.h"
+#include "scene/description/shapes.h"
 
 #include <span>
 

@@ -21,8 +21,7 @@ std::optional<CompiledLight> place_light(const BeamDescription& light, const Sou
   const float length = sheaf::length(along);
   if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(where, "the direction of the beam has no length");
   const BeamLightData<Scalar> data{light.to_world.point({0, 0, 0}), along * (1.0f / length)};
-  const LightEmission emission = context.emission(light.power, where);
-  return CompiledLight{make_light_row(kLightKind<BeamLightKind>, emission.rgb, data), emission.spectrum};
+  return context.light<BeamLightKind>(context.emission(light.power, where), data);
 }
 
 }  // namespace sheaf

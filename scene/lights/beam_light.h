@@ -10,6 +10,9 @@ namespace sheaf {
 struct BeamDescription {
   Transform to_world;
   SpectrumDescription power = SpectrumDescription::constant(1);
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) { return std::tie(s.to_world, s.power); }
 };
 
 /// See PlaceableLight.
@@ -21,6 +24,7 @@ template <class L> struct BeamLightData {
   Vec3<L> position;   ///< where the beam starts, world space
   Vec3<L> direction;  ///< of travel, unit length
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.direction); }
 };
 
@@ -29,7 +33,6 @@ struct BeamLightKind {
   static constexpr const char* kLabel = "collimated";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<BeamDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

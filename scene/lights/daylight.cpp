@@ -12,6 +12,7 @@
 #include "core/color.h"
 #include "core/frame.h"
 #include "scene/data/daylight.h"
+#include "scene/lights/sun_light.h"
 #include "scene/spectra/spectrum_rgb.h"
 
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
 // Daylight: the sky of Hosek and Wilkie 2012 and the sun of Hosek and Wilkie 2013, with their published coefficients.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/lights/envmap_light.h"
 #include "scene/lights/make_envmap.h"
 
 #include <array>

@@ -17,8 +17,7 @@ std::optional<CompiledLight> place_light(const DirectionalLightDescription& ligh
   const float length = sheaf::length(light.direction);
   if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(where, "the direction of the light has no length");
   const DirectionalLightData<Scalar> data{light.direction * (-1.0f / length)};
-  const LightEmission emission = context.emission(light.irradiance, where);
-  return CompiledLight{make_light_row(kLightKind<DirectionalLightKind>, emission.rgb, data), emission.spectrum};
+  return context.light<DirectionalLightKind>(context.emission(light.irradiance, where), data);
 }
 
 }  // namespace sheaf

@@ -9,6 +9,9 @@ namespace sheaf {
 struct DirectionalLightDescription {
   Vec3f direction{0, 0, 1};  ///< direction in which the light travels; any length except zero
   SpectrumDescription irradiance = SpectrumDescription::constant(1);
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) { return std::tie(s.direction, s.irradiance); }
 };
 
 /// See PlaceableLight.
@@ -19,6 +22,7 @@ std::optional<CompiledLight> place_light(const DirectionalLightDescription& ligh
 template <class L> struct DirectionalLightData {
   Vec3<L> to_light;  ///< unit length
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.to_light); }
 };
 
@@ -27,7 +31,6 @@ struct DirectionalLightKind {
   static constexpr const char* kLabel = "directional";
   static constexpr LightDomain kDomain = LightDomain::kDistant;
   using Descriptions = LightDescriptions<DirectionalLightDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
 };

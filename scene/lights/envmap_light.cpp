@@ -2,12 +2,12 @@
 
 #include "core/frame.h"
 #include "core/memory.h"
-#include "scene/description/description.h"
 #include "scene/lights/daylight.h"
 #include "scene/lights/light_context.h"
 #include "scene/lights/light_rotation.h"
 #include "scene/lights/make_envmap.h"
 #include "scene/lights/octahedral_envmap.h"
+#include "scene/tables/render_settings.h"
 #include "scene/tables/scene.h"
 #include "scene/xml/linear_gamma.h"
 
@@ -19,8 +19,7 @@ namespace {
 
 /// Whether MIS compensation may leave dark directions to BSDF sampling. Requires that BSDF sampling reaches all light
 /// that light sampling finds; otherwise the unsampled light would be lost. Photons have no second strategy.
-bool can_compensate(const Description& description) {
-  const IntegratorSettings& integrator = description.integrator;
+bool can_compensate(const IntegratorSettings& integrator) {
   return integrator.kind == IntegratorKind::kPath && integrator.strategy == LightStrategy::kMis &&
          !integrator.ends_at_diffuse;
 }
@@ -41,7 +40,7 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
 
 }  // namespace
 
-void EnvmapLightKind::read(Properties& p, LightDescription& light) {
+EnvmapDescription EnvmapDescription::read(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
   map.scale = p.number("scale", 1, kNotNegative);
@@ -49,7 +48,7 @@ void EnvmapLightKind::read(Properties& p, LightDescription& light) {
   map.mis_compensation = p.boolean("mis_compensation", true);
   map.raw = read_linear_gamma(p);
   p.ignore({"cache"});
-  light.model = std::move(map);
+  return map;
 }
 
 Vec3f EnvmapLightKind::power(const SceneView& scene, const LightRow& light) {
@@ -83,8 +82,7 @@ std::optional<CompiledLight> place_light(const EnvmapDescription& light, const S
   check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(image.width) + " x " +
                    std::to_string(image.height) + " pixels",
                uses);
-  Envmap map =
-      make_envmap(std::move(image), light.scale, light.mis_compensation && can_compensate(context.description));
+  Envmap map = make_envmap(std::move(image), light.scale, light.mis_compensation && can_compensate(context.integrator));
   set_rotation(map, light.to_world, where);
   return place_map(std::move(map), context, light.file.string() + ": the environment map", where);
 }
@@ -92,7 +90,7 @@ std::optional<CompiledLight> place_light(const EnvmapDescription& light, const S
 std::optional<CompiledLight> place_light(const SkyDescription& sky, const SourceLocation& where,
                                          LightContext& context) {
   const auto frame = Frame<Scalar>::from_normal(sky.up);
-  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(context.description));
+  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(context.integrator));
   const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
   for (std::size_t i = 0; i < 3; ++i)
     map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;

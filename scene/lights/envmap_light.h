@@ -18,6 +18,14 @@ struct EnvmapDescription {
   bool raw = false;               ///< integers in the file are linear, not sRGB
   /// kOctahedral: a square equal-area image (Clarberg 2008), as in pbrt-v4, with +z in the middle.
   enum class Layout { kLatLong, kOctahedral } layout = Layout::kLatLong;
+
+  static constexpr std::array kPlugins = {"envmap"};
+  /// Reads `filename`, `scale` (default 1), `to_world`, `mis_compensation` (default true) and `gamma` of Mitsuba 0.6.
+  /// Ignores its `cache`.
+  static EnvmapDescription read(Properties& p);
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.file, s.scale, s.to_world, s.mis_compensation, s.raw, s.layout);
+  }
 };
 
 /// See PlaceableLight.
@@ -37,6 +45,11 @@ struct SkyDescription {
   float stretch = 1;     ///< in [1, 2]: 2 spreads the sky over the whole sphere
   bool extend = false;   ///< directions below the horizon repeat the horizon
   int resolution = 512;  ///< width of the generated map; its height is half of that
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.up, s.suns, s.turbidity, s.albedo, s.scale, s.sun_scale, s.stretch, s.extend, s.resolution);
+  }
 };
 
 /// See PlaceableLight.
@@ -48,10 +61,6 @@ struct EnvmapLightKind {
   static constexpr const char* kLabel = "environment";
   static constexpr LightDomain kDomain = LightDomain::kEnvironment;
   using Descriptions = LightDescriptions<EnvmapDescription, SkyDescription>;
-  /// Reads `filename`, `scale` (default 1), `to_world`, `mis_compensation` (default true) and `gamma` of Mitsuba 0.6.
-  /// Ignores its `cache`.
-  static void read(Properties& p, LightDescription& light);
-  static constexpr std::array kReaders = {LightReader{"envmap", &read}};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
 };

@@ -12,6 +12,9 @@ struct GoniometricLightDescription {
   Transform to_world;  ///< a rotation, possibly with a reflection, and a translation
   SpectrumDescription intensity = SpectrumDescription::constant(1);
   TextureId image{};
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) { return std::tie(s.to_world, s.intensity, s.image); }
 };
 
 /// See PlaceableLight.
@@ -23,6 +26,7 @@ template <class L> struct GoniometricLightData {
   Vec3<L> position;        ///< world space
   typename L::Uint frame;  ///< into LightView::frames
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.frame); }
 };
 
@@ -31,7 +35,6 @@ struct GoniometricLightKind {
   static constexpr const char* kLabel = "goniometric";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<GoniometricLightDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

@@ -5,13 +5,20 @@
 //     kLabel        names lights that have no name,
 //     kDomain       where the light is,
 //     Descriptions  the descriptions that may become lights of this kind, as LightDescriptions,
-//     kReaders      an array of LightReader: its names in files that the dialects of Mitsuba and Nori write alike,
 //     power         see light_power(); without the factor `integral`,
 //     bounds        bounded lights: see bounds_of_light(),
 // and optionally
 //     integral, integral_key    the factor of its power that needs numerical integration; see LightCompiler,
 //     position                  the point from which the light shines; see LightCompiler.
-// place_light() makes the row of a description.
+// A description is a struct with
+//     kPlugins      its names in files that the dialects of Mitsuba and Nori write alike: an array, or kNoLightPlugins,
+//     read(p)       reads the properties; with kPlugins only,
+//     fields()      all parameters.
+// place_light() makes its row.
+//
+// Short functions are defined in the header. Those that need SceneView, LightContext or Properties are templates, such
+// as power(const auto& scene, ...), because the headers of these come after the list of kinds. Others are in a .cpp
+// file.
 #pragma once
 
 #include "core/error.h"
@@ -47,10 +54,21 @@ struct LightReader {
   void (*read)(Properties&, LightDescription&);
 };
 
+/// kPlugins of a description that each dialect writes differently.
+inline constexpr std::array<const char*, 0> kNoLightPlugins{};
+
+/// A description with everything that its names in files require.
+template <class Description>
+concept ReadableLight = (std::size(Description::kPlugins) > 0) == requires(Properties& p) {
+  { Description::read(p) } -> std::same_as<Description>;
+};
+
 /// A description for which place_light() compiles the light. It returns nothing if the light is known to be black, and
 /// throws SceneError.
 template <class Description>
 concept PlaceableLight = requires(const Description& light, const SourceLocation& where, LightContext& context) {
+  Description::fields(light);
+  requires ReadableLight<Description>;
   { place_light(light, where, context) } -> std::same_as<std::optional<CompiledLight>>;
 };
 
@@ -92,26 +110,43 @@ struct LightCompiler {
   Position* position = nullptr;
 };
 
+namespace light_detail {
+
+template <class Kind>
+concept HasBounds = requires(LightCompiler::Bounds* bounds) {
+  bounds = &Kind::bounds;
+};
+template <class Kind>
+concept HasIntegral = requires(LightCompiler::Integral* integral) {
+  integral = &Kind::integral;
+};
+template <class Kind>
+concept HasIntegralKey = requires(LightCompiler::IntegralKey* key) {
+  key = &Kind::integral_key;
+};
+template <class Kind>
+concept HasPosition = requires(LightCompiler::Position* position) {
+  position = &Kind::position;
+};
+
+}  // namespace light_detail
+
 /// A struct with all members of a kind that are not optional.
 template <class Kind>
-concept CompilableLight = requires {
+concept CompilableLight = requires(LightCompiler::Power* power) {
   typename Kind::Descriptions;
   { Kind::kLabel } -> std::convertible_to<const char*>;
   { Kind::kDomain } -> std::convertible_to<LightDomain>;
-  { Kind::kReaders } -> std::convertible_to<std::span<const LightReader>>;
-  { &Kind::power } -> std::same_as<LightCompiler::Power*>;
+  power = &Kind::power;
 }
-&&(Kind::kDomain == LightDomain::kBounded) == requires {
-  { &Kind::bounds } -> std::same_as<LightCompiler::Bounds*>;
-}
-&&requires { &Kind::integral; }
-== requires { &Kind::integral_key; };
+&&(Kind::kDomain == LightDomain::kBounded) == light_detail::HasBounds<Kind>&& light_detail::HasIntegral<Kind> ==
+    light_detail::HasIntegralKey<Kind>;
 
 template <CompilableLight Kind> constexpr LightCompiler make_light_compiler() {
   LightCompiler out{Kind::kLabel, Kind::kDomain, &Kind::power};
-  if constexpr (requires { &Kind::bounds; }) out.bounds = &Kind::bounds;
-  if constexpr (requires { &Kind::integral; }) out.integral = &Kind::integral, out.integral_key = &Kind::integral_key;
-  if constexpr (requires { &Kind::position; }) out.position = &Kind::position;
+  if constexpr (light_detail::HasBounds<Kind>) out.bounds = &Kind::bounds;
+  if constexpr (light_detail::HasIntegral<Kind>) out.integral = &Kind::integral, out.integral_key = &Kind::integral_key;
+  if constexpr (light_detail::HasPosition<Kind>) out.position = &Kind::position;
   return out;
 }
 

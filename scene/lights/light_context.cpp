@@ -1,6 +1,5 @@
 #include "scene/lights/light_context.h"
 
-#include "scene/description/description.h"
 #include "scene/spectra/spectrum_rgb.h"
 #include "scene/spectra/spectrum_set.h"
 
@@ -20,7 +19,7 @@ SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const Sour
 }
 
 std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {
-  if (static_cast<std::size_t>(id) >= description.textures.size())
+  if (static_cast<std::size_t>(id) >= textures.size())
     throw SceneError(where, "refers to a texture that does not exist");
   if ((textures[static_cast<std::uint32_t>(id)].needs & kTextureNeedsPoint) != 0)
     throw SceneError(where,

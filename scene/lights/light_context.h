@@ -7,8 +7,8 @@
 
 namespace sheaf {
 
-struct Description;
 class SpectrumSet;
+struct IntegratorSettings;
 
 /// The emission of a light in both colour modes.
 struct LightEmission {
@@ -16,12 +16,21 @@ struct LightEmission {
   SpectrumRow spectrum;  ///< spectral mode; relative to D65 for textures
 };
 
+/// Makes a row without texture.
+LightRow make_light_row(LightKind kind, Vec3f radiance);
+template <template <class> class Data>
+LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data) {
+  LightRow row = make_light_row(kind, radiance);
+  row.set_data(data);
+  return row;
+}
+
 /// Scene data for placing lights.
 struct LightContext {
-  const Description& description;
-  std::span<const TextureRow> textures;
-  SpectrumSet* spectra;  ///< null in RGB mode
-  Envmap& envmap;        ///< environment map of the scene, filled by its light
+  const IntegratorSettings& integrator;
+  std::span<const TextureRow> textures;  ///< those of the description
+  SpectrumSet* spectra;                  ///< null in RGB mode
+  Envmap& envmap;                        ///< environment map of the scene, filled by its light
   std::vector<LightFrameRow>& frames;
   std::vector<std::string>& warnings;
 
@@ -33,15 +42,14 @@ struct LightContext {
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
   /// Adds a row to LightView::frames; returns its index.
   std::uint32_t add_frame(const LightFrameRow& frame);
+  /// A light of a kind, without texture.
+  template <class Kind> CompiledLight light(const LightEmission& emission) const {
+    return {make_light_row(kLightKind<Kind>, emission.rgb), emission.spectrum};
+  }
+  template <class Kind, template <class> class Data>
+  CompiledLight light(const LightEmission& emission, const Data<Scalar>& data) const {
+    return {make_light_row(kLightKind<Kind>, emission.rgb, data), emission.spectrum};
+  }
 };
-
-/// Makes a row without texture.
-LightRow make_light_row(LightKind kind, Vec3f radiance);
-template <template <class> class Data>
-LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data) {
-  LightRow row = make_light_row(kind, radiance);
-  row.set_data(data);
-  return row;
-}
 
 }  // namespace sheaf

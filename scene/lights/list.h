@@ -50,15 +50,8 @@ template <CompilableLight... Kinds> struct LightKindList {
     constexpr bool kMatches[] = {std::is_same_v<Kind, Kinds>...};
     return static_cast<LightKind>(std::find(kMatches, kMatches + kCount, true) - kMatches);
   }
-  /// The functions of each kind, by LightKind.
-  static constexpr std::array<LightCompiler, kCount> compilers() { return {make_light_compiler<Kinds>()...}; }
-  /// The readers of all kinds.
-  static constexpr auto readers() {
-    std::array<LightReader, (Kinds::kReaders.size() + ...)> all{};
-    auto next = all.begin();
-    ((next = std::copy(Kinds::kReaders.begin(), Kinds::kReaders.end(), next)), ...);
-    return all;
-  }
+  /// Calls f.operator()<Kind>() for each kind.
+  template <class F> static constexpr void for_each(F&& f) { (f.template operator()<Kinds>(), ...); }
 };
 
 /// All kinds of lights, in the order of LightKind.
@@ -80,12 +73,6 @@ using LightKinds = LightKindList<MeshLightKind,         //
 /// The LightKind of a kind, such as kLightKind<MeshLightKind>.
 template <class Kind> inline constexpr LightKind kLightKind = LightKinds::kind_of<Kind>();
 
-/// Functions of each kind, by LightKind.
-inline constexpr std::array kLightCompilers = LightKinds::compilers();
-
-/// The lights that the dialects of Mitsuba and Nori write alike.
-inline constexpr std::array kLightReaders = LightKinds::readers();
-
 /// A light of a scene that is not on a shape.
 struct LightDescription {
   LightKinds::Model model;
@@ -93,10 +80,15 @@ struct LightDescription {
   std::string id = {};  ///< name in files; may be empty
 };
 
-/// Functions of a row's kind.
-inline const LightCompiler& light_compiler_of(const LightRow& light) { return kLightCompilers[light.kind]; }
+/// The functions of each kind, by LightKind.
+std::span<const LightCompiler> light_compilers();
+/// The functions of a row's kind.
+const LightCompiler& light_compiler_of(const LightRow& light);
+
+/// The lights that the dialects of Mitsuba and Nori write alike.
+std::span<const LightReader> light_readers();
 
 /// Whether a light is at infinity: environments, directional lights and suns.
-inline bool is_infinite(const LightRow& light) { return light_compiler_of(light).domain != LightDomain::kBounded; }
+bool is_infinite(const LightRow& light);
 
 }  // namespace sheaf

@@ -23,7 +23,6 @@ struct MeshLightKind {
   static constexpr const char* kLabel = "area";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

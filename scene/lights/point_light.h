@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/lights/light.h"
+#include "scene/lights/light_bounds.h"
 
 namespace sheaf {
 
@@ -9,16 +10,16 @@ namespace sheaf {
 struct PointLightDescription {
   Vec3f position{0, 0, 0};
   SpectrumDescription intensity = SpectrumDescription::constant(1);
-};
 
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const PointLightDescription& light, const SourceLocation& where,
-                                         LightContext& context);
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) { return std::tie(s.position, s.intensity); }
+};
 
 /// Data of a point light. LightRecord::radiance is its intensity, W / sr.
 template <class L> struct PointLightData {
   Vec3<L> position;  ///< world space
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position); }
 };
 
@@ -27,11 +28,19 @@ struct PointLightKind {
   static constexpr const char* kLabel = "point";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<PointLightDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
-  static Vec3f power(const SceneView& scene, const LightRow& light);
-  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
-  static Vec3f position(const LightRow& light);
+  static Vec3f power(const SceneView&, const LightRow& light) { return emitted_rgb(light) * (4 * kPi); }
+  static LightBounds bounds(const SceneView&, const LightRow& light, double power) {
+    return point_light_bounds(position(light), static_cast<float>(power * (0.25 * double(kInvPi))));
+  }
+  static Vec3f position(const LightRow& light) { return light.data<PointLightData>().position; }
 };
+
+/// See PlaceableLight.
+std::optional<CompiledLight> place_light(const PointLightDescription& light, const SourceLocation& where,
+                                         auto& context) {
+  const PointLightData<Scalar> data{light.position};
+  return context.template light<PointLightKind>(context.emission(light.intensity, where), data);
+}
 
 }  // namespace sheaf

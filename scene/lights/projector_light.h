@@ -17,6 +17,11 @@ struct ProjectorDescription {
   bool is_even = false;
   float fov = 50;  ///< degrees
   CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.to_world, s.irradiance, s.scale, s.is_even, s.fov, s.fov_axis);
+  }
 };
 
 /// See PlaceableLight.
@@ -29,6 +34,7 @@ template <class L> struct ProjectorLightData {
   typename L::Uint frame;  ///< into LightView::frames
   Vec2<L> image_scale;     ///< reciprocals of the image's width and height at z = 1
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.frame, s.image_scale); }
 };
 
@@ -37,7 +43,6 @@ struct ProjectorLightKind {
   static constexpr const char* kLabel = "projector";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<ProjectorDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

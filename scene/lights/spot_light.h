@@ -17,6 +17,11 @@ struct SpotLightDescription {
   /// Multiplies the intensity; the cone fills the unit square of uv. Only for kLinear with a cutoff_angle below 90
   /// degrees.
   std::optional<TextureId> texture;
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.falloff, s.to_world, s.intensity, s.cutoff_angle, s.beam_width, s.texture);
+  }
 };
 
 /// See PlaceableLight.
@@ -32,6 +37,7 @@ template <class L> struct LinearSpotLightData {
   typename L::Float inverse_width;  ///< 1 / (cutoff angle - beam width)
   typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.position, s.frame, s.cutoff_angle, s.inverse_width, s.cot_cutoff);
   }
@@ -46,6 +52,7 @@ template <class L> struct SmoothSpotLightData {
   typename L::Float inverse_width;  ///< 1 / (cosine of the beam width - cos_cutoff)
   typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.position, s.frame, s.cos_cutoff, s.inverse_width, s.cot_cutoff);
   }
@@ -56,7 +63,6 @@ struct LinearSpotLightKind {
   static constexpr const char* kLabel = "spot";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<SpotLightDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
@@ -70,7 +76,6 @@ struct SmoothSpotLightKind {
   static constexpr const char* kLabel = "spot";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

@@ -15,6 +15,11 @@ struct SunDescription {
   float stretch = 1;  ///< see SkyDescription::stretch
 
   static constexpr float kSunRadius = 0.2679f;
+
+  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.up, s.direction, s.turbidity, s.scale, s.radius, s.stretch);
+  }
 };
 
 /// See PlaceableLight.
@@ -26,6 +31,7 @@ template <class L> struct SunLightData {
   Vec3<L> to_light;                 ///< towards the centre of the disk, unit length
   typename L::Float one_minus_cos;  ///< 1 - cosine of the angular radius
 
+  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.to_light, s.one_minus_cos); }
 };
 
@@ -34,7 +40,6 @@ struct SunLightKind {
   static constexpr const char* kLabel = "sun";
   static constexpr LightDomain kDomain = LightDomain::kDistant;
   using Descriptions = LightDescriptions<SunDescription>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
 };

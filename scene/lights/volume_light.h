@@ -35,7 +35,6 @@ struct VolumeLightKind {
   static constexpr const char* kLabel = "medium";
   static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<>;
-  static constexpr std::array<LightReader, 0> kReaders = {};
 
   static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);

@@ -16,6 +16,7 @@ struct BumpMapDescription {
   using Closures = ClosureList<>;
   static BumpMapDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<BumpMapDescription> kPlugins[] = {{"bumpmap", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.displacement, s.scale, s.nested, s.options); }
   bool transmits(const NestedTransmission& of) const { return of(nested); }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

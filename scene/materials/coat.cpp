@@ -38,7 +38,7 @@ void set_base(MaterialRowBuilder<Parameters>& m, const MaterialRow& base, const 
   }
   (std::make_index_sequence<kNestedWords>{});
   for (std::size_t i = 0; i < kCoatableSpectra; ++i) m.row_of(m.p.nested_spectra[i]) = spectra[i];
-  m.p.nested_kind = static_cast<float>(base.kind);
+  m.p.nested_kind = static_cast<std::uint32_t>(base.kind);
   m.first_binding = base.first_binding;
 }
 

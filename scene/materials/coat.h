@@ -17,9 +17,9 @@ template <class L> struct CoatedParameters {
   typename L::Float coat_thickness;
   Spectrum<L> coat_absorption;                         ///< per length
   Spectrum<L> coat_specular;                           ///< factor on the coat's reflection
-  typename L::Float nested_kind;                       ///< ClosureKind of the coated closure
+  typename L::Uint nested_kind;                        ///< ClosureKind of the coated closure
   Spectrum<L> nested_spectra[kCoatableSpectra];        ///< its spectra, in order
-  typename L::Float nested_numbers[kCoatableNumbers];  ///< its scalar parameters, in order
+  typename L::Float nested_numbers[kCoatableNumbers];  ///< its scalar parameters, in order; the bits of integers
   static constexpr auto fields(auto& s) {
     return std::tie(s.coat_eta, s.coat_thickness, s.coat_absorption, s.coat_specular, s.nested_kind, s.nested_spectra,
                     s.nested_numbers);
@@ -69,6 +69,9 @@ struct CoatDescription {
   static CoatDescription read_smooth(Properties& p, const BsdfDialect& dialect);
   static CoatDescription read_rough(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<CoatDescription> kPlugins[] = {{"coating", read_smooth}, {"roughcoating", read_rough}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.int_ior, s.ext_ior, s.thickness, s.sigma_a, s.specular_reflectance, s.roughness, s.nested);
+  }
   bool transmits(const NestedTransmission& of) const { return of(nested); }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

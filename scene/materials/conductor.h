@@ -36,6 +36,7 @@ struct RoughConductorGgxClosure : ClosureOf<RoughConductorParameters> {
 struct ConductorDescription {
   struct Ior {
     SpectrumInput eta, k;
+    static constexpr auto fields(auto& s) { return std::tie(s.eta, s.k); }
   };
   std::optional<Ior> ior;  ///< relative to the outside medium
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
@@ -46,6 +47,7 @@ struct ConductorDescription {
   static ConductorDescription read_rough(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<ConductorDescription> kPlugins[] = {{"conductor", read_smooth},
                                                               {"roughconductor", read_rough}};
+  static constexpr auto fields(auto& s) { return std::tie(s.specular_reflectance, s.ior, s.roughness); }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -87,6 +87,10 @@ struct DielectricDescription {
   static DielectricDescription read_rough(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<DielectricDescription> kPlugins[] = {
       {"dielectric", read_smooth}, {"thindielectric", read_thin}, {"roughdielectric", read_rough}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.int_ior, s.ext_ior, s.int_dispersion, s.ext_dispersion, s.specular_reflectance,
+                    s.specular_transmittance, s.thin, s.roughness);
+  }
   bool transmits() const { return true; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -31,6 +31,10 @@ struct DisneyDescription {
   using Closures = ClosureList<DisneyClosure>;
   static DisneyDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr auto kPlugins = kNoPlugins;
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.metallic, s.subsurface, s.specular, s.specular_tint, s.roughness, s.anisotropic,
+                    s.sheen, s.sheen_tint, s.clearcoat, s.clearcoat_gloss);
+  }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -59,7 +59,7 @@ MaterialRow HairDescription::make_row(RowContext& context) const {
   m.set(m.p.azimuthal_roughness, azimuthal_roughness);
   m.p.tilt = scale_tilt * (kPi / 180);
   m.p.eta = int_ior / ext_ior;
-  m.p.fourth = context.set != nullptr ? 1.0f : 0.0f;
+  m.p.fourth = context.set != nullptr ? 1 : 0;
   MaterialRow row = m.row<HairClosure>();
   row.flags |= kNeedsUv;  // the fibre is along the tangent
   return row;

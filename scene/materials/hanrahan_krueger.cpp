@@ -2,6 +2,7 @@
 #include "scene/materials/hanrahan_krueger.h"
 
 #include "scene/data/measured_media.h"
+#include "scene/description/media.h"
 #include "scene/materials/reading.h"
 #include "scene/materials/row_builder.h"
 
@@ -25,7 +26,7 @@ void read_slab_material(Properties& p, HanrahanKruegerDescription& slab) {
 float read_mean_cosine(Properties& p, const BsdfDialect& dialect) {
   const std::optional<PhaseId> id = dialect.phase(p);
   if (!id) return 0;
-  const PhaseDescription& phase = p.context().description.phases[static_cast<std::size_t>(*id)];
+  const PhaseDescription& phase = p.context().phase_list[static_cast<std::size_t>(*id)];
   if (const auto* hg = std::get_if<HenyeyGreensteinDescription>(&phase.model)) return hg->g;
   if (std::holds_alternative<IsotropicPhaseDescription>(phase.model)) return 0;
   throw SceneError(phase.where, "phase function of 'hk' not supported, expected isotropic or hg");
@@ -57,7 +58,7 @@ MaterialRow HanrahanKruegerDescription::make_row(RowContext& context) const {
   MaterialRowBuilder<HanrahanKruegerParameters> m{context};
   m.set(m.p.first, first, TextureRole::kUnbounded);
   m.set(m.p.second, second, by_albedo ? TextureRole::kReflectance : TextureRole::kUnbounded);
-  m.p.by_albedo = by_albedo ? 1.0f : 0.0f;
+  m.p.by_albedo = by_albedo ? 1 : 0;
   m.p.thickness = thickness;
   m.p.g = g;
   return m.row<HanrahanKruegerClosure>();

@@ -7,8 +7,8 @@ namespace sheaf {
 
 /// Parameters of kernels/bsdf/hanrahan_krueger.h.
 template <class L> struct HanrahanKruegerParameters {
-  Spectrum<L> first, second;    ///< extinction and albedo; or scattering and absorption
-  typename L::Float by_albedo;  ///< 1: the former; 0: the latter
+  Spectrum<L> first, second;   ///< extinction and albedo; or scattering and absorption
+  typename L::Uint by_albedo;  ///< 1: the former; 0: the latter
   typename L::Float thickness;
   typename L::Float g;  ///< as for HenyeyGreensteinParameters
   static constexpr auto fields(auto& s) { return std::tie(s.first, s.second, s.by_albedo, s.thickness, s.g); }
@@ -29,6 +29,7 @@ struct HanrahanKruegerDescription {
   using Closures = ClosureList<HanrahanKruegerClosure>;
   static HanrahanKruegerDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<HanrahanKruegerDescription> kPlugins[] = {{"hk", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.first, s.second, s.by_albedo, s.thickness, s.g); }
   bool transmits() const { return true; }
   MaterialRow make_row(RowContext& context) const;
 };

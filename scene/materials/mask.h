@@ -16,6 +16,7 @@ struct MaskDescription {
   static MaskDescription read_retarder(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<MaskDescription> kPlugins[] = {
       {"mask", read}, {"polarizer", read_polarizer}, {"circular", read_polarizer}, {"retarder", read_retarder}};
+  static constexpr auto fields(auto& s) { return std::tie(s.opacity, s.nested); }
   bool transmits() const { return true; }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

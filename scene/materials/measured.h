@@ -35,6 +35,7 @@ struct MeasuredDescription {
   using Closures = ClosureList<MeasuredClosure, MeasuredSpectralClosure>;
   static MeasuredDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<MeasuredDescription> kPlugins[] = {{"measured", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.file); }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };

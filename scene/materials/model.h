@@ -3,14 +3,22 @@
 // A model is a struct XDescription in scene/materials/<name>.h that holds the parameters as a file gives them, with
 // their defaults, and declares
 //   Closures           a ClosureList of the closures that its rows can have; empty for composite materials
-//   kPlugins           its names in files with the functions that read it: an array of Plugin, or kNoPlugins
+//   kPlugins           its names in files: an array of Plugin, or kNoPlugins
+//   fields()           all parameters
 //   transmits()        whether light can pass through it; composites take a NestedTransmission, which answers for
 //                      nested materials
+// one way to be read from files
+//   kParameters        the names of its first fields, ScalarInputs and SpectrumInputs that are used as the file gives
+//                      them
+//   read(p, dialect)   reads the properties (scene/materials/reading.h)
 // and one way to become rows of the material table:
-//   fields(), kParameters              declarative models: each parameter is a row's parameter, in the same order. They
-//                                      need no further code, neither for reading nor for rows.
-//   make_row(context)                  derives the row (scene/materials/row_builder.h)
+//   kParameters        declarative models: each field is a row's parameter, in the same order. They need no further
+//                      code, neither for reading nor for rows.
+//   make_row(context)  derives the row (scene/materials/row_builder.h)
 //   flatten(flattener, around, where)  composites: makes rows that refer to rows (scene/materials/flattener.h)
+// Short functions are defined in the header, as templates: read(auto& p, ...) and make_row(auto& context). The headers
+// that they need come after the list of models, and calls with `p` or `context` are looked up after those. Others are
+// in a .cpp file.
 // scene/materials/list.h lists all models. One that omits something does not compile.
 #pragma once
 
@@ -64,7 +72,8 @@ template <class... Closures> struct ClosureList {
 /// The closures of two lists.
 template <class... A, class... B> ClosureList<A..., B...> operator+(ClosureList<A...>, ClosureList<B...>);
 
-/// A name of a model in files, and the function that reads its properties. Without one they are read as kParameters.
+/// A name of a model in files, and the function that reads its properties, unless that is Model::read() or they are
+/// read as kParameters.
 template <class Model> struct Plugin {
   using Reader = Model (*)(Properties& p, const BsdfDialect& dialect);
 
@@ -98,8 +107,13 @@ concept DerivedBsdf = requires(const Model& model, RowContext& context) {
   { model.make_row(context) } -> std::same_as<MaterialRow>;
 };
 
-/// A model that is read and compiled only by its declaration. fields() ties its members, ScalarInputs and
-/// SpectrumInputs with their defaults, and kParameters names them.
+/// A model that defines how it is read.
+template <class Model>
+concept ReadableModel = requires(Properties& p, const BsdfDialect& dialect) {
+  { Model::read(p, dialect) } -> std::same_as<Model>;
+};
+
+/// A model that is read and compiled only by its declaration: kParameters names all of its fields.
 template <class Model>
 concept DeclarativeBsdf = !DerivedBsdf<Model> && requires(Model & model) {
   Model::kParameters, Model::fields(model);
@@ -118,6 +132,7 @@ concept CompleteModel = (int{DeclarativeBsdf<Model>} + int{DerivedBsdf<Model>} +
                         requires(const Model& model, const NestedTransmission& nested) {
   typename Model::Closures;
   Model::kPlugins;
+  Model::fields(model);
   requires requires { model.transmits(); } || requires {
     model.transmits(nested);
   };

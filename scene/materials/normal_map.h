@@ -16,6 +16,7 @@ struct NormalMapDescription {
   using Closures = ClosureList<>;
   static NormalMapDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<NormalMapDescription> kPlugins[] = {{"normalmap", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.normals, s.flip_green, s.nested, s.options); }
   bool transmits(const NestedTransmission& of) const { return of(nested); }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

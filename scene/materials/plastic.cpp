@@ -15,7 +15,7 @@ void set_plastic(MaterialRowBuilder<Parameters>& m, const PlasticDescription& d)
   m.p.eta = d.int_ior / d.ext_ior;
   m.set(m.p.diffuse, d.diffuse_reflectance);
   m.set(m.p.specular, d.specular_reflectance);
-  m.p.nonlinear = d.nonlinear ? 1.0f : 0.0f;
+  m.p.nonlinear = d.nonlinear ? 1 : 0;
 }
 
 }  // namespace

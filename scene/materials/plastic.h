@@ -12,7 +12,7 @@ namespace sheaf {
 template <class L> struct PlasticParameters {
   typename L::Float eta;          ///< int / ext
   Spectrum<L> diffuse, specular;  ///< reflectance of the base; factor on the coat's reflection
-  typename L::Float nonlinear;    ///< 1: colour shifts due to multiple scattering between base and coat; else 0
+  typename L::Uint nonlinear;     ///< 1: colour shifts due to multiple scattering between base and coat; else 0
   typename L::Float internal_reflectance;  ///< internal diffuse reflectance of the coat
   static constexpr auto fields(auto& s) {
     return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance);
@@ -23,7 +23,7 @@ template <class L> struct PlasticParameters {
 template <class L> struct RoughPlasticParameters {
   typename L::Float eta;                                 ///< int / ext
   Spectrum<L> diffuse, specular;                         ///< as for PlasticParameters
-  typename L::Float nonlinear;                           ///< as for PlasticParameters
+  typename L::Uint nonlinear;                            ///< as for PlasticParameters
   typename L::Float internal_reflectance;                ///< as for PlasticParameters
   typename L::Float alpha;                               ///< roughness
   typename L::Float transmittance[kTransmittanceTerms];  ///< transmittance of the coat as a function of the cosine
@@ -56,6 +56,9 @@ struct PlasticDescription {
   static PlasticDescription read_polarized(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<PlasticDescription> kPlugins[] = {
       {"plastic", read_smooth}, {"roughplastic", read_rough}, {"pplastic", read_polarized}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.int_ior, s.ext_ior, s.diffuse_reflectance, s.specular_reflectance, s.nonlinear, s.roughness);
+  }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };

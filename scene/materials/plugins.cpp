@@ -13,6 +13,8 @@ template <class Model, std::size_t I> MaterialModel read_as(Properties& p, const
   constexpr Plugin<Model> kPlugin = Model::kPlugins[I];
   if constexpr (kPlugin.has_reader) {
     return kPlugin.read(p, dialect);
+  } else if constexpr (ReadableModel<Model>) {
+    return Model::read(p, dialect);
   } else {
     static_assert(DeclarativeBsdf<Model>, "a plugin has no reader");
     Model model;

@@ -34,13 +34,12 @@ struct PrincipledDescription {
   using Closures = ClosureList<PrincipledClosure>;
   static PrincipledDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<PrincipledDescription> kPlugins[] = {{"principled", read}};
-  /// The parameters that are used as the file gives them: all except eta.
   static constexpr ParameterName kParameters[] = {{"base_color"}, {"roughness"}, {"anisotropic"},    {"metallic"},
                                                   {"spec_trans"}, {"spec_tint"}, {"sheen"},          {"sheen_tint"},
                                                   {"flatness"},   {"clearcoat"}, {"clearcoat_gloss"}};
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.roughness, s.anisotropic, s.metallic, s.spec_trans, s.spec_tint, s.sheen,
-                    s.sheen_tint, s.flatness, s.clearcoat, s.clearcoat_gloss);
+                    s.sheen_tint, s.flatness, s.clearcoat, s.clearcoat_gloss, s.eta);
   }
   bool transmits() const { return spec_trans != ScalarInput(0.0f); }
   MaterialRow make_row(RowContext& context) const;

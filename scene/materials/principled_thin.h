@@ -30,6 +30,10 @@ struct PrincipledThinDescription {
   using Closures = ClosureList<PrincipledThinClosure>;
   static PrincipledThinDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<PrincipledThinDescription> kPlugins[] = {{"principledthin", read}};
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.base_color, s.roughness, s.anisotropic, s.spec_trans, s.eta, s.spec_tint, s.sheen, s.sheen_tint,
+                    s.flatness, s.diff_trans);
+  }
   bool transmits() const { return true; }
   MaterialRow make_row(RowContext& context) const;
 };

@@ -29,8 +29,8 @@ Vec3f brightest(const SpectrumDescription& spectrum) {
 }  // namespace
 
 MaterialId add_material(ReadContext& context, MaterialDescription material) {
-  context.description.materials.push_back(std::move(material));
-  return static_cast<MaterialId>(context.description.materials.size() - 1);
+  context.material_list.push_back(std::move(material));
+  return static_cast<MaterialId>(context.material_list.size() - 1);
 }
 
 MaterialId add_material_of(Properties& p, MaterialDescription material) {
@@ -147,7 +147,7 @@ MaterialId read_nested_bsdf(Properties& p, const BsdfDialect& dialect) {
 }
 
 void expect_opaque(Properties& p, MaterialId nested) {
-  const std::vector<MaterialDescription>& materials = p.context().description.materials;
+  const std::vector<MaterialDescription>& materials = p.context().material_list;
   if (transmits(materials, nested))
     p.fail("has a nested material that transmits light (line " +
            std::to_string(materials[static_cast<std::size_t>(nested)].where.line) + ")");

@@ -1,7 +1,8 @@
 // Helpers for reading materials, shared by the models and dialects.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/materials/material.h"
+#include "scene/materials/roughness.h"
 #include "scene/xml/properties.h"
 
 #include <functional>
@@ -71,20 +72,20 @@ TextureId read_map(const XmlElement& texture, ReadContext& context);
 /// Adds a note that the plugin acts on all light as on unpolarised light.
 void note_polarisation(Properties& p);
 
-/// Reads the parameters that a model declares by kParameters.
+/// Reads the parameters that a model declares by kParameters: its first fields.
 template <class Model> void read_declared(Properties& p, Model& model) {
-  std::size_t k = 0;
-  const auto read = [&]<class Input>(Input& input) {
-    const ParameterName& names = Model::kParameters[k++];
+  constexpr std::size_t kCount = std::size(Model::kParameters);
+  const auto read = [&]<class Input>(Input& input, const ParameterName& names) {
     const char* name = names.also != nullptr && p.has(names.also) && !p.has(names.name) ? names.also : names.name;
     if constexpr (std::is_same_v<Input, SpectrumInput>)
       input = read_reflectance(p, name, std::move(input));
     else
       input = p.scalar_input(name, input, NumberRange{names.low, names.high});
   };
-  auto inputs = Model::fields(model);
-  static_assert(std::tuple_size_v<decltype(inputs)> == std::size(Model::kParameters));
-  std::apply([&](auto&... input) { (read(input), ...); }, inputs);
+  const auto inputs = Model::fields(model);
+  static_assert(!DeclarativeBsdf<Model> || std::tuple_size_v<decltype(inputs)> == kCount);
+  [&]<std::size_t... I>(std::index_sequence<I...>) { (read(std::get<I>(inputs), Model::kParameters[I]), ...); }
+  (std::make_index_sequence<kCount>{});
 }
 
 }  // namespace sheaf

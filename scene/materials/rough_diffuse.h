@@ -9,7 +9,7 @@ namespace sheaf {
 template <class L> struct RoughDiffuseParameters {
   Spectrum<L> reflectance;  ///< of the facets
   typename L::Float alpha;  ///< roughness
-  typename L::Float fast;   ///< 1: simplified model without interreflection; else 0
+  typename L::Uint fast;    ///< 1: simplified model without interreflection; else 0
   static constexpr auto fields(auto& s) { return std::tie(s.reflectance, s.alpha, s.fast); }
 };
 
@@ -24,10 +24,26 @@ struct RoughDiffuseDescription {
   bool fast = false;         ///< ignore interreflection between facets
 
   using Closures = ClosureList<RoughDiffuseClosure>;
-  static RoughDiffuseDescription read(Properties& p, const BsdfDialect& dialect);
-  static constexpr Plugin<RoughDiffuseDescription> kPlugins[] = {{"roughdiffuse", read}};
+  static constexpr Plugin<RoughDiffuseDescription> kPlugins[] = {{"roughdiffuse"}};
+  static constexpr auto fields(auto& s) { return std::tie(s.reflectance, s.alpha, s.fast); }
   bool transmits() const { return false; }
-  MaterialRow make_row(RowContext& context) const;
+
+  static RoughDiffuseDescription read(auto& p, const BsdfDialect&) {
+    RoughDiffuseDescription result;
+    const char* name = p.has("diffuse_reflectance") && !p.has("reflectance") ? "diffuse_reflectance" : "reflectance";
+    result.reflectance = read_reflectance(p, name, result.reflectance);
+    result.alpha = p.scalar_input("alpha", result.alpha, kNotNegative);
+    result.fast = p.boolean("use_fast_approx", false);
+    return result;
+  }
+
+  MaterialRow make_row(auto& context) const {
+    auto m = context.template builder<RoughDiffuseParameters>();
+    m.set(m.p.reflectance, reflectance);
+    m.set(m.p.alpha, alpha);
+    m.p.fast = fast ? 1 : 0;
+    return m.template row<RoughDiffuseClosure>();
+  }
 };
 
 }  // namespace sheaf

@@ -16,6 +16,8 @@ namespace sheaf {
 /// Spectra of a material's parameters, in order.
 using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
+template <template <class> class Parameters> struct MaterialRowBuilder;
+
 /// Destinations and shared state for making rows.
 struct RowContext {
   std::vector<TextureBinding>& bindings;  ///< appended to
@@ -25,6 +27,9 @@ struct RowContext {
   float largest_reflectance = 0;          ///< maximum of all constants so far, before clamping
   const char* warning = nullptr;          ///< about the most recent row
   RoughCoats coats = {};
+
+  /// A builder of the next row.
+  template <template <class> class Parameters> MaterialRowBuilder<Parameters> builder();
 };
 
 /// Builds a row's parameters: constants are stored, textures become bindings of the parameter's words.
@@ -53,11 +58,11 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     }
   }
 
-  /// Sets the first parameters to the inputs that a model declares, in order.
+  /// Sets the first parameters to the inputs that a model declares by kParameters, in order.
   template <class Model> void set_declared(const Model& model) {
     const auto inputs = Model::fields(model);
     const auto parameters = Parameters<Scalar>::fields(p);
-    constexpr std::size_t kCount = std::tuple_size_v<decltype(inputs)>;
+    constexpr std::size_t kCount = std::size(Model::kParameters);
     static_assert(!DeclarativeBsdf<Model> || std::tuple_size_v<decltype(parameters)> == kCount);
     [&]<std::size_t... I>(std::index_sequence<I...>) { (set(std::get<I>(parameters), std::get<I>(inputs)), ...); }
     (std::make_index_sequence<kCount>{});
@@ -86,7 +91,8 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
 
   std::uint32_t word_of(const float& leaf) const {
     std::uint32_t word = 0, i = 0;
-    std::apply([&](const auto&... each) { ((&each == & leaf ? word = i : 0u, ++i), ...); }, leaves(p));
+    std::apply([&](const auto&... each) { ((static_cast<const void*>(&each) == & leaf ? word = i : 0u, ++i), ...); },
+               leaves(p));
     return word;
   }
 
@@ -106,6 +112,8 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     context.bindings.push_back({static_cast<std::uint32_t>(texture), word_of(leaf), words, role});
   }
 };
+
+template <template <class> class Parameters> MaterialRowBuilder<Parameters> RowContext::builder() { return {*this}; }
 
 /// Only anisotropic surfaces need the tangent.
 inline MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {

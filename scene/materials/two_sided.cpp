@@ -2,6 +2,7 @@
 #include "scene/materials/two_sided.h"
 
 #include "scene/materials/flattener.h"
+#include "scene/materials/material.h"
 #include "scene/materials/reading.h"
 
 namespace sheaf {
@@ -11,7 +12,7 @@ namespace {
 /// Returns the material of one side: the nested material, or its front if that is two-sided.
 MaterialId front_of(Properties& p, MaterialId id) {
   expect_opaque(p, id);
-  const MaterialDescription& child = p.context().description.materials[static_cast<std::size_t>(id)];
+  const MaterialDescription& child = p.context().material_list[static_cast<std::size_t>(id)];
   if (const auto* both = std::get_if<TwoSidedDescription>(&child.model)) return both->front;
   return id;
 }

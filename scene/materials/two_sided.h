@@ -12,6 +12,7 @@ struct TwoSidedDescription {
   using Closures = ClosureList<>;
   static TwoSidedDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<TwoSidedDescription> kPlugins[] = {{"twosided", read}};
+  static constexpr auto fields(auto& s) { return std::tie(s.front, s.back); }
   bool transmits() const { return false; }
   std::uint32_t flatten(MaterialFlattener& flattener, const MaterialWrappers& around,
                         const SourceLocation& where) const;

@@ -63,7 +63,7 @@ struct alignas(64) MaterialRow {
   std::uint32_t first_binding = 0;     ///< into MaterialView::bindings
   std::uint32_t map = 0;               ///< kMapped: into MaterialView::normal_maps
   std::uint32_t choice[2] = {};        ///< kComposite: the two rows; kNothing: light passes unchanged
-  float words[kMaxClosureWords] = {};  ///< parameters' leaves in declaration order
+  float words[kMaxClosureWords] = {};  ///< parameters' leaves in declaration order; the bits of integers
   static constexpr std::uint32_t kNothing = 0xffffffffu;
   /// kComposite: probability of the second choice, in [0, 1], unless a texture gives it. The only parameter of such
   /// rows.
@@ -91,7 +91,7 @@ void set_parameters(MaterialRow& row, ClosureKind kind, const Parameters<Scalar>
   static_assert(kLeafCount<Parameters> <= kMaxClosureWords);
   row.kind = kind;
   int i = 0;
-  std::apply([&](const auto&... leaf) { ((row.words[i++] = leaf), ...); }, leaves(parameters));
+  std::apply([&](const auto&... leaf) { ((row.words[i++] = word_of_leaf(leaf)), ...); }, leaves(parameters));
 }
 
 }  // namespace sheaf

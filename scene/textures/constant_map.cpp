@@ -1,5 +1,7 @@
 #include "scene/textures/constant_map.h"
 
+#include "scene/textures/list.h"
+
 namespace sheaf {
 
 TextureId texture_showing(const SpectrumInput& input, const SourceLocation& where, ReadContext& context) {
@@ -7,7 +9,7 @@ TextureId texture_showing(const SpectrumInput& input, const SourceLocation& wher
   TextureDescription texture;
   texture.model = ConstantTextureDescription{std::get<SpectrumDescription>(input)};
   texture.where = where;
-  std::vector<TextureDescription>& textures = context.description.textures;
+  std::vector<TextureDescription>& textures = context.texture_list;
   textures.push_back(std::move(texture));
   return static_cast<TextureId>(textures.size() - 1);
 }

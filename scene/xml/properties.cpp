@@ -28,13 +28,13 @@ bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
 
 void ReadContext::note(const SourceLocation& where, const std::string& message) {
   std::string note = SceneError(where, message).what();
-  std::vector<std::string>& notes = description.notes;
+  std::vector<std::string>& notes = remarks.notes;
   if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
 void ReadContext::stand_in(const SourceLocation& where, const std::string& message) {
   std::string text = SceneError(where, message).what();
-  std::vector<std::string>& all = description.stand_ins;
+  std::vector<std::string>& all = remarks.stand_ins;
   if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
 }
 
@@ -42,7 +42,7 @@ bool ReadContext::leave_out(const SceneError& error, const XmlElement& around) {
   if (!lenient) throw;
   const auto* about = dynamic_cast<const ElementError*>(&error);
   if (about == nullptr || &about->element() == &around || !left_out.insert(&about->element()).second) return false;
-  description.stand_ins.push_back(std::string(error.what()) + " (ignored)");
+  remarks.stand_ins.push_back(std::string(error.what()) + " (ignored)");
   return true;
 }
 

@@ -1,6 +1,8 @@
 // The properties and nested objects of an XML element, and the state that is shared by all readers of an XML scene.
 #pragma once
 
+#include "core/transform.h"
+#include "scene/description/remarks.h"
 #include "scene/xml/named_values.h"
 #include "scene/xml/spectrum_text.h"
 #include "scene/xml/xml_expand.h"
@@ -11,7 +13,11 @@
 
 namespace sheaf {
 
+struct Description;
+struct MaterialDescription;
+struct PhaseDescription;
 struct ReadContext;
+struct TextureDescription;
 
 /// An error about one element of the file. The scene may be readable without that element: see read_what_can_be().
 class ElementError : public SceneError {
@@ -40,8 +46,24 @@ struct ElementReaders {
 
 /// State that is shared by all readers of a scene.
 struct ReadContext {
+  /// `target` is a Description, whose header comes after those of the readers.
+  template <class Target>
+  ReadContext(const ExpandedScene& from, Target& target, bool is_lenient = false)
+      : scene(from),
+        description(target),
+        remarks(target),
+        texture_list(target.textures),
+        material_list(target.materials),
+        phase_list(target.phases),
+        lenient(is_lenient) {}
+
   const ExpandedScene& scene;
   Description& description;
+  // Parts of the description
+  Remarks& remarks;
+  std::vector<TextureDescription>& texture_list;
+  std::vector<MaterialDescription>& material_list;
+  std::vector<PhaseDescription>& phase_list;
   bool lenient = false;  ///< drop or replace what cannot be read
   ElementReaders readers = {};
   bool exchanges_checkerboards = false;                      ///< see scalar_texture()
@@ -88,14 +110,13 @@ void read_or_as(const XmlElement& element, ReadContext& context, const char* plu
   if (!error) return;
   context.types[&element] = plugin;
   const bool done = !read_what_can_be(element, context, read);
-  context.description.stand_ins.push_back(*error +
-                                          (done ? " (rendered as '" + std::string(plugin) + "')" : " (ignored)"));
+  context.remarks.stand_ins.push_back(*error + (done ? " (rendered as '" + std::string(plugin) + "')" : " (ignored)"));
 }
 
 /// As read_what_can_be(), for optional elements: reports an element that cannot be read as ignored.
 template <class Read> void read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
   if (const auto error = read_what_can_be(element, context, read))
-    context.description.stand_ins.push_back(*error + " (" + element.name + " ignored)");
+    context.remarks.stand_ins.push_back(*error + " (" + element.name + " ignored)");
 }
 
 /// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.

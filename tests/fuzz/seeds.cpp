@@ -79,7 +79,7 @@ void add_scenes(Seeds& seeds) {
   for (const char* const below : {"scenes", "tests/references/scenes", "tests/renders/pbrt_twins"})
     seeds.add_files("xml", below, ".xml");
   seeds.add_words("xml", {"scene/dialects/common/", "scene/dialects/mitsuba/", "scene/dialects/nori/",
-                          "scene/materials/", "scene/lights/", "scene/xml/"});
+                          "scene/textures/", "scene/materials/", "scene/lights/", "scene/xml/"});
   for (const char* const below : {"scenes", "tests/renders/pbrt_twins"}) seeds.add_files("pbrt", below, ".pbrt");
   seeds.add_words("pbrt", {"scene/dialects/pbrt/"});
 }

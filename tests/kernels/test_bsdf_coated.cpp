@@ -103,7 +103,8 @@ TEST_CASE("coats: a coated diffuse closure is a plastic without internal reflect
   plastic.eta = 1.5f;
   plastic.diffuse = {0.6f, 0.3f, 0.12f, 0};
   plastic.specular = {1, 1, 1, 0};
-  plastic.nonlinear = plastic.internal_reflectance = 0;
+  plastic.nonlinear = 0;
+  plastic.internal_reflectance = 0;
   const auto bsdf = coated(diffuse(0.6f), 1.5f, 0);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(71, i), wi = random_direction(72, i);

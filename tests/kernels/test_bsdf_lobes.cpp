@@ -30,7 +30,7 @@ WardBsdf<Scalar> ward(Variant variant, float alpha_u, float alpha_v, float diffu
   bsdf.specular = {specular, specular, 0.3f * specular, 0};
   bsdf.alpha_u = alpha_u;
   bsdf.alpha_v = alpha_v;
-  bsdf.variant = static_cast<float>(variant);
+  bsdf.variant = static_cast<std::uint32_t>(variant);
   return bsdf;
 }
 
@@ -38,7 +38,7 @@ RoughDiffuseBsdf<Scalar> rough_diffuse(float alpha, float reflectance, bool fast
   RoughDiffuseBsdf<Scalar> bsdf;
   bsdf.reflectance = {reflectance, 0.5f * reflectance, 0.2f * reflectance, 0};
   bsdf.alpha = alpha;
-  bsdf.fast = fast ? 1.0f : 0.0f;
+  bsdf.fast = fast ? 1 : 0;
   return bsdf;
 }
 

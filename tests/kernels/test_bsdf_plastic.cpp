@@ -12,7 +12,7 @@ namespace {
 
 using Distribution = RoughnessDescription::Distribution;
 
-PlasticBsdf<Scalar> plastic(float eta, float diffuse, float specular = 1, float nonlinear = 0) {
+PlasticBsdf<Scalar> plastic(float eta, float diffuse, float specular = 1, std::uint32_t nonlinear = 0) {
   PlasticBsdf<Scalar> bsdf;
   bsdf.eta = eta;
   bsdf.diffuse = {diffuse, 0.5f * diffuse, 0.2f * diffuse, 0};
@@ -23,7 +23,7 @@ PlasticBsdf<Scalar> plastic(float eta, float diffuse, float specular = 1, float 
 }
 
 template <template <class> class Bsdf>
-Bsdf<Scalar> rough_plastic(float eta, float alpha, float diffuse, float specular = 1, float nonlinear = 0) {
+Bsdf<Scalar> rough_plastic(float eta, float alpha, float diffuse, float specular = 1, std::uint32_t nonlinear = 0) {
   constexpr auto distribution = std::is_same_v<typename Bsdf<Scalar>::Closure, RoughPlasticGgxClosure>
                                     ? Distribution::kGgx
                                     : Distribution::kBeckmann;
@@ -58,7 +58,7 @@ template <template <class> class Bsdf> void check_rough() {
     check_bsdf_weights(bsdf);
     check_bsdf_reciprocity(bsdf);
     check_bsdf_finite(bsdf);
-    for (const float nonlinear : {0.0f, 1.0f})
+    for (const std::uint32_t nonlinear : {0u, 1u})
       check_white_furnace(rough_plastic<Bsdf>(eta, alpha, 1, 1, nonlinear), false);
   }
   const auto bsdf = rough_plastic<Bsdf>(1.5f, 0.2f, 0.5f);
@@ -96,7 +96,7 @@ double polynomial_transmittance(const RoughCoat& coat, double cosine) {
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("plastic: the diffuse lobe follows its pdf and the coat is a mirror") {
-  for (const float nonlinear : {0.0f, 1.0f}) {
+  for (const std::uint32_t nonlinear : {0u, 1u}) {
     DiffusePart part;
     // A weak specular reflectance, so that the base is chosen often.
     static_cast<PlasticBsdf<Scalar>&>(part) = plastic(1.5f, 0.6f, 0.01f, nonlinear);
@@ -121,7 +121,7 @@ TEST_CASE("plastic: the diffuse lobe follows its pdf and the coat is a mirror") 
 
 TEST_CASE("plastic: a white base under a lossless coat reflects all light") {
   for (const float eta : {1.05f, 1.5f, 2.5f})
-    for (const float nonlinear : {0.0f, 1.0f}) check_white_furnace(plastic(eta, 1, 1, nonlinear), true);
+    for (const std::uint32_t nonlinear : {0u, 1u}) check_white_furnace(plastic(eta, 1, 1, nonlinear), true);
 }
 
 TEST_CASE("plastic: values at normal incidence match computations by hand") {

@@ -53,7 +53,7 @@ TEST_CASE("light list: rows keep the data of every kind") {
 TEST_CASE("light list: kinds are numbered by their position, and have a table each") {
   CHECK(static_cast<std::uint32_t>(kLightKind<MeshLightKind>) == 0);
   CHECK(static_cast<std::uint32_t>(kLightKind<VolumeLightKind>) == LightKinds::kCount - 1);
-  for (const LightCompiler& kind : kLightCompilers) {
+  for (const LightCompiler& kind : light_compilers()) {
     CHECK(!std::string(kind.label).empty());
     CHECK((kind.power != nullptr));
     CHECK((kind.bounds != nullptr) == (kind.domain == LightDomain::kBounded));
@@ -63,7 +63,7 @@ TEST_CASE("light list: kinds are numbered by their position, and have a table ea
 
 TEST_CASE("light list: no two lights have the same name in files") {
   std::set<std::string_view> names;
-  for (const LightReader& reader : kLightReaders) CHECK(names.insert(reader.name).second);
+  for (const LightReader& reader : light_readers()) CHECK(names.insert(reader.name).second);
   CHECK(names.contains("constant"));
 }
 

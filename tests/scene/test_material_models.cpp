@@ -14,27 +14,38 @@ namespace {
 
 struct Complete {
   using Closures = ClosureList<>;
-  static constexpr auto kPlugins = kNoPlugins;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
+  static constexpr auto fields(auto&) { return std::tie(); }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };
 struct WithoutTransmits {
   using Closures = ClosureList<>;
-  static constexpr auto kPlugins = kNoPlugins;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
+  static constexpr auto fields(auto&) { return std::tie(); }
   MaterialRow make_row(RowContext& context) const;
 };
 struct WithoutRow {
   using Closures = ClosureList<>;
-  static constexpr auto kPlugins = kNoPlugins;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
+  static constexpr auto fields(auto&) { return std::tie(); }
   bool transmits() const { return false; }
+};
+struct WithoutFields {
+  using Closures = ClosureList<>;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
+  bool transmits() const { return false; }
+  MaterialRow make_row(RowContext& context) const;
 };
 struct WithoutPlugins {
   using Closures = ClosureList<>;
+  static constexpr auto fields(auto&) { return std::tie(); }
   bool transmits() const { return false; }
   MaterialRow make_row(RowContext& context) const;
 };
 static_assert(CompleteModel<Complete>);
-static_assert(!CompleteModel<WithoutTransmits> && !CompleteModel<WithoutRow> && !CompleteModel<WithoutPlugins>);
+static_assert(!CompleteModel<WithoutTransmits> && !CompleteModel<WithoutRow> && !CompleteModel<WithoutPlugins> &&
+              !CompleteModel<WithoutFields>);
 
 }  // namespace
 

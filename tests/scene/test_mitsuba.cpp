@@ -74,7 +74,7 @@ TEST_CASE("Mitsuba: materials are read and nested") {
   CHECK(materials("<bsdf type='conductor'><string name='material' value='none'/></bsdf>") ==
         "conductor constant 0x1p+0\n");
   CHECK(materials("<bsdf type='conductor'><spectrum name='eta' value='0.5'/><rgb name='k' value='1,2,4'/></bsdf>") ==
-        "conductor constant 0x1p+0 eta constant 0x1p-1 k rgb 0x1p+0 0x1p+1 0x1p+2\n");
+        "conductor constant 0x1p+0 constant 0x1p-1 rgb 0x1p+0 0x1p+1 0x1p+2\n");
   CHECK(materials("<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>") == "diffuse constant 0x1p-1\ntwosided 0 0\n");
   CHECK(materials("<bsdf type='twosided'><bsdf type='diffuse'/><bsdf type='conductor'/></bsdf>") ==
         "diffuse constant 0x1p-1\nconductor constant 0x1p+0\ntwosided 0 1\n");

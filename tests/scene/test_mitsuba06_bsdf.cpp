@@ -123,12 +123,10 @@ TEST_CASE("compile materials: the material under a coat is found with its textur
   const MaterialRow& row = out.tables.rows.at(out.row_of[1]);
   REQUIRE(row.kind == kClosureKind<CoatedClosure>);
   CHECK((row.flags & kNeedsUv) != 0);
-  CoatedParameters<Scalar> p;
-  int k = 0;
-  std::apply([&](auto&... leaf) { ((leaf = row.words[k++]), ...); }, leaves(p));
+  const auto p = record_of_words<Scalar, CoatedParameters>(row.words);
   CHECK(p.coat_eta == 1.5f);
   CHECK(p.coat_thickness == 0.5f);
-  CHECK(p.nested_kind == static_cast<float>(kClosureKind<RoughConductorGgxClosure>));
+  CHECK(p.nested_kind == static_cast<std::uint32_t>(kClosureKind<RoughConductorGgxClosure>));
   CHECK(p.nested_spectra[0].c1 == 0.2f);
   CHECK(p.nested_spectra[2].c2 == 1.0f);
   CHECK(p.nested_numbers[1] == 0.25f);

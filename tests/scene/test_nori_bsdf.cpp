@@ -1,4 +1,5 @@
 // The Nori dialect: materials and textures.
+#include "scene/data/glasses.h"
 #include "tests/support/capture.h"
 #include "tests/support/scene_errors.h"
 #include "tests/support/xml_elements.h"
@@ -40,9 +41,8 @@ int square(const TextureDescription& t, float u, float v) {
 TEST_CASE("Nori materials: defaults match the documentation") {
   CHECK(material("diffuse") == "diffuse constant 0x1p-1");
   CHECK(material("mirror") == "conductor constant 0x1p+0");
-  CHECK(material("dielectric") ==
-        dump_all("dielectric", 1.5046f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 0 smooth"));
-  CHECK(material("microfacet") == dump_all("microfacet", 1.5046f, 1.000277f, 0.1f, "constant 0x1p-1"));
+  CHECK(material("dielectric") == dump_all("dielectric", 1.5046f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 0"));
+  CHECK(material("microfacet") == dump_all("nori_microfacet", 1.5046f, 1.000277f, 0.1f, "constant 0x1p-1"));
   CHECK(material("disney") ==
         dump_all("disney constant 0x1p-1", 0.0f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.5f, 0.0f, 1.0f));
 }
@@ -52,9 +52,9 @@ TEST_CASE("Nori materials: every parameter is read in both naming styles") {
     CAPTURE(camel);
     auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
     const std::string iors = number(name("int_ior", "intIOR"), "1.5") + number(name("ext_ior", "extIOR"), "1.25");
-    CHECK(material("dielectric", iors) == "dielectric 0x1.8p+0 0x1.4p+0 constant 0x1p+0 constant 0x1p+0 0 smooth");
+    CHECK(material("dielectric", iors) == "dielectric 0x1.8p+0 0x1.4p+0 constant 0x1p+0 constant 0x1p+0 0");
     CHECK(material("microfacet", iors + number("alpha", "0.25") + "<color name='kd' value='0,0.5,1'/>") ==
-          "microfacet 0x1.8p+0 0x1.4p+0 0x1p-2 rgb 0x0p+0 0x1p-1 0x1p+0");
+          "nori_microfacet 0x1.8p+0 0x1.4p+0 0x1p-2 rgb 0x0p+0 0x1p-1 0x1p+0");
     CHECK(material("disney", "<color name='" + std::string(name("base_color", "baseColor")) + "' value='0,0.5,1'/>" +
                                  number("metallic", "0.0625") + number("subsurface", "0.125") +
                                  number("specular", "0.1875") + number(name("specular_tint", "specularTint"), "0.25") +
@@ -72,7 +72,7 @@ TEST_CASE("Nori materials: materials of Mitsuba are read with names in camelCase
   CHECK(material("roughconductor", word("material", "Au") + number("alphaU", "0.5") + number("alphaV", "0.25")) !=
         material("roughconductor"));
   CHECK(material("thindielectric", word("intIOR", "water")) ==
-        dump_all("dielectric", 1.333f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 1 smooth"));
+        dump_all("dielectric", 1.333f, 1.000277f, *find_dispersion("water"), "constant 0x1p+0 constant 0x1p+0 1"));
   CHECK(material("roughplastic", "<color name='diffuseReflectance' value='0.25'/>" + number("alpha", "0.5")) ==
         dump_all("plastic", 1.49f, 1.000277f, "rgb 0x1p-2 0x1p-2 0x1p-2 constant 0x1p+0 0 beckmann 0x1p-1 0x1p-1"));
   CHECK(material("principled", "<color name='baseColor' value='0.25'/>").starts_with("principled rgb 0x1p-2"));
@@ -133,7 +133,7 @@ TEST_CASE("Nori textures: constants are read") {
                  "</texture>") == "diffuse rgb 0x0p+0 0x1p-1 0x1p+0");
   CHECK(
       material("microfacet", "<texture name='alpha' type='constant_float'>" + number("value", "0.5") + "</texture>") ==
-      dump_all("microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));
+      dump_all("nori_microfacet", 1.5046f, 1.000277f, 0.5f, "constant 0x1p-1"));
 }
 
 TEST_CASE("Nori textures: images are upright") {

@@ -81,6 +81,33 @@ std::string compile_error(const std::vector<TextureDescription>& textures) {
   return message_of([&] { compile_textures(textures); });
 }
 
+/// What every kind of textures declares.
+struct CommonKind {
+  [[maybe_unused]] static constexpr TextureDomain kDomain = TextureDomain::kUv;
+  static constexpr auto fields(auto&) { return std::tie(); }
+  static constexpr auto colors(auto&) { return std::tie(); }
+};
+struct CompleteKind : CommonKind {
+  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
+  void scale_by(float by);
+  void make_row(auto& row) const;
+};
+struct WithoutScale : CommonKind {
+  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
+  void make_row(auto& row) const;
+};
+struct WithoutRow : CommonKind {
+  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
+  void scale_by(float by);
+};
+struct WithoutReader : CommonKind {
+  [[maybe_unused]] static constexpr std::array kPlugins = {"unread"};
+  void scale_by(float by);
+  void make_row(auto& row) const;
+};
+static_assert(CompleteTexture<CompleteKind>);
+static_assert(!CompleteTexture<WithoutScale> && !CompleteTexture<WithoutRow> && !CompleteTexture<WithoutReader>);
+
 }  // namespace
 
 TEST_CASE("texture: 8-bit images are stored as bytes in tiles from the lower left") {

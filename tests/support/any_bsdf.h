@@ -12,17 +12,18 @@ namespace sheaf {
 
 /// Stores `nested` as the closure below a coat.
 template <template <class> class Nested> void set_nested(CoatedParameters<Scalar>& coat, Nested<Scalar> nested) {
-  coat.nested_kind = static_cast<float>(kKindOf<Nested<Scalar>>);
+  coat.nested_kind = static_cast<std::uint32_t>(kKindOf<Nested<Scalar>>);
   int k = 0;
   const auto set = [&](float word) {
     const int at = coated_word<Nested>(k++);
     float* spectra = &coat.nested_spectra[0].c0;
     (at < 4 * kCoatableSpectra ? spectra[at] : coat.nested_numbers[at - 4 * kCoatableSpectra]) = word;
   };
-  std::apply([&](const auto&... leaf) { (set(leaf), ...); }, leaves(nested));
+  std::apply([&](const auto&... leaf) { (set(word_of_leaf(leaf)), ...); }, leaves(nested));
 }
 
-/// The `i`-th random parameter set: values in [0.05, 0.95], a valid index of refraction, and valid table references.
+/// The `i`-th random parameter set: values in [0.05, 0.95], flags and enumerators from 0 to 2, a valid index of
+/// refraction, and valid table references.
 template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   const auto number = [i](std::uint32_t k, std::uint32_t stream) {
     return random4<Scalar>(stream, i * 64 + k, 0, 0).x;
@@ -30,6 +31,10 @@ template <template <class> class Bsdf> Bsdf<Scalar> any_bsdf(std::uint32_t i) {
   auto bsdf = bsdf_of_words<Bsdf<Scalar>>(any_tables().floats.data(), [&](int k, float& word) {
     word = 0.05f + 0.9f * number(static_cast<std::uint32_t>(k), 7);
   });
+  const auto set_flag = [i]<class Leaf>(Leaf& leaf) {
+    if constexpr (std::is_same_v<Leaf, std::uint32_t>) leaf = i % 3;
+  };
+  std::apply([&](auto&... leaf) { (set_flag(leaf), ...); }, leaves(bsdf));
   const float eta = 1.3f + 0.4f * number(0, 8);
   if constexpr (requires { bsdf.eta = 1.5f; })
     bsdf.eta = eta;

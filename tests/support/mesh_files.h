@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/error.h"
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "tests/support/contains.h"
 #include "tests/support/temporary_folder.h"
 

@@ -100,117 +100,108 @@ inline std::string dump(const ScalarInput& input) {
 
 inline std::string dump(MaterialId id) { return std::to_string(static_cast<unsigned>(id)); }
 inline std::string dump(TextureId id) { return std::to_string(static_cast<unsigned>(id)); }
-inline std::string dump(const std::optional<RoughnessDescription>& r);
 
-/// All arguments as text, separated by spaces. Files without their folders, enumerators as numbers.
-template <class... T> std::string dump_all(const T&... values) {
+inline std::string dump(Vec3f v) {
+  std::ostringstream out;
+  out << std::hexfloat << v.x << ' ' << v.y << ' ' << v.z;
+  return out.str();
+}
+
+inline std::string dump(const RoughnessDescription& r);
+inline std::string dump(const NormalOptions& options);
+
+template <class... T> std::string dump_all(const T&... values);
+
+/// A value of a description: members of structs with fields(), files without their folders, enumerators and the
+/// alternatives of variants as numbers. Empty for absent values.
+template <class Value> std::string text_of(const Value& v) {
   std::ostringstream out;
   out << std::hexfloat;
-  const auto one = [&]<class Value>(const Value& v) {
-    if constexpr (requires { dump(v); } && !std::is_arithmetic_v<Value>)
-      out << ' ' << dump(v);
-    else if constexpr (std::is_enum_v<Value>)
-      out << ' ' << static_cast<int>(v);
-    else if constexpr (std::is_same_v<Value, std::filesystem::path>)
-      out << ' ' << v.filename().string();
-    else
-      out << ' ' << v;
+  if constexpr (requires { dump(v); } && !std::is_arithmetic_v<Value>) {
+    out << dump(v);
+  } else if constexpr (std::is_enum_v<Value>) {
+    out << static_cast<int>(v);
+  } else if constexpr (std::is_same_v<Value, std::filesystem::path>) {
+    out << v.filename().string();
+  } else if constexpr (requires { Value::fields(v); }) {
+    out << std::apply([](const auto&... field) { return dump_all(field...); }, Value::fields(v));
+  } else if constexpr (requires { v.has_value(); }) {
+    if (v) out << text_of(*v);
+  } else if constexpr (requires { v.index(); }) {
+    out << v.index() << ' ' << std::visit([](const auto& alternative) { return text_of(alternative); }, v);
+  } else if constexpr (requires { v.begin(); } && !std::is_convertible_v<Value, std::string_view>) {
+    for (const auto& element : v) out << (&element == &*v.begin() ? "" : " ") << text_of(element);
+  } else {
+    out << v;
+  }
+  return out.str();
+}
+
+/// All arguments as text, separated by spaces.
+template <class... T> std::string dump_all(const T&... values) {
+  std::string all;
+  [[maybe_unused]] const auto add = [&](const std::string& text) {
+    if (!text.empty()) all += (all.empty() ? "" : " ") + text;
   };
-  (one(values), ...);
-  return out.str().substr(sizeof...(T) > 0 ? 1 : 0);
+  (add(text_of(values)), ...);
+  return all;
 }
 
-inline std::string dump(const std::optional<RoughnessDescription>& r) {
-  if (!r) return "smooth";
-  return dump_all(r->distribution == RoughnessDescription::Distribution::kGgx ? "ggx" : "beckmann", r->alpha_u,
-                  r->alpha_v);
+inline std::string dump(const NormalOptions& options) {
+  return dump_all(options.fix_invalid_normals ? "" : "keep_normals",
+                  options.soften_terminator ? "" : "hard_terminator");
+}
+inline std::string dump(const RoughnessDescription& r) {
+  return dump_all(r.is_ggx() ? "ggx" : "beckmann", r.alpha_u, r.alpha_v);
 }
 
-inline std::string dump(const std::array<float, 6>& m) { return dump_all(m[0], m[1], m[2], m[3], m[4], m[5]); }
+/// The first name of a model in files; another name if it has none.
+template <class Model> std::string name_of(const char* other) {
+  if constexpr (std::size(Model::kPlugins) == 0)
+    return other;
+  else if constexpr (requires { Model::kPlugins[0].name; })
+    return Model::kPlugins[0].name;
+  else
+    return Model::kPlugins[0];
+}
 
-/// A model as its first name in files, or its position in `Models`, and the values of its fields().
-template <class Models, class Model> std::string dump_model(const Model& model) {
-  std::string name = std::to_string(Models(model).index());
-  if constexpr (Model::kPlugins.size() > 0) name = Model::kPlugins[0];
+/// A name, and the fields of a model.
+template <class Model> std::string dump_model(const std::string& name, const Model& model) {
   const std::string values = std::apply([](const auto&... field) { return dump_all(field...); }, Model::fields(model));
   return values.empty() ? name : name + " " + values;
 }
 
 inline std::string dump(const TextureDescription& t) {
-  const auto dump_texture = [](const auto& model) { return dump_model<TextureModel>(model); };
-  return std::visit(dump_texture, t.model) + " to_uv " + dump(t.to_uv);
+  const auto dump_texture = []<class Model>(const Model& model) {
+    return dump_model(name_of<Model>("texture"), model);
+  };
+  return std::visit(dump_texture, t.model) + " to_uv " + dump_all(t.to_uv);
 }
 
-template <DeclarativeBsdf Model> std::string dump(const Model& v) {
-  return std::apply([](const auto&... input) { return dump_all(Model::kPlugins[0].name, input...); }, Model::fields(v));
+template <class Closure, class... More> const char* name_of_closure(ClosureList<Closure, More...>) {
+  return Closure::kInfo.name;
 }
-inline std::string dump(const ConductorDescription& v) {
-  std::string text = dump_all("conductor", v.specular_reflectance);
-  if (v.ior) text += dump_all(" eta", v.ior->eta, "k", v.ior->k);
-  return v.roughness ? text + " " + dump(v.roughness) : text;
-}
-inline std::string dump(const DielectricDescription& v) {
-  return dump_all("dielectric", v.int_ior, v.ext_ior, v.specular_reflectance, v.specular_transmittance, v.thin,
-                  v.roughness);
-}
-inline std::string dump(const PlasticDescription& v) {
-  return dump_all("plastic", v.int_ior, v.ext_ior, v.diffuse_reflectance, v.specular_reflectance, v.nonlinear,
-                  v.roughness);
-}
-inline std::string dump(const PrincipledDescription& v) {
-  return dump_all("principled", v.base_color, v.roughness, v.anisotropic, v.metallic, v.spec_trans, v.spec_tint,
-                  v.sheen, v.sheen_tint, v.flatness, v.clearcoat, v.clearcoat_gloss, v.eta);
-}
-inline std::string dump(const PrincipledThinDescription& v) {
-  return dump_all("principledthin", v.base_color, v.roughness, v.anisotropic, v.spec_trans, v.eta, v.spec_tint, v.sheen,
-                  v.sheen_tint, v.flatness, v.diff_trans);
-}
-inline std::string dump(const DisneyDescription& v) {
-  return dump_all("disney", v.base_color, v.metallic, v.subsurface, v.specular, v.specular_tint, v.roughness,
-                  v.anisotropic, v.sheen, v.sheen_tint, v.clearcoat, v.clearcoat_gloss);
-}
-inline std::string dump(const NoriMicrofacetDescription& v) {
-  return dump_all("microfacet", v.int_ior, v.ext_ior, v.alpha, v.kd);
-}
-inline std::string dump(const RoughDiffuseDescription& v) {
-  return dump_all("roughdiffuse", v.reflectance, v.alpha, v.fast);
-}
-inline std::string dump(const WardDescription& v) {
-  return dump_all("ward", static_cast<int>(v.variant), v.diffuse_reflectance, v.specular_reflectance, v.alpha_u,
-                  v.alpha_v);
-}
-inline std::string dump(const MeasuredDescription& v) { return "measured " + v.file.filename().string(); }
-inline std::string dump(const HanrahanKruegerDescription& v) {
-  return dump_all("hk", v.first, v.second, v.by_albedo, v.thickness, v.g);
-}
-inline std::string dump(const HairDescription& v) {
-  const std::string color = std::visit(
-      Overloaded{[](const HairDescription::Melanin& c) { return dump_all("melanin", c.eumelanin, c.pheomelanin); },
-                 [](const HairDescription::Absorption& c) { return dump_all("absorption", c.sigma_a, c.scale); },
-                 [](const HairDescription::Reflectance& c) { return dump_all("reflectance", c.color); }},
-      v.color);
-  return dump_all("hair", color, v.longitudinal_roughness, v.azimuthal_roughness, v.scale_tilt, v.int_ior, v.ext_ior);
-}
-inline std::string dump(const CoatDescription& v) {
-  return dump_all("coating", v.int_ior, v.ext_ior, v.thickness, v.sigma_a, v.specular_reflectance, v.roughness,
-                  v.nested);
-}
-inline std::string dump(const NullDescription&) { return "null"; }
-inline std::string dump(const TwoSidedDescription& v) { return dump_all("twosided", v.front, v.back); }
-inline std::string dump(const MaskDescription& v) { return dump_all("mask", v.opacity, v.nested); }
-inline std::string dump(const BlendDescription& v) { return dump_all("blend", v.weight, v.nested[0], v.nested[1]); }
-inline std::string dump(const NormalOptions& v) {
-  return std::string(v.fix_invalid_normals ? "" : " keep_normals") + (v.soften_terminator ? "" : " hard_terminator");
-}
-inline std::string dump(const BumpMapDescription& v) {
-  return dump_all("bumpmap", v.displacement, v.scale, v.nested) + dump(v.options);
-}
-inline std::string dump(const NormalMapDescription& v) {
-  return dump_all("normalmap", v.normals, v.flip_green, v.nested) + dump(v.options);
-}
+inline const char* name_of_closure(ClosureList<>) { return "material"; }
 
 inline std::string dump(const MaterialDescription& m) {
-  return std::visit([](const auto& model) { return dump(model); }, m.model);
+  const auto dump_material = []<class Model>(const Model& model) {
+    return dump_model(name_of<Model>(name_of_closure(typename Model::Closures{})), model);
+  };
+  return std::visit(dump_material, m.model);
+}
+
+inline std::string dump(const LightDescription& light) {
+  const auto dump_light = []<class Model>(const Model& model) {
+    const char* label = "light";
+    LightKinds::for_each([&]<class Kind>() {
+      const auto find = [&]<class... Descriptions>(LightDescriptions<Descriptions...>) {
+        if ((std::is_same_v<Model, Descriptions> || ...)) label = Kind::kLabel;
+      };
+      find(typename Kind::Descriptions{});
+    });
+    return dump_model(name_of<Model>(label), model);
+  };
+  return std::visit(dump_light, light.model);
 }
 
 inline std::string dump(const ShapeDescription& s) {
@@ -226,55 +217,6 @@ inline std::string dump(const ShapeDescription& s) {
   out << ' ' << dump(s.to_world) << s.flip_normals << s.face_normals;
   if (s.material) out << " material " << static_cast<unsigned>(*s.material);
   if (s.radiance) out << " radiance " << dump(*s.radiance);
-  return out.str();
-}
-
-inline std::string dump(Vec3f v) {
-  std::ostringstream out;
-  out << std::hexfloat << v.x << ' ' << v.y << ' ' << v.z << ' ';
-  return out.str();
-}
-
-inline std::string dump(const LightDescription& light) {
-  std::ostringstream out;
-  out << std::hexfloat;
-  std::visit(Overloaded{[&](const PointLightDescription& v) {
-                          out << "point " << v.position.x << ' ' << v.position.y << ' ' << v.position.z << ' '
-                              << dump(v.intensity);
-                        },
-                        [&](const ConstantLightDescription& v) { out << "constant " << dump(v.radiance); },
-                        [&](const SpotLightDescription& v) {
-                          out << "spot " << static_cast<int>(v.falloff) << ' ' << dump(v.to_world) << dump(v.intensity)
-                              << ' ' << v.cutoff_angle << ' ' << v.beam_width;
-                          if (v.texture) out << " texture " << static_cast<unsigned>(*v.texture);
-                        },
-                        [&](const DirectionalLightDescription& v) {
-                          out << "directional " << v.direction.x << ' ' << v.direction.y << ' ' << v.direction.z << ' '
-                              << dump(v.irradiance);
-                        },
-                        [&](const GoniometricLightDescription& v) {
-                          out << "goniometric " << dump(v.intensity) << " image " << dump(v.image) << ' '
-                              << dump(v.to_world);
-                        },
-                        [&](const ProjectorDescription& v) {
-                          out << "projector " << dump(v.to_world) << dump(v.irradiance) << ' ' << v.scale << ' '
-                              << v.fov << ' ' << static_cast<int>(v.fov_axis);
-                        },
-                        [&](const EnvmapDescription& v) {
-                          out << "envmap " << v.file.filename() << ' ' << v.scale << ' ' << dump(v.to_world)
-                              << v.mis_compensation;
-                        },
-                        [&](const SkyDescription& v) {
-                          out << "sky " << dump(v.up) << v.turbidity << ' ' << dump(v.albedo) << ' ' << v.scale << ' '
-                              << v.sun_scale << ' ' << v.stretch << ' ' << v.extend << ' ' << v.resolution;
-                          for (const Vec3f& sun : v.suns) out << ' ' << dump(sun);
-                        },
-                        [&](const SunDescription& v) {
-                          out << "sun " << dump(v.up) << dump(v.direction) << v.turbidity << ' ' << v.scale << ' '
-                              << v.radius << ' ' << v.stretch;
-                        },
-                        [&](const BeamDescription& v) { out << "beam " << dump(v.to_world) << dump(v.power); }},
-             light.model);
   return out.str();
 }
 

@@ -2,7 +2,7 @@
 // light sampling.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "scene/xml/named_values.h"
 
 namespace sheaf {

@@ -2,7 +2,7 @@
 // distance sampling and transmittance estimation in media.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 #include "scene/xml/named_values.h"
 
 namespace sheaf {

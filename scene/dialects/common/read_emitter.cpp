@@ -7,7 +7,7 @@ namespace sheaf {
 
 const LightReader& light_reader(const Properties& p, std::span<const LightReader> own,
                                 std::vector<std::string> others) {
-  for (const std::span<const LightReader> readers : {own, std::span<const LightReader>(kLightReaders)})
+  for (const std::span<const LightReader> readers : {own, light_readers()})
     for (const LightReader& reader : readers) {
       if (reader.name == p.type()) return reader;
       others.emplace_back(reader.name);

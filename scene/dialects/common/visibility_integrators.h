@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/name_table.h"
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 
 namespace sheaf {
 

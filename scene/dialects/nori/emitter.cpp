@@ -108,7 +108,7 @@ void read_envmap(Properties& p, LightDescription& light) {
   if (const XmlElement* texture = p.any_texture())
     read_textured_envmap(p, *texture, light);
   else
-    EnvmapLightKind::read(p, light);
+    light.model = EnvmapDescription::read(p);
 }
 
 /// Lights that Mitsuba writes differently.

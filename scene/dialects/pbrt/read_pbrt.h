@@ -1,7 +1,7 @@
 // Entry point of the pbrt dialect.
 #pragma once
 
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-#include "scene/description/description.h"
+#include "scene/content/description.h"
 
 namespace sheaf {
 

@@ -3,6 +3,7 @@
 
 #include "scene/description/camera.h"
 #include "scene/description/media.h"
+#include "scene/description/remarks.h"
 #include "scene/description/shapes.h"
 #include "scene/lights/list.h"
 #include "scene/materials/material.h"
@@ -15,8 +16,8 @@
 
 namespace sheaf {
 
-/// A whole scene. `notes` are remarks for the user about substituted or ignored elements.
-struct Description {
+/// A whole scene.
+struct Description : Remarks {
   // Defined in description.cpp: these functions take long to compile.
   Description();
   Description(const Description& other);
@@ -38,9 +39,6 @@ struct Description {
   std::vector<ShapeGroup> groups;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
-  std::vector<std::string> notes;
-  /// Lenient reading: messages about what was dropped or replaced, with file and line
-  std::vector<std::string> stand_ins;
   std::filesystem::path file;
   std::vector<std::filesystem::path> files;  ///< all files of the scene, including itself and files not yet read
 };

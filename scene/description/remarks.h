@@ -1,0 +1,15 @@
+// Remarks of readers and of the scene compiler for the user.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+struct Remarks {
+  std::vector<std::string> notes;  ///< about substituted or ignored elements
+  /// Lenient reading: messages about what was dropped or replaced, with file and line
+  std::vector<std::string> stand_ins;
+};
+
+}  // namespace sheaf
