@@ -35,6 +35,7 @@ MAKERS = {
     "tools/make_caustic_scenes.py": [],
     "tools/make_hourglass.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_forest.py": [],
+    "tools/make_tutorial_scenes.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_validation_scenes.py": ["--make-cloud", "{build}/make_cloud"],
 }
 
