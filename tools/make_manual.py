@@ -88,6 +88,15 @@ def read_help(sheaf, command):
     return page
 
 
+def read_all_help(sheaf):
+    """Returns the help of the program, and that of each subcommand by its name."""
+    program = read_help(sheaf, "")
+    commands = [entry.names[0] for entry in program.sections.get("Subcommands", [])]
+    if not commands:
+        raise SystemExit("make_manual: the help lists no subcommands")
+    return program, {command: read_help(sheaf, command) for command in commands}
+
+
 def roff(text):
     """Escapes text for a line of roff."""
     text = text.replace("\\", "\\e").replace("-", "\\-")
@@ -167,15 +176,11 @@ def main():
     arguments = parser.parse_args()
     version = subprocess.run([arguments.sheaf, "--version"], check=True, capture_output=True, text=True).stdout
     version = " ".join(version.split()[:2])
-    program = read_help(arguments.sheaf, "")
-    commands = [entry.names[0] for entry in program.sections.get("Subcommands", [])]
-    if not commands:
-        raise SystemExit("make_manual: the help lists no subcommands")
-    pages = {command: read_help(arguments.sheaf, command) for command in commands}
+    program, pages = read_all_help(arguments.sheaf)
     arguments.output.mkdir(parents=True, exist_ok=True)
     for command, page in {"": program, **pages}.items():
         name = f"sheaf-{command}.1" if command else "sheaf.1"
-        (arguments.output / name).write_text(manual_page(version, command, page, commands))
+        (arguments.output / name).write_text(manual_page(version, command, page, pages))
     (arguments.output / "sheaf.bash").write_text(completion(program, pages))
 
 
