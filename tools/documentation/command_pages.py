@@ -11,6 +11,7 @@ def cell(text):
     text = re.sub(r"docs/([\w/-]+\.md)", r"[\1](../\1)", text)
     text = re.sub(r"(?<![\w`\[(/-])(--?[A-Za-z][\w-]*(?: \w+=\w+)?|\w+_\w+(?:_\w+)*)(?![\w`])", r"`\1`", text)
     text = re.sub(r"'(sheaf[^']*)'", r"`\1`", text)
+    text = re.sub(r"(?<= )--(?=[ .,]|$)", "`--`", text)
     return text.replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
 
 
