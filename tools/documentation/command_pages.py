@@ -9,7 +9,7 @@ DEFAULT = re.compile(r" ?Default: (.*?)(?:\.(?= |$)|$)")
 def cell(text):
     """Escapes text for a cell of a table. Options, files and names with underscores become code."""
     text = re.sub(r"docs/([\w/-]+\.md)", r"[\1](../\1)", text)
-    text = re.sub(r"(?<![\w`\[(/-])(--?[A-Za-z][\w-]*(?: \w+=\w+)?|\w+_\w+(?:_\w+)*)(?![\w`])", r"`\1`", text)
+    text = re.sub(r"(?<![\w`\[/-])(--?[A-Za-z][\w-]*(?: \w+=\w+)?|\w+_\w+(?:_\w+)*)(?![\w`])", r"`\1`", text)
     text = re.sub(r"'(sheaf[^']*)'", r"`\1`", text)
     text = re.sub(r"(?<= )--(?=[ .,]|$)", "`--`", text)
     return text.replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
@@ -22,10 +22,11 @@ def value_of(entry):
     limits = re.search(r"\[(.*) - (.*)\]", entry.limits)
     kind = {"TEXT": "text", "INT": "integer", "UINT": "integer", "FLOAT": "number"}.get(entry.value, "")
     if limits:
-        kind = f"{kind}, {limits[1]} to {limits[2]}"
+        low, high = (f"{int(limit):,}" if limit.lstrip("-").isdigit() else limit for limit in limits.groups())
+        kind = f"{kind}, {low} to {high}"
     elif entry.limits == ":POSITIVE":
         kind += ", > 0"
-    return kind + entry.count.replace(" x ", ", × ")
+    return f"{entry.count.removeprefix(' x ')} {kind}s" if entry.count else kind
 
 
 def table(title, entries):
