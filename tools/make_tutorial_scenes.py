@@ -41,7 +41,7 @@ class Mesh:
         turn = (lambda v: (v[0], v[2], -v[1])) if y_up else lambda v: v
         text = [f"# {title}, written by tools/make_tutorial_scenes.py."]
         text += [f"mtllib {library}"] if library else []
-        line = lambda keyword, v, digits: keyword + " " + " ".join(f"{round(c, digits) + 0.0:g}" for c in turn(v))
+        line = lambda keyword, v, digits: keyword + " " + " ".join(f"{round(c, digits) + 0.0:.7g}" for c in turn(v))
         normals = [line("vn", normal, 3) for _, normal in self.vertices]
         number = {text: i + 1 for i, text in enumerate(dict.fromkeys(normals))}
         text += [line("v", position, 4) for position, _ in self.vertices] + list(number)
@@ -220,7 +220,7 @@ def make_product():
                   (1.2, 7.05, 0.06), (1.2, 9.4, 0.22), (0, 9.4, 0)], 48, steps=3)
     cap.write("cap.obj", "A cap")
     sweep = Mesh()
-    rows = round_corners([(-60, 0, 0), (50, 0, 30), (50, 80, 0)], 24)
+    rows = round_corners([(-60, -0.002, 0), (50, -0.002, 30), (50, 80, 0)], 24)
     ends = [[sweep.add_vertex((x, y, z), (0, -across, -up)) for x in (-120, 120)] for (y, z), (across, up) in rows]
     for a, b in zip(ends, ends[1:]):
         sweep.add_face("", a[0], a[1], b[1], b[0])
