@@ -69,7 +69,8 @@ def round_corners(points, steps=4):
             continue
         tangent = radius * math.tan(abs(turn) / 2)
         side = 1 if turn > 0 else -1
-        centre = (r - tangent * before[0] - side * radius * before[1], z - tangent * before[1] + side * radius * before[0])
+        centre = (r - tangent * before[0] - side * radius * before[1],
+                  z - tangent * before[1] + side * radius * before[0])
         for k in range(steps + 1):
             angle = turn * k / steps
             c, s = math.cos(angle), math.sin(angle)
@@ -115,7 +116,8 @@ def box(mesh, centre, size, material="", bevel=0.01, steps=3, turn=0.0):
             signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))[quadrant]
             for k in range(steps + 1):
                 azimuth = math.radians(90 * quadrant + 90.0 * k / steps)
-                n = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth), math.sin(elevation))
+                n = (math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
+                     math.sin(elevation))
                 p = (signs[0] * half[0] + bevel * n[0], signs[1] * half[1] + bevel * n[1],
                      (half[2] if top else -half[2]) + bevel * n[2])
                 p, n = (tuple((v[0] * cos_turn - v[1] * sin_turn, v[0] * sin_turn + v[1] * cos_turn, v[2]))
@@ -268,10 +270,8 @@ def make_gem(sides=8):
     mesh.write("gem.obj", "A brilliant")
 
 
-def make_interior():
-    """Furniture of a room at night, with materials in interior.mtl. 1 unit is 1 m; the room is 5 x 4.6 x 2.6 m."""
-    mesh, shades = Mesh(), Mesh()
-    # A sofa at the back wall, with cushions.
+def add_sofa(mesh):
+    """A sofa at the back wall, with cushions."""
     for x, y, z, size in ((0, 1.35, 0.27, (2.0, 0.85, 0.22)), (0, 1.72, 0.55, (2.0, 0.22, 0.6)),
                           (-0.92, 1.35, 0.42, (0.2, 0.85, 0.36)), (0.92, 1.35, 0.42, (0.2, 0.85, 0.36))):
         box(mesh, (x, y, z), size, "fabric", 0.06, 3)
@@ -283,34 +283,49 @@ def make_interior():
     for x in (-0.85, 0.85):
         for y in (1.0, 1.7):
             revolve(mesh, [(0.015, 0, 0), (0.025, 0.17, 0)], 12, "wood", (x, y))
-    # A round table with a bowl, and books.
+
+
+def add_round_table(mesh):
+    """A round table with a bowl and books."""
     revolve(mesh, [(0, 0.38, 0), (0.46, 0.38, 0.012), (0.46, 0.415, 0.012), (0, 0.415, 0)], 64, "wood", (0.1, 0.35))
     for k in range(3):
         angle = 2 * math.pi * (k / 3 + 0.1)
-        revolve(mesh, [(0.018, 0, 0), (0.022, 0.39, 0)], 12, "wood", (0.1 + 0.3 * math.cos(angle), 0.35 + 0.3 * math.sin(angle)))
+        centre = (0.1 + 0.3 * math.cos(angle), 0.35 + 0.3 * math.sin(angle))
+        revolve(mesh, [(0.018, 0, 0), (0.022, 0.39, 0)], 12, "wood", centre)
     for z, size, material, turn in ((0.43, (0.24, 0.17, 0.03), "teal", 20), (0.456, (0.21, 0.15, 0.022), "paper", 32),
                                     (0.477, (0.19, 0.13, 0.02), "mustard", 14)):
         box(mesh, (-0.08, 0.27, z), size, material, 0.004, 2, turn)
     revolve(mesh, [(0, 0.417, 0), (0.05, 0.415, 0.01), (0.06, 0.43, 0.01), (0.13, 0.5, 0.05), (0.14, 0.53, 0.002),
-                   (0.133, 0.53, 0.002), (0.12, 0.5, 0.05), (0.045, 0.44, 0.01), (0, 0.437, 0)], 48, "ceramic", (0.28, 0.45))
-    # A cabinet on the right with a lamp, a vase and books, and a side table on the left with a lamp.
+                   (0.133, 0.53, 0.002), (0.12, 0.5, 0.05), (0.045, 0.44, 0.01), (0, 0.437, 0)], 48, "ceramic",
+            (0.28, 0.45))
+
+
+def add_cabinet(mesh):
+    """A cabinet at the right wall, with books and a vase."""
     box(mesh, (2.2, 0.9, 0.40), (0.44, 1.5, 0.62), "wood", 0.012, 2)
     for y in (0.53, 1.27):
         box(mesh, (1.975, y, 0.40), (0.02, 0.7, 0.55), "wood", 0.006, 2)
         revolve(mesh, [(0, 0.42, 0), (0.012, 0.42, 0.002), (0.012, 0.444, 0.002), (0, 0.444, 0)], 16, "brass",
                 (1.955, y + (0.28 if y < 0.9 else -0.28)))
-    for y, height, material in ((0.30, 0.26, "teal"), (0.345, 0.24, "paper"), (0.39, 0.28, "mustard"), (0.435, 0.23, "fabric"),
-                                (0.48, 0.27, "paper"), (0.52, 0.25, "teal")):
+    for y, height, material in ((0.30, 0.26, "teal"), (0.345, 0.24, "paper"), (0.39, 0.28, "mustard"),
+                                (0.435, 0.23, "fabric"), (0.48, 0.27, "paper"), (0.52, 0.25, "teal")):
         box(mesh, (2.2, y, 0.71 + height / 2), (0.18, 0.036, height), material, 0.004, 2)
-    revolve(mesh, [(0, 0.711, 0), (0.05, 0.711, 0.02), (0.115, 0.86, 0.08), (0.04, 1.0, 0.03), (0.055, 1.06, 0), (0.05, 1.06, 0),
-                   (0.035, 1.0, 0.03), (0, 0.99, 0)], 48, "ceramic", (2.2, 0.72))
+    revolve(mesh, [(0, 0.711, 0), (0.05, 0.711, 0.02), (0.115, 0.86, 0.08), (0.04, 1.0, 0.03), (0.055, 1.06, 0),
+                   (0.05, 1.06, 0), (0.035, 1.0, 0.03), (0, 0.99, 0)], 48, "ceramic", (2.2, 0.72))
+
+
+def add_lamps(mesh, shades):
+    """A side table with a lamp, and a lamp on the cabinet."""
     revolve(mesh, [(0, 0.5, 0), (0.22, 0.5, 0.008), (0.22, 0.525, 0.008), (0, 0.525, 0)], 48, "wood", (-1.5, 1.45))
     revolve(mesh, [(0.16, 0, 0), (0.16, 0.02, 0.01), (0.02, 0.025, 0.01), (0.018, 0.5, 0)], 32, "brass", (-1.5, 1.45))
     for x, y, z in ((-1.5, 1.45, 0.525), (2.2, 1.3, 0.711)):
-        revolve(mesh, [(0, z, 0), (0.08, z, 0.01), (0.08, z + 0.02, 0.01), (0.014, z + 0.035, 0.02), (0.014, z + 0.33, 0)], 32,
-                "brass", (x, y))
+        revolve(mesh, [(0, z, 0), (0.08, z, 0.01), (0.08, z + 0.02, 0.01), (0.014, z + 0.035, 0.02),
+                       (0.014, z + 0.33, 0)], 32, "brass", (x, y))
         revolve(shades, [(0.17, z + 0.22, 0), (0.12, z + 0.46, 0)], 48, centre=(x, y))
-    # Two framed pictures, a skirting board and a rug.
+
+
+def add_wall_and_floor(mesh):
+    """Two framed images, skirting boards and a rug."""
     for x, width in ((-0.48, 0.62), (0.42, 0.86)):
         box(mesh, (x, 1.975, 1.55), (width, 0.03, 0.66), "dark", 0.006, 2)
         box(mesh, (x, 1.96, 1.55), (width - 0.06, 0.02, 0.6), "paper", 0.004, 2)
@@ -319,6 +334,16 @@ def make_interior():
     for x in (-2.49, 2.49):
         box(mesh, (x, -0.3, 0.05), (0.02, 4.6, 0.1), "wall", 0.004, 2)
     box(mesh, (0.05, 0.25, 0.006), (2.6, 1.7, 0.016), "rug", 0.006, 2)
+
+
+def make_interior():
+    """Furniture of a room at night, with materials in interior.mtl. 1 unit is 1 m; the room is 5 x 4.6 x 2.6 m."""
+    mesh, shades = Mesh(), Mesh()
+    add_sofa(mesh)
+    add_round_table(mesh)
+    add_cabinet(mesh)
+    add_lamps(mesh, shades)
+    add_wall_and_floor(mesh)
     mesh.write("interior.obj", "Furniture", "interior.mtl")
     shades.write("shades.obj", "Lamp shades")
     colours = {"fabric": (0.32, 0.31, 0.33), "mustard": (0.60, 0.33, 0.05), "teal": (0.04, 0.20, 0.22),
