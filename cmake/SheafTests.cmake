@@ -136,6 +136,23 @@ function(sheaf_smoke_tests)
   endforeach()
 endfunction()
 
+# sheaf_docs_tests(<name>...): adds a ctest entry docs_<name> for each script tests/docs/check_<name>.py, which checks
+# the documentation. Scripts that lack a program print "skipped: ".
+function(sheaf_docs_tests)
+  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
+  find_program(SHEAF_PYTHON NAMES python3)
+  if(NOT SHEAF_PYTHON)
+    message(STATUS "No python3: the documentation is not tested")
+    return()
+  endif()
+  foreach(name IN LISTS ARGN)
+    add_test(NAME docs_${name} COMMAND "${SHEAF_PYTHON}" tests/docs/check_${name}.py --sheaf "$<TARGET_FILE:sheaf>"
+      WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    sheaf_test_cost(docs_${name})
+    set_tests_properties(docs_${name} PROPERTIES LABELS docs SKIP_REGULAR_EXPRESSION "skipped: ")
+  endforeach()
+endfunction()
+
 # sheaf_format_test(): checks that clang-format leaves every C++ file unchanged.
 function(sheaf_format_test)
   add_test(NAME format COMMAND tools/check_format.sh WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
