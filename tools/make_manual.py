@@ -29,6 +29,7 @@ class Entry:
     limits: str = ""  # e.g. ":{rgb,spectral}"
     count: str = ""
     repeats: bool = False
+    required: bool = False
     text: str = ""
 
     def choices(self):
@@ -53,7 +54,7 @@ def make_entry(spec):
     if not match:
         raise SystemExit(f"make_manual: cannot parse '{spec}'")
     return Entry(match["names"].split(","), match["value"] or "", match["limits"] or "", match["count"] or "",
-                 "..." in match["rest"])
+                 "..." in match["rest"], "REQUIRED" in match["rest"])
 
 
 def read_help(sheaf, command):

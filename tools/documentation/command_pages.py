@@ -2,15 +2,16 @@
 
 import re
 
-# Sentences of the help that state a default, and those in parentheses after one of the choices.
+# The sentence of the help that states a default.
 DEFAULT = re.compile(r" ?Default: (.*?)(?:\.(?= |$)|$)")
 
 
 def cell(text):
     """Escapes text for a cell of a table. Options, files and names with underscores become code."""
     text = re.sub(r"docs/([\w/-]+\.md)", r"[\1](../\1)", text)
-    text = re.sub(r"(?<![\w`\[(/-])(--?[A-Za-z][\w-]*(?: \w+=\w+)?|\w+_\w+(?:_\w+)*)(?![\w`])", r"`\1`", text)
+    text = re.sub(r"(?<![\w`\[/-])(--?[A-Za-z][\w-]*(?:[ =][\w-]+=\w+)?|\w+_\w+(?:_\w+)*)(?![\w`])", r"`\1`", text)
     text = re.sub(r"'(sheaf[^']*)'", r"`\1`", text)
+    text = re.sub(r"(?<= )--(?=[ .,]|$)", "`--`", text)
     return text.replace("|", "\\|").replace("<", "&lt;").replace("*", "\\*")
 
 
@@ -21,21 +22,23 @@ def value_of(entry):
     limits = re.search(r"\[(.*) - (.*)\]", entry.limits)
     kind = {"TEXT": "text", "INT": "integer", "UINT": "integer", "FLOAT": "number"}.get(entry.value, "")
     if limits:
-        kind = f"{kind}, {limits[1]} to {limits[2]}"
+        low, high = (f"{int(limit):,}" if limit.lstrip("-").isdigit() else limit for limit in limits.groups())
+        kind = f"{kind}, {low} to {high}"
     elif entry.limits == ":POSITIVE":
         kind += ", > 0"
-    return kind + entry.count.replace(" x ", ", × ")
+    return f"{entry.count.removeprefix(' x ')} {kind}s" if entry.count else kind
 
 
 def table(title, entries):
     """Returns the table of arguments or options. Each row has an anchor, such as #--spp."""
     rows = [f"| {title} | values | default | meaning |", "| --- | --- | --- | --- |"]
     for entry in entries:
-        default = DEFAULT.search(entry.text)
+        match = DEFAULT.search(entry.text)
+        default = cell(match[1]) if match else "required" if entry.required else ""
         text = DEFAULT.sub("", entry.text, count=1).strip().rstrip(".")
         names = ", ".join(f"`{name}`" for name in entry.names) + f"{{ #{entry.names[-1]} }}"
         names = names.replace("`{ #", "`{: #")
-        rows.append(f"| {names} | {value_of(entry)} | {cell(default[1]) if default else ''} | {cell(text)} |")
+        rows.append(f"| {names} | {value_of(entry)} | {default} | {cell(text)} |")
     return "\n".join(rows)
 
 

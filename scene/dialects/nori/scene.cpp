@@ -14,7 +14,6 @@
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
 #include "scene/dialects/nori/read_nori.h"
-#include "scene/materials/reading.h"
 #include "scene/tables/filter.h"
 
 namespace sheaf {
