@@ -248,8 +248,11 @@ def run_block(block, folder, general, build):
     page = block.page.relative_to(ROOT)
     try:
         for number, words in lines_of(block):
-            if reason := runner.run(words):
+            reason = runner.run(words)
+            if reason:
                 failures.append((f"{page}:{number}", f"'{shlex.join(words)}' {reason}"))
+            if reason.startswith("is neither run"):
+                break
     except ValueError as error:
         failures.append((block.place, f"is no command: {error}"))
     shutil.rmtree(folder)

@@ -17,8 +17,9 @@ from pathlib import Path
 from documents import ROOT, Failures, pages
 
 OPTION = r"(?<![\w=-])--[a-z][\w-]*"
-# Options of other programs, by the first word of the code.
-OTHERS = ("cmake", "ctest", "podman", "docker", "apt-get", "pip", "git", "sbatch", "mkdocs", "clang-tidy")
+# Commands of other programs, by their first words.
+OTHERS = ("cmake ", "ctest ", "podman ", "docker ", "apt-get ", "pip ", "git ", "sbatch ", "mkdocs ", "clang-tidy ",
+          "python3 -m ")
 # Bare options of other programs, and whose they are.
 FOREIGN = {"--requeue": "sbatch", "--label-regex": "ctest", "--benchmark_filter": "Google Benchmark"}
 
@@ -74,7 +75,7 @@ def check_documents(known, failures):
         # Blocks are left to tests/docs/check_commands.py
         prose = re.sub(r"^ *```.*?^ *```", lambda block: "\n" * block[0].count("\n"), text, flags=re.MULTILINE | re.DOTALL)
         for code in re.finditer(r"`([^`\n]+)`", prose):
-            if code[1].split()[0] in OTHERS:
+            if code[1].startswith(OTHERS):
                 continue
             for option in re.findall(OPTION, code[1]):
                 count += 1
