@@ -40,19 +40,22 @@ SCENES = [
     # Mitsuba does not read NanoVDB, so both read the same voxels from a .vol file.
     Scene("cloud", ROOT / "scenes/validation/cloud.xml", {"grid": "generated/cloud.vol"}),
 ]
-CURVE_SCENES = ["cornell", "cloud"]
-SCALING_SCENE = "material_room"
+CURVE_SCENES = ["cornell", "coloured_glass"]
+SCALING_SCENE = "hall"
+STAGES_SCENE = "material_room"
 
 
 class Comparison:
     """Renders scenes with all programs. `notes` says what could not be measured, and why."""
 
-    def __init__(self, arguments, folder):
-        self.arguments, self.folder = arguments, folder
+    def __init__(self, arguments, scenes, folder):
+        self.arguments, self.scenes, self.folder = arguments, scenes, folder
         self.sheaf = Sheaf(arguments.sheaf, folder, arguments.arguments.split())
         self.versions = {"Sheaf": subprocess.run([arguments.sheaf, "--version"], check=True, text=True,
                                                  stdout=subprocess.PIPE).stdout.split(maxsplit=1)[1].strip()}
-        self.others, self.notes = [], []
+        self.others = [Sheaf(arguments.sheaf, folder, [*self.sheaf.options, *options.split()], f"Sheaf {options}")
+                       for options in arguments.also]
+        self.notes = []
         if arguments.mitsuba_python and arguments.variants:
             self.versions |= mitsuba_versions(arguments.mitsuba_python, folder)
             home = folder / "home"
@@ -73,11 +76,12 @@ class Comparison:
 
     def usable(self, scene):
         """The programs that render the scene, each with the time of a first process. It fills the caches of files and
-        of compiled kernels."""
+        of compiled kernels. Only programs that compile take all samples."""
         programs = {}
         for program in [self.sheaf, *(p for p in self.others if p.reads(scene))]:
+            spp = self.arguments.spp if getattr(program, "compiles", False) else 1
             try:
-                programs[program] = program.render(scene, self.arguments.spp, 0, self.arguments.threads).process_seconds
+                programs[program] = program.render(scene, spp, 0, self.arguments.threads).process_seconds
             except RenderError as error:
                 if program is self.sheaf:
                     raise
@@ -130,12 +134,12 @@ class Comparison:
         return points
 
     def scaling(self, scene, measured):
-        """Returns {program: {threads: renders}} for powers of two and all threads."""
+        """Returns {program: {threads: renders}} for powers of two and all threads. Half the rounds must do."""
         counts = [2**i for i in range(16) if 2**i < self.arguments.threads] + [self.arguments.threads]
         names = [m.program for m in measured]
-        programs = [p for p in [self.sheaf, *self.others] if p.name in names]
+        programs = [self.sheaf, *(p for p in self.others if p.name in names and not isinstance(p, Sheaf))]
         results = {p.name: {count: [] for count in counts} for p in programs}
-        for seed in range(1, min(self.arguments.runs, 3) + 1):
+        for seed in range(1, max(2, self.arguments.runs // 2) + 1):
             for count in counts:
                 for program in programs:
                     results[program.name][count].append(program.render(scene, self.arguments.spp, seed, count))
@@ -145,12 +149,12 @@ class Comparison:
 def print_measurements(scene, measurements):
     ours = measurements[0]
     for m in measurements:
-        print(f"{scene.name:15} {m.program:20} {m.time():7.2f} {m.time('cpu_seconds'):7.2f} "
+        print(f"{scene.name:15} {m.program:27} {m.time():7.2f} {m.time('cpu_seconds'):7.2f} "
               f"{m.time('process_seconds'):7.2f} {m.mse:10.3e} {np.mean(m.errors.relative):9.3e} "
               f"{m.errors.mean_ratio:7.4f} {'own' if m.errors.is_own else 'Sheaf':>9} {m.peak_bytes / 1e6:6.0f}",
               flush=True)
     for m in measurements[1:]:
-        print(f"{scene.name:15} {m.program:20} over Sheaf: mse {efficiency_ratio(ours, m)}, "
+        print(f"{scene.name:15} {m.program:27} over Sheaf's: mse {efficiency_ratio(ours, m)}, "
               f"rel {efficiency_ratio(ours, m, 'relative')}, mse by CPU time "
               f"{efficiency_ratio(ours, m, which='cpu_seconds')}, speed {speed_ratio(ours, m)}", flush=True)
 
@@ -168,12 +172,15 @@ def parse_arguments():
     parser.add_argument("--references", type=Path, default=ROOT / "out/references", help="folder that keeps references")
     parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
     parser.add_argument("--arguments", default="", help="further options of sheaf render")
+    parser.add_argument("--also", nargs="*", default=["--sampler independent"], metavar="OPTIONS",
+                        help="options of Sheaf that are measured like another renderer; may be empty")
     parser.add_argument("--mitsuba-python", help="Python with Mitsuba 3; default: this one, if it has it")
     parser.add_argument("--variants", nargs="*", default=["llvm_ad_rgb", "scalar_rgb"], help="of Mitsuba; may be empty")
     parser.add_argument("--pbrt", default=shutil.which("pbrt"), help="program of pbrt-v4")
     parser.add_argument("--curve-scenes", nargs="*", default=CURVE_SCENES, help="scenes whose error is plotted over time")
     parser.add_argument("--curve-spp", nargs="+", type=int, default=[1, 4, 16, 64])
-    parser.add_argument("--scaling-scene", default=SCALING_SCENE, help="for thread scaling and stages")
+    parser.add_argument("--scaling-scene", default=SCALING_SCENE, help="scene for thread scaling")
+    parser.add_argument("--stages-scene", default=STAGES_SCENE, help="scene for the cost of the stages")
     parser.add_argument("--markdown", type=Path, help="write the page to this file, and its plot beside it")
     arguments = parser.parse_args()
     if arguments.runs < 2 or arguments.threads < 1 or min(arguments.spp, *arguments.curve_spp) < 1:
@@ -203,9 +210,9 @@ def main():
     arguments = parse_arguments()
     scenes = chosen_scenes(arguments)
     with tempfile.TemporaryDirectory() as folder:
-        comparison = Comparison(arguments, Path(folder))
+        comparison = Comparison(arguments, scenes, Path(folder))
         facts = machine.describe(arguments, comparison.versions)
-        print(f"{'scene':15} {'renderer':20} {'seconds':>7} {'cpu':>7} {'process':>7} {'mse':>10} {'relative':>9} "
+        print(f"{'scene':15} {'renderer':27} {'seconds':>7} {'cpu':>7} {'process':>7} {'mse':>10} {'relative':>9} "
               f"{'mean':>7} {'reference':>9} {'MB':>6}")
         results = {}
         for scene in scenes:
@@ -214,8 +221,12 @@ def main():
         if arguments.markdown:
             curves = {s.name: comparison.curves(s, results[s.name]) for s in scenes if s.name in arguments.curve_scenes}
             scaled = next((s for s in scenes if s.name == arguments.scaling_scene), scenes[0])
+            staged = arguments.stages_scene if arguments.stages_scene in results else scenes[0].name
             scaling = comparison.scaling(scaled, results[scaled.name])
-            page.write_page(arguments, comparison, scenes, facts, results, curves, (scaled.name, scaling))
+            page.write_page(arguments, comparison, facts, results,
+                            [page.curves_section(arguments, curves), page.DIFFERENCES,
+                             page.stages_section(staged, results[staged][0]),
+                             page.scaling_section(scaled.name, scaling, arguments.threads)])
             print(f"wrote {arguments.markdown}")
 
 

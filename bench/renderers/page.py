@@ -18,8 +18,8 @@ turn, and compares their errors and times:
 Without `--markdown` it prints the tables of the first two sections. Other scenes, of Mitsuba or of pbrt-v4:
 
 ```
-bench/compare_renderers.py --scenes room.xml -D width=400 --spp 32
-bench/compare_renderers.py --scenes kitchen.pbrt --pbrt PROGRAM
+bench/compare_renderers.py --scenes scenes/mesh_box/mesh_box.xml -D width=400 -D height=300 --spp 32
+bench/compare_renderers.py --scenes scenes/cornell/cornell.pbrt --pbrt PROGRAM
 ```
 
 | | |
@@ -53,13 +53,14 @@ of a round.
 EFFICIENCY = """## Time to equal error
 
 Squared error is inversely proportional to time, so the error times the time of a renderer over that of Sheaf is the
-factor by which it takes longer to the same error. Above 1, Sheaf is faster.
+factor by which it takes longer to the same error. Above 1, Sheaf is faster. Lines that begin with Sheaf compare other
+options of Sheaf with the default.
 """
 
 DIFFERENCES = """## Differences by design
 
-- **Samples.** Sheaf replaces the sampler `independent` by Owen-scrambled Sobol points (`--sampler`). Mitsuba has no
-  such sampler.
+- **Samples.** Sheaf replaces the sampler `independent` by Owen-scrambled Sobol points. Mitsuba has no such sampler.
+  The lines `--sampler independent` show how much of the difference comes from this.
 - **Lights.** Sheaf selects lights by a light BVH and, in `hall`, resamples 4 candidates; Mitsuba selects uniformly.
 - **Russian roulette.** Sheaf starts it at depth 2, or 5 in scenes with media, and restores the throughput of
   survivors to 1/2; Mitsuba starts it at depth 5.
@@ -82,6 +83,12 @@ def paragraph(text):
     return textwrap.fill(text, 120, break_on_hyphens=False, break_long_words=False) + "\n"
 
 
+def code(program):
+    """The name of a program, with its variant or options as code."""
+    name, *options = program.split(" ", 1)
+    return f"{name} `{options[0]}`" if options else name
+
+
 def spread(values, digits=2):
     """Median, minimum and maximum in seconds."""
     return f"{median(values):.{digits}f} ({min(values):.{digits}f} to {max(values):.{digits}f})"
@@ -92,7 +99,7 @@ def megabytes(value):
 
 
 def measures_cells(name, m):
-    return [name, m.program, spread(m.times()), spread(m.times("cpu_seconds")), f"{m.time('process_seconds'):.2f}",
+    return [name, code(m.program), spread(m.times()), spread(m.times("cpu_seconds")), f"{m.time('process_seconds'):.2f}",
             f"{m.mse:.2e}", f"{mean(m.errors.relative):.2e}",
             f"{m.errors.mean_ratio:.4f} ± {m.errors.mean_uncertainty:.4f}", "own" if m.errors.is_own else "Sheaf"]
 
@@ -109,7 +116,7 @@ def efficiency_section(results):
     lines = []
     for name, (ours, *others) in results.items():
         for i, m in enumerate(others):
-            lines.append([name if i == 0 else "", m.program, str(efficiency_ratio(ours, m)),
+            lines.append([name if i == 0 else "", code(m.program), str(efficiency_ratio(ours, m)),
                           str(efficiency_ratio(ours, m, "relative")), figure(efficiency_ratio(
                               ours, m, "relative", "cpu_seconds").value), str(speed_ratio(ours, m))])
     if not lines:
@@ -129,29 +136,31 @@ def scaling_section(name, scaling, threads):
     counts = list(next(iter(scaling.values())))
     lines = []
     for program, by_count in scaling.items():
-        seconds = {n: median(r.seconds for r in renders) for n, renders in by_count.items()}
-        cpu = {n: median(r.cpu_seconds for r in renders) for n, renders in by_count.items()}
+        seconds = {n: min(r.seconds for r in renders) for n, renders in by_count.items()}
+        cpu = {n: min(r.cpu_seconds for r in renders) for n, renders in by_count.items()}
         peak = {n: max(r.peak_bytes for r in renders) for n, renders in by_count.items()}
         one = counts[0]
         for n in counts:
-            lines.append([program if n == one else "", str(n), spread([r.seconds for r in by_count[n]]),
+            lines.append([code(program) if n == one else "", str(n), spread([r.seconds for r in by_count[n]]),
                           f"{seconds[one] / seconds[n]:.2f}", f"{cpu[n] / cpu[one]:.2f}", megabytes(peak[n])])
     head = ["renderer", "threads", "rendering, s", "speed-up", "CPU time over that of 1 thread", "peak memory"]
     text = paragraph(f"`{name}`, with up to {threads} threads. Threads of Sheaf share the scene and the film, and each "
-                     "has queues of its own. CPU time stays the same if threads do not slow each other down, even if "
-                     "other programs take part of the cores.")
+                     "has queues of its own. Speed-up and CPU time are those of the fastest rounds. CPU time stays "
+                     "the same if threads do not slow each other down. Other programs that take part of the cores "
+                     "reduce the speed-up, but hardly change the CPU time.")
     return "\n".join(["## Thread scaling\n", text, table(head, lines)])
 
 
 def memory_section(results):
     programs = list(dict.fromkeys(m.program for of_scene in results.values() for m in of_scene))
+    programs = [p for p in programs if not p.startswith("Sheaf ")]
     lines = []
     for name, of_scene in results.items():
         peaks = {m.program: megabytes(m.peak_bytes) for m in of_scene}
         lines.append([name, *(peaks.get(program, "") for program in programs)])
     text = paragraph("Peak resident memory of the process: the largest of all rounds, as the system reports it. "
                      "Mitsuba's includes the Python interpreter.")
-    return "\n".join(["## Memory\n", text, table(["scene", *programs], lines)])
+    return "\n".join(["## Memory\n", text, table(["scene", *map(code, programs)], lines)])
 
 
 def stages_section(name, ours):
@@ -194,15 +203,15 @@ def notes_text(comparison):
     ignored = {}
     for program in comparison.others:
         for scene, names in getattr(program, "ignored", {}).items():
-            ignored.setdefault((scene, tuple(names)), []).append(f"`{program.name}`")
+            ignored.setdefault((scene, tuple(names)), []).append(code(program.name))
     for (scene, names), programs in ignored.items():
         parts.append(f"{' and '.join(programs)} ignore {' and '.join(f'`{n}`' for n in names)} in `{scene}`.")
     return paragraph(" ".join(parts)) if parts else ""
 
 
-def write_page(arguments, comparison, scenes, facts, results, curves, scaling):
-    """`scaling`: the name of a scene and its renders by program and threads."""
-    origins = {scene.file.parent / "generated.txt" for scene in scenes}
+def write_page(arguments, comparison, facts, results, sections):
+    """`results`: {scene: measurements}. `sections`: those between the efficiency and the memory."""
+    origins = {scene.file.parent / "generated.txt" for scene in comparison.scenes}
     makers = sorted({path.read_text().split()[1] for path in origins if path.exists()})
     threads = f"{arguments.threads} threads" if arguments.threads != 1 else "1 thread"
     parts = [
@@ -210,8 +219,6 @@ def write_page(arguments, comparison, scenes, facts, results, curves, scaling):
                             machine="\n".join(f"| {what} | {text} |" for what, text in facts)),
         notes_text(comparison),
         METHOD.format(spp=arguments.spp, threads=threads, runs=arguments.runs, reference_spp=arguments.reference_spp),
-        measures_section(results), efficiency_section(results), curves_section(arguments, curves), DIFFERENCES,
-        stages_section(scaling[0], results[scaling[0]][0]), scaling_section(*scaling, arguments.threads),
-        memory_section(results)]
+        measures_section(results), efficiency_section(results), *sections, memory_section(results)]
     arguments.markdown.parent.mkdir(parents=True, exist_ok=True)
     arguments.markdown.write_text("\n".join(part for part in parts if part), encoding="utf-8")

@@ -39,8 +39,9 @@ def label(value):
         return f"{value:g}"
     exponent = math.floor(math.log10(value) + 1e-9)
     mantissa = value / 10.0**exponent
-    power = f'10<tspan dy="-5" font-size="9">{exponent}</tspan>'.replace("-", "−").replace('dy="−', 'dy="-')
-    return power if abs(mantissa - 1) < 0.01 else f"{mantissa:.0f} · {power}"
+    sign = "\N{MINUS SIGN}" if exponent < 0 else ""
+    power = f'10<tspan dy="-5" font-size="9">{sign}{abs(exponent)}</tspan>'
+    return power if abs(mantissa - 1) < 0.01 else f"{mantissa:.0f} \N{MIDDLE DOT} {power}"
 
 
 def grid(x, y, left):

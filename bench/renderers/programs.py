@@ -59,10 +59,8 @@ def launch(command, folder, environment=None):
 
 
 class Sheaf:
-    name = "Sheaf"
-
-    def __init__(self, program, folder, options=()):
-        self.program, self.folder, self.options = program, folder, options
+    def __init__(self, program, folder, options=(), name="Sheaf"):
+        self.program, self.folder, self.options, self.name = program, folder, options, name
 
     def reads(self, _scene):
         return True
@@ -124,7 +122,8 @@ class Pbrt:
         usage, _ = launch([self.program, "--quiet", "--seed", seed, "--spp", spp, "--nthreads", threads, "--outfile",
                            output, scene.file], self.folder)
         header, _ = read_header(output.read_bytes())
-        # pbrt records the time of rendering in seconds.
-        seconds = header.get("renderTimeSeconds")
-        seconds = struct.unpack("<f", seconds)[0] if seconds and len(seconds) == 4 else usage["seconds"]
-        return Render([read_rgb(output)], seconds, usage["cpu_seconds"], usage["seconds"], usage["peak_bytes"])
+        seconds = header.get("renderTimeSeconds", b"")
+        if len(seconds) != 4:
+            raise RenderError(f"{Path(self.program).name}: the image has no attribute renderTimeSeconds")
+        return Render([read_rgb(output)], struct.unpack("<f", seconds)[0], usage["cpu_seconds"], usage["seconds"],
+                      usage["peak_bytes"])
