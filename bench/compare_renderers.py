@@ -85,7 +85,7 @@ class Comparison:
             except RenderError as error:
                 if program is self.sheaf:
                     raise
-                self.note(f"{program.name} does not render {scene.name}: {error}")
+                self.note(f"{program.name} does not render {scene.name}: {error}".replace(f"{ROOT}/", ""))
         return programs
 
     @staticmethod
@@ -114,7 +114,8 @@ class Comparison:
         return results
 
     def curves(self, scene, measured):
-        """Returns {program: [(spp, seconds, mean squared error)]}. `measured`: the measurements of measure()."""
+        """Returns {program: [(spp, seconds of the fastest round, mean squared error)]}. `measured`: what measure()
+        returned."""
         arguments = self.arguments
         reference = render_reference(self.sheaf, scene, arguments.reference_spp, arguments.threads,
                                      arguments.references)
@@ -124,13 +125,13 @@ class Comparison:
         for spp in arguments.curve_spp:
             if spp == arguments.spp:
                 for name, measurement in measured.items():
-                    points[name].append((spp, measurement.time(), measurement.mse))
+                    points[name].append((spp, min(measurement.times()), measurement.mse))
                 continue
             renders = self.rounds(programs, scene, spp, arguments.threads, max(2, arguments.runs // 2))
             for program, of_program in renders.items():
                 errors = measure_errors(of_program, reference, measured[program.name].errors.is_own)
                 result = Measurement(program.name, of_program, errors)
-                points[program.name].append((spp, result.time(), result.mse))
+                points[program.name].append((spp, min(result.times()), result.mse))
         return points
 
     def scaling(self, scene, measured):
@@ -177,7 +178,7 @@ def parse_arguments():
     parser.add_argument("--mitsuba-python", help="Python with Mitsuba 3; default: this one, if it has it")
     parser.add_argument("--variants", nargs="*", default=["llvm_ad_rgb", "scalar_rgb"], help="of Mitsuba; may be empty")
     parser.add_argument("--pbrt", default=shutil.which("pbrt"), help="program of pbrt-v4")
-    parser.add_argument("--curve-scenes", nargs="*", default=CURVE_SCENES, help="scenes whose error is plotted over time")
+    parser.add_argument("--curve-scenes", nargs="*", default=CURVE_SCENES, help="for the plot of error over time")
     parser.add_argument("--curve-spp", nargs="+", type=int, default=[1, 4, 16, 64])
     parser.add_argument("--scaling-scene", default=SCALING_SCENE, help="scene for thread scaling")
     parser.add_argument("--stages-scene", default=STAGES_SCENE, help="scene for the cost of the stages")
@@ -191,6 +192,10 @@ def parse_arguments():
     if not all("=" in define for define in arguments.define):
         parser.error("-D expects NAME=VALUE")
     arguments.define = dict(define.split("=", 1) for define in arguments.define)
+    arguments.scenes = chosen_scenes(arguments)
+    for scene in arguments.scenes:
+        if not scene.file.is_file():
+            parser.error(f"no file {scene.file}; the default scenes are {names}")
     return arguments
 
 
@@ -200,7 +205,9 @@ def chosen_scenes(arguments):
     scenes = []
     for name in arguments.scenes or known:
         file = Path(name).resolve()
-        stem = file.parent.name if file.stem == "scene" else file.name.split(".")[0]
+        stem = file.name.split(".")[0]
+        if stem == "scene" or any(scene.name == stem for scene in scenes):
+            stem = f"{file.parent.name}-{stem}"
         scene = known.get(name) or Scene(stem, file)
         scenes.append(Scene(scene.name, scene.file, scene.defines | arguments.define))
     return scenes
@@ -208,7 +215,9 @@ def chosen_scenes(arguments):
 
 def main():
     arguments = parse_arguments()
-    scenes = chosen_scenes(arguments)
+    scenes = arguments.scenes
+    if arguments.markdown:
+        arguments.markdown.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         comparison = Comparison(arguments, scenes, Path(folder))
         facts = machine.describe(arguments, comparison.versions)

@@ -31,8 +31,8 @@ METHOD = """## Method
 
 All renderers read the same file and take {spp} spp with {threads}. In each of {runs} rounds, every renderer renders
 once, with a new seed. Other programs may run on the machine, so single times scatter; renderers that alternate are
-disturbed alike. Times are medians over the rounds, errors are means. Parentheses hold the smallest and the largest value
-of a round.
+disturbed alike. Times are medians over the rounds, errors are means. Parentheses hold the smallest and the largest
+value of a round.
 
 - **rendering**: wall time of the samples alone. For Mitsuba's `llvm_ad_rgb` it is that of the second image of a
   process, because the first one loads compiled kernels.
@@ -99,8 +99,8 @@ def megabytes(value):
 
 
 def measures_cells(name, m):
-    return [name, code(m.program), spread(m.times()), spread(m.times("cpu_seconds")), f"{m.time('process_seconds'):.2f}",
-            f"{m.mse:.2e}", f"{mean(m.errors.relative):.2e}",
+    return [name, code(m.program), spread(m.times()), spread(m.times("cpu_seconds")),
+            f"{m.time('process_seconds'):.2f}", f"{m.mse:.2e}", f"{mean(m.errors.relative):.2e}",
             f"{m.errors.mean_ratio:.4f} ± {m.errors.mean_uncertainty:.4f}", "own" if m.errors.is_own else "Sheaf"]
 
 
@@ -179,9 +179,9 @@ def stages_section(name, ours):
     lines.append(["outside of the stages", f"{max(0, 1 - sum(shares.values())):.0%}", ""])
     embree = mean(report["trace_share"] for report in reports)
     rays = mean(report["rays_per_second"] for report in reports) / 1e6
-    text = paragraph(f"Shares of the worker time that Sheaf spends on `{name}`, from `--stats`. Embree takes {embree:.0%}, "
-                     f"inside `intersect` and `shadow`, at {rays:.1f} million rays per second. Outside of the stages are "
-                     "the pixel filter, and the time in which workers wait for the last tiles. "
+    text = paragraph(f"Shares of the worker time that Sheaf spends on `{name}`, from `--stats`. Embree takes "
+                     f"{embree:.0%}, inside `intersect` and `shadow`, at {rays:.1f} million rays per second. Outside "
+                     "of the stages are the pixel filter, and the time in which workers wait for the last tiles. "
                      "[architecture.md](architecture.md) describes the stages.")
     return "\n".join(["## Cost of the stages\n", text, table(["stage", "share", "per item"], lines)])
 
@@ -193,8 +193,8 @@ def curves_section(arguments, curves):
     write_plot(plot, curves)
     spp = ", ".join(str(n) for n in arguments.curve_spp)
     return "\n".join(["## Error over time\n", f"![Mean squared error over time]({plot.name})\n", paragraph(
-        f"MSE over the wall time of rendering at {spp} spp, with logarithmic axes. The numbers at Sheaf's points are its "
-        "samples per pixel.")])
+        f"MSE over the wall time of rendering, of the fastest round, at {spp} spp, with logarithmic axes. The numbers "
+        "at Sheaf's points are its samples per pixel.")])
 
 
 def notes_text(comparison):
@@ -220,5 +220,4 @@ def write_page(arguments, comparison, facts, results, sections):
         notes_text(comparison),
         METHOD.format(spp=arguments.spp, threads=threads, runs=arguments.runs, reference_spp=arguments.reference_spp),
         measures_section(results), efficiency_section(results), *sections, memory_section(results)]
-    arguments.markdown.parent.mkdir(parents=True, exist_ok=True)
     arguments.markdown.write_text("\n".join(part for part in parts if part), encoding="utf-8")

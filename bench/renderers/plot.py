@@ -55,7 +55,8 @@ def grid(x, y, left):
             parts.append(text(at, bottom + 18, label(value), size=12))
     for value, is_labelled in y.ticks():
         at, color = y.at(value), "#cccccc" if is_labelled else "#eeeeee"
-        parts.append(f'<line x1="{left + LEFT}" y1="{at:.1f}" x2="{left + WIDTH - RIGHT}" y2="{at:.1f}" stroke="{color}"/>')
+        parts.append(f'<line x1="{left + LEFT}" y1="{at:.1f}" x2="{left + WIDTH - RIGHT}" y2="{at:.1f}" '
+                     f'stroke="{color}"/>')
         if is_labelled:
             parts.append(text(left + LEFT - 6, at + 4, label(value), "end", 12))
     parts.append(f'<rect x="{left + LEFT}" y="{top}" width="{WIDTH - LEFT - RIGHT}" height="{bottom - top}" '
@@ -105,8 +106,8 @@ def write_plot(path, curves):
     width = WIDTH * len(curves)
     names_below, lines = legend(names, colors, width)
     height = HEIGHT + 12 + 20 * lines
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-             'font-family="sans-serif">', "<title>Mean squared error over time of rendering</title>",
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif">',
+             "<title>Mean squared error over time of rendering</title>",
              f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
     for i, (scene, of_scene) in enumerate(curves.items()):
         parts += panel(scene, of_scene, colors, i * WIDTH)
