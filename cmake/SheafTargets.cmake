@@ -82,3 +82,18 @@ function(sheaf_embed target file name)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
   target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/embedded")
 endfunction()
+
+# sheaf_list_headers(<folder> <template>): writes <folder>/all_headers.h below the build folder. It includes every header
+# of the folder that specialises the template. New headers are found automatically.
+function(sheaf_list_headers folder template)
+  file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/${folder}/*.h")
+  set(includes "")
+  foreach(header IN LISTS headers)
+    file(STRINGS "${PROJECT_SOURCE_DIR}/${header}" specialisations REGEX "^template <> struct ${template}<")
+    if(specialisations)
+      string(APPEND includes "#include \"${header}\"\n")
+    endif()
+  endforeach()
+  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${folder}/all_headers.h"
+    CONTENT "// Written by CMake: the headers of ${folder}/ that specialise ${template}.\n#pragma once\n\n${includes}")
+endfunction()

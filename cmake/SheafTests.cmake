@@ -10,7 +10,8 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
 set(SHEAF_LONG_TESTS
-  preview cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references photon_mapping photon_media
+  smoke_generate preview cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
+  photon_mapping photon_media
   light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes
   media_estimators smoke_benchmarks
   uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking furnaces light_estimators spectral_render
@@ -109,8 +110,8 @@ function(sheaf_test_cost test)
 endfunction()
 
 # sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): runs each of the benchmarks, scripts or scenes (the examples) once
-# with the shortest settings. OPTIONS: passed to tests/smoke/smoke.py. That script finds what to run, and fails for
-# scripts and programs without a known command line.
+# with the shortest settings; `generate`, which writes the files of scenes, must be among the kinds. OPTIONS: passed to
+# tests/smoke/smoke.py. That script finds what to run, and fails for scripts and programs without a known command line.
 function(sheaf_smoke_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
   find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
@@ -125,6 +126,30 @@ function(sheaf_smoke_tests)
       ${arg_OPTIONS} --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     sheaf_test_cost(smoke_${kind})
     set_tests_properties(smoke_${kind} PROPERTIES LABELS smoke)
+  endforeach()
+  # The copy of the tree with generated files
+  set_tests_properties(smoke_generate PROPERTIES FIXTURES_SETUP generated_scenes)
+  foreach(kind IN ITEMS scenes scripts)
+    if(kind IN_LIST arg_UNPARSED_ARGUMENTS)
+      set_tests_properties(smoke_${kind} PROPERTIES FIXTURES_REQUIRED generated_scenes)
+    endif()
+  endforeach()
+endfunction()
+
+# sheaf_docs_tests(<name>...): adds a ctest entry docs_<name> for each script tests/docs/check_<name>.py, which checks
+# the documentation. Scripts that lack a program print "skipped: ".
+function(sheaf_docs_tests)
+  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
+  find_program(SHEAF_PYTHON NAMES python3)
+  if(NOT SHEAF_PYTHON)
+    message(STATUS "No python3: the documentation is not tested")
+    return()
+  endif()
+  foreach(name IN LISTS ARGN)
+    add_test(NAME docs_${name} COMMAND "${SHEAF_PYTHON}" tests/docs/check_${name}.py --sheaf "$<TARGET_FILE:sheaf>"
+      WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+    sheaf_test_cost(docs_${name})
+    set_tests_properties(docs_${name} PROPERTIES LABELS docs SKIP_REGULAR_EXPRESSION "skipped: ")
   endforeach()
 endfunction()
 

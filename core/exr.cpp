@@ -77,10 +77,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
 Imf::Slice make_slice(Imf::PixelType type, void* first, std::size_t value_bytes, const Image& image,
                       std::size_t values_per_pixel) {
   const std::size_t pixel = value_bytes * values_per_pixel, row = pixel * static_cast<std::size_t>(image.width);
-  const std::intptr_t origin = static_cast<std::intptr_t>(image.x0) * static_cast<std::intptr_t>(pixel) +
-                               static_cast<std::intptr_t>(image.y0) * static_cast<std::intptr_t>(row);
-  const auto base = reinterpret_cast<std::uintptr_t>(first) - static_cast<std::uintptr_t>(origin);
-  return Imf::Slice(type, reinterpret_cast<char*>(base), pixel, row);
+  return Imf::Slice::Make(type, first, Imath::V2i(image.x0, image.y0), image.width, image.height, pixel, row);
 }
 
 void check_image(const Image& image) {

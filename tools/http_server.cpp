@@ -66,13 +66,15 @@ MHD_Result send_response(MHD_Connection* connection, HttpResponse response) {
       bytes.size(), const_cast<char*>(bytes.data()), release_body, owner.get());
   if (made == nullptr) return MHD_NO;
   owner.release();
-  MHD_add_response_header(made, "Content-Type", response.type.c_str());
-  for (const auto& [name, value] : kHeaders) MHD_add_response_header(made, name, value);
-  if (response.status == 405) {
-    MHD_add_response_header(made, "Allow", "GET");
-    MHD_add_response_header(made, "Connection", "close");  // the rest of the request is not read
-  }
-  const MHD_Result queued = MHD_queue_response(connection, static_cast<unsigned>(response.status), made);
+  const auto add = [made](const char* name, const char* value) {
+    return MHD_add_response_header(made, name, value) == MHD_YES;
+  };
+  bool complete = add("Content-Type", response.type.c_str());
+  for (const auto& [name, value] : kHeaders) complete = add(name, value) && complete;
+  // The server does not read the rest of such a request
+  if (response.status == 405) complete = add("Allow", "GET") && add("Connection", "close") && complete;
+  const auto status = static_cast<unsigned>(response.status);
+  const MHD_Result queued = complete ? MHD_queue_response(connection, status, made) : MHD_NO;
   MHD_destroy_response(made);
   return queued;
 }

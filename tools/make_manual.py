@@ -29,6 +29,7 @@ class Entry:
     limits: str = ""  # e.g. ":{rgb,spectral}"
     count: str = ""
     repeats: bool = False
+    required: bool = False
     text: str = ""
 
     def choices(self):
@@ -53,7 +54,7 @@ def make_entry(spec):
     if not match:
         raise SystemExit(f"make_manual: cannot parse '{spec}'")
     return Entry(match["names"].split(","), match["value"] or "", match["limits"] or "", match["count"] or "",
-                 "..." in match["rest"])
+                 "..." in match["rest"], "REQUIRED" in match["rest"])
 
 
 def read_help(sheaf, command):
@@ -86,6 +87,15 @@ def read_help(sheaf, command):
             if not each.text:
                 raise SystemExit(f"make_manual: '{each.names[0]}' of '{' '.join(words)}' has no description")
     return page
+
+
+def read_all_help(sheaf):
+    """Returns the help of the program, and that of each subcommand by its name."""
+    program = read_help(sheaf, "")
+    commands = [entry.names[0] for entry in program.sections.get("Subcommands", [])]
+    if not commands:
+        raise SystemExit("make_manual: the help lists no subcommands")
+    return program, {command: read_help(sheaf, command) for command in commands}
 
 
 def roff(text):
@@ -167,15 +177,11 @@ def main():
     arguments = parser.parse_args()
     version = subprocess.run([arguments.sheaf, "--version"], check=True, capture_output=True, text=True).stdout
     version = " ".join(version.split()[:2])
-    program = read_help(arguments.sheaf, "")
-    commands = [entry.names[0] for entry in program.sections.get("Subcommands", [])]
-    if not commands:
-        raise SystemExit("make_manual: the help lists no subcommands")
-    pages = {command: read_help(arguments.sheaf, command) for command in commands}
+    program, pages = read_all_help(arguments.sheaf)
     arguments.output.mkdir(parents=True, exist_ok=True)
     for command, page in {"": program, **pages}.items():
         name = f"sheaf-{command}.1" if command else "sheaf.1"
-        (arguments.output / name).write_text(manual_page(version, command, page, commands))
+        (arguments.output / name).write_text(manual_page(version, command, page, pages))
     (arguments.output / "sheaf.bash").write_text(completion(program, pages))
 
 

@@ -97,10 +97,9 @@ struct LayerArguments {
   bool full_floats = false;
 
   void add_to(Command& command) {
-    std::string names;
-    for (const AovEntry& entry : kAovList) names += std::string(entry.name) + ", ";
-    command.add_option("--aov", aovs,
-                       "Additional .exr layers, separated by commas: " + names + "or all; see docs/layers.md");
+    command.add_option(
+        "--aov", aovs,
+        "Additional .exr layers, separated by commas, or all; see docs/layers.md:\n" + aov_descriptions());
     command.add_flag(
         "--light-groups", light_groups,
         "Write the contribution of each light to its own layer, light_<id of the light>; see docs/layers.md");

@@ -6,7 +6,8 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium clang-format
+tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium clang-format mkdocs \
+  mkdocs-material python3-pygments
 # For the test of `sheaf farm` on a local cluster; without these packages it is skipped.
 tools/slurm.sh install
 for preset in asan release; do

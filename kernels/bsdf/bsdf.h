@@ -17,6 +17,8 @@
 // in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
 // BSDFs would contain a copy.
 //
+// A specialisation of BsdfOf below the template makes it the BSDF of its closure.
+//
 // Closure::kInfo says which BSDFs are thin dielectrics. A thin dielectric also has
 //   passage(cos)       transmittance straight through, for light at this cosine to the normal
 //
@@ -28,6 +30,12 @@
 #include "scene/materials/model.h"
 
 namespace sheaf {
+
+/// Names a BSDF template as a value.
+template <template <class> class Bsdf> struct BsdfTag { template <class L> using Type = Bsdf<L>; };
+
+/// The BsdfTag of a closure's BSDF or phase function. Each specialises it beside its definition.
+template <class Closure> struct BsdfOf;
 
 /// Whether a BSDF has kDisperses.
 template <class Bsdf> inline constexpr bool kDisperses = requires { Bsdf::kDisperses; };

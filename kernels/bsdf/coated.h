@@ -76,4 +76,6 @@ template <class L> struct CoatedBsdf : CoatedParameters<L> {
   }
 };
 
+template <> struct BsdfOf<CoatedClosure> : BsdfTag<CoatedBsdf> {};
+
 }  // namespace sheaf

@@ -25,4 +25,6 @@ template <class L> struct ConductorBsdf : ConductorParameters<L> {
   }
 };
 
+template <> struct BsdfOf<ConductorClosure> : BsdfTag<ConductorBsdf> {};
+
 }  // namespace sheaf

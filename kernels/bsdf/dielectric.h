@@ -31,4 +31,6 @@ template <class L> struct DielectricBsdf : DielectricParameters<L> {
   }
 };
 
+template <> struct BsdfOf<DielectricClosure> : BsdfTag<DielectricBsdf> {};
+
 }  // namespace sheaf

@@ -28,4 +28,6 @@ template <class L> struct DiffuseBsdf : DiffuseParameters<L> {
   }
 };
 
+template <> struct BsdfOf<DiffuseClosure> : BsdfTag<DiffuseBsdf> {};
+
 }  // namespace sheaf

@@ -32,4 +32,6 @@ template <class L> struct DiffuseTransmitterBsdf : DiffuseTransmitterParameters<
   static SHEAF_INLINE Float<L> side(Vec3<L> wo) { return copysign(Float<L>(1.0f), wo.z); }
 };
 
+template <> struct BsdfOf<DiffuseTransmitterClosure> : BsdfTag<DiffuseTransmitterBsdf> {};
+
 }  // namespace sheaf

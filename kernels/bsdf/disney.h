@@ -93,4 +93,6 @@ template <class L> struct DisneyBsdf : DisneyParameters<L> {
   }
 };
 
+template <> struct BsdfOf<DisneyClosure> : BsdfTag<DisneyBsdf> {};
+
 }  // namespace sheaf

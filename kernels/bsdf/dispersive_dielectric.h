@@ -101,4 +101,7 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
   }
 };
 
+template <> struct BsdfOf<DispersiveDielectricClosure> : BsdfTag<DispersiveDielectricBsdf> {};
+template <> struct BsdfOf<DispersiveThinDielectricClosure> : BsdfTag<DispersiveThinDielectricBsdf> {};
+
 }  // namespace sheaf

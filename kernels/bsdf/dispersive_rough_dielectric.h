@@ -90,4 +90,7 @@ template <class L> struct DispersiveRoughDielectricGgxBsdf : DispersiveRoughDiel
   using Closure = DispersiveRoughDielectricGgxClosure;
 };
 
+template <> struct BsdfOf<DispersiveRoughDielectricBeckmannClosure> : BsdfTag<DispersiveRoughDielectricBeckmannBsdf> {};
+template <> struct BsdfOf<DispersiveRoughDielectricGgxClosure> : BsdfTag<DispersiveRoughDielectricGgxBsdf> {};
+
 }  // namespace sheaf

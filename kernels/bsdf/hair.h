@@ -218,4 +218,6 @@ template <class L> struct HairBsdf : HairParameters<L> {
   static constexpr float kMinRoughness = 0.01f;
 };
 
+template <> struct BsdfOf<HairClosure> : BsdfTag<HairBsdf> {};
+
 }  // namespace sheaf

@@ -86,4 +86,6 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
   }
 };
 
+template <> struct BsdfOf<HanrahanKruegerClosure> : BsdfTag<HanrahanKruegerBsdf> {};
+
 }  // namespace sheaf

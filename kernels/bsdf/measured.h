@@ -211,4 +211,7 @@ template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
   }
 };
 
+template <> struct BsdfOf<MeasuredClosure> : BsdfTag<MeasuredBsdf> {};
+template <> struct BsdfOf<MeasuredSpectralClosure> : BsdfTag<MeasuredSpectralBsdf> {};
+
 }  // namespace sheaf

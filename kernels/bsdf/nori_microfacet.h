@@ -52,4 +52,6 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
   }
 };
 
+template <> struct BsdfOf<NoriMicrofacetClosure> : BsdfTag<NoriMicrofacetBsdf> {};
+
 }  // namespace sheaf

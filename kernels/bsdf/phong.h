@@ -41,4 +41,6 @@ template <class L> struct PhongBsdf : PhongParameters<L> {
   SHEAF_INLINE Float<L> probability() const { return lobe_probability<L>(this->specular, this->diffuse); }
 };
 
+template <> struct BsdfOf<PhongClosure> : BsdfTag<PhongBsdf> {};
+
 }  // namespace sheaf

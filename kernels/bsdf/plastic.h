@@ -73,4 +73,6 @@ template <class L> struct PlasticBsdf : PlasticParameters<L> {
   }
 };
 
+template <> struct BsdfOf<PlasticClosure> : BsdfTag<PlasticBsdf> {};
+
 }  // namespace sheaf

@@ -168,4 +168,6 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
   }
 };
 
+template <> struct BsdfOf<PrincipledClosure> : BsdfTag<PrincipledBsdf> {};
+
 }  // namespace sheaf

@@ -112,4 +112,6 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
   }
 };
 
+template <> struct BsdfOf<PrincipledThinClosure> : BsdfTag<PrincipledThinBsdf> {};
+
 }  // namespace sheaf

@@ -44,4 +44,7 @@ template <class L> struct RoughCoatedGgxBsdf : RoughCoatedModel<L, GgxDistributi
   using Closure = RoughCoatedGgxClosure;
 };
 
+template <> struct BsdfOf<RoughCoatedBeckmannClosure> : BsdfTag<RoughCoatedBeckmannBsdf> {};
+template <> struct BsdfOf<RoughCoatedGgxClosure> : BsdfTag<RoughCoatedGgxBsdf> {};
+
 }  // namespace sheaf

@@ -41,4 +41,7 @@ template <class L> struct RoughConductorGgxBsdf : RoughConductorModel<L, GgxDist
   using Closure = RoughConductorGgxClosure;
 };
 
+template <> struct BsdfOf<RoughConductorBeckmannClosure> : BsdfTag<RoughConductorBeckmannBsdf> {};
+template <> struct BsdfOf<RoughConductorGgxClosure> : BsdfTag<RoughConductorGgxBsdf> {};
+
 }  // namespace sheaf

@@ -102,4 +102,7 @@ template <class L> struct RoughDielectricGgxBsdf : RoughDielectricModel<L, GgxDi
   using Closure = RoughDielectricGgxClosure;
 };
 
+template <> struct BsdfOf<RoughDielectricBeckmannClosure> : BsdfTag<RoughDielectricBeckmannBsdf> {};
+template <> struct BsdfOf<RoughDielectricGgxClosure> : BsdfTag<RoughDielectricGgxBsdf> {};
+
 }  // namespace sheaf

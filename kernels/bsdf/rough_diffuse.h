@@ -69,4 +69,6 @@ template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
   }
 };
 
+template <> struct BsdfOf<RoughDiffuseClosure> : BsdfTag<RoughDiffuseBsdf> {};
+
 }  // namespace sheaf

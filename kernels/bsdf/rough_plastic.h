@@ -71,4 +71,7 @@ template <class L> struct RoughPlasticGgxBsdf : RoughPlasticModel<L, GgxDistribu
   using Closure = RoughPlasticGgxClosure;
 };
 
+template <> struct BsdfOf<RoughPlasticBeckmannClosure> : BsdfTag<RoughPlasticBeckmannBsdf> {};
+template <> struct BsdfOf<RoughPlasticGgxClosure> : BsdfTag<RoughPlasticGgxBsdf> {};
+
 }  // namespace sheaf

@@ -36,4 +36,6 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
   }
 };
 
+template <> struct BsdfOf<ThinDielectricClosure> : BsdfTag<ThinDielectricBsdf> {};
+
 }  // namespace sheaf

@@ -51,4 +51,6 @@ template <class L> struct WardBsdf : WardParameters<L> {
   SHEAF_INLINE Float<L> probability() const { return lobe_probability<L>(this->specular, this->diffuse); }
 };
 
+template <> struct BsdfOf<WardClosure> : BsdfTag<WardBsdf> {};
+
 }  // namespace sheaf

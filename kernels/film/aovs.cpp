@@ -50,6 +50,17 @@ std::string layer_name(std::string name) {
 
 }  // namespace
 
+std::string aov_descriptions() {
+  std::string text;
+  for (const AovEntry& entry : kAovList) {
+    text += (text.empty() ? "" : ";\n") + std::string(entry.name) + ": " + std::string(entry.description) + " (";
+    for (const std::string_view channel : entry.channels)
+      if (!channel.empty()) text += (text.back() == '(' ? "" : " ") + std::string(channel);
+    text += entry.type == PixelType::kHalf ? ", 16 bits)" : ", 32 bits)";
+  }
+  return text;
+}
+
 std::vector<std::string> light_group_layers(const std::vector<std::string>& light_groups) {
   std::vector<std::string> layers;
   std::set<std::string> taken;

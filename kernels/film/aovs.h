@@ -1,5 +1,5 @@
-// AOVs (arbitrary output variables) and their only list. The command-line option, the film layout, the channels of
-// samples and the types in files derive from it; a test compares it with the table in docs/layers.md.
+// AOVs (arbitrary output variables) and their only list. The command-line option with its help text, the film layout,
+// the channels of samples and the types in files derive from it.
 #pragma once
 
 #include "kernels/film/film_layout.h"
@@ -95,6 +95,9 @@ class AovSet {
 
 /// Parses a comma-separated list of names; "all" adds all AOVs. Throws Error (usage) for an unknown name.
 AovSet aovs_from_names(std::string_view names);
+
+/// A list of all AOVs for help texts, a line each: name, contents and channels.
+std::string aov_descriptions();
 
 /// Unique layer names for light groups: "light_" + the group's name, with "_" for dots and control characters, at most
 /// 200 bytes of the name. Duplicates get the suffix "_2", "_3" and so on. Names that are valid already keep their name.

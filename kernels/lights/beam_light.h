@@ -27,4 +27,6 @@ struct BeamLight {
   }
 };
 
+template <> struct LightOf<BeamLightKind> { using Type = BeamLight; };
+
 }  // namespace sheaf

@@ -36,4 +36,6 @@ struct ConstantLight {
   }
 };
 
+template <> struct LightOf<ConstantLightKind> { using Type = ConstantLight; };
+
 }  // namespace sheaf

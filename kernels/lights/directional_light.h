@@ -30,4 +30,6 @@ struct DirectionalLight {
   }
 };
 
+template <> struct LightOf<DirectionalLightKind> { using Type = DirectionalLight; };
+
 }  // namespace sheaf

@@ -58,4 +58,6 @@ struct EnvmapLight {
   }
 };
 
+template <> struct LightOf<EnvmapLightKind> { using Type = EnvmapLight; };
+
 }  // namespace sheaf

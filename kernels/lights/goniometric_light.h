@@ -43,4 +43,6 @@ struct GoniometricLight {
   }
 };
 
+template <> struct LightOf<GoniometricLightKind> { using Type = GoniometricLight; };
+
 }  // namespace sheaf

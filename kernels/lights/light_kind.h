@@ -1,4 +1,4 @@
-// The interface of a light kind, and its argument and result types. kernels/lights/list.h lists the kinds.
+// The interface of a light kind, and its argument and result types.
 //
 // A kind is a struct of static functions that are generic in the lane policy. It names its scene half (Kind, one of
 // scene/lights/list.h) and how a path may hit it without light sampling (LightHitKind). It defines
@@ -9,6 +9,8 @@
 //     kSurface  pdf_solid_angle: the pdf with which sample() returns a point that a ray has hit,
 //     kEscape   arriving: the radiance from a direction, and that pdf,
 //     kMedium   pdf_volume: that pdf at a point.
+// A specialisation of LightOf below the struct makes it the kernel of its scene half.
+//
 // The lanes of a register may hold lights of several kinds. A kind may compute anything in the lanes of other kinds,
 // since those results are discarded, but it must not read rows that do not exist.
 #pragma once
@@ -30,6 +32,9 @@ enum class LightHitKind {
   kEscape,   ///< by leaving the scene
   kMedium,   ///< by passing through a medium
 };
+
+/// `Type` is the kernel of a kind of scene/lights/list.h. Each kernel specialises it beside its definition.
+template <class Kind> struct LightOf;
 
 /// Loads the rows lights[light], one per lane.
 template <class L> SHEAF_INLINE LightRecord<L> load_lights(const SceneView& scene, typename L::Uint light) {

@@ -1,48 +1,29 @@
-// The list of the kernels of all kinds of lights, in the order of scene/lights/list.h. Light sampling, its pdfs and
-// photon emission are generated from it.
+// The kernels of all kinds of lights: LightOf of each kind in scene/lights/list.h. CMake collects their headers. Light
+// sampling, its pdfs and photon emission are generated from this list.
 #pragma once
 
-#include "kernels/lights/beam_light.h"
-#include "kernels/lights/constant_light.h"
-#include "kernels/lights/directional_light.h"
-#include "kernels/lights/envmap_light.h"
-#include "kernels/lights/goniometric_light.h"
-#include "kernels/lights/mesh_light.h"
-#include "kernels/lights/point_light.h"
-#include "kernels/lights/projector_light.h"
-#include "kernels/lights/quadric_light.h"
-#include "kernels/lights/sphere_light.h"
-#include "kernels/lights/spot_light.h"
-#include "kernels/lights/sun_light.h"
-#include "kernels/lights/volume_light.h"
+#include "kernels/lights/all_headers.h"
+#include "kernels/lights/light_kind.h"
 #include "scene/lights/list.h"
-
-#include <type_traits>
 
 namespace sheaf {
 
-/// A list of light kinds, as types.
-template <LightModel... Models> struct LightList {
-  using SceneKinds = LightKindList<typename Models::Kind...>;
-  /// Calls f(kind) for each kind, with a value of its type.
-  template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(Models{}), ...); }
+namespace light_detail {
+
+/// Whether a kind has a valid kernel.
+template <class Kind>
+concept Implemented =
+    LightModel<typename LightOf<Kind>::Type> && std::same_as<typename LightOf<Kind>::Type::Kind, Kind>;
+
+template <class List> struct LightList;
+template <Implemented... Kinds> struct LightList<LightKindList<Kinds...>> {
+  /// Calls f(kernel) for each kind, with a value of the kernel's type.
+  template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(typename LightOf<Kinds>::Type{}), ...); }
 };
 
-/// All light kinds. Scenes whose lights are all of the first kind are the most common.
-using Lights = LightList<MeshLight,                       //
-                         SphereLight,                     //
-                         QuadricLight,                    //
-                         PointLight,                      //
-                         SpotLight<LinearSpotLightKind>,  //
-                         SpotLight<SmoothSpotLightKind>,  //
-                         GoniometricLight,                //
-                         ProjectorLight,                  //
-                         BeamLight,                       //
-                         DirectionalLight,                //
-                         SunLight,                        //
-                         ConstantLight,                   //
-                         EnvmapLight,                     //
-                         VolumeLight>;
-static_assert(std::is_same_v<Lights::SceneKinds, LightKinds>, "the list must match that of scene/lights/list.h");
+}  // namespace light_detail
+
+/// All light kinds.
+using Lights = light_detail::LightList<LightKinds>;
 
 }  // namespace sheaf

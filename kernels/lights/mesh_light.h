@@ -58,4 +58,6 @@ struct MeshLight {
   }
 };
 
+template <> struct LightOf<MeshLightKind> { using Type = MeshLight; };
+
 }  // namespace sheaf

@@ -55,4 +55,6 @@ struct PointLight {
   }
 };
 
+template <> struct LightOf<PointLightKind> { using Type = PointLight; };
+
 }  // namespace sheaf

@@ -52,4 +52,6 @@ struct ProjectorLight {
   }
 };
 
+template <> struct LightOf<ProjectorLightKind> { using Type = ProjectorLight; };
+
 }  // namespace sheaf

@@ -77,4 +77,6 @@ struct QuadricLight {
   }
 };
 
+template <> struct LightOf<QuadricLightKind> { using Type = QuadricLight; };
+
 }  // namespace sheaf

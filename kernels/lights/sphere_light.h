@@ -69,4 +69,6 @@ struct SphereLight {
   }
 };
 
+template <> struct LightOf<SphereLightKind> { using Type = SphereLight; };
+
 }  // namespace sheaf

@@ -102,4 +102,7 @@ template <class SpotKind> struct SpotLight {
   }
 };
 
+template <> struct LightOf<LinearSpotLightKind> { using Type = SpotLight<LinearSpotLightKind>; };
+template <> struct LightOf<SmoothSpotLightKind> { using Type = SpotLight<SmoothSpotLightKind>; };
+
 }  // namespace sheaf

@@ -51,4 +51,6 @@ struct SunLight {
   }
 };
 
+template <> struct LightOf<SunLightKind> { using Type = SunLight; };
+
 }  // namespace sheaf

@@ -136,4 +136,6 @@ struct VolumeLight {
   }
 };
 
+template <> struct LightOf<VolumeLightKind> { using Type = VolumeLight; };
+
 }  // namespace sheaf

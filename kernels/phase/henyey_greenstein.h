@@ -48,4 +48,6 @@ template <class L> struct HenyeyGreensteinBsdf : HenyeyGreensteinParameters<L> {
   }
 };
 
+template <> struct BsdfOf<HenyeyGreensteinClosure> : BsdfTag<HenyeyGreensteinBsdf> {};
+
 }  // namespace sheaf

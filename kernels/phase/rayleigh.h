@@ -43,4 +43,6 @@ template <class L> struct RayleighBsdf : RayleighParameters<L> {
   }
 };
 
+template <> struct BsdfOf<RayleighClosure> : BsdfTag<RayleighBsdf> {};
+
 }  // namespace sheaf

@@ -74,4 +74,6 @@ template <class L> SHEAF_INLINE SggxParameters<L> sggx_parameters(const Float<L>
   return p;
 }
 
+template <> struct BsdfOf<SggxClosure> : BsdfTag<SggxBsdf> {};
+
 }  // namespace sheaf

@@ -57,4 +57,6 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
   }
 };
 
+template <> struct BsdfOf<TabulatedPhaseClosure> : BsdfTag<TabulatedPhaseBsdf> {};
+
 }  // namespace sheaf

@@ -218,10 +218,12 @@ template <class L = Wide> consteval Stage stage_named(std::string_view name) {
 #endif
 
 /// Instantiates a stage for that lane policy.
+// NOLINTBEGIN(bugprone-macro-parentheses): a name cannot stand in parentheses
 #define SHEAF_INSTANTIATE_STAGE(stage) template void stage<SHEAF_STAGE_LANE>(const StageContext&, Wave&) noexcept
 /// The same for stages that take the index of a candidate.
 #define SHEAF_INSTANTIATE_CANDIDATE_STAGE(stage) \
   template void stage<SHEAF_STAGE_LANE>(const StageContext&, Wave&, int) noexcept
+// NOLINTEND(bugprone-macro-parentheses)
 
 /// Whether a stage takes part in the context's pass.
 inline bool takes_part(const StageContext& context, StageUse use) {

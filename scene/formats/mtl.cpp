@@ -258,7 +258,7 @@ class MtlReader {
   std::filesystem::path find_image(std::string_view name) const {
     std::string portable(name);
     std::replace(portable.begin(), portable.end(), '\\', '/');
-    const std::filesystem::path file = folder_ / portable;
+    std::filesystem::path file = folder_ / portable;
     std::error_code failure;
     if (std::filesystem::exists(file, failure)) return file;
     const std::filesystem::path beside = folder_ / std::filesystem::path(portable).filename();

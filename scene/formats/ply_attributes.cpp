@@ -79,18 +79,20 @@ class AttributeFinder {
 
   void add(PlyAttribute attribute) {
     const std::size_t channels = attribute.properties.size();
-    const std::size_t warnings = warnings_.size();
     if (channels != 1 && channels != 3) {
-      warnings_.push_back("attribute '" + attribute.name + "' has " + std::to_string(channels) +
-                          " channels, expected 1 or 3: left out");
+      leave_out(attribute, "has " + std::to_string(channels) + " channels, expected 1 or 3");
     } else if (std::any_of(attributes_.begin(), attributes_.end(),
                            [&](const PlyAttribute& other) { return other.name == attribute.name; })) {
-      warnings_.push_back("attribute '" + attribute.name + "' appears twice: the second is left out");
+      leave_out(attribute, "appears twice");
     } else {
       attributes_.push_back(std::move(attribute));
     }
-    if (warnings_.size() > warnings)
-      left_out_.insert(left_out_.end(), attribute.properties.begin(), attribute.properties.end());
+  }
+
+  /// Warns that the attribute is not read.
+  void leave_out(const PlyAttribute& attribute, const std::string& reason) {
+    warnings_.push_back("attribute '" + attribute.name + "' " + reason + ": left out");
+    left_out_.insert(left_out_.end(), attribute.properties.begin(), attribute.properties.end());
   }
 
   const PlyElement& element_;

@@ -114,7 +114,8 @@ void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapImage
     const double column = std::floor(across), row = std::min(std::floor(down), image.height - 2.0);
     // Distribute its power bilinearly over the four nodes
     for (int k = 0; k < 4; ++k) {
-      const double x = column + k % 2, y = row + k / 2;
+      const int right = k % 2, below = k / 2;
+      const double x = column + right, y = row + below;
       const double weight = (1 - std::fabs(across - x)) * (1 - std::fabs(down - y));
       const auto j = static_cast<std::uint32_t>(y);
       const auto i = static_cast<std::uint32_t>(x + image.width) % image.width;

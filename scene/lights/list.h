@@ -1,6 +1,5 @@
 // The list of all kinds of lights. From it derive LightKind, LightDescription::model, the names in files with their
-// readers, and the table of functions for the scene compiler. kernels/lights/list.h lists their kernels in the same
-// order.
+// readers, the table of functions for the scene compiler, and the list of kernels in kernels/lights/list.h.
 #pragma once
 
 #include "scene/lights/beam_light.h"

@@ -19,7 +19,8 @@ float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
   float largest = 0;
   constexpr int kPoints = 64;
   for (int i = 0; i < kPoints; ++i) {
-    const float u = (static_cast<float>(i % 8) + 0.5f) / 8, v = (static_cast<float>(i / 8) + 0.5f) / 8;
+    const int column = i % 8, row = i / 8;
+    const float u = (static_cast<float>(column) + 0.5f) / 8, v = (static_cast<float>(row) + 0.5f) / 8;
     Vec3f x = square_to_sphere<Scalar>(u, v);
     if (own.kind == ShapeKind::kCylinder) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), u};
     if (own.kind == ShapeKind::kDisk) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), 0};

@@ -151,7 +151,7 @@ float ClosureTables::phase(std::span<const float> values) {
   std::vector<float> table = {bits(TableTag::kPhase), static_cast<float>(n)};
   for (const float value : values) table.push_back(static_cast<float>(double(value) / integrals.back()));
   for (const double integral : integrals) table.push_back(static_cast<float>(integral / integrals.back()));
-  return add(std::move(table));
+  return add(table);
 }
 
 float ClosureTables::add(const std::vector<float>& table) {

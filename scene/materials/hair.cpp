@@ -25,7 +25,7 @@ HairDescription HairDescription::read(Properties& p, const BsdfDialect&) {
     Melanin melanin;
     melanin.eumelanin = p.scalar_input("eumelanin", melanin.eumelanin, kNotNegative);
     melanin.pheomelanin = p.scalar_input("pheomelanin", melanin.pheomelanin, kNotNegative);
-    result.color = std::move(melanin);
+    result.color = melanin;
   }
   const float scale = p.number("scale", 1, kNotNegative);
   if (auto* absorption = std::get_if<Absorption>(&result.color)) absorption->scale = scale;

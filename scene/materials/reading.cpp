@@ -136,7 +136,7 @@ std::string list_of(const std::vector<std::string>& names) {
 }
 
 std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std::size_t high, const char* expected) {
-  const std::vector<const XmlElement*> found = p.objects("bsdf");
+  std::vector<const XmlElement*> found = p.objects("bsdf");
   if (found.size() < low || found.size() > high)
     p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
   return found;

@@ -1,5 +1,5 @@
 // The list of all kinds of textures. From it derive TextureKind, TextureDescription::model, the names in files with
-// their readers, and the rows. scene/textures/lookups/list.h lists their lookups in the same order.
+// their readers, the rows, and the list of lookups in scene/textures/lookups/list.h.
 #pragma once
 
 #include "scene/textures/bitmap.h"

@@ -73,7 +73,7 @@ struct ReadContext {
   std::map<const XmlElement*, MediumId> media = {};          ///< already read
   /// shape groups already read: index into Description::groups
   std::map<const XmlElement*, std::uint32_t> groups = {};
-  bool mirrors_nori_camera = true;                      ///< convention of ETH's course; see docs/scene-format.md
+  bool mirrors_nori_camera = true;                      ///< convention of ETH's course; see docs/scene-format/nori.md
   bool frames_scene = false;                            ///< an automatic camera must be placed
   bool in_group = false;                                ///< shapes of a group are being read
   std::set<const XmlElement*> left_out = {};            ///< elements that are ignored

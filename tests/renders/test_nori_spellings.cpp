@@ -1,4 +1,4 @@
-// Every spelling of the course dialects that docs/scene-format.md lists. Equivalent spellings give the same image,
+// Every spelling of the course dialects that docs/scene-format/nori.md lists. Equivalent spellings give the same image,
 // which differs from that of the defaults.
 #include "core/exr.h"
 #include "core/image.h"

@@ -2,11 +2,12 @@
 """Runs every example scene, every script and program of tools/ and bench/, and every benchmark once, with the shortest
 settings. Needs only Python and a build.
 
-  tests/smoke/smoke.py scenes|scripts|benchmarks --build build/release --programs NAME...
+  tests/smoke/smoke.py generate|scenes|scripts|benchmarks --build build/release --programs NAME...
 
 Scenes, scripts and benchmarks are found automatically. Scripts and programs need their shortest arguments in SCRIPTS
-and PROGRAMS below, or a reason in EXEMPT. Scenes and scripts run in a copy of the tree, so that nothing is written into
-the original. Benchmarks read their scenes from the original tree, where missing meshes are generated.
+and PROGRAMS below, or a reason in EXEMPT. `generate` copies the tree to BUILD/smoke and runs the scripts that generate
+files of scenes there. `scenes` and `scripts` run in copies of that copy. Benchmarks read their scenes from the original
+tree, where missing meshes are generated.
 Exit status: 0 all passed, 1 something failed; the output of each failure is printed.
 """
 
@@ -92,6 +93,7 @@ PROGRAMS = {
 EXEMPT = {
     "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
     "tools/debian_root.sh": "functions, which other scripts use",
+    "tools/make_site.sh": "needs root; the test docs_links builds the site",
     "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests the package",
     "tools/install_packages.sh": "needs root; .ci/run runs it through tools/quickstart.sh and tools/test.sh",
     "tools/quickstart.sh": "builds; .ci/run runs it",
@@ -140,20 +142,27 @@ def copy_tree(folder):
     shutil.copy(ROOT / "docs/gallery.md", folder / "docs")
 
 
-def make_scenes(arguments, folder, failures):
-    """Runs the scripts of MAKERS whose packages are installed. Returns the other scripts."""
-    skipped = set()
+def check_generated(arguments, _, failures):
+    """Runs the scripts of MAKERS whose packages are installed, in a new copy of the tree."""
+    folder = arguments.build / "smoke"
+    shutil.rmtree(folder, ignore_errors=True)
+    copy_tree(folder)
+    check_origins(arguments, folder, failures)
     for script, options in MAKERS.items():
         missing = list(missing_packages(folder / script))
         if missing and not any("doesn't know" in m for m in missing):
             print(f"skipped  {script}: needs {', '.join(missing)}", flush=True)
-            skipped.add(script)
             continue
         options = [option.format(build=arguments.build) for option in options]
         good, output = run([sys.executable, folder / script, *options], folder)
         if not good:
             failures.add(script, output)
-    return skipped
+    check_differences(folder, failures)
+
+
+def skipped_makers(folder):
+    """Scripts of MAKERS whose packages are missing."""
+    return {script for script in MAKERS if any(missing_packages(folder / script))}
 
 
 def check_origins(arguments, folder, failures):
@@ -170,8 +179,7 @@ def check_origins(arguments, folder, failures):
 
 def check_scenes(arguments, folder, failures):
     """Renders a few pixels in the middle of every scene with few photons, in both or alternating colour modes."""
-    check_origins(arguments, folder, failures)
-    skipped = make_scenes(arguments, folder, failures)
+    skipped = skipped_makers(folder)
     sheaf, image, stats = arguments.build / "sheaf", folder / "image.exr", folder / "stats.json"
     scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)
                     if "generated" not in f.parts)
@@ -248,8 +256,6 @@ def check_scripts(arguments, folder, failures):
         if not good:
             failures.add(name, output)
 
-    make_scenes(arguments, folder, failures)
-    check_differences(folder, failures)
     out = folder / "out"
     out.mkdir()
     for script, options in SCRIPTS.items():
@@ -299,7 +305,7 @@ def check_benchmarks(arguments, folder, failures):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    kinds = {"scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
+    kinds = {"generate": check_generated, "scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("--build", type=lambda p: Path(p).resolve(), default=ROOT / "build/release")
     parser.add_argument("--one-color", action="store_true",
@@ -308,7 +314,8 @@ def main():
     arguments = parser.parse_args()
     failures = Failures()
     with tempfile.TemporaryDirectory() as folder:
-        copy_tree(Path(folder))
+        if arguments.kind in ("scenes", "scripts"):
+            shutil.copytree(arguments.build / "smoke", folder, dirs_exist_ok=True)
         kinds[arguments.kind](arguments, Path(folder), failures)
     sys.exit(1 if failures.count else 0)
 

@@ -96,8 +96,8 @@ inline MeasuredBrdf TabulatedFacets::tabulate() const {
       std::vector<float> values(channels * size), luminance(size);
       for (std::size_t i = 0; i < size; ++i) {
         const double last = double(sample_side - 1);
-        const auto at = warp.sample(static_cast<float>(double(i % sample_side) / last),
-                                    static_cast<float>(double(i / sample_side) / last));
+        const std::size_t column = i % sample_side, row = i / sample_side;
+        const auto at = warp.sample(static_cast<float>(double(column) / last), static_cast<float>(double(row) / last));
         const Vec3f m = direction_at(double(at.x * at.x) * kPi / 2, (2 * double(at.y) - 1) * kPi);
         const Vec3f wi = m * (2 * dot(wo, m)) - wo;
         const double scale = jacobian ? 1 : ndf(m) / (4 * sigma(wo));

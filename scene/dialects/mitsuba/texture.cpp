@@ -41,7 +41,7 @@ SpectrumInput read_scaled(Properties& p) {
   const float by = p.number("scale", 1, kNotNegative);
   const XmlElement* nested = p.any_texture_or_color();
   if (nested == nullptr) p.fail("needs a nested <texture>");
-  const SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
+  SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
   p.reject_unused();
   p.context().textures.emplace(&p.element(), result);
   return result;

@@ -14,7 +14,6 @@
 #include "scene/dialects/common/read_geometry.h"
 #include "scene/dialects/common/read_photon_mapping.h"
 #include "scene/dialects/nori/read_nori.h"
-#include "scene/materials/reading.h"
 #include "scene/tables/filter.h"
 
 namespace sheaf {
@@ -86,7 +85,7 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   CameraDescription& camera = context.description.camera;
   FilmSettings& film = context.description.film;
   camera.where = element.where;
-  // Nori's camera space has +x to the right in ETH's version, to the left upstream; see docs/scene-format.md.
+  // Nori's camera space has +x to the right in ETH's version, to the left upstream; see docs/scene-format/nori.md.
   camera.to_world = p.transform("toWorld");
   if (context.mirrors_nori_camera) camera.to_world = camera.to_world * Transform::scale({-1, 1, 1});
   if (p.type() == "orthographic") {

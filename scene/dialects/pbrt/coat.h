@@ -16,6 +16,7 @@ class LayeredBase {
   /// Returns the albedo for a base of albedo `base`, clamped to [0, 1].
   float albedo(float base) const;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): a false positive of clang-tidy 14
   friend auto operator<=>(const LayeredBase&, const LayeredBase&) = default;
 
  private:

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxSaved = 10'000;
 std::string take_type(Entity& entity, const std::string& directive) {
   for (const Parameter& parameter : entity.parameters)
     if (parameter.name == "type" && parameter.type == "string" && parameter.strings.size() == 1) {
-      const std::string type = parameter.strings[0];
+      std::string type = parameter.strings[0];
       std::erase_if(entity.parameters, [](const Parameter& p) { return p.name == "type"; });
       return type;
     }

@@ -87,7 +87,7 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   }
   // Make eta and k relative to the surrounding dielectric
   const auto relative = [&](const std::optional<SpectrumInput>& given, const char* copper) -> SpectrumInput {
-    const SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
+    SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
     if (const auto* spectrum = std::get_if<SpectrumDescription>(&input))
       return around != 1.0f ? scaled(*spectrum, 1 / around) : *spectrum;
     return input;

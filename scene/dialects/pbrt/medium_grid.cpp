@@ -130,8 +130,8 @@ void read_cloud(Parameters& p, MediumDescription& medium) {
   std::vector<float> values(nx * ny * static_cast<std::size_t>(box.size[2]));
   tbb::parallel_for(0, box.size[2], [&](int z) {
     for (std::size_t i = 0; i < nx * ny; ++i) {
-      const Vec3f at =
-          box.grid_to_local.point({static_cast<float>(i % nx), static_cast<float>(i / nx), static_cast<float>(z)});
+      const std::size_t x = i % nx, y = i / nx;
+      const Vec3f at = box.grid_to_local.point({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
       values[static_cast<std::size_t>(z) * nx * ny + i] =
           static_cast<float>(cloud_density(cloud, double{at.x}, double{at.y}, double{at.z}));
     }

@@ -43,7 +43,7 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
   std::error_code error;
   const fs::path own = fs::path(where.file).parent_path();
   for (const fs::path& base : {folder, own}) {
-    const fs::path candidate = base / name;
+    fs::path candidate = base / name;
     if (!fs::exists(candidate, error)) continue;
     if (!fs::is_regular_file(candidate, error))
       throw SceneError(where, "'" + candidate.string() + "' is not a regular file");

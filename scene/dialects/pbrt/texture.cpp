@@ -160,7 +160,7 @@ std::optional<SpectrumDescription> mixed(const SpectrumDescription& a, const Spe
 }
 
 SpectrumInput read_mix(Parameters& p, const Source& source) {
-  const SpectrumInput first = source.find("tex1", 0), second = source.find("tex2", 1);
+  SpectrumInput first = source.find("tex1", 0), second = source.find("tex2", 1);
   const ScalarInput amount = find_scalar_input(p, "amount").value_or(0.5f);
   const float* t = std::get_if<float>(&amount);
   if (t != nullptr && *t == 0.0f) return first;

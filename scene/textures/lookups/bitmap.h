@@ -73,39 +73,39 @@ template <class L> SHEAF_INLINE TexelPair<L> texel_pair(TextureWrap wrap, typena
 }
 
 /// Contributions of the column and the row to a texel's index.
-template <TexelFormat Format, class U> SHEAF_INLINE U column_index(U x) {
-  constexpr int kShift = tile_shift(Format);
+template <TexelFormat kFormat, class U> SHEAF_INLINE U column_index(U x) {
+  constexpr int kShift = tile_shift(kFormat);
   return ((x >> kShift) << (2 * kShift)) + (x & U((1u << kShift) - 1));
 }
-template <TexelFormat Format, class U> SHEAF_INLINE U row_index(U y, std::uint32_t tiles_per_row) {
-  constexpr int kShift = tile_shift(Format);
+template <TexelFormat kFormat, class U> SHEAF_INLINE U row_index(U y, std::uint32_t tiles_per_row) {
+  constexpr int kShift = tile_shift(kFormat);
   return (((y >> kShift) * U(tiles_per_row)) << (2 * kShift)) + ((y & U((1u << kShift) - 1)) << kShift);
 }
 
 /// Converts a byte to its linear value.
-template <TexelFormat Format, class U> SHEAF_INLINE auto decode_byte(U byte) {
+template <TexelFormat kFormat, class U> SHEAF_INLINE auto decode_byte(U byte) {
   const auto value = to_float(byte);
-  if constexpr (Format == TexelFormat::kSrgbByte1 || Format == TexelFormat::kSrgbByte4)
+  if constexpr (kFormat == TexelFormat::kSrgbByte1 || kFormat == TexelFormat::kSrgbByte4)
     return decode_srgb_byte(value);
   else
     return value * decltype(value)(1.0f / 255.0f);
 }
 
 /// A texel in its storage format.
-template <class L, TexelFormat Format> struct StoredTexel {
-  static constexpr bool kBytes = holds_bytes(Format);
-  std::conditional_t<kBytes, typename L::Uint, typename L::Float> value[kBytes ? 1 : texel_channels(Format)];
+template <class L, TexelFormat kFormat> struct StoredTexel {
+  static constexpr bool kBytes = holds_bytes(kFormat);
+  std::conditional_t<kBytes, typename L::Uint, typename L::Float> value[kBytes ? 1 : texel_channels(kFormat)];
 
   static SHEAF_INLINE StoredTexel load(const TexelTile* tiles, typename L::Uint index) {
     const std::uint8_t* bytes = tiles->bytes;
     StoredTexel out;
-    if constexpr (Format == TexelFormat::kFloat1) {
+    if constexpr (kFormat == TexelFormat::kFloat1) {
       out.value[0] = gather(reinterpret_cast<const float*>(bytes), index);
-    } else if constexpr (Format == TexelFormat::kFloat4) {
+    } else if constexpr (kFormat == TexelFormat::kFloat4) {
       typename L::Float row[4];
       gather_row4<L>(reinterpret_cast<const float*>(bytes), index << 2, row);
       for (int k = 0; k < 3; ++k) out.value[k] = row[k];
-    } else if constexpr (texel_channels(Format) == 1) {
+    } else if constexpr (texel_channels(kFormat) == 1) {
       out.value[0] = gather_bytes(bytes, index);
     } else {
       out.value[0] = gather(reinterpret_cast<const std::uint32_t*>(bytes), index);
@@ -114,42 +114,42 @@ template <class L, TexelFormat Format> struct StoredTexel {
   }
 
   /// The linear value of one channel.
-  template <int Channel> SHEAF_INLINE typename L::Float channel() const {
+  template <int kChannel> SHEAF_INLINE typename L::Float channel() const {
     if constexpr (!kBytes)
-      return value[Channel];
-    else if constexpr (texel_channels(Format) == 1)
-      return decode_byte<Format>(value[0]);
-    else if constexpr (Channel == 2)
-      return decode_byte<Format>(value[0] >> 16);
+      return value[kChannel];
+    else if constexpr (texel_channels(kFormat) == 1)
+      return decode_byte<kFormat>(value[0]);
+    else if constexpr (kChannel == 2)
+      return decode_byte<kFormat>(value[0] >> 16);
     else
-      return decode_byte<Format>((value[0] >> (8 * Channel)) & typename L::Uint(0xffu));
+      return decode_byte<kFormat>((value[0] >> (8 * kChannel)) & typename L::Uint(0xffu));
   }
 };
 
 /// Calls f.operator()<k>() for every channel k of the format.
-template <TexelFormat Format, class F> SHEAF_INLINE void for_each_channel(F&& f) {
+template <TexelFormat kFormat, class F> SHEAF_INLINE void for_each_channel(F&& f) {
   f.template operator()<0>();
-  if constexpr (texel_channels(Format) == 3) {
+  if constexpr (texel_channels(kFormat) == 3) {
     f.template operator()<1>();
     f.template operator()<2>();
   }
 }
 
 /// The four texels around a point: lower left, lower right, upper left, upper right.
-template <class L, TexelFormat Format> struct Patch {
-  StoredTexel<L, Format> corner[4];
+template <class L, TexelFormat kFormat> struct Patch {
+  StoredTexel<L, kFormat> corner[4];
   typename L::Float tx, ty;
 };
 
-template <class L, TexelFormat Format>
-SHEAF_INLINE Patch<L, Format> load_patch(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
+template <class L, TexelFormat kFormat>
+SHEAF_INLINE Patch<L, kFormat> load_patch(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
   const TexelPair<L> x = texel_pair<L>(bitmap.wrap_u, uv.x, bitmap.width);
   const TexelPair<L> y = texel_pair<L>(bitmap.wrap_v, uv.y, bitmap.height);
-  const auto x0 = column_index<Format>(x.first), x1 = column_index<Format>(x.second);
-  const auto y0 = row_index<Format>(y.first, bitmap.tiles_per_row),
-             y1 = row_index<Format>(y.second, bitmap.tiles_per_row);
+  const auto x0 = column_index<kFormat>(x.first), x1 = column_index<kFormat>(x.second);
+  const auto y0 = row_index<kFormat>(y.first, bitmap.tiles_per_row),
+             y1 = row_index<kFormat>(y.second, bitmap.tiles_per_row);
   const TexelTile* tiles = view.tiles + bitmap.first_tile;
-  using Texel = StoredTexel<L, Format>;
+  using Texel = StoredTexel<L, kFormat>;
   return {{Texel::load(tiles, y0 + x0), Texel::load(tiles, y0 + x1), Texel::load(tiles, y1 + x0),
            Texel::load(tiles, y1 + x1)},
           x.t,
@@ -157,32 +157,32 @@ SHEAF_INLINE Patch<L, Format> load_patch(const TextureView& view, const BitmapRo
 }
 
 /// Value of an image, in one or three channels.
-template <class L, TexelFormat Format>
+template <class L, TexelFormat kFormat>
 SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv, typename L::Float* out) {
   if (bitmap.filter == TextureFilter::kNearest) {
     const auto x = nearest_texel<L>(bitmap.wrap_u, uv.x, bitmap.width);
     const auto y = nearest_texel<L>(bitmap.wrap_v, uv.y, bitmap.height);
-    const auto index = row_index<Format>(y, bitmap.tiles_per_row) + column_index<Format>(x);
-    const auto texel = StoredTexel<L, Format>::load(view.tiles + bitmap.first_tile, index);
-    for_each_channel<Format>([&]<int K>() SHEAF_LAMBDA_INLINE { out[K] = texel.template channel<K>(); });
+    const auto index = row_index<kFormat>(y, bitmap.tiles_per_row) + column_index<kFormat>(x);
+    const auto texel = StoredTexel<L, kFormat>::load(view.tiles + bitmap.first_tile, index);
+    for_each_channel<kFormat>([&]<int K>() SHEAF_LAMBDA_INLINE { out[K] = texel.template channel<K>(); });
     return;
   }
-  const auto patch = load_patch<L, Format>(view, bitmap, uv);
-  for_each_channel<Format>([&]<int K>() SHEAF_LAMBDA_INLINE {
+  const auto patch = load_patch<L, kFormat>(view, bitmap, uv);
+  for_each_channel<kFormat>([&]<int K>() SHEAF_LAMBDA_INLINE {
     const auto value = [&](int corner) SHEAF_LAMBDA_INLINE { return patch.corner[corner].template channel<K>(); };
     out[K] = lerp(patch.ty, lerp(patch.tx, value(0), value(1)), lerp(patch.tx, value(2), value(3)));
   });
 }
 
 /// Derivatives of an image along its axes, per texel; of the luminance for colours.
-template <class L, TexelFormat Format>
+template <class L, TexelFormat kFormat>
 SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
-  const auto patch = load_patch<L, Format>(view, bitmap, uv);
+  const auto patch = load_patch<L, kFormat>(view, bitmap, uv);
   typename L::Float corner[4];
   for (int i = 0; i < 4; ++i) {
     typename L::Float value[3];
-    for_each_channel<Format>([&]<int K>() SHEAF_LAMBDA_INLINE { value[K] = patch.corner[i].template channel<K>(); });
-    if constexpr (texel_channels(Format) == 1)
+    for_each_channel<kFormat>([&]<int K>() SHEAF_LAMBDA_INLINE { value[K] = patch.corner[i].template channel<K>(); });
+    if constexpr (texel_channels(kFormat) == 1)
       corner[i] = value[0];
     else
       corner[i] = texture_luminance(value);
@@ -192,11 +192,11 @@ SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bit
 }
 
 /// Prefetches the tiles of two opposite corners of the patch, which nearly always cover it.
-template <class L, TexelFormat Format>
+template <class L, TexelFormat kFormat>
 SHEAF_INLINE void prefetch_patch(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
   const TexelPair<L> x = texel_pair<L>(bitmap.wrap_u, uv.x, bitmap.width);
   const TexelPair<L> y = texel_pair<L>(bitmap.wrap_v, uv.y, bitmap.height);
-  constexpr int kShift = tile_shift(Format);
+  constexpr int kShift = tile_shift(kFormat);
   const typename L::Uint per_row(bitmap.tiles_per_row);
   const LaneArray<typename L::Uint> near((y.first >> kShift) * per_row + (x.first >> kShift)),
       far((y.second >> kShift) * per_row + (x.second >> kShift));
@@ -233,19 +233,19 @@ struct BitmapTexture {
   template <class L> static SHEAF_INLINE Spectrum<L> color(const TextureLookup<L>& at) {
     using F = typename L::Float;
     const auto bitmap = at.row.template data<BitmapRow>();
-    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Spectrum<L> {
+    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() SHEAF_LAMBDA_INLINE -> Spectrum<L> {
       F value[3];
-      bitmap_detail::lookup_bitmap<L, Format>(at.view, bitmap, at.uv(), value);
-      if constexpr (texel_channels(Format) == 1) return {value[0], value[0], value[0], F(0.0f)};
+      bitmap_detail::lookup_bitmap<L, kFormat>(at.view, bitmap, at.uv(), value);
+      if constexpr (texel_channels(kFormat) == 1) return {value[0], value[0], value[0], F(0.0f)};
       return {value[0], value[1], value[2], F(0.0f)};
     });
   }
   template <class L> static SHEAF_INLINE Float<L> scalar(const TextureLookup<L>& at) {
     const auto bitmap = at.row.template data<BitmapRow>();
-    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Float<L> {
+    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() SHEAF_LAMBDA_INLINE -> Float<L> {
       Float<L> value[3];
-      bitmap_detail::lookup_bitmap<L, Format>(at.view, bitmap, at.uv(), value);
-      if constexpr (texel_channels(Format) == 1) return value[0];
+      bitmap_detail::lookup_bitmap<L, kFormat>(at.view, bitmap, at.uv(), value);
+      if constexpr (texel_channels(kFormat) == 1) return value[0];
       return texture_luminance(value);
     });
   }
@@ -254,8 +254,8 @@ struct BitmapTexture {
     using F = typename L::Float;
     const auto bitmap = at.row.template data<BitmapRow>();
     if (bitmap.filter != TextureFilter::kBilinear) return {F(0.0f), F(0.0f)};
-    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE -> Vec2<L> {
-      const Vec2<L> slopes = bitmap_detail::bitmap_slopes<L, Format>(at.view, bitmap, at.uv());
+    return bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() SHEAF_LAMBDA_INLINE -> Vec2<L> {
+      const Vec2<L> slopes = bitmap_detail::bitmap_slopes<L, kFormat>(at.view, bitmap, at.uv());
       const F du = slopes.x * F(static_cast<float>(bitmap.width)), dv = slopes.y * F(static_cast<float>(bitmap.height));
       const float* m = at.row.to_uv;
       return {fma(F(m[0]), du, F(m[3]) * dv), fma(F(m[1]), du, F(m[4]) * dv)};
@@ -263,10 +263,12 @@ struct BitmapTexture {
   }
   template <class L> static SHEAF_INLINE void prefetch(const TextureView& view, const TextureRow& row, Vec2<L> uv) {
     const auto bitmap = row.data<BitmapRow>();
-    bitmap_detail::with_format(bitmap.format, [&]<TexelFormat Format>() SHEAF_LAMBDA_INLINE {
-      bitmap_detail::prefetch_patch<L, Format>(view, bitmap, texture_uv<L>(row, uv));
+    bitmap_detail::with_format(bitmap.format, [&]<TexelFormat kFormat>() SHEAF_LAMBDA_INLINE {
+      bitmap_detail::prefetch_patch<L, kFormat>(view, bitmap, texture_uv<L>(row, uv));
     });
   }
 };
+
+template <> struct LookupOf<BitmapDescription> { using Type = BitmapTexture; };
 
 }  // namespace sheaf

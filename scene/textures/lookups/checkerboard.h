@@ -25,4 +25,6 @@ struct CheckerboardTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<CheckerboardDescription> { using Type = CheckerboardTexture; };
+
 }  // namespace sheaf

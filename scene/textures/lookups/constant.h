@@ -19,4 +19,6 @@ struct ConstantTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<ConstantTextureDescription> { using Type = ConstantTexture; };
+
 }  // namespace sheaf

@@ -26,4 +26,6 @@ struct GridTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<GridTextureDescription> { using Type = GridTexture; };
+
 }  // namespace sheaf

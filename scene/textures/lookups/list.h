@@ -1,44 +1,37 @@
-// The list of the lookups of all kinds of textures, in the order of scene/textures/list.h.
+// The lookups of all kinds of textures: LookupOf of each kind in scene/textures/list.h. CMake collects their headers.
 #pragma once
 
 #include "scene/textures/list.h"
-#include "scene/textures/lookups/bitmap.h"
-#include "scene/textures/lookups/checkerboard.h"
-#include "scene/textures/lookups/constant.h"
-#include "scene/textures/lookups/grid.h"
-#include "scene/textures/lookups/mesh_attribute.h"
-#include "scene/textures/lookups/mix.h"
-#include "scene/textures/lookups/volume.h"
-#include "scene/textures/lookups/wireframe.h"
-
-#include <type_traits>
+#include "scene/textures/lookups/all_headers.h"
+#include "scene/textures/lookups/lookup.h"
 
 namespace sheaf {
 
-/// A list of lookups, as types.
-template <TextureLookups... Textures> struct TextureList {
-  using Kinds = TextureKindList<typename Textures::Description...>;
+namespace lookup_detail {
 
+/// Whether a kind has valid lookups.
+template <class Description>
+concept Implemented = TextureLookups<typename LookupOf<Description>::Type> &&
+    std::same_as<typename LookupOf<Description>::Type::Description, Description>;
+
+template <class List> struct TextureList;
+template <Implemented... Descriptions> struct TextureList<TextureKindList<Descriptions...>> {
   /// Calls f.operator()<Texture>() for the kind.
-  template <class F> static SHEAF_INLINE auto with(TextureKind kind, F&& f) { return with<F, Textures...>(kind, f); }
+  template <class F> static SHEAF_INLINE auto with(TextureKind kind, F&& f) {
+    return with<F, Descriptions...>(kind, f);
+  }
 
  private:
-  template <class F, class Texture, class... More> static SHEAF_INLINE auto with(TextureKind kind, F& f) {
+  template <class F, class Description, class... More> static SHEAF_INLINE auto with(TextureKind kind, F& f) {
     if constexpr (sizeof...(More) > 0)
-      if (kind != kTextureKind<typename Texture::Description>) return with<F, More...>(kind, f);
-    return f.template operator()<Texture>();
+      if (kind != kTextureKind<Description>) return with<F, More...>(kind, f);
+    return f.template operator()<typename LookupOf<Description>::Type>();
   }
 };
 
+}  // namespace lookup_detail
+
 /// The lookups of all kinds.
-using Textures = TextureList<ConstantTexture,       //
-                             BitmapTexture,         //
-                             CheckerboardTexture,   //
-                             GridTexture,           //
-                             MeshAttributeTexture,  //
-                             VolumeTexture,         //
-                             MixTexture,            //
-                             WireframeTexture>;
-static_assert(std::is_same_v<Textures::Kinds, TextureKinds>, "the list must match that of scene/textures/list.h");
+using Textures = lookup_detail::TextureList<TextureKinds>;
 
 }  // namespace sheaf

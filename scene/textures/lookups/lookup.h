@@ -1,4 +1,4 @@
-// The interface of the lookups of a kind of textures. scene/textures/lookups/list.h lists them.
+// The interface of the lookups of a kind of textures.
 //
 // The lookups of a kind are a struct of static functions, generic in the lane policy. It names its description
 // (Description, one of scene/textures/list.h) and defines
@@ -7,6 +7,8 @@
 //     slopes    derivatives of `scalar` by the surface's u and v; kinds that have none derive from WithoutSlopes,
 // and optionally
 //     prefetch  prefetches what a lookup will read, besides that of its inputs.
+// A specialisation of LookupOf below the struct makes them the lookups of its description.
+//
 // All lanes look up the same texture. Any coordinates are safe, including NaN: lookups stay inside their table.
 #pragma once
 
@@ -15,6 +17,9 @@
 #include <concepts>
 
 namespace sheaf {
+
+/// `Type` has the lookups of a description of scene/textures/list.h. Each kind specialises it beside its lookups.
+template <class Description> struct LookupOf;
 
 /// Applies a texture's transform.
 template <class L> SHEAF_INLINE Vec2<L> texture_uv(const TextureRow& row, Vec2<L> uv) {

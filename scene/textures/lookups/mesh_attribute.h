@@ -63,4 +63,6 @@ struct MeshAttributeTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<MeshAttributeDescription> { using Type = MeshAttributeTexture; };
+
 }  // namespace sheaf

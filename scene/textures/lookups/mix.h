@@ -24,4 +24,6 @@ struct MixTexture {
   }
 };
 
+template <> struct LookupOf<MixTextureDescription> { using Type = MixTexture; };
+
 }  // namespace sheaf

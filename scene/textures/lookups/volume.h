@@ -35,4 +35,6 @@ struct VolumeTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<VolumeTextureDescription> { using Type = VolumeTexture; };
+
 }  // namespace sheaf

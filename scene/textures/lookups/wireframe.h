@@ -36,4 +36,6 @@ struct WireframeTexture : WithoutSlopes {
   }
 };
 
+template <> struct LookupOf<WireframeDescription> { using Type = WireframeTexture; };
+
 }  // namespace sheaf
