@@ -44,6 +44,14 @@ def make_missing_files(images, sheaf):
             subprocess.run([sys.executable, *command], cwd=ROOT, check=True)
 
 
+def shortened(words):
+    """The words of a command for an image of a quarter of the size with 16 samples per pixel."""
+    if "--spp" in words:
+        at = words.index("--spp")
+        words = words[:at] + words[at + 2:]
+    return [*words, "--scale", "25%", "--spp", "16"]
+
+
 def render(image, arguments):
     """Runs the commands of an image and writes its JPEG file."""
     start = time.monotonic()
@@ -52,10 +60,8 @@ def render(image, arguments):
         for part in ("scenes", "tools"):
             (folder / part).symlink_to(ROOT / part)
         for command in image.commands:
-            words = [arguments.sheaf, *command[1:], "--quiet"]
-            if arguments.draft:
-                words += ["--scale", "25%", "--spp", "16"]
-            subprocess.run(words, cwd=folder, check=True)
+            words = shortened(command[1:]) if arguments.draft else command[1:]
+            subprocess.run([arguments.sheaf, *words, "--quiet"], cwd=folder, check=True)
         path = arguments.output / f"{image.name}.jpg"
         make_sheet(image.name, [folder / name for name in image.outputs()]).save(
             path, quality=QUALITY, optimize=True, progressive=True)

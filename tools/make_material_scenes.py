@@ -83,7 +83,7 @@ def make_small_images():
 
     def hill(x, y):
         fade = math.sin(math.pi * x / 64) * math.sin(math.pi * y / 64)
-        return fade * (0.5 + 0.25 * math.sin(0.21 * x + 0.4) * math.cos(0.17 * y) + 0.25 * math.sin(0.31 * y + 0.12 * x))
+        return (fade * (0.5 + 0.25 * math.sin(0.21 * x + 0.4) * math.cos(0.17 * y) + 0.25 * math.sin(0.31 * y + 0.12 * x)))**0.45
 
     write_png(IMAGES / "hills.png", [[(hill(x + 0.5, y + 0.5),) * 3 for x in range(64)] for y in range(64)])
 
@@ -232,10 +232,10 @@ def front_lights():
   </shape>
   <shape type="rectangle">
     <transform name="to_world">
-      <scale x="14" y="5"/>
-      <lookat origin="8, 30, -30" target="4, 2, 0" up="0, 1, 0"/>
+      <scale x="24" y="3.5"/>
+      <lookat origin="4.6, 18, -42" target="4.6, 2.7, 0" up="0, 1, 0"/>
     </transform>
-    <emitter type="area"><rgb name="radiance" value="11, 11.5, 12"/></emitter>
+    <emitter type="area"><rgb name="radiance" value="34, 35, 36"/></emitter>
   </shape>
 """
 
@@ -321,7 +321,7 @@ def make_disney_rows():
     <rfilter type="gaussian"/>
   </camera>
   <emitter type="constant"><color name="radiance" value="0.52, 0.53, 0.55"/></emitter>
-''' + light.format("-12, 26, 24", 6, "19, 18.4, 17.5") + light.format("8, 30, -30", 9, "9, 9.5, 10") + "".join(parts) +
+''' + light.format("-12, 26, 24", 6, "19, 18.4, 17.5") + light.format("4.6, 20, -42", 6, "34, 35, 36") + "".join(parts) +
                     "</scene>\n")
 
 
@@ -459,7 +459,7 @@ def wall_labels():
 
 
 def filter_labels():
-    return [(text, 0.12 + 0.255 * i, 0.95, "centre")
+    return [(text, 0.125 + 0.25 * i, 0.955, "centre")
             for i, text in enumerate(["nearest, repeat", "bilinear, repeat", "bilinear, mirror", "bilinear, clamp"])]
 
 
@@ -540,7 +540,7 @@ def make_filters():
 """)
     write_scene(TEXTURES / "filters.xml",
                 "A small texture: nearest, bilinear, mirrored and clamped; above, a copper sheet with holes.",
-                sensor("0, 2.3, 7.5", "0, 1.22, 0", 48, 1080, 520), studio(-3, 16), *parts)
+                sensor("0, 2.3, 7.5", "0, 1.14, 0", 50.5, 1080, 540), studio(-3, 16), *parts)
 
 
 def main():

@@ -24,9 +24,9 @@ SHEETS = {
     "cameras": Sheet(["perspective", "radial distortion", "orthographic", "spherical"]),
     "denoising": Sheet(["16 samples per pixel", "denoised by non-local means"]),
     "guiding": Sheet(["path tracing", "with path guiding, equal samples"]),
-    "integrators": Sheet(["path", "direct", "ao", "normals", "depth"]),
+    "integrators": Sheet(["path", "direct", "whitted", "ao", "normals"]),
     "media_phase": Sheet(["g = -0.8: backwards", "g = 0: isotropic", "g = 0.8: forwards"]),
-    "sunsky": Sheet(["4:42", "7:00", "12:00", "19:12"]),
+    "sunsky": Sheet(["4:42", "7:00", "12:00", "20:00"]),
 }
 
 # Labels within one rendered image: functions that return [(text, x, y, anchor)] with places in [0, 1]^2.
