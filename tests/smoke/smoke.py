@@ -28,7 +28,9 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 # Scripts that generate files of scenes, in this order. The largest scenes are made small.
 MAKERS = {
     "tools/make_meshes.py": [],
-    "tools/make_gallery.py": [],
+    "tools/make_material_scenes.py": [],
+    "tools/make_measured.py": [],
+    "tools/make_shape_scenes.py": [],
     "tools/make_hall.py": [],
     "tools/make_sky.py": [],
     "tools/make_instances.py": ["500"],
@@ -65,6 +67,8 @@ SCRIPTS = {
     "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
+    "tools/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
+                              "layers"],
     "tools/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
@@ -74,7 +78,8 @@ SCRIPTS = {
 }
 
 # Python modules outside of the standard library that scripts import, and their Debian packages.
-PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib"}
+PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib",
+            "PIL": "python3-pil"}
 
 # The shortest arguments of programs without tests of their own, as a list of commands.
 PROGRAMS = {
@@ -139,6 +144,7 @@ def copy_tree(folder):
     for part in ("scenes", "tools", "bench", "core", "tests/references/scenes", "tests/smoke"):
         shutil.copytree(ROOT / part, folder / part, ignore=generated)
     (folder / "docs").mkdir()
+    shutil.copy(ROOT / "docs/gallery.md", folder / "docs")
 
 
 def check_generated(arguments, _, failures):
@@ -217,7 +223,10 @@ def check_layers(sheaf, image, folder, failures):
 
 def missing_packages(script):
     """Debian packages of the missing modules that a script imports."""
-    modules = set(re.findall(r"^(?:import|from) (\w+)", script.read_text(), re.MULTILINE))
+    texts = [script.read_text()]
+    if script.name == "make_gallery.py":
+        texts += [module.read_text() for module in (script.parent / "gallery").glob("*.py")]
+    modules = set(re.findall(r"^(?:import|from) (\w+)", "\n".join(texts), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
         if (script.parent / f"{module}.py").exists() or (script.parent / module).is_dir():
             continue
