@@ -7,8 +7,8 @@ import zlib
 from pathlib import Path
 
 VERTICES = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
-TRIANGLES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (3, 6, 2), (3, 7, 6), (0, 4, 7), (0, 7, 3),
-             (1, 2, 6), (1, 6, 5)]
+TRIANGLES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (3, 6, 2), (3, 7, 6), (0, 4, 7),
+             (0, 7, 3), (1, 2, 6), (1, 6, 5)]
 
 
 def png(side=4):
@@ -38,8 +38,8 @@ def ply():
 
 def ellipsoids():
     names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
-    header = ["ply", "format ascii 1.0", "element vertex 2", *(f"property float {name}" for name in names), "end_header"]
-    return "\n".join(header + ["0 0 0 -1 -2 -1 1 0 0 0", "0.5 0 0 -2 -1 -2 1 0.5 0 0"]) + "\n"
+    header = ["ply", "format ascii 1.0", "element vertex 2", *(f"property float {name}" for name in names)]
+    return "\n".join(header + ["end_header", "0 0 0 -1 -2 -1 1 0 0 0", "0.5 0 0 -2 -1 -2 1 0.5 0 0"]) + "\n"
 
 
 def serialized(meshes=3):
@@ -55,8 +55,8 @@ def serialized(meshes=3):
 def vol(side=4):
     """A grid of distances to a sphere, so that it is a density and has a zero level set."""
     header = b"VOL\x03" + struct.pack("<5i6f", 1, side, side, side, 1, 0, 0, 0, 1, 1, 1)
-    points = [i / (side - 1) - 0.5 for i in range(side)]
-    return header + b"".join(struct.pack("<f", math.hypot(x, y, z) - 0.3) for z in points for y in points for x in points)
+    axis = [i / (side - 1) - 0.5 for i in range(side)]
+    return header + b"".join(struct.pack("<f", math.hypot(x, y, z) - 0.3) for z in axis for y in axis for x in axis)
 
 
 def density(side=4):
@@ -110,8 +110,8 @@ def write(folder, path, text, build):
     if file.exists():
         return True
     if file.suffix == ".nvdb":
-        subprocess.run([build / "make_cloud", file, "--kind", "cloud", "--resolution", "8", "--temperature"], check=True,
-                       stdout=subprocess.DEVNULL)
+        subprocess.run([build / "make_cloud", file, "--kind", "cloud", "--resolution", "8", "--temperature"],
+                       check=True, stdout=subprocess.DEVNULL)
         return True
     made = content(path, text)
     if made is not None:

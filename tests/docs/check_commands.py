@@ -223,8 +223,8 @@ class Runner:
             return self.run_script(words)
         if program in ("cmake", "ctest"):
             return self.run_cmake(words)
-        return ("is neither run nor listed: add it to EXEMPT in tests/docs/check_commands.py, or give the block a language "
-                "if it is no command")
+        return ("is neither run nor listed: add it to EXEMPT in tests/docs/check_commands.py, or give the block a "
+                "language if it is no command")
 
 
 def prepare(folder, build):

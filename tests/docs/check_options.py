@@ -57,7 +57,8 @@ def known_to_programs(text):
     for name in set(re.findall(r"\b(\w+\.(?:py|sh))", text)):
         for file in (*ROOT.glob(f"tools/{name}"), *ROOT.glob(f"bench/{name}"), *ROOT.glob(f"tests/*/{name}")):
             source = file.read_text()
-            modules = [file.parent / f"{module}.py" for module in re.findall(r"^(?:import|from) (\w+)", source, re.MULTILINE)]
+            imported = re.findall(r"^(?:import|from) (\w+)", source, re.MULTILINE)
+            modules = [file.parent / f"{module}.py" for module in imported]
             for each in (source, *(module.read_text() for module in modules if module.exists())):
                 options |= set(re.findall(OPTION, each))
     for name in set(re.findall(r"\b(trace_limit|make_cloud|vdb_to_nanovdb|sheaf_bench)\b", text)):
@@ -73,7 +74,8 @@ def check_documents(known, failures):
         text = page.read_text()
         own = known | known_to_programs(text)
         # Blocks are left to tests/docs/check_commands.py
-        prose = re.sub(r"^ *```.*?^ *```", lambda block: "\n" * block[0].count("\n"), text, flags=re.MULTILINE | re.DOTALL)
+        prose = re.sub(r"^ *```.*?^ *```", lambda block: "\n" * block[0].count("\n"), text,
+                       flags=re.MULTILINE | re.DOTALL)
         for code in re.finditer(r"`([^`\n]+)`", prose):
             if code[1].startswith(OTHERS):
                 continue

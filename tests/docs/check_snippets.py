@@ -3,9 +3,9 @@
 
   tests/docs/check_snippets.py --sheaf build/release/sheaf [--keep FOLDER] [PAGE...]
 
-Parts are completed to scenes: a <bsdf> on a sphere, a <texture> in a material, a <sampler> in a sensor, and so on. Files
-that they name are generated. Pages that begin with the title "Nori" are completed in that dialect. Photons are
-reduced, images are tiny. A comment <!-- not tested: REASON --> directly above a block excludes it.
+Parts are completed to scenes: a <bsdf> on a mesh, a <texture> in a material, a <sampler> in a sensor, and so on. Files
+that they name are generated. The parts on the page nori.md are completed in that dialect. Photons are reduced, images
+are tiny. A comment <!-- not tested: REASON --> directly above a block excludes it.
 Exit status: 0 all rendered, 1 something failed; each failure names the file and line of the block.
 """
 
@@ -147,7 +147,8 @@ class Mitsuba:
             rest.append(element("shape", "sphere"))
         if "emitter" not in self.has:
             rest.append(element("emitter", "constant"))
-        return "\n".join([f'<scene version="{self.version}">', *self.before, *self.sensor, *rest, *self.top, "</scene>"])
+        opening = f'<scene version="{self.version}">'
+        return "\n".join([opening, *self.before, *self.sensor, *rest, *self.top, "</scene>"])
 
 
 class Nori:
@@ -271,7 +272,8 @@ def main():
     arguments = parser.parse_args()
     failures = Failures()
     with tempfile.TemporaryDirectory() as temporary, ThreadPoolExecutor(cpu_count()) as pool:
-        found = [block for page in arguments.pages or pages() for block in blocks(page) if block.language in ("xml", "pbrt")]
+        found = [block for page in arguments.pages or pages() for block in blocks(page)
+                 if block.language in ("xml", "pbrt")]
         skipped = [block for block in found if block.skip]
         tested = [block for block in found if not block.skip]
         folders = [Path(temporary) / f"{block.page.stem}_{block.line}" for block in tested]
