@@ -42,6 +42,9 @@ BUILTINS = ("cd", "export", "mkdir", "source")
 REPLACED = {"--noise-target": "50%", "--time-limit": "1", "--serve": "127.0.0.1:0", "--tev": "127.0.0.1:14158",
             "--threads": "1"}
 MAX_SPP = 16
+# Parameters of example scenes that are numbers of photons.
+PHOTONS = re.compile(r"\b(?:caustic_|volume_)?photons\b")
+FEW_PHOTONS = 1000
 SIZE = "16x12"
 # Commands that may fail with these messages.
 MAY_FAIL = {"--denoise oidn": "Open Image Denoise", "--method oidn": "Open Image Denoise"}
@@ -96,6 +99,8 @@ def shortened(words):
             word = str(min(int(word), 1 if cropped else MAX_SPP))
         elif before in REPLACED:
             word = REPLACED[before]
+        elif before in ("-D", "--define") and PHOTONS.match(word):
+            word = f"{word.split('=')[0]}={FEW_PHOTONS}"
         if word != "--submit":
             result.append(word)
         before = word
@@ -143,6 +148,7 @@ class Runner:
     def run_sheaf(self, words):
         """Runs a command of `sheaf`."""
         words = shortened(words)
+        words += self.few_photons(words)
         names = [word.split("=")[0].removeprefix("-D") for last, word in zip(["", *words], words)
                  if last in ("-D", "--define") or re.match(r"-D\w+=", word)]
         outputs = {word for last, word in zip(["", *words], words)
@@ -170,6 +176,15 @@ class Runner:
             if status != 0 and option in " ".join(words) and message in output:
                 return ""
         return f"exit status {status} of sheaf {shlex.join(words)}\n{output}" if status != 0 else ""
+
+    def few_photons(self, words):
+        """Options that reduce the photons of an example scene."""
+        scene = self.folder / words[1] if words[0] == "render" else None
+        if scene is None or "scenes/" not in words[1] or not scene.exists() or scene.suffix != ".xml":
+            return []
+        counts = set(re.findall(rf'<default name="({PHOTONS.pattern})"', scene.read_text()))
+        given = {word.split("=")[0] for word in words}
+        return [part for count in sorted(counts - given) for part in ("-D", f"{count}={FEW_PHOTONS}")]
 
     def run_script(self, words):
         """Checks that a script exists and knows the options."""
