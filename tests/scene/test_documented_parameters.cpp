@@ -57,7 +57,7 @@ const std::map<std::string, std::vector<std::string>> kPages = {
     {"volume", {"media"}},
 };
 
-/// Content that plugins require, as far as no snippet of the documentation has it, or that selects another branch of a
+/// Content that plugins require and no snippet of the documentation has, or that selects another branch of a
 /// reader. The key is the name of the plugin.
 const std::multimap<std::string, std::string> kContents = {
     {"adaptive", "<integrator type='path'/>"},
