@@ -54,7 +54,7 @@ function(sheaf_install)
   set(examples "${CMAKE_INSTALL_DATADIR}/sheaf")
   install(DIRECTORY scenes DESTINATION "${examples}" PATTERN generated EXCLUDE PATTERN validation EXCLUDE)
   file(GLOB makers CONFIGURE_DEPENDS tools/make_*.py)
-  list(FILTER makers EXCLUDE REGEX "make_manual|make_validation_scenes")
+  list(FILTER makers EXCLUDE REGEX "make_gallery|make_manual|make_validation_scenes")
   file(GLOB modules CONFIGURE_DEPENDS tools/forest_*.py tools/hourglass_*.py)
   install(PROGRAMS ${makers} ${modules} tools/scene_text.py DESTINATION "${examples}/tools")
 

@@ -35,6 +35,14 @@ struct PngChannels {
   int alpha = -1;
 };
 
+/// The alpha of a pixel in a PNG. Light that adds to the background, as of a flame, has less alpha than colour. A PNG
+/// cannot express that: its alpha is that of the brightest colour, which keeps the image over black.
+float png_alpha(const float* pixel, const PngChannels& chosen) {
+  float brightest = 0;
+  for (const int c : chosen.color) brightest = std::max(brightest, pixel[c]);
+  return std::max(pixel[chosen.alpha], std::min(brightest, 1.0f));
+}
+
 PngChannels choose_channels(const Image& image) {
   PngChannels chosen;
   const int red = image.find_channel("R"), green = image.find_channel("G"), blue = image.find_channel("B");
@@ -44,12 +52,11 @@ PngChannels choose_channels(const Image& image) {
     chosen.color = {std::max(red, 0)};
   }
   const int alpha = image.find_channel("A");
-  if (alpha >= 0 && alpha != chosen.color[0]) {
-    for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-      const float value = image.data[i * image.channels.size() + static_cast<std::size_t>(alpha)];
-      if (quantize(value) != 255) chosen.alpha = alpha;
-    }
-  }
+  if (alpha < 0 || alpha == chosen.color[0]) return chosen;
+  chosen.alpha = alpha;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i)
+    if (quantize(png_alpha(&image.data[i * image.channels.size()], chosen)) != 255) return chosen;
+  chosen.alpha = -1;
   return chosen;
 }
 
@@ -58,7 +65,7 @@ std::vector<std::uint8_t> encode(const Image& image, const PngChannels& chosen) 
   bytes.reserve(image.pixel_count() * (chosen.color.size() + 1));
   for (std::size_t i = 0; i < image.pixel_count(); ++i) {
     const float* pixel = &image.data[i * image.channels.size()];
-    const float alpha = chosen.alpha < 0 ? 1.0f : pixel[chosen.alpha];
+    const float alpha = chosen.alpha < 0 ? 1.0f : png_alpha(pixel, chosen);
     const float scale = alpha > 0 ? 1 / alpha : 0.0f;
     for (const int c : chosen.color) bytes.push_back(quantize(linear_to_srgb(pixel[c] * scale)));
     if (chosen.alpha >= 0) bytes.push_back(quantize(alpha));

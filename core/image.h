@@ -61,8 +61,9 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
 
 /// Writes the channels R, G and B as an 8-bit PNG with the sRGB curve. If one of them is missing, writes R, or else the
 /// first channel, as grey. Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. Alpha is kept if a
-/// channel A is not 1 everywhere; colours are then assumed to be premultiplied. Writes only the pixels of the image,
-/// not its frame. `description`: text in the header of the file. Throws Error (exit code 4).
+/// channel A is not 1 everywhere; colours are then assumed to be premultiplied. Where a colour exceeds alpha, alpha is
+/// raised to the brightest colour, at most 1. Writes only the pixels of the image, not its frame. `description`: text
+/// in the header of the file. Throws Error (exit code 4).
 void write_png(const std::filesystem::path& path, const Image& image, const std::string& description = {});
 
 /// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of checked_image_format().

@@ -11,7 +11,7 @@ import math
 import subprocess
 from pathlib import Path
 
-from make_gallery import noise, write_png
+from make_material_scenes import noise, write_png
 from make_media_scenes import find_make_cloud
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "validation"
@@ -179,10 +179,10 @@ def make_instances():
 
 def make_textures():
     """Panels with the filters and wrap modes of `bitmap`, and with scaled and offset texture coordinates."""
-    pictures = [[(0.15 + 0.8 * ((x ^ y) & 1), 0.1 + 0.1 * x, 0.1 + 0.1 * y) for x in range(8)] for y in range(8)]
+    rows = [[(0.15 + 0.8 * ((x ^ y) & 1), 0.1 + 0.1 * x, 0.1 + 0.1 * y) for x in range(8)] for y in range(8)]
     for x in range(4):
-        pictures[0][x] = (0.95, 0.9, 0.2)  # marks the corner and the first row
-    write_png(FOLDER / "images" / "panel.png", pictures)
+        rows[0][x] = (0.95, 0.9, 0.2)  # marks the corner and the first row
+    write_png(FOLDER / "images" / "panel.png", rows)
     columns = [("repeat", '<scale x="1" y="1"/>'), ("repeat", '<scale x="3" y="2"/>'),
                ("clamp", '<scale x="2" y="2"/> <translate x="-0.5" y="-0.5"/>'),
                ("mirror", '<scale x="2" y="2"/> <rotate z="1" angle="20"/>')]

@@ -34,11 +34,11 @@ LONG_SPP = 1024
 
 @dataclass
 class Result:
-    """A line of the page: Sheaf's image of a case, or a band of it, against one reference. `picture` and
+    """A line of the page: Sheaf's image of a case, or a band of it, against one reference. `image` and
     `reference_picture` are names of files."""
     label: str
     reference: str
-    picture: str
+    image: str
     reference_picture: str
     measures: Measures | None
     seconds: float | None
@@ -49,7 +49,7 @@ class Result:
 
 
 class Validation:
-    """Renders cases and collects their results and pictures."""
+    """Renders cases and collects their results and images."""
 
     def __init__(self, arguments, folder):
         self.arguments = arguments
@@ -60,14 +60,14 @@ class Validation:
                 self.mitsuba = Mitsuba(arguments.mitsuba_python, arguments.variant, SCENES, folder, arguments.threads)
             if arguments.pbrt:
                 self.pbrt = Pbrt(arguments.pbrt, SCENES, folder, arguments.threads)
-        self.pictures = {}
+        self.images = {}
 
     def reference(self, case, kind):
         """Returns the image of a reference, or None if there is no such renderer."""
         if kind == "closed form":
             scale = QUICK_SCALE if self.arguments.quick else 1
-            picture = closed_forms.render(case.closed_form, SCENES / case.scene, scale)
-            return Image(picture, picture, np.zeros_like(picture))
+            pixels = closed_forms.render(case.closed_form, SCENES / case.scene, scale)
+            return Image(pixels, pixels, np.zeros_like(pixels))
         if kind == LONG:
             return self.sheaf.render(case.long_scene or case.scene, LONG_SPP, case.long_options)
         if kind == "Mitsuba" and self.mitsuba:
@@ -99,24 +99,24 @@ class Validation:
 
     @staticmethod
     def reference_name(name, case, kind):
-        """Name of the picture of a reference. Cases share the one of LONG."""
+        """Name of the image of a reference. Cases share the one of LONG."""
         if kind == LONG:
             return f"{Path(case.long_scene or case.scene).stem.replace('_', '-')}-reference"
         return f"{name}-{kind.lower().replace(' ', '-')}"
 
     def results(self, row, case, kind, image, reference):
         """One result, or one per band."""
-        bands, height = row.bands or (case.label,), len(image.picture)
+        bands, height = row.bands or (case.label,), len(image.pixels)
         results = []
         for i, label in enumerate(bands):
             begin, end = height * i // len(bands), height * (i + 1) // len(bands)
             name = f"{case.name}-{label.split()[0].replace('_', '-')}" if row.bands else case.name
             part, other = image.rows(begin, end), reference and reference.rows(begin, end)
-            self.pictures[f"{name}-sheaf"] = page.tone_map(part.picture, case.exposure)
+            self.images[f"{name}-sheaf"] = page.tone_map(part.pixels, case.exposure)
             other_name = ""
             if other:
                 other_name = self.reference_name(name, case, kind)
-                self.pictures[other_name] = page.tone_map(other.picture, case.exposure)
+                self.images[other_name] = page.tone_map(other.pixels, case.exposure)
             results.append(Result(label, kind, f"{name}-sheaf", other_name,
                                   compare(part, other, case.tolerance, case.block) if other else None,
                                   part.seconds if i == 0 else None, other and i == 0 and other.seconds or None,
@@ -189,7 +189,7 @@ def main():
             judge(results[row.name], SIGNIFICANCE / tests, arguments.quick)
             for result in results[row.name]:
                 print(f"{row.name:14}", "  ".join(f"{cell:>12}" for cell in page.result_cells(result)), flush=True)
-        extension = page.write_pictures(validation.pictures, arguments.output / "validation", validation.mitsuba)
+        extension = page.write_images(validation.images, arguments.output / "validation", validation.mitsuba)
         if arguments.update:
             page.update_page(arguments.output / "validation.md", arguments.rows, results, extension)
         else:

@@ -40,7 +40,8 @@ concept Implemented = requires {
 };
 
 template <class List> struct BsdfList;
-template <Implemented... Closures> struct BsdfList<ClosureList<Closures...>> {
+template <class... Closures> struct BsdfList<ClosureList<Closures...>> {
+  static_assert((Implemented<Closures> && ...), "a closure in scene/materials/list.h has no BSDF");
   static_assert((fits<Closures>(BsdfOf<Closures>{}) && ...), "a BSDF differs from its closure in scene/materials/");
   static_assert(((!Closures::kInfo.is_coatable || fits_below_coat(BsdfOf<Closures>{})) && ...),
                 "a coatable closure has more parameters than a coat can hold");

@@ -16,7 +16,9 @@ concept Implemented =
     LightModel<typename LightOf<Kind>::Type> && std::same_as<typename LightOf<Kind>::Type::Kind, Kind>;
 
 template <class List> struct LightList;
-template <Implemented... Kinds> struct LightList<LightKindList<Kinds...>> {
+template <class... Kinds> struct LightList<LightKindList<Kinds...>> {
+  static_assert((Implemented<Kinds> && ...), "a kind in scene/lights/list.h has no kernel");
+
   /// Calls f(kernel) for each kind, with a value of the kernel's type.
   template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(typename LightOf<Kinds>::Type{}), ...); }
 };

@@ -109,10 +109,9 @@ void SceneCompiler::probe_camera() {
   constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (int place = 0; place < 9; ++place)
     for (const Vec2<Scalar> lens : std::span(kLens).first(camera.has_lens() ? 5 : 1)) {
-      const Vec3f start = camera
-                              .ray<Scalar>(0.5f * width * static_cast<float>(place % 3),
-                                           0.5f * height * static_cast<float>(place / 3), lens.x, lens.y)
-                              .origin;
+      const int column = place % 3, row = place / 3;
+      const float x = 0.5f * width * static_cast<float>(column), y = 0.5f * height * static_cast<float>(row);
+      const Vec3f start = camera.ray<Scalar>(x, y, lens.x, lens.y).origin;
       if (start == middle || medium_at(view, start, kNone, 0) == out_->media_.camera_medium) continue;
       out_->warnings_.push_back(SceneError(in_.camera.where,
                                            "the camera's rays start in more than one medium: all are "

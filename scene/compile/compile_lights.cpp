@@ -79,7 +79,7 @@ void SceneCompiler::add_lights() {
   for (const LightDescription& light : in_.lights) {
     const auto place = [&](const auto& description) { return place_light(description, light.where, context); };
     try {
-      if (auto row = std::visit(place, light.model)) placed.emplace_back(std::move(*row), &light);
+      if (auto row = std::visit(place, light.model)) placed.emplace_back(*row, &light);
     } catch (const SceneError& error) { throw at_place(light.where, error); }
   }
   for (const bool infinite : {false, true}) {

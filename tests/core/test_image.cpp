@@ -92,6 +92,22 @@ TEST_CASE("a PNG stores alpha only where pixels are transparent and stores unpre
   CHECK(byte_at(back, 1, 0, 3) == 0);
 }
 
+TEST_CASE("a PNG keeps light that adds to the background") {
+  const TemporaryFolder folder;
+  Image image(3, 1, {"R", "G", "B", "A"});
+  image.data = {0.5f, 0.25f, 0, 0, 3, 0.5f, 0, 0.25f, 0, 0, 0, 0};
+  write_png(folder / "glow.png", image);
+  const Image back = read_image(folder / "glow.png");
+  REQUIRE(back.channels.size() == 4);
+  CHECK(byte_at(back, 0, 0, 0) == 255);
+  CHECK(byte_at(back, 0, 0, 1) == std::lround(255 * linear_to_srgb(0.5f)));
+  CHECK(byte_at(back, 0, 0, 3) == 128);
+  CHECK(byte_at(back, 1, 0, 0) == 255);
+  CHECK(byte_at(back, 1, 0, 1) == std::lround(255 * linear_to_srgb(0.5f)));
+  CHECK(byte_at(back, 1, 0, 3) == 255);
+  CHECK(byte_at(back, 2, 0, 3) == 0);
+}
+
 TEST_CASE("the same image gives the same PNG bytes") {
   const TemporaryFolder folder;
   write_png(folder / "a.png", make_ramp());

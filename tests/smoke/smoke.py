@@ -28,7 +28,9 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 # Scripts that generate files of scenes, in this order. The largest scenes are made small.
 MAKERS = {
     "tools/make_meshes.py": [],
-    "tools/make_gallery.py": [],
+    "tools/make_material_scenes.py": [],
+    "tools/make_measured.py": [],
+    "tools/make_shape_scenes.py": [],
     "tools/make_hall.py": [],
     "tools/make_sky.py": [],
     "tools/make_instances.py": ["500"],
@@ -54,6 +56,10 @@ SCRIPTS = {
                                "--reference-spp", "2", "--steps", "0.1"],
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
+    "bench/compare_renderers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--runs", "2", "--reference-spp", "2",
+                                   "--references", "{out}/references", "--scenes", "cornell", "-D", "width=32", "-D",
+                                   "height=24", "--curve-spp", "1", "2", "--variants", "--markdown",
+                                   "{out}/performance.md"],
     "bench/compare_roulette.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.03", "--seeds", "2", "--depths",
                                   "5", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
@@ -61,6 +67,8 @@ SCRIPTS = {
     "tools/fit_rgb_basis.py": ["--step", "20"],
     "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
     "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
+    "tools/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
+                              "layers"],
     "tools/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
@@ -70,7 +78,8 @@ SCRIPTS = {
 }
 
 # Python modules outside of the standard library that scripts import, and their Debian packages.
-PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib"}
+PACKAGES = {"numpy": "python3-numpy", "scipy": "python3-scipy", "matplotlib": "python3-matplotlib",
+            "PIL": "python3-pil"}
 
 # The shortest arguments of programs without tests of their own, as a list of commands.
 PROGRAMS = {
@@ -135,6 +144,7 @@ def copy_tree(folder):
     for part in ("scenes", "tools", "bench", "core", "tests/references/scenes", "tests/smoke"):
         shutil.copytree(ROOT / part, folder / part, ignore=generated)
     (folder / "docs").mkdir()
+    shutil.copy(ROOT / "docs/gallery.md", folder / "docs")
 
 
 def check_generated(arguments, _, failures):
@@ -213,7 +223,10 @@ def check_layers(sheaf, image, folder, failures):
 
 def missing_packages(script):
     """Debian packages of the missing modules that a script imports."""
-    modules = set(re.findall(r"^(?:import|from) (\w+)", script.read_text(), re.MULTILINE))
+    texts = [script.read_text()]
+    if script.name == "make_gallery.py":
+        texts += [module.read_text() for module in (script.parent / "gallery").glob("*.py")]
+    modules = set(re.findall(r"^(?:import|from) (\w+)", "\n".join(texts), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
         if (script.parent / f"{module}.py").exists() or (script.parent / module).is_dir():
             continue

@@ -12,29 +12,29 @@ BLOCK = 16  # pixels per side
 class Image:
     """A rendered or computed image.
 
-    picture: linear Rec. 709, height x width x 3, at the samples per pixel of the case; the page shows it.
-    mean: the best estimate of the expectation; `picture`, or the mean of several runs.
+    pixels: linear Rec. 709, height x width x 3, at the samples per pixel of the case; the page shows it.
+    mean: the best estimate of the expectation; `pixels`, or the mean of several runs.
     variance: of `mean` per value, from `replicates` sets; None if unknown. 0 for closed forms.
-    pictures: how many renders like `picture` make up `mean`.
-    seconds: CPU time of `picture`; None for closed forms.
+    renders: number of renders like `pixels` that make up `mean`.
+    seconds: CPU time of `pixels`; None for closed forms.
     """
-    picture: np.ndarray
+    pixels: np.ndarray
     mean: np.ndarray
     variance: np.ndarray | None
     replicates: int = 1
-    pictures: int = 1
+    renders: int = 1
     seconds: float | None = None
 
     def rows(self, begin, end):
         """The part between two lines."""
         variance = None if self.variance is None else self.variance[begin:end]
-        return Image(self.picture[begin:end], self.mean[begin:end], variance, self.replicates,
-                     self.pictures, self.seconds)
+        return Image(self.pixels[begin:end], self.mean[begin:end], variance, self.replicates,
+                     self.renders, self.seconds)
 
 
 @dataclass(frozen=True)
 class Measures:
-    """mean_ratio: of the means over frame and channels. relative_mse: mean of (a - b)^2 / (b^2 + 0.01) of the pictures.
+    """mean_ratio: of the means over frame and channels. relative_mse: mean of (a - b)^2 / (b^2 + 0.01) of the images.
     expected_mse: the same as the variances predict it. largest_z: quantile of the normal distribution for the smallest
     p-value of all blocks. p: this p-value times the number of tests (Bonferroni), at most 1. The last three are None
     without variances."""
@@ -49,13 +49,13 @@ def compare(a, b, tolerance, block=BLOCK):
     """Compares image `a` with the reference `b`. The test ignores relative differences below `tolerance`."""
     scale = b.mean**2 + 0.01
     ratio = a.mean.mean() / b.mean.mean()
-    error = float(np.mean((a.picture - b.picture) ** 2 / scale))
+    error = float(np.mean((a.pixels - b.pixels) ** 2 / scale))
     if a.variance is None or b.variance is None:
         return Measures(ratio, error)
     tests = list(block_tests(a, b, tolerance, block))
     smallest = min(p for p, _ in tests)
     z = max(z for _, z in tests)
-    expected = float(np.mean((a.variance * a.pictures + b.variance * b.pictures) / scale))
+    expected = float(np.mean((a.variance * a.renders + b.variance * b.renders) / scale))
     return Measures(ratio, error, expected, z, min(1.0, len(tests) * smallest))
 
 

@@ -1,4 +1,4 @@
-"""Writes docs/validation.md and its pictures."""
+"""Writes docs/validation.md and its images."""
 
 import re
 import struct
@@ -70,16 +70,16 @@ def write_png(path, image):
                      chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
 
 
-def write_pictures(pictures, folder, mitsuba):
+def write_images(images, folder, mitsuba):
     """Writes {name: 8-bit array}, as JPEG with Mitsuba or else as PNG. Returns the file extension."""
     folder.mkdir(parents=True, exist_ok=True)
-    for name in pictures:
+    for name in images:
         for extension in ("jpg", "png"):
             (folder / f"{name}.{extension}").unlink(missing_ok=True)
     if mitsuba:
-        mitsuba.encode(pictures, folder)
+        mitsuba.encode(images, folder)
         return "jpg"
-    for name, image in pictures.items():
+    for name, image in images.items():
         write_png(folder / f"{name}.png", image)
     return "png"
 
@@ -106,7 +106,7 @@ def result_cells(result):
 
 
 def row_section(row, results, extension):
-    """The section of a row: text, pictures and measures."""
+    """The section of a row: text, images and measures."""
     parts = [f"## {row.title}\n", row.text + "\n"]
     if row.difference:
         parts.append(f"**Differences by design.** {row.difference}\n")
@@ -116,10 +116,10 @@ def row_section(row, results, extension):
     for label in labels:
         of_label = [r for r in results if r.label == label]
         shown = {r.reference: r.reference_picture for r in of_label if r.reference_picture}
-        pictures = [of_label[0].picture, *(shown.get(reference, "") for reference in references)]
+        images = [of_label[0].image, *(shown.get(reference, "") for reference in references)]
         names = ["Sheaf", *references]
         lines.append([label] + [f"![{label}, {n}](validation/{p}.{extension})" if p else ""
-                                for n, p in zip(names, pictures)])
+                                for n, p in zip(names, images)])
     parts.append(table(["", "Sheaf", *references], lines))
     parts.append(table(["", "reference", "ratio of means", "relative MSE", "largest z", "p", "CPU time", "reference's",
                         "result"], [result_cells(r) for r in results]))

@@ -54,19 +54,19 @@ class Sheaf:
             spp, options = QUICK_SPP, (*options, "--scale", QUICK_SCALE)
         replicates = min(REPLICATES, spp) if has_variance and runs == 1 else 0
         output = self.folder / "sheaf.exr"
-        pictures, seconds = [], []
+        renders, seconds = [], []
         for seed in range(1, runs + 1):
             command = [self.program, "render", self.scenes / scene, "-o", output, "--spp", spp, "--seed", seed,
                        "--threads", self.threads, "--color", color, "--quiet", *options]
             if replicates:
                 command += ["--replicates", replicates]
             seconds.append(run(command)[1])
-            pictures.append(read_rgb(output, layer))
-        mean = np.mean(pictures, axis=0)
+            renders.append(read_rgb(output, layer))
+        mean = np.mean(renders, axis=0)
         if runs > 1:
-            return Image(pictures[0], mean, np.var(pictures, axis=0, ddof=1) / runs, runs, runs, seconds[0])
+            return Image(renders[0], mean, np.var(renders, axis=0, ddof=1) / runs, runs, runs, seconds[0])
         variance = read_rgb(output, "variance.") if replicates else None
-        return Image(pictures[0], mean, variance, replicates, 1, seconds[0])
+        return Image(renders[0], mean, variance, replicates, 1, seconds[0])
 
 
 class Mitsuba:
@@ -120,11 +120,11 @@ class Pbrt:
             runs = min(REPLICATES, spp)
             output = self.folder / "pbrt.exr"
             threads = ["--nthreads", self.threads] if self.threads else []
-            pictures, seconds = [], 0
+            renders, seconds = [], 0
             for seed in range(1, runs + 1):
                 command = [self.program, "--quiet", "--seed", seed, "--spp", spp // runs, *threads, "--outfile", output]
                 seconds += run([*command, self.scenes / scene])[1]
-                pictures.append(read_rgb(output))
-            mean = np.mean(pictures, axis=0)
-            self.images[scene] = Image(mean, mean, np.var(pictures, axis=0, ddof=1) / runs, runs, 1, seconds)
+                renders.append(read_rgb(output))
+            mean = np.mean(renders, axis=0)
+            self.images[scene] = Image(mean, mean, np.var(renders, axis=0, ddof=1) / runs, runs, 1, seconds)
         return self.images[scene]

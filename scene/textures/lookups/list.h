@@ -15,7 +15,9 @@ concept Implemented = TextureLookups<typename LookupOf<Description>::Type> &&
     std::same_as<typename LookupOf<Description>::Type::Description, Description>;
 
 template <class List> struct TextureList;
-template <Implemented... Descriptions> struct TextureList<TextureKindList<Descriptions...>> {
+template <class... Descriptions> struct TextureList<TextureKindList<Descriptions...>> {
+  static_assert((Implemented<Descriptions> && ...), "a kind in scene/textures/list.h has no lookups");
+
   /// Calls f.operator()<Texture>() for the kind.
   template <class F> static SHEAF_INLINE auto with(TextureKind kind, F&& f) {
     return with<F, Descriptions...>(kind, f);

@@ -1,0 +1,1 @@
+"""Renders the images of docs/gallery.md."""

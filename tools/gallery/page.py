@@ -1,0 +1,37 @@
+"""Reads the images of docs/gallery.md and the commands that render them."""
+
+import re
+import shlex
+from dataclasses import dataclass
+
+
+@dataclass
+class GalleryImage:
+    name: str  # docs/gallery/NAME.jpg
+    commands: list  # lists of words, each a `sheaf render`
+
+    def outputs(self):
+        """The files that the commands write, in their order."""
+        return [word for command in self.commands
+                for before, word in zip(command, command[1:]) if before in ("-o", "--output")]
+
+
+def read_images(page):
+    """Returns the images of the page. The commands of an image are those of the last code block before it."""
+    images, commands = [], []
+    for block, name in re.findall(r"^```\n(.*?)^```|!\[[^]]*\]\(gallery/(\w+)\.jpg\)", page.read_text(),
+                                  re.MULTILINE | re.DOTALL):
+        if name:
+            if not commands:
+                raise ValueError(f"{page}: no code block with a command before gallery/{name}.jpg")
+            images.append(GalleryImage(name, commands))
+            commands = []
+        else:
+            lines = [shlex.split(line, comments=True) for line in block.splitlines()]
+            commands = [line for line in lines if line[:2] == ["sheaf", "render"]]
+    return images
+
+
+def read_scripts(page):
+    """Returns the commands that write the files of scenes, as lists of words."""
+    return [line.split() for line in re.findall(r"^tools/make_\w+\.py.*$", page.read_text(), re.MULTILINE)]
