@@ -272,9 +272,12 @@ def ball_view(rows=3):
 
 def ball_labels():
     """The names of the materials on the front of the shelves; see strip_labels()."""
-    view = ball_view()
-    return [(label, *view.place(1.06 * (i % COLUMNS), -SHELF * (i // COLUMNS) - 0.44 - BOARD / 2, DEPTH), "centre")
-            for i, (label, _) in enumerate(material_kinds())]
+    view, labels = ball_view(), []
+    for i, (label, _) in enumerate(material_kinds()):
+        x, _ = view.place(1.06 * (i % COLUMNS), 0)
+        _, y = view.place(0, -SHELF * (i // COLUMNS) - 0.44 - BOARD / 2, DEPTH)
+        labels.append((label, x, y, "centre"))
+    return labels
 
 
 def make_material_balls():
