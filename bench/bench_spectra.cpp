@@ -111,13 +111,13 @@ Envmap random_map(std::uint32_t width, std::uint32_t height) {
 }
 
 /// Lookups in random directions, in a map of 2 MB of colours.
-template <class L, ColorMode Mode> void environment(benchmark::State& state) {
+template <class L, ColorMode kMode> void environment(benchmark::State& state) {
   Envmap map = random_map(512, 256);
   uplift_nodes(map);
   const EnvmapView view = map.view();
   run<L>(state, 1, [&](const Paths& paths, int i, const Wavelengths<L>& w) {
     const Vec3<L> c = paths.color<L>(i);
-    const auto value = lookup_envmap<L, Mode>(view, square_to_sphere<L>(c.x, c.y), w.lambda);
+    const auto value = lookup_envmap<L, kMode>(view, square_to_sphere<L>(c.x, c.y), w.lambda);
     return value.radiance * value.pdf_solid_angle;
   });
 }

@@ -12,7 +12,7 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 set(SHEAF_LONG_TESTS
   smoke_generate preview cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
   photon_mapping photon_media
-  light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes
+  light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes docs_commands docs_snippets
   media_estimators smoke_benchmarks
   uplift nanovdb envmap_light light_emit bsdf_list bsdf_principled media_tracking furnaces light_estimators spectral_render
   instancing_render determinism cli_render cli)

@@ -84,7 +84,7 @@ template <class L, int kHalves> class TileFilter {
   };
 
   /// Number of halves that a filter keeps apart.
-  static constexpr int halves_of(int filter) { return filter == kMostlyFeatures ? 1 : kHalves; }
+  static constexpr int halves_of(int filter) { return std::min(filter == kMostlyFeatures ? 1 : 2, kHalves); }
   /// Index of the first sum of a filter and half within a row, for sums_ or shared_.
   static constexpr int first_sum(int filter, int half, int mean_sums, int plane_sums) {
     int first = 0;

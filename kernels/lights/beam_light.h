@@ -11,7 +11,7 @@ struct BeamLight {
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
   /// Never valid: only points on the ray receive light.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     LightSample<L> s = sample_position<L>(lights.light, lights.light.template data<BeamLightData>().position, from);
@@ -19,7 +19,7 @@ struct BeamLight {
     return s;
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>&,
                                              TextureQuery<L>&) {
     const BeamLightData<L> beam = lights.light.template data<BeamLightData>();

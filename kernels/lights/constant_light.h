@@ -10,7 +10,7 @@ struct ConstantLight {
   using Kind = ConstantLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     LightSample<L> s;
@@ -22,13 +22,13 @@ struct ConstantLight {
     return s;
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView&, const LightRow&, const Spectrum<L>& emitted, Vec3<L>,
                                               const Spectrum<L>&) {
     return {emitted, Float<L>(kUniformSpherePdf)};
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     return emit_from_infinity<L>(lights.scene, square_to_sphere<L>(b.x, b.y), lights.light.radiance,

@@ -10,7 +10,7 @@ struct DirectionalLight {
   using Kind = DirectionalLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     LightSample<L> s;
@@ -22,7 +22,7 @@ struct DirectionalLight {
     return s;
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>&,
                                              TextureQuery<L>&) {
     const Vec3<L> to_light = lights.light.template data<DirectionalLightData>().to_light;

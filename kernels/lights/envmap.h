@@ -74,13 +74,13 @@ template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes,
 }
 
 /// Radiance at a position in a cell. Spectral mode: at `lambda`.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE Spectrum<L> radiance_at(const EnvmapView& map, const EnvmapNodes<L>& nodes, const EnvmapCell<L>& cell,
                                      const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto between = [&](F a, F b, F c, F d) SHEAF_LAMBDA_INLINE { return mix<L>(at, a, b, c, d); };
-  if constexpr (Mode == ColorMode::kSpectral) {
+  if constexpr (kMode == ColorMode::kSpectral) {
     const U above = cell.row * U(map.width), below = above + U(map.width), last(map.width - 1);
     const U next = select(cell.column == last, U(0u), cell.column + U(1u));
     const U node[4] = {above + cell.column, below + cell.column, above + next, below + next};
@@ -123,7 +123,7 @@ template <class F> SHEAF_INLINE F sample_linear(F u, F a, F b) {
 }  // namespace detail
 
 /// Radiance from `direction` (unit length) and its pdf. Spectral mode: at `lambda`.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> direction, const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -142,7 +142,7 @@ SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> directi
                                    min(to_uint(down), U(map.height - 2))};
   const detail::EnvmapPlace<L> at{across - to_float(after), down - to_float(cell.row)};
   const auto nodes = detail::load_nodes<L>(map, cell);
-  return {detail::radiance_at<L, Mode>(map, nodes, cell, at, lambda),
+  return {detail::radiance_at<L, kMode>(map, nodes, cell, at, lambda),
           detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta)};
 }
 
@@ -193,7 +193,7 @@ template <class L> SHEAF_INLINE void prefetch_envmap_nodes(const EnvmapView& map
 
 /// Samples a direction within a cell by the remainders of u and v. Both mappings are inversions, so stratification is
 /// preserved. Spectral mode: radiance at `lambda`.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDraw<L>& drawn,
                                            const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
@@ -221,18 +221,18 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDr
   out.direction = {fma(F(m[0]), local.x, fma(F(m[3]), local.y, F(m[6]) * local.z)),
                    fma(F(m[1]), local.x, fma(F(m[4]), local.y, F(m[7]) * local.z)),
                    fma(F(m[2]), local.x, fma(F(m[5]), local.y, F(m[8]) * local.z))};
-  out.radiance = detail::radiance_at<L, Mode>(map, nodes, cell, at, lambda);
+  out.radiance = detail::radiance_at<L, kMode>(map, nodes, cell, at, lambda);
   out.pdf_solid_angle = detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta);
   return out;
 }
 
 /// Samples cell and direction by u and v.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, Float<L> u, Float<L> v,
                                            const Spectrum<L>& lambda = {}) {
   EnvmapDraw<L> drawn = draw_envmap_row<L>(map, v);
   draw_envmap_column<L>(map, u, drawn);
-  return sample_envmap<L, Mode>(map, drawn, lambda);
+  return sample_envmap<L, kMode>(map, drawn, lambda);
 }
 
 }  // namespace sheaf

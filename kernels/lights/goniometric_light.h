@@ -11,7 +11,7 @@ struct GoniometricLight {
   using Kind = GoniometricLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();
@@ -22,7 +22,7 @@ struct GoniometricLight {
   }
 
   /// Uniform directions, weighted by the image.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();

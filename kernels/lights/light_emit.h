@@ -21,23 +21,23 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& f
 
 /// Emits a photon from each light chosen by choose_light_by_power(). a.y, a.z and a.w choose the position, b.x, b.y and
 /// b.z the direction. Spectral mode: flux at `lambda`, per nanometre.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choice, const Random4<L>& a,
                               const Random4<L>& b, const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   LightRecord<L> light = load_lights<L>(scene, choice.light);
-  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
+  if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
   PhotonEmission<L> e{};
   TextureQuery<L> query{};
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(kLightKind<typename Light::Kind>);
     if (!any(active)) return;
-    light_emit_detail::merge<L>(active, Light::template emit<L, Mode>({scene, light, active, lambda}, a, b, query), e);
+    light_emit_detail::merge<L>(active, Light::template emit<L, kMode>({scene, light, active, lambda}, a, b, query), e);
   });
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = e.valid & (light.texture != Uint<L>(kNone));
-  if (any(textured)) e.flux = e.flux * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
+  if (any(textured)) e.flux = e.flux * light_textures<L, kMode>(scene, light.texture, textured, query, lambda);
   const auto chosen = choice.probability > F(0.0f);
   e.flux = e.flux * (F(1.0f) / select(chosen, choice.probability, F(1.0f)));
   e.valid = e.valid & chosen & is_finite(e.direction) & is_finite(max_component(e.flux));

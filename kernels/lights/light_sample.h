@@ -24,7 +24,7 @@ SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L
 
 /// Values of the lights' textures, clamped to at least 0; 1 for lights without texture. Lanes of a register may have
 /// different textures. `lambda`: spectral mode.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> active, const TextureQuery<L>& query,
                            const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
@@ -35,7 +35,7 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
     const std::uint32_t row = lanes[std::countr_zero(left)];
     const auto same = texture == U(row);
     Spectrum<L> value = lookup_texture<L>(scene.textures, row, query);
-    if constexpr (Mode == ColorMode::kSpectral) value = uplifted_light<L>(scene, value, lambda);
+    if constexpr (kMode == ColorMode::kSpectral) value = uplifted_light<L>(scene, value, lambda);
     const F zero(0.0f);
     out = select<L>(same, {max(value.c0, zero), max(value.c1, zero), max(value.c2, zero), max(value.c3, zero)}, out);
     left &= ~mask_bits(same);
@@ -46,11 +46,11 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
 namespace light_detail {
 
 /// Samples a light of type `Light` in the lanes of `active`.
-template <class L, ColorMode Mode, class Light>
+template <class L, ColorMode kMode, class Light>
 SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
                                         const EnvmapDraw<L>* drawn, TextureQuery<L>& texture) {
-  LightSample<L> s = Light::template sample<L, Mode>({scene, light, active, lambda, drawn}, from, u, texture);
+  LightSample<L> s = Light::template sample<L, kMode>({scene, light, active, lambda, drawn}, from, u, texture);
   s.delta = Mask<L>(Light::kHitKind == LightHitKind::kNever);
   return s;
 }
@@ -65,7 +65,7 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 }
 
 /// sample_given_light() if not all lights are meshes. Not inlined, because the code of all kinds is large.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 [[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                      const Random4<L>& u, const Spectrum<L>& lambda,
                                                      const EnvmapDraw<L>* drawn, TextureQuery<L>& query) {
@@ -73,7 +73,7 @@ template <class L, ColorMode Mode>
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(kLightKind<typename Light::Kind>);
     if (any(active))
-      merge<L>(active, sample_kind<L, Mode, Light>(scene, from, light, active, u, lambda, drawn, query), s);
+      merge<L>(active, sample_kind<L, kMode, Light>(scene, from, light, active, u, lambda, drawn, query), s);
   });
   return s;
 }
@@ -82,31 +82,31 @@ template <class L, ColorMode Mode>
 
 /// Samples a direction towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the light. In
 /// spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                const Random4<L>& u, const Spectrum<L>& lambda = {},
                                                const EnvmapDraw<L>* drawn = nullptr) {
   using namespace light_detail;
   TextureQuery<L> query{};
   const auto mesh = light.is(kLightKind<MeshLightKind>);
-  LightSample<L> s = all(mesh) ? sample_kind<L, Mode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
-                               : sample_mixed_lights<L, Mode>(scene, from, light, u, lambda, drawn, query);
+  LightSample<L> s = all(mesh) ? sample_kind<L, kMode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
+                               : sample_mixed_lights<L, kMode>(scene, from, light, u, lambda, drawn, query);
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   s.target_medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
-  if (any(textured)) s.radiance = s.radiance * light_textures<L, Mode>(scene, light.texture, textured, query, lambda);
+  if (any(textured)) s.radiance = s.radiance * light_textures<L, kMode>(scene, light.texture, textured, query, lambda);
   return s;
 }
 
 /// Samples a direction from `from` towards the chosen lights. The pdf includes the choice. `lambda`: wavelengths in
 /// spectral mode. `drawn`: see LightQuery.
-template <class L, ColorMode Mode = ColorMode::kRgb>
+template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
                                          const Random4<L>& u, const Spectrum<L>& lambda = {},
                                          const EnvmapDraw<L>* drawn = nullptr) {
   LightRecord<L> light = load_lights<L>(scene, choice.light);
-  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
-  LightSample<L> s = sample_given_light<L, Mode>(scene, from, light, u, lambda, drawn);
+  if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
+  LightSample<L> s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn);
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
   return s;
 }
@@ -140,19 +140,19 @@ inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
 
 /// Radiance from `direction` of light `index`, which must surround the scene. Includes the pdf with which
 /// sample_given_light() samples that direction, without the choice of the light. `lambda`: spectral mode.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
                                               const Spectrum<L>& lambda) {
   using F = Float<L>;
   const LightRow& light = scene.lights.rows[index];
   const Spectrum4& rgb = light.radiance;
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
-  if constexpr (Mode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
+  if constexpr (kMode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
   EnvmapValue<L> value{};
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     if constexpr (Light::kHitKind == LightHitKind::kEscape)
       if (light.is(kLightKind<typename Light::Kind>))
-        value = Light::template arriving<L, Mode>(scene, light, emitted, direction, lambda);
+        value = Light::template arriving<L, kMode>(scene, light, emitted, direction, lambda);
   });
   return value;
 }

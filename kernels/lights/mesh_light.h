@@ -11,7 +11,7 @@ struct MeshLight {
   using Kind = MeshLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     return sample_towards<L>(from, point<L>(lights, u, texture), lights.light);
@@ -21,7 +21,7 @@ struct MeshLight {
     return pdf_seen<L>(Float<L>(1.0f) / lights.light.template data<MeshLightData>().area, hit);
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     return emit_from<L>(point<L>(lights, a, texture), lights.light, b);

@@ -41,13 +41,13 @@ struct PointLight {
   using Kind = PointLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>&) {
     return sample_position<L>(lights.light, lights.light.template data<PointLightData>().position, from);
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>&) {
     return emit_from_position<L>(lights.light, lights.light.template data<PointLightData>().position,

@@ -10,7 +10,7 @@ struct ProjectorLight {
   using Kind = ProjectorLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     using F = Float<L>;
@@ -33,7 +33,7 @@ struct ProjectorLight {
 
   /// Uniform over the image. Unless the light is even, its intensity is proportional to 1 / cos^3, as is the pdf of the
   /// directions.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     using F = Float<L>;

@@ -47,7 +47,7 @@ struct QuadricLight {
   using Kind = QuadricLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     return sample_towards<L>(from, point_on_quadric<L>(lights, data<L>(lights), u, texture), lights.light);
@@ -65,7 +65,7 @@ struct QuadricLight {
     return pdf_seen<L>(length(back) / max(light.canonical_area * q.determinant, F(1e-37f)), hit);
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     return emit_from<L>(point_on_quadric<L>(lights, data<L>(lights), a, texture), lights.light, b);

@@ -17,7 +17,7 @@ struct SphereLight {
   using Kind = SphereLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>& texture) {
     using F = Float<L>;
@@ -61,7 +61,7 @@ struct SphereLight {
     return select(outside, F(0.5f * kInvPi) / select(outside, one_minus_cos_max, F(1.0f)), F(0.0f));
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     const SphereLightData<L> sphere = lights.light.template data<SphereLightData>();

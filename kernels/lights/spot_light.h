@@ -17,7 +17,7 @@ template <class SpotKind> struct SpotLight {
   using Kind = SpotKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
     const auto spot = data<L>(lights);
@@ -30,7 +30,7 @@ template <class SpotKind> struct SpotLight {
   }
 
   /// Uniform directions in the cone, weighted by the falloff.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     using F = Float<L>;

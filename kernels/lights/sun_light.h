@@ -10,7 +10,7 @@ struct SunLight {
   using Kind = SunLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kEscape;
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     const SunLightData<L> sun = lights.light.template data<SunLightData>();
@@ -24,7 +24,7 @@ struct SunLight {
   }
 
   /// 1 - cos of the angle between unit vectors is half their squared distance; accurate for small angles.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE EnvmapValue<L> arriving(const SceneView&, const LightRow& light, const Spectrum<L>& emitted,
                                               Vec3<L> direction, const Spectrum<L>&) {
     using F = Float<L>;
@@ -33,7 +33,7 @@ struct SunLight {
     return {select<L>(seen, emitted, Spectrum<L>(F(0.0f))), select(seen, pdf<L>(F(sun.one_minus_cos)), F(0.0f))};
   }
 
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     const SunLightData<L> sun = lights.light.template data<SunLightData>();

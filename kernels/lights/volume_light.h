@@ -67,7 +67,7 @@ struct VolumeLight {
   static constexpr LightHitKind kHitKind = LightHitKind::kMedium;
 
   /// `radiance` of the sample is per metre.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {
     using F = Float<L>;
@@ -88,7 +88,7 @@ struct VolumeLight {
   }
 
   /// Isotropic directions.
-  template <class L, ColorMode Mode>
+  template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>& a, const Random4<L>& b,
                                              TextureQuery<L>&) {
     using F = Float<L>;

@@ -50,6 +50,8 @@ double RenderReport::samples_factor(double target) const { return noise ? (*nois
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// The name of a light in the report: its location in the scene file, or else its row.
 std::string light_name(const RenderReport& report, std::size_t light) {
   const bool known = light < report.light_source_locations.size() && !report.light_source_locations[light].empty();
@@ -62,8 +64,8 @@ double total_light_radiance(const Stats& stats) {
   return total;
 }
 
-nlohmann::ordered_json lights_json(const RenderReport& report) {
-  nlohmann::ordered_json lights = nlohmann::ordered_json::array();
+Json lights_json(const RenderReport& report) {
+  Json lights = Json::array();
   const double total = total_light_radiance(report.stats);
   for (const std::size_t i : costliest_lights(report.stats)) {
     const LightStats& light = report.stats.lights[i];
@@ -103,7 +105,7 @@ std::string adaptive_line(const RenderReport& report) {
   return text + "\n";
 }
 
-nlohmann::ordered_json adaptive_json(const RenderReport& report) {
+Json adaptive_json(const RenderReport& report) {
   if (!report.adaptive) return {};
   const AdaptiveSummary& a = *report.adaptive;
   return {{"noise_target", a.noise_target}, {"mean_spp", a.mean_samples}, {"min_spp", a.min_samples},
@@ -126,11 +128,7 @@ std::string noise_line(const RenderReport& report) {
   return text + "\n";
 }
 
-}  // namespace
-
-std::string to_json(const RenderReport& report) {
-  using Json = nlohmann::ordered_json;
-  // Collect the stages
+Json stages_json(const RenderReport& report) {
   Json stages = Json::array();
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
     const StageStats& stage = report.stats.stages[i];
@@ -141,7 +139,12 @@ std::string to_json(const RenderReport& report) {
                       {"ns_per_item", stage.ns_per_item()},
                       {"lane_fill", stage.lane_fill()}});
   }
-  // Build the report
+  return stages;
+}
+
+}  // namespace
+
+std::string to_json(const RenderReport& report) {
   const Stats::Rays& rays = report.stats.rays;
   const Json json{
       {"scene", report.scene},
@@ -180,7 +183,7 @@ std::string to_json(const RenderReport& report) {
       {"noise", report.noise ? Json(*report.noise) : Json()},
       {"seconds_to_one_percent", report.noise ? Json(report.render_seconds * report.samples_factor(0.01)) : Json()},
       {"adaptive", adaptive_json(report)},
-      {"stages", stages},
+      {"stages", stages_json(report)},
       {"lights", lights_json(report)},
       {"collisions",
        {{"real", report.stats.collisions.real},

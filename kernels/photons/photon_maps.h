@@ -80,13 +80,13 @@ template <class L> SHEAF_INLINE Mask<L> is_caustic(const StageContext& context, 
 
 /// RayFlags for the history of a path after a vertex. `before`: flags of the ray that hit the vertex; `specular`: lanes
 /// that scattered specularly.
-template <class L, bool InMedium>
+template <class L, bool kInMedium>
 SHEAF_INLINE Uint<L> history_behind(const StageContext& context, Uint<L> before, Mask<L> specular) {
   using U = Uint<L>;
   const U kept = before & U(kRayHistory);
   if (context.starts_at_lights())
-    return kept | (InMedium ? U(kRayDiffuse) : select(specular, U(kRaySpecular), U(kRayDiffuse)));
-  if (InMedium) return kept | U(kRayScatteredInMedium);
+    return kept | (kInMedium ? U(kRayDiffuse) : select(specular, U(kRaySpecular), U(kRayDiffuse)));
+  if (kInMedium) return kept | U(kRayScatteredInMedium);
   return select(specular, kept, U(kRayDiffuse));
 }
 

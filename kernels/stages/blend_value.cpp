@@ -36,7 +36,7 @@ const auto kSpectraOf = [] {
 
 /// Computes the parameters of a part's closure from its material row and textures. All kinds share this code, as most
 /// of it is texture lookups.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 [[gnu::noinline]] void part_words(const SceneView& scene, std::uint32_t row, const BlendPoint<L>& at,
                                   Float<L> (&words)[kMaxClosureWords]) {
   const MaterialRow& m = scene.materials.rows[row];
@@ -45,14 +45,14 @@ template <class L, ColorMode Mode>
     const Float<L> channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < count; ++k) words[word + k] = channels[k];
   };
-  if constexpr (Mode == ColorMode::kSpectral) {
+  if constexpr (kMode == ColorMode::kSpectral) {
     const ClosureSpectra& spectra = kSpectraOf[static_cast<std::size_t>(m.kind)];
     for (int k = 0; k < spectra.count; ++k)
       put(static_cast<std::uint32_t>(spectra.word[k]), 4, closure_spectrum<L>(scene, Uint<L>(row), k, at.lambda));
   }
   for (std::uint32_t b = 0; b < m.binding_count; ++b) {
     const TextureBinding& binding = scene.materials.bindings[m.first_binding + b];
-    put(binding.word, binding.words, shading_texture<L, Mode>(scene, binding, at.query, at.lambda));
+    put(binding.word, binding.words, shading_texture<L, kMode>(scene, binding, at.query, at.lambda));
   }
 }
 
@@ -160,7 +160,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   const auto behind = dot(at.y.ng, ray.direction) > F(0.0f);
   BlendValue<L> out{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
   const LaneArray<U> roots(shape.material);
-  with_color_mode(scene, [&]<ColorMode Mode>() { at.lambda = shading_wavelengths<L, Mode>(wave, slots); });
+  with_color_mode(scene, [&]<ColorMode kMode>() { at.lambda = shading_wavelengths<L, kMode>(wave, slots); });
   // Evaluate one blend at a time, for all lanes on the same side of it.
   while (any(lanes)) {
     const int first = std::countr_zero(mask_bits(lanes));

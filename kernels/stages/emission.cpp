@@ -63,7 +63,7 @@ bool has_surroundings(const SceneView& scene) {
 }
 
 /// Adds environment maps and suns.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -80,11 +80,11 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   // Add each light, weighted by MIS
   const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
-  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
+  const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
   const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
   for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light) {
     if (!surrounds_scene(scene, light)) continue;
-    const EnvmapValue<L> arriving = environment_value<L, Mode>(scene, light, ray.direction, lambda);
+    const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
     const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf,
                                         probability * arriving.pdf_solid_angle * from.light_ratio) /
@@ -93,8 +93,8 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   }
 }
 
-/// Adds area lights. `Textured`: some light may have a texture.
-template <class L, ColorMode Mode, bool Textured>
+/// Adds area lights. `kTextured`: some light may have a texture.
+template <class L, ColorMode kMode, bool kTextured>
 SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -103,15 +103,15 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const PathState<L> path = wave.paths.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
-  const auto y = surface_point<L, Textured>(context.scene, shape, hit.primitive, hit.u, hit.v,
-                                            ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y = surface_point<L, kTextured>(context.scene, shape, hit.primitive, hit.u, hit.v,
+                                             ray.origin + ray.direction * hit.t, hit.instance);
   // Evaluate the emitted radiance
   LightRecord<L> light = load_lights<L>(context.scene, hit.light);
-  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, slots);
-  if constexpr (Mode == ColorMode::kSpectral) light.radiance = light_spectra<L>(context.scene, hit.light, lambda);
-  if constexpr (Textured)
-    light.radiance = light.radiance * light_textures<L, Mode>(context.scene, light.texture, L::first(count),
-                                                              {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
+  const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
+  if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(context.scene, hit.light, lambda);
+  if constexpr (kTextured)
+    light.radiance = light.radiance * light_textures<L, kMode>(context.scene, light.texture, L::first(count),
+                                                               {y.uv, hit.shape, hit.primitive, hit.u, hit.v}, lambda);
 
   // Find the lanes that see the light
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);
@@ -140,15 +140,15 @@ template <class L> void emission(const StageContext& context, Wave& wave) noexce
   timer.count(lights, L::width);
   wave.miss.pad();
   wave.emitter.pad();
-  with_color_mode(context.scene, [&]<ColorMode Mode>() {
+  with_color_mode(context.scene, [&]<ColorMode kMode>() {
     for_tiles<L>(misses,
-                 [&](int i, int count) { environment_tile<L, Mode>(context, wave, wave.miss.data() + i, count); });
+                 [&](int i, int count) { environment_tile<L, kMode>(context, wave, wave.miss.data() + i, count); });
     for_tiles<L>(lights, [&](int i, int count) {
       const Slot* slots = wave.emitter.data() + i;
       if (context.scene.lights.has_textured_area_lights) {
-        area_light_tile<L, Mode, true>(context, wave, slots, count);
+        area_light_tile<L, kMode, true>(context, wave, slots, count);
       } else {
-        area_light_tile<L, Mode, false>(context, wave, slots, count);
+        area_light_tile<L, kMode, false>(context, wave, slots, count);
       }
     });
   });

@@ -53,12 +53,12 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
 }
 
 /// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
                                  const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
   using F = Float<L>;
-  const LightSample<L> light = sample_light<L, Mode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
-                                                     tile.u, shading_wavelengths<L, Mode>(wave, tile.slots), drawn);
+  const LightSample<L> light = sample_light<L, kMode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
+                                                      tile.u, shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;
@@ -88,20 +88,20 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
 /// following ones are at earlier steps, so that no step waits for memory that the previous one has prefetched.
 enum CandidateStep { kCandidates, kColumns, kRows, kNumbers };
 
-/// Not a template over the closure, so that all kinds share one copy of the code. `DrawsMap`: the scene has an
+/// Not a template over the closure, so that all kinds share one copy of the code. `kDrawsMap`: the scene has an
 /// environment map and no bounded lights; the rows and columns of the map are sampled in separate steps.
-template <class L, bool DrawsMap>
+template <class L, bool kDrawsMap>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {
   const SceneView& scene = context.scene;
-  constexpr int kAhead = DrawsMap ? kNumbers : 1, kRing = std::bit_ceil(kAhead + 1u);
+  constexpr int kAhead = kDrawsMap ? kNumbers : 1, kRing = std::bit_ceil(kAhead + 1u);
   const Slot* const slots = wave.sorted.data() + run.slot_begin;
   const int tiles = (run.count + L::width - 1) / L::width, groups = (tiles + kTogether - 1) / kTogether;
   CandidateTile<L> ring[kRing][kTogether];
-  EnvmapDraw<L> drawn[DrawsMap ? kRing : 1][kTogether];
+  EnvmapDraw<L> drawn[kDrawsMap ? kRing : 1][kTogether];
   LightChoice<L> choices[kTogether];
   const auto has = [groups](int group) { return group >= 0 && group < groups; };
-  with_color_mode(scene, [&]<ColorMode Mode>() {
+  with_color_mode(scene, [&]<ColorMode kMode>() {
     for (int group = -kAhead; group < groups; ++group) {
       const int numbers = group + kAhead, rows = group + kRows, columns = group + kColumns;
       // Draw random numbers
@@ -112,13 +112,13 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
                                     numbers_of<L>(context, wave, slots + begin, set)};
       }
       // Sample rows of the environment map
-      for (int i = 0; i < kTogether && DrawsMap && has(rows); ++i) {
+      for (int i = 0; i < kTogether && kDrawsMap && has(rows); ++i) {
         const Random4<L>& u = ring[rows % kRing][i].u;
         drawn[rows % kRing][i] = draw_envmap_row<L>(scene.lights.envmap, u.z);
         prefetch_envmap_column<L>(scene.lights.envmap, u.y, drawn[rows % kRing][i]);
       }
       // Sample columns of the environment map
-      for (int i = 0; i < kTogether && DrawsMap && has(columns); ++i) {
+      for (int i = 0; i < kTogether && kDrawsMap && has(columns); ++i) {
         draw_envmap_column<L>(scene.lights.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
         prefetch_envmap_nodes<L>(scene.lights.envmap, drawn[columns % kRing][i]);
       }
@@ -127,8 +127,8 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
       const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
       choose_for<L>(context, wave, now, set.index == 0, in_medium, mapped_parts, choices);
       for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)
-        candidate_tile<L, Mode>(context, wave, now[i], choices[i], in_medium,
-                                DrawsMap ? &drawn[group % kRing][i] : nullptr);
+        candidate_tile<L, kMode>(context, wave, now[i], choices[i], in_medium,
+                                 kDrawsMap ? &drawn[group % kRing][i] : nullptr);
     }
   });
 }

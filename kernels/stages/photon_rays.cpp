@@ -49,7 +49,7 @@ SHEAF_INLINE Vec3<L> enter_outer_medium(const SceneView& scene, Vec3<L> origin, 
   return select<L>(meets, origin + direction * t, origin);
 }
 
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
   using F = Float<L>;
   using U = Uint<L>;
@@ -66,13 +66,13 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   const Random4<L> a = number(SampleBlock::kLight), b = number(SampleBlock::kScatter);
   const Random4<L> c = number(SampleBlock::kWavelength);
   const F one = c.x;
-  if constexpr (Mode == ColorMode::kSpectral)
+  if constexpr (kMode == ColorMode::kSpectral)
     scatter_wavelength_samples<L>(wave, slots, count,
                                   context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
   // Select a light and emit the photon
   const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);
-  PhotonEmission<L> photon = emit_photon<L, Mode>(scene, choice, a, b, shading_wavelengths<L, Mode>(wave, slots));
-  if constexpr (Mode == ColorMode::kRgb) photon.flux.c3 = F(0.0f);
+  PhotonEmission<L> photon = emit_photon<L, kMode>(scene, choice, a, b, shading_wavelengths<L, kMode>(wave, slots));
+  if constexpr (kMode == ColorMode::kRgb) photon.flux.c3 = F(0.0f);
   const F brightest = max_component(photon.flux);
   auto good = photon.valid & (brightest > F(0.0f)) & L::first(count);
   const F scale = select(good, brightest, F(1.0f));
@@ -113,11 +113,11 @@ template <class L> void photon_rays(const StageContext& context, Wave& wave) noe
   if (starting <= 0) return;
   StageTimer timer(wave.stats, stage_named<L>("photon_rays"));
   timer.count(starting, L::width);
-  with_color_mode(context.scene, [&]<ColorMode Mode>() {
+  with_color_mode(context.scene, [&]<ColorMode kMode>() {
     for_tiles<L>(starting, [&](int, int count) {
       Slot slots[L::width] = {};
       for (int lane = 0; lane < count; ++lane) slots[lane] = wave.free.pop();
-      const std::uint32_t good = emit_tile<L, Mode>(context, wave, slots, count);
+      const std::uint32_t good = emit_tile<L, kMode>(context, wave, slots, count);
       wave.active.push(slots, good);
       wave.finished.push(slots, ~good & ((1u << count) - 1u));
       wave.stats.rays.light += static_cast<std::uint64_t>(std::popcount(good));

@@ -95,8 +95,8 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
 
 /// Replaces the weight and pdf of directions sampled from a part of a blend by those of the whole blend
 /// (kernels/stages/blend_value.h), including the pdf without guiding. Returns the lanes whose weight is that of the
-/// blend. `Disperses`: the part is dispersive and keeps its own weight.
-template <class L, bool Disperses>
+/// blend. `kPartDisperses`: the part is dispersive and keeps its own weight.
+template <class L, bool kPartDisperses>
 SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wave, const Slot* slots, Mask<L> lanes,
                                     GuidedSample<L>& sample) {
   using F = Float<L>;
@@ -110,7 +110,7 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
   lanes = lanes & (pdf > F(0.0f));
   s.pdf_solid_angle = select(lanes, pdf, s.pdf_solid_angle);
   sample.bsdf_pdf = select(lanes, blend.pdf_solid_angle, sample.bsdf_pdf);
-  if (Disperses) return Mask<L>(false);
+  if (kPartDisperses) return Mask<L>(false);
   lanes = lanes & (mixed_pdf > F(0.0f));
   if (guides)
     sample.guided_pdf_ratio = select(lanes, guided_pdf_ratio<L>(mixed_pdf, blend.mixed_pdf), sample.guided_pdf_ratio);
@@ -238,7 +238,7 @@ SHEAF_INLINE RayState<L> spawn_ray(const StageContext& context, const VertexItem
 
 /// Adds the path's history to the flags of the ray, if photon maps need it. Returns the paths that the integrator
 /// continues behind a vertex that samples directions with `pdf_solid_angle`.
-template <class L, bool InMedium>
+template <class L, bool kInMedium>
 SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave, const ScatterTile& tile,
                                    Float<L> pdf_solid_angle, Float<L> null_transmittance, RayState<L>& ray) {
   using F = Float<L>;
@@ -249,9 +249,9 @@ SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave
     const U before = wave.rays.gather<L>(tile.slots).flags;
     // Light sampling passes such thin dielectrics, so they do not count as specular here.
     const auto specular = is_delta & (null_transmittance == F(0.0f));
-    ray.flags |= select(passed, before & U(kRayHistory), history_behind<L, InMedium>(context, before, specular));
+    ray.flags |= select(passed, before & U(kRayHistory), history_behind<L, kInMedium>(context, before, specular));
     if (context.gathers_photons())
-      continues = continues & (is_delta | !context.photon_maps().ends_at<L>(before, InMedium));
+      continues = continues & (is_delta | !context.photon_maps().ends_at<L>(before, kInMedium));
     if (context.starts_at_lights() && context.light_task().ends_at_scattering()) continues = continues & is_delta;
   }
   if (context.integrator.ends_at_diffuse) continues = continues & (is_delta | passed);

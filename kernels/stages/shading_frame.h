@@ -16,8 +16,8 @@ template <class L> SHEAF_INLINE Vec2<L> tangent_of(const Frame<L>& frame, Vec3<L
   return {select(usable, x * scale, F(1.0f)), select(usable, y * scale, F(0.0f))};
 }
 
-/// Shading frame of a vertex: z along the shading normal; x along the tangent if `WithTangent`, otherwise arbitrary.
-template <class L, bool WithTangent> struct ShadingFrame {
+/// Shading frame of a vertex: z along the shading normal; x along the tangent if `kWithTangent`, otherwise arbitrary.
+template <class L, bool kWithTangent> struct ShadingFrame {
   Frame<L> frame;
   Vec2<L> tangent;
 
@@ -27,11 +27,11 @@ template <class L, bool WithTangent> struct ShadingFrame {
 
   SHEAF_INLINE Vec3<L> to_local(Vec3<L> v) const {
     const Vec3<L> w = frame.to_local(v);
-    if constexpr (!WithTangent) return w;
+    if constexpr (!kWithTangent) return w;
     return {w.x * tangent.x + w.y * tangent.y, w.y * tangent.x - w.x * tangent.y, w.z};
   }
   SHEAF_INLINE Vec3<L> to_world(Vec3<L> v) const {
-    if constexpr (!WithTangent) return frame.to_world(v);
+    if constexpr (!kWithTangent) return frame.to_world(v);
     return frame.to_world({v.x * tangent.x - v.y * tangent.y, v.x * tangent.y + v.y * tangent.x, v.z});
   }
 };

@@ -19,11 +19,11 @@ SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, cons
 
 /// The `binding.words` values of a texture, in the first lanes of the result. Spectral mode: colours are upsampled to
 /// the wavelengths `lambda`, nm.
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE Spectrum<L> shading_texture(const SceneView& scene, const TextureBinding& binding,
                                          const TextureQuery<L>& query, const Spectrum<L>& lambda) {
   const Spectrum<L> value = lookup_binding<L>(scene.textures, binding, query);
-  if constexpr (Mode == ColorMode::kSpectral)
+  if constexpr (kMode == ColorMode::kSpectral)
     if (binding.words == 4) return uplifted<L>(scene, binding.role, value, lambda);
   return value;
 }

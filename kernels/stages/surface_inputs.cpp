@@ -52,15 +52,15 @@ SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, cons
   }
 }
 
-/// Computes a surface vertex. `Textured`: with the inputs of textures.
-template <class L, bool Textured>
+/// Computes a surface vertex. `kTextured`: with the inputs of textures.
+template <class L, bool kTextured>
 SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayState<L>& ray, const HitState<L>& hit,
                                Uint<L> flags, int column, bool with_tangent) {
   using F = Float<L>;
   using U = Uint<L>;
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
-  const auto y = surface_point<L, Textured>(scene, shape, hit.primitive, hit.u, hit.v,
-                                            ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y = surface_point<L, kTextured>(scene, shape, hit.primitive, hit.u, hit.v,
+                                             ray.origin + ray.direction * hit.t, hit.instance);
   const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
   VertexItem<L> item;
   item.p = y.p;
@@ -68,12 +68,12 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayStat
   item.ns = select<L>(turned, -y.ns, y.ns);
   item.offset = y.offset;
   item.tangent = {F(1.0f), F(0.0f)};
-  if constexpr (Textured) {
+  if constexpr (kTextured) {
     if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
     wave.textured.store<L>(column,
                            {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f), F(0.0f)});
   }
-  item.wo = ShadingFrame<L, Textured>(item).to_local(-ray.direction);
+  item.wo = ShadingFrame<L, kTextured>(item).to_local(-ray.direction);
   wave.vertices.store<L>(column, item);
 }
 
@@ -117,7 +117,7 @@ template <class L>
       leaves(words));
 }
 
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* slots, int column,
                                const KindInputs& kind) {
   const RayState<L> ray = wave.rays.gather<L>(slots);
@@ -135,14 +135,14 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
     surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
   }
   closure_words<L>(scene, wave, hit.material, kind.words, column);
-  if constexpr (Mode == ColorMode::kSpectral)
+  if constexpr (kMode == ColorMode::kSpectral)
     closure_spectra_words<L>(scene, wave, slots, hit.material, kind.spectra, column);
 }
 
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 void surface_run(const SceneView& scene, Wave& wave, const VertexRun& run, const KindInputs& kind) {
   for_tiles<L>(run.count, [&](int i, int) {
-    surface_tile<L, Mode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
+    surface_tile<L, kMode>(scene, wave, wave.sorted.data() + run.slot_begin + i, run.column_begin + i, kind);
   });
 }
 
@@ -158,7 +158,7 @@ template <class L> void surface_inputs(const StageContext& context, Wave& wave) 
     timer.count(run.count, L::width);
     const KindInputs inputs{kLeafCount<Bsdf>,          Bsdf<L>::kIsAnisotropic,           textured,
                             kIsPhaseFunction<Bsdf<L>>, kind == kClosureKind<SggxClosure>, closure_spectra<Bsdf>()};
-    with_color_mode(context.scene, [&]<ColorMode Mode>() { surface_run<L, Mode>(context.scene, wave, run, inputs); });
+    with_color_mode(context.scene, [&]<ColorMode kMode>() { surface_run<L, kMode>(context.scene, wave, run, inputs); });
   });
 }
 

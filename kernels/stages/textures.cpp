@@ -46,17 +46,17 @@ bool needs_only_uv(const SceneView& scene, const MaterialRow& material) {
   return std::all_of(first, first + material.binding_count, needs_nothing_else);
 }
 
-template <class L, ColorMode Mode>
+template <class L, ColorMode kMode>
 void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   using F = Float<L>;
   TextureQuery<L> query{load_uv<L>(wave, tile.column), {}, {}, {}, {}};
   if (!needs_only_uv(scene, material))
     query = make_query<L>(wave, tile.slots, wave.textured.load<L>(tile.column), wave.vertices.load<L>(tile.column).p);
   const auto lanes = tile.lanes();
-  const Spectrum<L> lambda = shading_wavelengths<L, Mode>(wave, tile.slots);
+  const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, tile.slots);
   for (std::uint32_t b = 0; b < material.binding_count; ++b) {
     const TextureBinding& binding = scene.materials.bindings[material.first_binding + b];
-    const Spectrum<L> value = shading_texture<L, Mode>(scene, binding, query, lambda);
+    const Spectrum<L> value = shading_texture<L, kMode>(scene, binding, query, lambda);
     const F channels[4] = {value.c0, value.c1, value.c2, value.c3};
     for (std::uint32_t k = 0; k < binding.words; ++k) {
       float* words = wave.closures.columns().words[binding.word + k] + tile.column;
@@ -87,7 +87,7 @@ Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile
   return mirrored;
 }
 
-template <class L, bool WithTangent>
+template <class L, bool kWithTangent>
 void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   const SceneView& scene = context.scene;
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
@@ -101,7 +101,7 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   Mask<L> usable(false);
   Vec3<L> n = turned_normal<L>(scene.textures, map, query, base, t.handedness, t.dp_du, t.dp_dv, lanes, usable);
 
-  const Vec3<L> wo = ShadingFrame<L, WithTangent>(base, item.tangent).to_world(item.wo);
+  const Vec3<L> wo = ShadingFrame<L, kWithTangent>(base, item.tangent).to_world(item.wo);
   // Mirror normals that face away from the viewer
   if (map.flags & NormalMapRow::kFixInvalid) {
     const auto mirrored = !context.starts_at_lights() ? faces_away<L>(n, base, wo)
@@ -111,11 +111,11 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   // Update the shading frame
   item.ns = n;
   const Frame<L> turned = Frame<L>::from_normal(n);
-  if constexpr (WithTangent) {
+  if constexpr (kWithTangent) {
     const Vec2<L> tangent = tangent_of<L>(turned, t.dp_du);
     item.tangent = {select(lanes, tangent.x, item.tangent.x), select(lanes, tangent.y, item.tangent.y)};
   }
-  item.wo = select<L>(lanes, ShadingFrame<L, WithTangent>(n, item.tangent).to_local(wo), item.wo);
+  item.wo = select<L>(lanes, ShadingFrame<L, kWithTangent>(n, item.tangent).to_local(wo), item.wo);
   if (map.flags & NormalMapRow::kSoften) t.terminator = select(lanes, terminator_of(dot(n, base)), t.terminator);
   wave.vertices.store<L>(tile.column, item);
   wave.textured.store<L>(tile.column, t);
@@ -140,7 +140,7 @@ void prefetch_run(const SceneView& scene, const Wave& wave, const VertexRun& run
   }
 }
 
-template <class L, bool WithTangent>
+template <class L, bool kWithTangent>
 void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, const MaterialRun& part) {
   const SceneView& scene = context.scene;
   const MaterialRow& material = *part.material;
@@ -149,14 +149,14 @@ void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, 
     const TextureTile<L> tile{slots + at, run.column_begin + at, std::max(part.first - at, 0),
                               std::min(part.last - at, int{L::width})};
     if (material.binding_count > 0)
-      with_color_mode(scene, [&]<ColorMode Mode>() { texture_words<L, Mode>(scene, wave, material, tile); });
-    if (material.flags & kMapped) turn_normals<L, WithTangent>(context, wave, material, tile);
+      with_color_mode(scene, [&]<ColorMode kMode>() { texture_words<L, kMode>(scene, wave, material, tile); });
+    if (material.flags & kMapped) turn_normals<L, kWithTangent>(context, wave, material, tile);
   }
 }
 
 /// Processes the vertices of a kind. Texels are prefetched a few registers before their lookup, so that most have
 /// arrived from memory by then. Returns the number of textured vertices.
-template <class L, bool WithTangent> int texture_kind(const StageContext& context, Wave& wave, const VertexRun& run) {
+template <class L, bool kWithTangent> int texture_kind(const StageContext& context, Wave& wave, const VertexRun& run) {
   constexpr int kTilesAhead = 4;
   const SceneView& scene = context.scene;
   const Slot* slots = wave.sorted.data() + run.slot_begin;
@@ -171,13 +171,13 @@ template <class L, bool WithTangent> int texture_kind(const StageContext& contex
     if (scene.materials.rows[material].flags & kNeedsUv) {
       const MaterialRun next{&scene.materials.rows[material], first, last};
       prefetch_run<L>(scene, wave, run, next);
-      if (prefetched.material != nullptr) texture_run<L, WithTangent>(context, wave, run, prefetched);
+      if (prefetched.material != nullptr) texture_run<L, kWithTangent>(context, wave, run, prefetched);
       prefetched = next;
       textured += last - first;
     }
     first = last;
   }
-  if (prefetched.material != nullptr) texture_run<L, WithTangent>(context, wave, run, prefetched);
+  if (prefetched.material != nullptr) texture_run<L, kWithTangent>(context, wave, run, prefetched);
   return textured;
 }
 

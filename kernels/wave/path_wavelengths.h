@@ -43,8 +43,8 @@ template <class L> SHEAF_INLINE Spectrum<L> path_wavelengths(const Wave& wave, c
 }
 
 /// path_wavelengths() in spectral mode; empty in RGB mode.
-template <class L, ColorMode Mode> SHEAF_INLINE Spectrum<L> shading_wavelengths(const Wave& wave, const Slot* slots) {
-  if constexpr (Mode == ColorMode::kSpectral) return path_wavelengths<L>(wave, slots);
+template <class L, ColorMode kMode> SHEAF_INLINE Spectrum<L> shading_wavelengths(const Wave& wave, const Slot* slots) {
+  if constexpr (kMode == ColorMode::kSpectral) return path_wavelengths<L>(wave, slots);
   return {};
 }
 

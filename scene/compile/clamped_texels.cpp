@@ -13,7 +13,7 @@ namespace sheaf {
 
 namespace {
 
-/// Values of an image outside [0, 1].
+/// kValues of an image outside [0, 1].
 struct Beyond {
   std::size_t texels = 0;  ///< number of texels with such a value
   float smallest = 0, largest = 0;
@@ -25,15 +25,15 @@ struct Beyond {
   }
 };
 
-/// Examines tiles with texels of `Values` floats. Padding and unused fourth values are zero and so in range.
-template <std::size_t Values> Beyond beyond_in(std::span<const TexelTile> tiles) {
+/// Examines tiles with texels of `kValues` floats. Padding and unused fourth values are zero and so in range.
+template <std::size_t kValues> Beyond beyond_in(std::span<const TexelTile> tiles) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto add = [&](const Range& range, Beyond sum) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const auto* values = reinterpret_cast<const float*>(tiles[i].bytes);
-      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(float); t += Values) {
+      for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(float); t += kValues) {
         float low = values[t], high = low;
-        for (std::size_t k = 1; k < Values; ++k)
+        for (std::size_t k = 1; k < kValues; ++k)
           low = std::min(low, values[t + k]), high = std::max(high, values[t + k]);
         sum.texels += low < 0.0f || high > 1.0f ? 1 : 0;
         sum.smallest = std::min(sum.smallest, low);

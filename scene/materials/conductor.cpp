@@ -63,14 +63,14 @@ ConductorDescription ConductorDescription::read_smooth(Properties& p, const Bsdf
   ConductorDescription result;
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", result.specular_reflectance);
   const auto eta = p.find_spectrum_input("eta", SpectrumRole::kIor), k = p.find_spectrum_input("k", SpectrumRole::kIor);
-  const std::optional<std::string> material = p.find_string("material");
+  const std::string material = p.string("material", dialect.before_version_2 ? "Cu" : "none");
   if (eta || k) {
     if (!eta || !k) p.fail(std::string("has only '") + (eta ? "eta" : "k") + "', expected both 'eta' and 'k'");
-    if (material && *material != "none")
+    if (p.has("material") && material != "none")
       p.fail_at("material", "is set together with 'eta' and 'k', expected one of them");
     result.ior = {*eta, *k};
-  } else if (const std::string name = material.value_or(dialect.before_version_2 ? "Cu" : "none"); name != "none") {
-    result.ior = named_metal(p, name);
+  } else if (material != "none") {
+    result.ior = named_metal(p, material);
   }
   if (dialect.before_version_2) {
     const float ext_eta = read_ior(p, "ext_eta", 1.000277f);

@@ -21,10 +21,9 @@ constexpr const char* kBlackMetal =
 PrincipledDescription PrincipledDescription::read(Properties& p, const BsdfDialect&) {
   PrincipledDescription result;
   read_declared(p, result);
-  const std::optional<float> given_eta = p.find_number("eta", kPositive);
+  result.eta = p.number("eta", result.eta, kPositive);
   const std::optional<float> specular = p.find_number("specular", kUnitInterval);
-  if (given_eta && specular) p.fail("has both 'eta' and 'specular', expected one");
-  if (given_eta) result.eta = *given_eta;
+  if (specular && p.has("eta")) p.fail("has both 'eta' and 'specular', expected one");
   // Burley 2015, "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering": specular is the
   // reflectance at normal incidence over 0.08.
   if (specular) result.eta = 2.0f / (1.0f - std::sqrt(0.08f * *specular)) - 1.0f;

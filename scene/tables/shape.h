@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typename L::Float u, typename L::Float v,
                               const Vec3<L>* p, SurfacePoint<L>& out) {
   using F = typename L::Float;
@@ -28,7 +28,7 @@ SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typ
 }
 
 /// Surface point of a triangle mesh at barycentric coordinates (u, v).
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                             typename L::Uint primitive, typename L::Float u, typename L::Float v) {
   using F = typename L::Float;
@@ -59,12 +59,12 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
     const auto usable = smooth & (squared > F(1e-12f));
     out.ns = select<L>(usable, sum * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), out.ng);
   }
-  if constexpr (WithUv) triangle_uv<L, WithUv>(shape, t, u, v, p, out);
+  if constexpr (kWithUv) triangle_uv<L, kWithUv>(shape, t, u, v, p, out);
   return out;
 }
 
 /// Surface point of a quadric at the point `x` of the canonical shape.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename L::Uint kind, Vec3<L> x) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -81,7 +81,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
     extent = max(extent,
                  abs(q.to_world[row]) + abs(q.to_world[row + 1]) + abs(q.to_world[row + 2]) + abs(q.to_world[row + 3]));
   out.offset = F(kOffsetUlps) * extent;
-  if constexpr (WithUv) {
+  if constexpr (kWithUv) {
     // Compute the texture coordinates
     const F turn = atan2(x.y, x.x) * F(0.5f * kInvPi);
     const F angle = select(turn < F(0.0f), turn + F(1.0f), turn);
@@ -107,7 +107,7 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
 }
 
 /// Surface point of a quadric nearest to the world-space point `hit`.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                            Vec3<L> hit) {
   using F = typename L::Float;
@@ -119,11 +119,11 @@ SHEAF_INLINE SurfacePoint<L> quadric_point(const SceneView& scene, const ShapeRe
   const F squared = x.x * x.x + x.y * x.y + select(sphere, x.z * x.z, F(0.0f));
   const F scale = select(disk, F(1.0f), F(1.0f) / sqrt(max(squared, F(1e-30f))));
   x = {x.x * scale, x.y * scale, select(disk, F(0.0f), select(sphere, x.z * scale, x.z))};
-  return quadric_surface<L, WithUv>(q, shape.kind, x);
+  return quadric_surface<L, kWithUv>(q, shape.kind, x);
 }
 
 /// Transforms surface points from a group's space to world space, only in lanes of `instanced`.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> instanced, SurfacePoint<L>& y) {
   using F = typename L::Float;
   const Vec3<L> normal = placed.normal(y.ng);
@@ -139,7 +139,7 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
   y.p = select<L>(instanced, placed.point(y.p), y.p);
   y.ng = select<L>(instanced, scaled * (F(1.0f) / scaled_length), y.ng);
   y.ns = select<L>(instanced, normalize_any(placed.normal(y.ns)), y.ns);
-  if constexpr (WithUv) {
+  if constexpr (kWithUv) {
     y.dp_du = select<L>(instanced, placed.vector(y.dp_du), y.dp_du);
     y.dp_dv = select<L>(instanced, placed.vector(y.dp_dv), y.dp_dv);
   }
@@ -147,7 +147,7 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
 
 /// Surface points for a mix of kinds of shapes, in the space in which they were compiled: world space or a group's
 /// space.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 [[gnu::noinline]] SurfacePoint<L> mixed_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
                                               Float<L> u, Float<L> v, Vec3<L> hit_point) {
   const auto is = [&](ShapeKind kind)
@@ -156,20 +156,20 @@ template <class L, bool WithUv>
   const Mask<L> curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
   const auto quadric = !(mesh | curve | field);
   SurfacePoint<L> out;
-  if (any(quadric)) out = quadric_point<L, WithUv>(scene, shape, quadric, hit_point);
+  if (any(quadric)) out = quadric_point<L, kWithUv>(scene, shape, quadric, hit_point);
   if (any(curve | field)) {
     if (any(curve))
-      out = select<L, WithUv>(curve, curve_point<L, WithUv>(scene, shape, curve, primitive, u, hit_point), out);
+      out = select<L, kWithUv>(curve, curve_point<L, kWithUv>(scene, shape, curve, primitive, u, hit_point), out);
     if (any(field))
-      out = select<L, WithUv>(field, sdf_point<L, WithUv>(scene, shape, field, primitive, hit_point), out);
+      out = select<L, kWithUv>(field, sdf_point<L, kWithUv>(scene, shape, field, primitive, hit_point), out);
   }
   if (!any(mesh)) return out;
-  return select<L, WithUv>(mesh, triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v), out);
+  return select<L, kWithUv>(mesh, triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v), out);
 }
 
 /// Surface points at hits. `hit_point` is origin + t * direction, (u, v) are Embree's barycentric coordinates, and
 /// `instance` is the instance that was hit, or kNone for shapes outside of groups.
-template <class L, bool WithUv = false>
+template <class L, bool kWithUv = false>
 SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
                                            Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
   using U = typename L::Uint;
@@ -181,12 +181,12 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
   const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
   SurfacePoint<L> out;
   if (all(mesh)) {
-    out = triangle_point<L, WithUv>(scene, shape, mesh, primitive, u, v);
+    out = triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v);
   } else {
     if (any_placed) hit_point = select<L>(instanced, placement().object_point(hit_point), hit_point);
-    out = mixed_point<L, WithUv>(scene, shape, primitive, u, v, hit_point);
+    out = mixed_point<L, kWithUv>(scene, shape, primitive, u, v, hit_point);
   }
-  if (any_placed) place_instance<L, WithUv>(placement(), instanced, out);
+  if (any_placed) place_instance<L, kWithUv>(placement(), instanced, out);
   return out;
 }
 

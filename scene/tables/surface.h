@@ -12,8 +12,8 @@ template <class L> struct SurfacePoint {
   Vec3<L> ng;                ///< geometric normal, unit length
   Vec3<L> ns;                ///< interpolated normal, unit length
   typename L::Float offset;  ///< distance along +-ng at which a ray must start to avoid hitting the same surface again
-  Vec2<L> uv;                ///< only with WithUv
-  /// Derivatives of the position by u and v, only with WithUv. Never zero. If one vanishes (poles, the centre of a
+  Vec2<L> uv;                ///< only with kWithUv
+  /// Derivatives of the position by u and v, only with kWithUv. Never zero. If one vanishes (poles, the centre of a
   /// disk), it has the right direction and a tiny length. If a triangle's uv are missing or degenerate, they are
   /// arbitrary orthonormal tangents.
   Vec3<L> dp_du, dp_dv;
@@ -30,14 +30,14 @@ template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
 inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
 
 /// Selects `a` or `b` per lane.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> select(Mask<L> m, const SurfacePoint<L>& a, const SurfacePoint<L>& b) {
   SurfacePoint<L> out;
   out.p = select<L>(m, a.p, b.p);
   out.ng = select<L>(m, a.ng, b.ng);
   out.ns = select<L>(m, a.ns, b.ns);
   out.offset = select(m, a.offset, b.offset);
-  if constexpr (WithUv) {
+  if constexpr (kWithUv) {
     out.uv = {select(m, a.uv.x, b.uv.x), select(m, a.uv.y, b.uv.y)};
     out.dp_du = select<L>(m, a.dp_du, b.dp_du);
     out.dp_dv = select<L>(m, a.dp_dv, b.dp_dv);

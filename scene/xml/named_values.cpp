@@ -31,7 +31,12 @@ std::string number_text(double number) {
   return text;
 }
 
+void NamedValues::record(const char* name, const char* type, std::string default_value) const {
+  QueryRecorder::active()->queries.push_back({title(), name, type, std::move(default_value)});
+}
+
 bool NamedValues::has(const char* name) {
+  note_query(name, "");
   queried_.emplace_back(name);
   return look(name) != nullptr;
 }
@@ -48,6 +53,7 @@ void NamedValues::check_range(const char* name, const Number& number, NumberRang
 }
 
 std::optional<float> NamedValues::find_number(const char* name, NumberRange range) {
+  note_query(name, "float");
   const NamedValue* value = use(name);
   if (value == nullptr) return std::nullopt;
   const Number number = read_number(*value);
@@ -56,10 +62,12 @@ std::optional<float> NamedValues::find_number(const char* name, NumberRange rang
 }
 
 float NamedValues::number(const char* name, float default_value, NumberRange range) {
+  note_query(name, "float", default_value);
   return find_number(name, range).value_or(default_value);
 }
 
 int NamedValues::integer(const char* name, int default_value, int low, int high) {
+  note_query(name, "integer", default_value);
   const NamedValue* value = use(name);
   if (value == nullptr) return default_value;
   const Number number = read_integer(*value);
@@ -70,39 +78,51 @@ int NamedValues::integer(const char* name, int default_value, int low, int high)
 }
 
 bool NamedValues::boolean(const char* name, bool default_value) {
+  note_query(name, "boolean", default_value);
   const NamedValue* value = use(name);
   return value != nullptr ? read_boolean(*value) : default_value;
 }
 
 std::optional<std::string> NamedValues::find_string(const char* name) {
+  note_query(name, "string");
   const NamedValue* value = use(name);
   return value != nullptr ? std::optional<std::string>(read_string(*value)) : std::nullopt;
 }
 
 std::string NamedValues::string(const char* name, const std::string& default_value) {
+  note_query(name, "string", default_value);
   return find_string(name).value_or(default_value);
 }
 
 std::string NamedValues::required_string(const char* name) {
+  note_query(name, "string", std::string("required"));
   if (std::optional<std::string> text = find_string(name)) return *std::move(text);
   fail("needs the string '" + std::string(name) + "'");
 }
 
 std::optional<Vec3f> NamedValues::find_vec3(const char* name) {
+  note_query(name, "vector");
   const NamedValue* value = use(name);
   return value != nullptr ? std::optional<Vec3f>(read_vec3(*value)) : std::nullopt;
 }
 
-Vec3f NamedValues::vec3(const char* name, Vec3f default_value) { return find_vec3(name).value_or(default_value); }
+Vec3f NamedValues::vec3(const char* name, Vec3f default_value) {
+  note_query(name, "vector", default_value);
+  return find_vec3(name).value_or(default_value);
+}
 
 std::filesystem::path NamedValues::file(const char* name) {
+  note_query(name, "file", std::string("required"));
   const NamedValue* value = use(name);
   if (value == nullptr) fail("needs the string '" + std::string(name) + "', a file");
   return find_file(read_string(*value), *value);
 }
 
 void NamedValues::ignore(std::initializer_list<const char*> names) {
-  for (const char* name : names) use(name);
+  for (const char* name : names) {
+    note_query(name, "ignored");
+    use(name);
+  }
 }
 
 void NamedValues::reject(const NamedValue& value) const {

@@ -6,6 +6,7 @@
 #include "core/name_table.h"
 #include "core/vec.h"
 #include "scene/description/inputs.h"
+#include "scene/xml/query_recorder.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -54,6 +55,7 @@ class NamedValues {
   Vec3f vec3(const char* name, Vec3f default_value);
   /// The value that a string names in a table. Throws SceneError for a name that is not in the table.
   template <class Value> Value choice(const char* name, const NameTable<Value>& table, Value default_value) {
+    if (QueryRecorder::active() != nullptr) record(name, "string", std::string(table.name_of(default_value)));
     const std::optional<std::string> text = find_string(name);
     if (!text) return default_value;
     if (const Value* found = table.find(*text)) return *found;
@@ -108,6 +110,16 @@ class NamedValues {
   [[noreturn]] void fail_value(const NamedValue& value, const std::string& message) const;
   /// Throws SceneError at the value unless the number is in the range.
   void check_range(const char* name, const Number& number, NumberRange range);
+  /// Adds a query to the active recorder.
+  void record(const char* name, const char* type, std::string default_value) const;
+  /// Records a query with a default value, if there is a recorder.
+  template <class Value> void note_query(const char* name, const char* type, const Value& default_value) const {
+    if (QueryRecorder::active() != nullptr) record(name, type, default_text(default_value));
+  }
+  /// Records a query without a default value, if there is a recorder.
+  void note_query(const char* name, const char* type) const {
+    if (QueryRecorder::active() != nullptr) record(name, type, {});
+  }
   /// Handles a value that is not used, so its name is unknown.
   void reject(const NamedValue& value) const;
 

@@ -137,6 +137,7 @@ bool Properties::is_texture(const char* name) {
 }
 
 bool Properties::is_string(const char* name) {
+  note_query(name, "string");
   const Entry* entry = look(name);
   return entry != nullptr && entry->target->name == "string";
 }
@@ -171,9 +172,10 @@ Vec3f Properties::read_vec3(const NamedValue& value) const {
   return parsed(entry, [&] { return parse_vec3_element(*entry.target, 0); });
 }
 
-std::optional<Vec2f> Properties::find_vec2(const char* name) {
+Vec2f Properties::vec2(const char* name, Vec2f default_value) {
+  note_query(name, "two numbers or a float", default_value);
   const Entry* entry = use(name);
-  if (entry == nullptr) return std::nullopt;
+  if (entry == nullptr) return default_value;
   const XmlElement& target = *entry->target;
   if (target.name == "float" || target.name == "integer") {
     const float number = *find_number(name);
@@ -191,6 +193,7 @@ std::optional<Vec2f> Properties::find_vec2(const char* name) {
 }
 
 Transform Properties::transform(const char* name) {
+  note_query(name, "transform", std::string("identity"));
   const Entry* entry = use(name);
   if (entry == nullptr) return Transform();
   if (entry->target->name != "transform") fail_type(*entry, "transform");
@@ -198,6 +201,7 @@ Transform Properties::transform(const char* name) {
 }
 
 std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, SpectrumRole role) {
+  note_query(name, "spectrum");
   const Entry* entry = use(name);
   if (entry == nullptr) return std::nullopt;
   const XmlElement& target = *entry->target;
@@ -212,11 +216,13 @@ std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, S
 }
 
 SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role) {
+  note_query(name, "spectrum", default_value);
   std::optional<SpectrumDescription> found = find_spectrum(name, role);
   return found ? *std::move(found) : std::move(default_value);
 }
 
 std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, SpectrumRole role) {
+  note_query(name, "spectrum or texture");
   if (!is_texture(name)) return find_spectrum(name, role);
   const Entry& entry = *use(name);
   return parsed(entry, [&] {
@@ -228,10 +234,12 @@ std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, S
 }
 
 SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput default_value, SpectrumRole role) {
+  note_query(name, "spectrum or texture", default_value);
   return find_spectrum_input(name, role).value_or(std::move(default_value));
 }
 
 std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
+  note_query(name, "float or texture");
   const Entry* entry = look(name);
   if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
     return find_number(name, range);
@@ -254,6 +262,7 @@ std::optional<ScalarInput> Properties::find_scalar_input(const char* name, Numbe
 }
 
 ScalarInput Properties::scalar_input(const char* name, ScalarInput default_value, NumberRange range) {
+  note_query(name, "float or texture", default_value);
   return find_scalar_input(name, range).value_or(default_value);
 }
 
@@ -279,6 +288,7 @@ const XmlElement* Properties::any_texture_or_color() {
 }
 
 const XmlElement* Properties::any_texture() {
+  note_query("texture", "texture");
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
     if (entry.target->name != "texture" || entry.used) continue;
@@ -298,6 +308,7 @@ std::filesystem::path Properties::find_file(const std::string& file, const Named
 }
 
 std::vector<const XmlElement*> Properties::objects(const char* kind) {
+  note_query(kind, kind);
   queried_kinds_.emplace_back(kind);
   std::vector<const XmlElement*> found;
   for (Entry& entry : entries_)
@@ -315,6 +326,7 @@ const XmlElement* Properties::object(const char* kind) {
 }
 
 const XmlElement* Properties::named_object(const char* kind, const char* name) {
+  note_query(name, kind);
   if (!contains(queried_kinds_, kind)) queried_kinds_.emplace_back(kind);
   queried_objects_[kind].emplace_back(name);
   const std::string key = spelling_key(name);
@@ -332,6 +344,7 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
 }
 
 bool Properties::ignore_prefixed(const char* prefix) {
+  note_query(prefix, "ignored");
   const std::string key = spelling_key(prefix);
   bool any = false;
   for (Entry& entry : entries_) {
@@ -342,6 +355,7 @@ bool Properties::ignore_prefixed(const char* prefix) {
 }
 
 void Properties::ignore_all() {
+  if (QueryRecorder* recorder = QueryRecorder::active()) recorder->finished.insert(title());
   for (Entry& entry : entries_) entry.used = true;
 }
 
@@ -351,6 +365,7 @@ void Properties::reject_unused() {
     if (entry.key.empty()) fail_unused_object(entry);
     reject(entry);
   }
+  if (QueryRecorder* recorder = QueryRecorder::active()) recorder->finished.insert(title());
 }
 
 void Properties::fail_unused_object(const Entry& entry) const {
@@ -377,6 +392,8 @@ void Properties::leave_out(const NamedValue& value, const std::string& message) 
 
 void Properties::fail_plugin(std::vector<std::string> known) const {
   std::sort(known.begin(), known.end());
+  if (QueryRecorder* recorder = QueryRecorder::active())
+    recorder->plugins[object_.name].insert(known.begin(), known.end());
   throw ElementError(object_, "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) +
                                   known_names(known));
 }

@@ -142,7 +142,7 @@ class Properties : public NamedValues {
   /// Whether the property exists and is a texture.
   bool is_texture(const char* name);
   /// Two numbers, or one for both.
-  std::optional<Vec2f> find_vec2(const char* name);
+  Vec2f vec2(const char* name, Vec2f default_value);
   /// Identity if absent.
   Transform transform(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);

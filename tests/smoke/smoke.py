@@ -39,6 +39,7 @@ MAKERS = {
     "tools/make_caustic_scenes.py": [],
     "tools/make_hourglass.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_forest.py": [],
+    "tools/make_tutorial_scenes.py": ["--make-cloud", "{build}/make_cloud"],
     "tools/make_validation_scenes.py": ["--make-cloud", "{build}/make_cloud"],
 }
 
@@ -56,6 +57,10 @@ SCRIPTS = {
                                "--reference-spp", "2", "--steps", "0.1"],
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
+    "bench/compare_renderers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--runs", "2", "--reference-spp", "2",
+                                   "--references", "{out}/references", "--scenes", "cornell", "-D", "width=32", "-D",
+                                   "height=24", "--curve-spp", "1", "2", "--variants", "--markdown",
+                                   "{out}/performance.md"],
     "bench/compare_roulette.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.03", "--seeds", "2", "--depths",
                                   "5", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
@@ -241,6 +246,24 @@ def check_differences(folder, failures):
         if file.suffix in (".xml", ".obj", ".ply", ".hdr") and "generated" not in file.parts:
             if not kept.exists() or kept.read_bytes() != file.read_bytes():
                 failures.add(str(file.relative_to(folder)), "differs from the output of the script that writes it")
+
+
+def check_quotations(failures):
+    """Checks that the documents quote scenes/tutorials literally. A block of XML below a line with the name of such a
+    scene must be a part of it; one that begins with <scene must be all of it, except for the comment above."""
+    count = 0
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+        for above, block in re.findall(r"((?:[^\n]*\n){4})```xml\n(.*?)```", page.read_text(), re.DOTALL):
+            named = re.findall(r"`(scenes/tutorials/\w+\.xml)`", above)
+            if not named:
+                continue
+            quoted, scene = ([line.strip() for line in text.splitlines()] for text in (block, (ROOT / named[-1]).read_text()))
+            text, count = "\n".join(scene), count + 1
+            whole = text[text.index("<scene"):] if quoted[0].startswith("<scene") else ""
+            if "\n".join(quoted) not in text or len(whole) > len("\n".join(quoted)):
+                failures.add(str(page.relative_to(ROOT)), f"differs from {named[-1]}, which it quotes: {quoted[0]}")
+    if count == 0:
+        failures.add("docs", "no document quotes a scene of scenes/tutorials")
 
 
 def check_scripts(arguments, folder, failures):

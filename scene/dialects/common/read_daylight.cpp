@@ -97,9 +97,10 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
 float read_radius(Properties& p) {
   if (p.has("sun_aperture") && p.has("sun_radius_scale"))
     p.fail_at("sun_aperture", "is set together with 'sunRadiusScale', expected one of them");
-  const auto aperture = p.find_number("sun_aperture", {0, 180, true});
+  const bool by_aperture = p.has("sun_aperture");
+  const float aperture = p.number("sun_aperture", 2 * SunDescription::kSunRadius, {0, 180, true});
   const float scale = p.number("sun_radius_scale", 1, {0, 89 / double(SunDescription::kSunRadius), false});
-  return aperture ? 0.5f * *aperture : SunDescription::kSunRadius * scale;
+  return by_aperture ? 0.5f * aperture : SunDescription::kSunRadius * scale;
 }
 
 }  // namespace

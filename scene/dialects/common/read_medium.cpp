@@ -26,22 +26,22 @@ void read_temperature(Properties& p, const VolumeDialect& dialect, MediumDescrip
 }  // namespace
 
 bool read_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
-  const auto sigma_t = find_volume_input(p, "sigma_t", SpectrumRole::kIor, dialect);
-  const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect);
+  ExtinctionAlbedoDescription pair;
+  const bool by_extinction = has_volume_input(p, "sigma_t") || has_volume_input(p, "albedo");
+  pair.sigma_t = volume_input(p, "sigma_t", std::get<SpectrumDescription>(pair.sigma_t), SpectrumRole::kIor, dialect);
+  pair.albedo =
+      volume_input(p, "albedo", std::get<SpectrumDescription>(pair.albedo), SpectrumRole::kReflectance, dialect);
   const auto sigma_a = find_constant_volume(p, "sigma_a", SpectrumRole::kIor, dialect);
   const auto sigma_s = find_constant_volume(p, "sigma_s", SpectrumRole::kIor, dialect);
-  if ((sigma_t || albedo) && (sigma_a || sigma_s))
+  if (by_extinction && (sigma_a || sigma_s))
     p.fail("mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s', expected one of the pairs");
   if (sigma_a || sigma_s) {
     const SpectrumDescription nothing;
     medium.coefficients = AbsorptionScatteringDescription{sigma_a.value_or(nothing), sigma_s.value_or(nothing)};
     return true;
   }
-  ExtinctionAlbedoDescription pair;
-  if (sigma_t) pair.sigma_t = *sigma_t;
-  if (albedo) pair.albedo = *albedo;
   medium.coefficients = std::move(pair);
-  return sigma_t || albedo;
+  return by_extinction;
 }
 
 void read_medium_rest(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {

@@ -14,10 +14,11 @@ struct MapNames {
 
 void read_map(Properties& p, const MapNames& names, PhotonMapSettings& map) {
   for (const char* name : {names.count, names.also_count})
-    if (p.has(name)) map.count = static_cast<std::uint64_t>(p.integer(name, 0, 0, static_cast<int>(kMaxPhotons)));
+    map.count =
+        static_cast<std::uint64_t>(p.integer(name, static_cast<int>(map.count), 0, static_cast<int>(kMaxPhotons)));
   map.radius = p.number(names.radius, map.radius, kNotNegative);
   for (const char* name : {names.lookup_radius, names.relative_radius})
-    if (p.has(name)) map.relative_radius = p.number(name, 0, kPositive);
+    map.relative_radius = p.number(name, map.relative_radius, kPositive);
 }
 
 /// Reads the gathering mode. A positive number of gather rays enables final gathering unless `final_gather` is false.
@@ -68,7 +69,7 @@ void read_photon_mapping(Properties& p, PhotonMappingSettings& mapping) {
   if (mapping.gathering == PhotonGathering::kAll && !counts_caustics) mapping.caustic.count = 0;
   mapping.kernel = read_kernel(p);
   for (const char* name : {"lookup_size", "global_lookup_size"})
-    if (p.has(name)) mapping.lookup_size = p.integer(name, 0, 0, kMaxLookupSize);
+    mapping.lookup_size = p.integer(name, mapping.lookup_size, 0, kMaxLookupSize);
   if (p.type() == "volumetricphotonmapper") {
     if (!counts_volume) mapping.volume.count = mapping.global.count;
     if (!has_volume_radius) {

@@ -211,6 +211,16 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
   return std::nullopt;
 }
 
+VolumeInput volume_input(Properties& p, const char* name, const SpectrumDescription& default_value, SpectrumRole role,
+                         const VolumeDialect& dialect) {
+  if (const std::optional<VolumeInput> found = find_volume_input(p, name, role, dialect)) return *found;
+  return p.spectrum(name, default_value, role);
+}
+
+bool has_volume_input(Properties& p, const char* name) {
+  return p.has(name) || p.named_object("volume", name) != nullptr;
+}
+
 std::optional<SpectrumDescription> find_constant_volume(Properties& p, const char* name, SpectrumRole role,
                                                         const VolumeDialect& dialect) {
   const std::optional<VolumeInput> input = find_volume_input(p, name, role, dialect);

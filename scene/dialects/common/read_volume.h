@@ -23,6 +23,12 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect,
 std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
                                              const VolumeDialect& dialect);
 
+/// find_volume_input() with a default value.
+VolumeInput volume_input(Properties& p, const char* name, const SpectrumDescription& default_value, SpectrumRole role,
+                         const VolumeDialect& dialect);
+/// Whether the object has a nested <volume>, a colour or a number of this name.
+bool has_volume_input(Properties& p, const char* name);
+
 /// Returns a grid with one voxel of value 1 over the axis-aligned world-space bounds of the transformed unit cube. Used
 /// as density, it confines a medium to this box.
 GridVolumeDescription world_box(const Transform& to_world);

@@ -12,7 +12,7 @@ namespace {
 MaterialModel read_diffuse(Properties& p, const BsdfDialect&) {
   DiffuseDescription diffuse;
   if (p.has("albedo"))
-    diffuse.reflectance = read_reflectance(p, "albedo", {});
+    diffuse.reflectance = read_reflectance(p, "albedo", diffuse.reflectance);
   else
     read_declared(p, diffuse);
   return diffuse;

@@ -44,7 +44,8 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
   if (!density) p.fail("needs the <volume> 'density'");
   pair.sigma_t = *density;
-  if (const auto albedo = find_volume_input(p, "albedo", SpectrumRole::kReflectance, dialect)) pair.albedo = *albedo;
+  pair.albedo =
+      volume_input(p, "albedo", std::get<SpectrumDescription>(pair.albedo), SpectrumRole::kReflectance, dialect);
   medium.coefficients = std::move(pair);
   if (p.named_object("volume", "orientation") != nullptr)
     p.fail(

@@ -10,9 +10,7 @@ namespace {
 
 /// Reads a volume evaluated on surfaces: a colour, or a grid looked up at the world-space position.
 SpectrumInput read_volume_texture(Properties& p) {
-  constexpr float kOtherwise = 0.75f;
-  const VolumeInput volume = find_volume_input(p, "volume", SpectrumRole::kIor, {})
-                                 .value_or(VolumeInput(SpectrumDescription::constant(kOtherwise)));
+  const VolumeInput volume = volume_input(p, "volume", SpectrumDescription::constant(0.75f), SpectrumRole::kIor, {});
   const auto* grid = std::get_if<GridVolumeDescription>(&volume);
   if (grid != nullptr) {
     TextureDescription texture;

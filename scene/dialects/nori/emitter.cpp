@@ -15,10 +15,9 @@ namespace {
 void read_point_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<PointLightDescription>();
   light.position = p.vec3("position", {0, 0, 0});
-  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  light.intensity = p.spectrum("intensity", light.intensity, SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
-  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
-  if (intensity) light.intensity = *intensity;
+  if (power && p.has("intensity")) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
   if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
 }
 
@@ -63,26 +62,23 @@ void read_spot_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<SpotLightDescription>();
   light.falloff = SpotLightDescription::Falloff::kSmooth;
   light.to_world = read_placement(p);
-  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
+  light.intensity = p.spectrum("intensity", light.intensity, SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
-  if (intensity && power) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (power && p.has("intensity")) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
   light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
   constexpr float kUsualEdge = 5;
   const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
   // A falloff that starts outside the cone has no effect.
   light.beam_width = std::min(p.number("falloffStart", usual, kNotNegative), light.cutoff_angle);
-  if (intensity) light.intensity = *intensity;
   if (power) light.intensity = scaled(*power, 1.0f / solid_angle(light));
 }
 
 void read_directional_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<DirectionalLightDescription>();
   light.direction = read_direction(p, "toWorld");
-  const auto irradiance = p.find_spectrum("irradiance", SpectrumRole::kEmission);
-  const auto intensity = p.find_spectrum("intensity", SpectrumRole::kEmission);
-  if (irradiance && intensity) p.fail("has both 'irradiance' and 'intensity', expected one");
-  if (irradiance) light.irradiance = *irradiance;
-  if (intensity) light.irradiance = *intensity;
+  if (p.has("irradiance") && p.has("intensity")) p.fail("has both 'irradiance' and 'intensity', expected one");
+  const char* name = p.has("intensity") ? "intensity" : "irradiance";
+  light.irradiance = p.spectrum(name, light.irradiance, SpectrumRole::kEmission);
 }
 
 /// Reads an environment map with a texture for radiance: a constant colour or an image.

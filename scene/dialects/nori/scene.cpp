@@ -62,20 +62,20 @@ PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
   return filter;
 }
 
-/// Reads a property that has two alternative names.
-std::optional<float> find_either(Properties& p, const char* name, const char* other, NumberRange range) {
+/// The name of a property that has two alternative names: the one that is present, or null.
+const char* find_either(Properties& p, const char* name, const char* other) {
   if (p.has(name) && p.has(other)) p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
-  return p.has(name) ? p.find_number(name, range) : p.find_number(other, range);
+  return p.has(name) ? name : p.has(other) ? other : nullptr;
 }
 
 /// Reads a thin lens; forks of Nori use several names for its properties.
 void read_lens(Properties& p, CameraDescription& camera) {
-  const auto radius = find_either(p, "apertureRadius", "lensRadius", kNotNegative);
-  const auto distance = find_either(p, "focusDistance", "focalDistance", kPositive);
-  if (p.type() == "thinlens" && !radius) p.fail("needs the float 'apertureRadius'");
-  camera.aperture_radius = radius.value_or(0.0f);
-  if (camera.aperture_radius > 0 && !distance) p.fail("has a lens but no 'focusDistance', expected both");
-  camera.focus_distance = distance.value_or(kInfinity);
+  const char* radius = find_either(p, "apertureRadius", "lensRadius");
+  const char* distance = find_either(p, "focusDistance", "focalDistance");
+  if (p.type() == "thinlens" && radius == nullptr) p.fail("needs the float 'apertureRadius'");
+  camera.aperture_radius = p.number(radius != nullptr ? radius : "apertureRadius", 0, kNotNegative);
+  camera.focus_distance = distance != nullptr ? *p.find_number(distance, kPositive) : kInfinity;
+  if (camera.aperture_radius > 0 && distance == nullptr) p.fail("has a lens but no 'focusDistance', expected both");
 }
 
 void read_camera(const XmlElement& element, ReadContext& context) {

@@ -9,7 +9,7 @@ namespace {
 
 /// Reads `scale`, the size of a repeated unit in uv, and `delta`, its uv offset.
 std::array<float, 6> read_placement(Properties& p, float repeated) {
-  const Vec2f scale = p.find_vec2("scale").value_or(Vec2f{1, 1}), delta = p.find_vec2("delta").value_or(Vec2f{0, 0});
+  const Vec2f scale = p.vec2("scale", {1, 1}), delta = p.vec2("delta", {0, 0});
   if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is 0 along an axis, expected other factors");
   const float u = 1 / (repeated * scale.x), v = 1 / (repeated * scale.y);
   return {u, 0, -delta.x * u, 0, v, -delta.y * v};

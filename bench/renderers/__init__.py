@@ -1,0 +1,1 @@
+"""Modules of compare_renderers.py."""

@@ -1,0 +1,129 @@
+"""Runs Sheaf, Mitsuba and pbrt on the same scene file, and returns their images with times and peak memory."""
+
+import json
+import os
+import struct
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from rendering import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+from validation.exr import read_header, read_rgb  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+
+
+class RenderError(RuntimeError):
+    """A renderer failed; the message holds the end of its output."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """`defines`: values for the variables of an XML file."""
+    name: str
+    file: Path
+    defines: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Render:
+    """One process of a renderer, and its images: independent renders with equal samples per pixel.
+
+    seconds: wall time of the last image, rendering alone. cpu_seconds: CPU time of all threads for the last image.
+    process_seconds: wall time from the start of the process to the first image. report: Sheaf's statistics."""
+    images: list
+    seconds: float
+    cpu_seconds: float
+    process_seconds: float
+    peak_bytes: int
+    report: dict | None = None
+
+
+def launch(command, folder, environment=None):
+    """Runs a command and returns the report of launch.py and the output on both streams."""
+    result = folder / "launch.json"
+    done = subprocess.run([sys.executable, "-I", "-S", HERE / "launch.py", result, *[str(c) for c in command]],
+                          check=False, text=True, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT)
+    if done.returncode != 0:
+        lines = done.stdout.strip().splitlines() or [f"exit status {done.returncode}"]
+        # An exception ends with its message, LLVM begins with it.
+        message = next((line for line in lines if "ERROR" in line), lines[-1])
+        raise RenderError(f"{Path(command[0]).name}: {message.strip()}")
+    return json.loads(result.read_text(encoding="utf-8")), done.stdout
+
+
+class Sheaf:
+    def __init__(self, program, folder, options=(), name="Sheaf"):
+        self.program, self.folder, self.options, self.name = program, folder, options, name
+
+    def reads(self, _scene):
+        return True
+
+    def render(self, scene, spp, seed, threads):
+        output, stats = self.folder / "sheaf.exr", self.folder / "sheaf.json"
+        defines = [part for name, value in scene.defines.items() for part in ("-D", f"{name}={value}")]
+        usage, _ = launch([self.program, "render", scene.file, "-o", output, "--spp", spp, "--seed", seed, "--threads",
+                           threads, "--stats", stats, "--quiet", *defines, *self.options], self.folder)
+        report = json.loads(stats.read_text(encoding="utf-8"))
+        return Render([read_rgb(output)], report["render_seconds"], usage["cpu_seconds"], usage["seconds"],
+                      usage["peak_bytes"], report)
+
+
+class Mitsuba:
+    """A variant of Mitsuba. One that compiles renders two images per process, and the second gives the time of
+    rendering. `home` is the folder of Dr.Jit's kernel cache."""
+
+    def __init__(self, python, variant, folder, home):
+        self.python, self.variant, self.folder, self.home = python, variant, folder, home
+        self.name = f"Mitsuba {variant}"
+        self.compiles = not variant.startswith("scalar")
+        self.ignored = {}
+
+    def reads(self, scene):
+        return scene.file.suffix == ".xml"
+
+    def render(self, scene, spp, seed, threads):
+        output, job = self.folder / "mitsuba.npz", self.folder / "job.json"
+        seeds = [2 * seed, 2 * seed + 1] if self.compiles else [2 * seed]
+        job.write_text(json.dumps({"scene": str(scene.file), "defines": scene.defines, "spp": spp, "seeds": seeds,
+                                   "variant": self.variant, "threads": threads, "output": str(output)}))
+        usage, _ = launch([self.python, HERE / "mitsuba_worker.py", "render", job], self.folder,
+                          os.environ | {"HOME": str(self.home)})
+        with np.load(output) as result:
+            images = [np.nan_to_num(image.astype(float), posinf=0, neginf=0) for image in result["images"]]
+            if result["ignored"].size:
+                self.ignored[scene.name] = [str(name) for name in result["ignored"]]
+            return Render(images, float(result["seconds"][-1]), float(result["cpu_seconds"][-1]),
+                          float(result["finished"][0]) - usage["start"], usage["peak_bytes"])
+
+
+def mitsuba_versions(python, folder):
+    """Returns {"Mitsuba": version, "Dr.Jit": version, "LLVM": version}."""
+    return json.loads(launch([python, HERE / "mitsuba_worker.py", "version"], folder)[1].strip().splitlines()[-1])
+
+
+class Pbrt:
+    name = "pbrt-v4"
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+
+    def reads(self, scene):
+        return scene.file.name.endswith((".pbrt", ".pbrt.gz"))
+
+    def render(self, scene, spp, seed, threads):
+        output = self.folder / "pbrt.exr"
+        usage, _ = launch([self.program, "--quiet", "--seed", seed, "--spp", spp, "--nthreads", threads, "--outfile",
+                           output, scene.file], self.folder)
+        header, _ = read_header(output.read_bytes())
+        seconds = header.get("renderTimeSeconds", b"")
+        if len(seconds) != 4:
+            raise RenderError(f"{Path(self.program).name}: the image has no attribute renderTimeSeconds")
+        return Render([read_rgb(output)], struct.unpack("<f", seconds)[0], usage["cpu_seconds"], usage["seconds"],
+                      usage["peak_bytes"])

@@ -1,0 +1,119 @@
+"""Small files of every format that scenes refer to, written with the standard library."""
+
+import math
+import struct
+import subprocess
+import zlib
+from pathlib import Path
+
+VERTICES = [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1), (-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]
+TRIANGLES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (3, 6, 2), (3, 7, 6), (0, 4, 7), (0, 7, 3),
+             (1, 2, 6), (1, 6, 5)]
+
+
+def png(side=4):
+    """An RGB image that varies along both axes."""
+    rows = b"".join(b"\0" + bytes(v for x in range(side) for v in (60 * x + 20, 60 * y + 20, 200)) for y in range(side))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def obj():
+    lines = [f"v {x} {y} {z}" for x, y, z in VERTICES] + [f"vt {0.5 + x / 2} {0.5 + y / 2}" for x, y, _ in VERTICES]
+    return "\n".join(lines + ["f " + " ".join(f"{i + 1}/{i + 1}" for i in t) for t in TRIANGLES]) + "\n"
+
+
+def ply():
+    """A cube with texture coordinates and vertex colours."""
+    header = ["ply", "format ascii 1.0", f"element vertex {len(VERTICES)}"]
+    header += [f"property float {name}" for name in ("x", "y", "z", "u", "v", "r", "g", "b")]
+    header += [f"element face {len(TRIANGLES)}", "property list uchar int vertex_indices", "end_header"]
+    rows = [f"{x} {y} {z} {0.5 + x / 2} {0.5 + y / 2} 0.2 0.5 0.8" for x, y, z in VERTICES]
+    return "\n".join(header + rows + [f"3 {a} {b} {c}" for a, b, c in TRIANGLES]) + "\n"
+
+
+def ellipsoids():
+    names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
+    header = ["ply", "format ascii 1.0", "element vertex 2", *(f"property float {name}" for name in names), "end_header"]
+    return "\n".join(header + ["0 0 0 -1 -2 -1 1 0 0 0", "0.5 0 0 -2 -1 -2 1 0.5 0 0"]) + "\n"
+
+
+def serialized(meshes=3):
+    """The cube, several times."""
+    data = struct.pack("<I", 0x1000) + b"cube\0" + struct.pack("<QQ", len(VERTICES), len(TRIANGLES))
+    data += struct.pack(f"<{3 * len(VERTICES)}f", *(x for v in VERTICES for x in v))
+    data += struct.pack(f"<{3 * len(TRIANGLES)}I", *(i for t in TRIANGLES for i in t))
+    mesh = struct.pack("<HH", 0x041c, 4) + zlib.compress(data)
+    offsets = struct.pack(f"<{meshes}Q", *(i * len(mesh) for i in range(meshes)))
+    return mesh * meshes + offsets + struct.pack("<I", meshes)
+
+
+def vol(side=4):
+    """A grid of distances to a sphere, so that it is a density and has a zero level set."""
+    header = b"VOL\x03" + struct.pack("<5i6f", 1, side, side, side, 1, 0, 0, 0, 1, 1, 1)
+    points = [i / (side - 1) - 0.5 for i in range(side)]
+    return header + b"".join(struct.pack("<f", math.hypot(x, y, z) - 0.3) for z in points for y in points for x in points)
+
+
+def density(side=4):
+    header = b"VOL\x03" + struct.pack("<5i6f", 1, side, side, side, 1, 0, 0, 0, 1, 1, 1)
+    return header + b"".join(struct.pack("<f", i % 5 / 5) for i in range(side ** 3))
+
+
+def measured():
+    """A constant BRDF in the format of the RGL database, with spectra."""
+    wavelengths = [360.0, 550.0, 830.0]
+    grid = (2, 2)
+    fields = [("jacobian", (1,), "B", [0]), ("phi_i", (1,), "f", [0]), ("theta_i", (2,), "f", [0, 1.5]),
+              ("ndf", grid, "f", [1]), ("sigma", grid, "f", [1]), ("vndf", (1, 2, *grid), "f", [1]),
+              ("luminance", (1, 2, *grid), "f", [1]), ("wavelengths", (3,), "f", wavelengths),
+              ("spectra", (1, 2, 3, *grid), "f", [0.3])]
+    size = 18 + sum(2 + len(name) + 2 + 1 + 8 + 8 * len(shape) for name, shape, _, _ in fields)
+    header, data = b"tensor_file\0\1\0" + struct.pack("<I", len(fields)), b""
+    for name, shape, code, values in fields:
+        kind = 1 if code == "B" else 10
+        header += struct.pack("<H", len(name)) + name.encode() + struct.pack("<HBQ", len(shape), kind, size + len(data))
+        header += struct.pack(f"<{len(shape)}Q", *shape)
+        count = math.prod(shape)
+        data += struct.pack(f"<{count}{code}", *(values * (count // len(values))))
+    return header + data
+
+
+CURVES = "-1 0 0 0.1\n-0.3 0.4 0 0.1\n0.3 -0.4 0 0.1\n1 0 0 0.1\n"
+HAIR = "-1 0 0\n0 0.5 0\n1 0 0\n\n-1 0.3 0\n0 0.8 0\n1 0.3 0\n"
+SPECTRUM = "400 0.1\n550 0.5\n700 0.9\n"
+
+
+def content(path, text):
+    """The content of a file that `text`, a part of a scene, names."""
+    suffix = Path(path).suffix.lower()
+    if suffix == ".ply" and "ellipsoids" in text:
+        return ellipsoids()
+    if suffix == ".vol":
+        return vol() if "sdfgrid" in text else density()
+    if suffix == ".txt":
+        return CURVES
+    makers = {".obj": obj, ".ply": ply, ".serialized": serialized, ".bsdf": measured, ".mitshair": lambda: HAIR,
+              ".hair": lambda: HAIR, ".spd": lambda: SPECTRUM}
+    images = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".bmp", ".tif", ".tiff", ".pfm")
+    return makers[suffix]() if suffix in makers else png() if suffix in images else None
+
+
+def write(folder, path, text, build):
+    """Writes a file that `text`, a part of a scene, names. Returns whether its format is known."""
+    file = Path(folder) / path
+    file.parent.mkdir(parents=True, exist_ok=True)
+    if file.exists():
+        return True
+    if file.suffix == ".nvdb":
+        subprocess.run([build / "make_cloud", file, "--kind", "cloud", "--resolution", "8", "--temperature"], check=True,
+                       stdout=subprocess.DEVNULL)
+        return True
+    made = content(path, text)
+    if made is not None:
+        file.write_bytes(made.encode() if isinstance(made, str) else made)
+    return made is not None
