@@ -96,24 +96,20 @@ def write_vol(path, function, low, high, resolution):
     path.write_bytes(b"VOL\x03" + struct.pack("<5i6f", 1, *resolution, 1, *low, *high) + values.tobytes())
 
 
-def write_mesh(path, function, low, high, resolution):
-    """Writes the zero level set of a function over a box as a closed mesh with smooth normals (surface nets: a vertex
-    per cell that the surface crosses, at the mean of its crossings with the edges)."""
-    axes = [np.linspace(low[k], high[k], resolution[k]) for k in range(3)]
-    value = function(*np.meshgrid(*axes, indexing="ij"))
-    cells = tuple(n - 1 for n in resolution)
+def net_vertices(value):
+    """Surface nets: a vertex per cell that the zero level set crosses, at the mean of its crossings with the edges.
+    Returns their positions in units of cells, and the number of the vertex of each cell, or -1."""
+    cells = tuple(n - 1 for n in value.shape)
     total, count = np.zeros((*cells, 3)), np.zeros(cells)
-    corners = list(np.ndindex(2, 2, 2))
 
     def corner(c):
         return value[tuple(slice(c[k], c[k] + cells[k]) for k in range(3))]
 
-    for a in corners:
+    for a in np.ndindex(2, 2, 2):
         for k in range(3):
             if a[k]:
                 continue
-            b = tuple(a[j] + (j == k) for j in range(3))
-            va, vb = corner(a), corner(b)
+            va, vb = corner(a), corner(tuple(a[j] + (j == k) for j in range(3)))
             crosses = (va < 0) != (vb < 0)
             t = np.where(crosses, va / np.where(crosses, va - vb, 1), 0)
             for j in range(3):
@@ -122,19 +118,19 @@ def write_mesh(path, function, low, high, resolution):
     used = count > 0
     number = np.full(cells, -1)
     number[used] = np.arange(used.sum())
-    step = (np.array(high) - low) / (np.array(resolution) - 1)
-    points = (np.argwhere(used) + total[used] / count[used][:, None]) * step + low
+    return np.argwhere(used) + total[used] / count[used][:, None], number
+
+
+def net_faces(value, number):
+    """Returns a quadrilateral per grid edge that the zero level set crosses, counter-clockwise seen from outside."""
     faces = []
     for k in range(3):
-        # Four cells meet at each grid edge along axis k
         i, j = (k + 1) % 3, (k + 2) % 3
         inner = [slice(1, -1)] * 3
-        inner[k] = slice(0, resolution[k] - 1)
-        ends = [list(inner), list(inner)]
-        ends[1][k] = slice(1, resolution[k])
-        va, vb = value[tuple(ends[0])], value[tuple(ends[1])]
+        low, high = list(inner), list(inner)
+        low[k], high[k] = slice(0, -1), slice(1, None)
+        va, vb = value[tuple(low)], value[tuple(high)]
         edges = np.argwhere((va < 0) != (vb < 0))
-        inside_first = va[tuple(edges.T)] < 0
         quad = []
         for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
             cell = edges.copy()
@@ -142,18 +138,28 @@ def write_mesh(path, function, low, high, resolution):
             cell[:, j] += dj
             quad.append(number[tuple(cell.T)])
         quad = np.stack(quad, axis=-1)
-        faces.append(np.where(inside_first[:, None], quad, quad[:, ::-1]))
-    faces = np.concatenate(faces)
-    h = 1e-3
-    normals = np.stack([function(*(points + h * e).T) - function(*(points - h * e).T) for e in np.eye(3)], axis=-1)
+        faces.append(np.where((va[tuple(edges.T)] < 0)[:, None], quad, quad[:, ::-1]))
+    return np.concatenate(faces)
+
+
+def write_mesh(path, function, low, high, resolution):
+    """Writes the zero level set of a function in a box as a closed mesh with smooth normals."""
+    axes = [np.linspace(low[k], high[k], resolution[k]) for k in range(3)]
+    value = function(*np.meshgrid(*axes, indexing="ij"))
+    vertices, number = net_vertices(value)
+    points = vertices * (np.array(high) - low) / (np.array(resolution) - 1) + low
+    steps = 1e-3 * np.eye(3)
+    normals = np.stack([function(*(points + h).T) - function(*(points - h).T) for h in steps], axis=-1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    vertex = np.concatenate([points, normals], axis=1).astype("<f4")
-    face = np.zeros(len(faces), dtype=[("n", "u1"), ("v", "<i4", 4)])
-    face["n"], face["v"] = 4, faces
+    faces = net_faces(value, number)
+    rows = np.zeros(len(faces), dtype=[("count", "u1"), ("indices", "<i4", 4)])
+    rows["count"], rows["indices"] = 4, faces
+    properties = "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
     header = ("ply\nformat binary_little_endian 1.0\ncomment written by tools/make_shape_scenes.py\n"
-              f"element vertex {len(vertex)}\n" + "".join(f"property float {n}\n" for n in ("x", "y", "z", "nx", "ny", "nz"))
-              + f"element face {len(face)}\nproperty list uchar int vertex_indices\nend_header\n")
-    path.write_bytes(header.encode() + vertex.tobytes() + face.tobytes())
+              f"element vertex {len(points)}\n{properties}"
+              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    floats = np.concatenate([points, normals], axis=1).astype("<f4")
+    path.write_bytes(header.encode() + floats.tobytes() + rows.tobytes())
 
 
 def ellipsoid(p, center, axes):

@@ -11,7 +11,7 @@ import math
 import subprocess
 from pathlib import Path
 
-from make_material_scenes import noise, write_png
+from make_texture_scenes import noise, write_png
 from make_media_scenes import find_make_cloud
 
 FOLDER = Path(__file__).resolve().parent.parent / "scenes" / "validation"

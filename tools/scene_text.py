@@ -18,3 +18,15 @@ def camera(origin, target, fov, width, height):
     </sampler>
   </sensor>
 """
+
+
+def sensor(origin, target, fov, width, height, spp=128):
+    return f"""  <default name="spp" value="{spp}"/>
+  <integrator type="path"/>
+""" + camera(origin, target, fov, width, height)
+
+
+def write_scene(path, title, script, *parts):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f'<?xml version="1.0" encoding="utf-8"?>\n<!-- {title} Written by tools/{script}. -->\n'
+                    '<scene version="3.0.0">\n' + "".join(parts) + "</scene>\n")

@@ -76,10 +76,12 @@ def measure_errors(renders, reference, is_own=None):
         is_own = own is not None and differs(float(means.mean()), uncertainty, against, own)
     if is_own and own is None:
         raise ValueError("an error against the renderer's own mean needs two images")
+    # Images are trimmed one by one, so that the number of images per process does not matter.
     squares = iter(own if is_own else against)
-    per_render = [np.mean([next(squares) for _ in render.images], axis=0) for render in renders]
-    return Errors([float(s.mean()) for s in per_render], [trimmed_mean(s / reference.scale) for s in per_render],
-                  float(means.mean()), uncertainty, is_own)
+    per_image = [[(float(s.mean()), trimmed_mean(s / reference.scale)) for s in (next(squares) for _ in render.images)]
+                 for render in renders]
+    mse, relative = np.array([np.mean(of_process, axis=0) for of_process in per_image]).T.tolist()
+    return Errors(mse, relative, float(means.mean()), uncertainty, is_own)
 
 
 def squares_from_mean(images):

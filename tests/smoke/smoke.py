@@ -29,6 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 MAKERS = {
     "tools/make_meshes.py": [],
     "tools/make_material_scenes.py": [],
+    "tools/make_texture_scenes.py": [],
     "tools/make_measured.py": [],
     "tools/make_shape_scenes.py": [],
     "tools/make_hall.py": [],

@@ -6,6 +6,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import make_material_scenes
+import make_texture_scenes
 from validation.exr import read_channels
 
 GAP = 6  # pixels between tiles
@@ -32,8 +33,8 @@ SHEETS = {
 # Labels within one rendered image: functions that return [(text, x, y, anchor)] with places in [0, 1]^2.
 OVERLAYS = {
     "balls": make_material_scenes.ball_labels,
-    "wall": make_material_scenes.wall_labels,
-    "filters": make_material_scenes.filter_labels,
+    "wall": make_texture_scenes.wall_labels,
+    "filters": make_texture_scenes.filter_labels,
     "principled": lambda: make_material_scenes.strip_labels(make_material_scenes.PARAMETER_ROWS),
     "disney": lambda: make_material_scenes.strip_labels(make_material_scenes.NORI_ROWS),
 }
@@ -103,8 +104,8 @@ def cryptomatte_colors(channels, layer):
     for level in range(3):
         for ids, cover in ("rg", "ba"):
             bits = channels[f"{layer}{level:02}.{ids}"].view(np.uint32)
-            hue = np.stack([(bits * np.uint32(k) >> np.uint32(8)) % np.uint32(997) / 996 for k in (2654435761, 40503, 69069)],
-                           axis=-1)
+            hue = np.stack([(bits * np.uint32(k) >> np.uint32(8)) % np.uint32(997) / 996
+                            for k in (2654435761, 40503, 69069)], axis=-1)
             total = total + (0.15 + 0.85 * hue) * channels[f"{layer}{level:02}.{cover}"][..., None]
     return total
 
