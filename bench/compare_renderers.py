@@ -114,7 +114,7 @@ class Comparison:
         return results
 
     def curves(self, scene, measured):
-        """Returns {program: [(spp, seconds of the fastest round, mean squared error)]}. `measured`: what measure()
+        """Returns {program: [(spp, seconds of the fastest round, relative error)]}. `measured`: what measure()
         returned."""
         arguments = self.arguments
         reference = render_reference(self.sheaf, scene, arguments.reference_spp, arguments.threads,
@@ -123,15 +123,11 @@ class Comparison:
         programs = [p for p in [self.sheaf, *self.others] if p.name in measured]
         points = {p.name: [] for p in programs}
         for spp in arguments.curve_spp:
-            if spp == arguments.spp:
-                for name, measurement in measured.items():
-                    points[name].append((spp, min(measurement.times()), measurement.mse))
-                continue
             renders = self.rounds(programs, scene, spp, arguments.threads, max(2, arguments.runs // 2))
             for program, of_program in renders.items():
                 errors = measure_errors(of_program, reference, measured[program.name].errors.is_own)
-                result = Measurement(program.name, of_program, errors)
-                points[program.name].append((spp, min(result.times()), result.mse))
+                seconds = min(render.seconds for render in of_program)
+                points[program.name].append((spp, seconds, float(np.mean(errors.relative))))
         return points
 
     def scaling(self, scene, measured):
@@ -220,7 +216,7 @@ def main():
         arguments.markdown.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         comparison = Comparison(arguments, scenes, Path(folder))
-        facts = machine.describe(arguments, comparison.versions)
+        load = machine.load()
         print(f"{'scene':15} {'renderer':27} {'seconds':>7} {'cpu':>7} {'process':>7} {'mse':>10} {'relative':>9} "
               f"{'mean':>7} {'reference':>9} {'MB':>6}")
         results = {}
@@ -232,6 +228,8 @@ def main():
             scaled = next((s for s in scenes if s.name == arguments.scaling_scene), scenes[0])
             staged = arguments.stages_scene if arguments.stages_scene in results else scenes[0].name
             scaling = comparison.scaling(scaled, results[scaled.name])
+            facts = [*machine.describe(arguments, comparison.versions),
+                     ("load", f"{load:.1f} running processes before the measurement, {machine.load():.1f} after it")]
             page.write_page(arguments, comparison, facts, results,
                             [page.curves_section(arguments, curves), page.DIFFERENCES,
                              page.stages_section(staged, results[staged][0]),

@@ -127,7 +127,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Ratio:
-    """A ratio of two renderers: from means and medians over all rounds, and the extremes of single rounds."""
+    """A ratio of two renderers: from all rounds, and the extremes of single rounds."""
     value: float
     low: float
     high: float
@@ -141,16 +141,20 @@ def figure(value):
     return f"{value:.0f}" if value >= 99.5 else f"{value:.2g}" if value >= 9.95 else f"{value:.1f}"
 
 
+def time_ratios(ours, other, which):
+    """Times of the other renderer over ours, by rounds, since programs that disturb one round disturb both."""
+    return [b / a for a, b in zip(ours.times(which), other.times(which))]
+
+
 def speed_ratio(ours, other, which="seconds"):
     """Time of the other renderer over ours."""
-    rounds = [b / a for a, b in zip(ours.times(which), other.times(which))]
-    return Ratio(other.time(which) / ours.time(which), min(rounds), max(rounds))
+    rounds = time_ratios(ours, other, which)
+    return Ratio(median(rounds), min(rounds), max(rounds))
 
 
 def efficiency_ratio(ours, other, error="mse", which="seconds"):
     """Error times time of the other renderer over ours: the factor by which it takes longer to the same error."""
-    errors = [getattr(m.errors, error) for m in (ours, other)]
-    rounds = [(eb * tb) / (ea * ta)
-              for ea, eb, ta, tb in zip(*errors, ours.times(which), other.times(which))]
-    value = mean(errors[1]) * other.time(which) / (mean(errors[0]) * ours.time(which))
-    return Ratio(value, min(rounds), max(rounds))
+    a, b = getattr(ours.errors, error), getattr(other.errors, error)
+    times = time_ratios(ours, other, which)
+    rounds = [eb / ea * time for ea, eb, time in zip(a, b, times)]
+    return Ratio(mean(b) / mean(a) * median(times), min(rounds), max(rounds))

@@ -36,12 +36,15 @@ def describe(arguments, versions):
     cache = first(r"^(\d+)K", read("/sys/devices/system/cpu/cpu0/cache/index2/size"), "")
     memory = int(first(r"^MemTotal:\s+(\d+)", read("/proc/meminfo"), "0")) * 1024 / 1e9
     system = first(r'^PRETTY_NAME="?([^"\n]*)', read("/etc/os-release"))
-    load = os.getloadavg()[0]
     return [
         ("processor", f"{model}{isa}, {os.cpu_count()} logical cores{is_virtual}"),
         ("memory", f"{memory:.0f} GB" + (f", L2 cache {int(cache) / 1024:g} MB per core" if cache else "")),
         ("system", f"{system}, Python {platform.python_version()}"),
         ("Sheaf", f"{versions['Sheaf']}, {compiler(arguments.sheaf)}"),
         *[(name, version) for name, version in versions.items() if name != "Sheaf"],
-        ("load at the start", f"{load:.1f} running processes on average over the last minute"),
     ]
+
+
+def load():
+    """Running processes, on average over the last minute."""
+    return os.getloadavg()[0]

@@ -15,7 +15,7 @@ turn, and compares their errors and times:
 {makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --markdown docs/performance.md
 ```
 
-Without `--markdown` it prints the tables of the first two sections. Other scenes, of Mitsuba or of pbrt-v4:
+Without `--markdown` it prints times, errors and ratios only. Other scenes, of Mitsuba or of pbrt-v4:
 
 ```
 bench/compare_renderers.py --scenes scenes/mesh_box/mesh_box.xml -D width=400 -D height=300 --spp 32
@@ -31,8 +31,8 @@ METHOD = """## Method
 
 All renderers read the same file and take {spp} spp with {threads}. In each of {runs} rounds, every renderer renders
 once, with a new seed. Other programs may run on the machine, so single times scatter; renderers that alternate are
-disturbed alike. Times are medians over the rounds, errors are means. Parentheses hold the smallest and the largest
-value of a round.
+disturbed alike. Times and their ratios are medians over the rounds, errors are means. Parentheses hold the smallest
+and the largest value of a round.
 
 - **rendering**: wall time of the samples alone. For Mitsuba's `llvm_ad_rgb` it is that of the second image of a
   process, because the first one loads compiled kernels.
@@ -192,9 +192,9 @@ def curves_section(arguments, curves):
     plot = arguments.markdown.with_suffix(".svg")
     write_plot(plot, curves)
     spp = ", ".join(str(n) for n in arguments.curve_spp)
-    return "\n".join(["## Error over time\n", f"![Mean squared error over time]({plot.name})\n", paragraph(
-        f"MSE over the wall time of rendering, of the fastest round, at {spp} spp, with logarithmic axes. The numbers "
-        "at Sheaf's points are its samples per pixel.")])
+    return "\n".join(["## Error over time\n", f"![Relative mean squared error over time]({plot.name})\n", paragraph(
+        f"Relative MSE over the wall time of rendering, of the fastest round, at {spp} spp, with logarithmic axes. The "
+        "numbers at Sheaf's points are its samples per pixel.")])
 
 
 def notes_text(comparison):

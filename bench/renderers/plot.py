@@ -72,7 +72,7 @@ def panel(title, curves, colors, left):
     middle = left + (LEFT + WIDTH - RIGHT) / 2
     parts = [*grid(x, y, left), text(middle, TOP - 14, title, size=15),
              text(middle, HEIGHT - 14, "seconds of rendering"),
-             text(left + 16, (TOP + HEIGHT - BOTTOM) / 2, "mean squared error",
+             text(left + 16, (TOP + HEIGHT - BOTTOM) / 2, "relative mean squared error",
                   extra=f' transform="rotate(-90 {left + 16} {(TOP + HEIGHT - BOTTOM) / 2:.1f})"')]
     for program, curve in curves.items():
         places = [(spp, x.at(seconds), y.at(error)) for spp, seconds, error in curve if error > 0]
@@ -107,7 +107,7 @@ def write_plot(path, curves):
     names_below, lines = legend(names, colors, width)
     height = HEIGHT + 12 + 20 * lines
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif">',
-             "<title>Mean squared error over time of rendering</title>",
+             "<title>Relative mean squared error over time of rendering</title>",
              f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
     for i, (scene, of_scene) in enumerate(curves.items()):
         parts += panel(scene, of_scene, colors, i * WIDTH)
