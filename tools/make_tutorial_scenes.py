@@ -10,9 +10,10 @@ rounded corners and exact normals. +z is up, except in lighthouse.obj, where +y 
 
 import argparse
 import math
-import shutil
 import subprocess
 from pathlib import Path
+
+from make_media_scenes import find_make_cloud
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "scenes" / "tutorials" / "meshes"
@@ -356,12 +357,6 @@ def make_interior():
         text += [f"newmtl {name}", f"Kd {r:g} {g:g} {b:g}", "Ks 0.04 0.04 0.04", f"Ns {exponent}", "illum 2"]
     text += ["newmtl brass", "Kd 0 0 0", "Ks 0.8 0.6 0.3", "Ns 120", "illum 2"]
     (FOLDER / "interior.mtl").write_text("\n".join(text) + "\n")
-
-
-def find_make_cloud():
-    """Returns the path of make_cloud in build/release, or else in PATH."""
-    built = ROOT / "build/release/make_cloud"
-    return str(built) if built.is_file() else shutil.which("make_cloud") or str(built)
 
 
 def main():
