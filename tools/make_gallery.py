@@ -31,7 +31,8 @@ QUALITY = 88
 def make_missing_files(images, sheaf):
     """Runs the scripts that write missing files of scenes."""
     scripts = {command[0]: command for command in read_scripts(PAGE)}
-    for scene in sorted({ROOT / command[2] for image in images for command in image.commands}):
+    commands = [command for image in images for command in image.commands if command[1] == "render"]
+    for scene in sorted({ROOT / command[2] for command in commands}):
         origin = scene.parent / "generated.txt"
         done = subprocess.run([sheaf, "info", scene], check=False, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
@@ -60,8 +61,10 @@ def render(image, arguments):
         for part in ("scenes", "tools"):
             (folder / part).symlink_to(ROOT / part)
         for command in image.commands:
-            words = shortened(command[1:]) if arguments.draft else command[1:]
-            subprocess.run([arguments.sheaf, *words, "--quiet"], cwd=folder, check=True)
+            words = command[1:]
+            if words[0] == "render":
+                words = [*(shortened(words) if arguments.draft else words), "--quiet"]
+            subprocess.run([arguments.sheaf, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
         path = arguments.output / f"{image.name}.jpg"
         make_sheet(image.name, [folder / name for name in image.outputs()]).save(
             path, quality=QUALITY, optimize=True, progressive=True)

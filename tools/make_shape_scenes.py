@@ -193,7 +193,7 @@ def gyroid_ball(x, y, z):
     """A ball cut out of a gyroid wall."""
     k = 11.0
     wall = np.abs(np.sin(k * x) * np.cos(k * y) + np.sin(k * y) * np.cos(k * z) + np.sin(k * z) * np.cos(k * x))
-    return np.maximum(np.sqrt(x * x + y * y + z * z) - 0.9, 0.09 * (wall - 0.42))
+    return -smooth_union(0.9 - np.sqrt(x * x + y * y + z * z), 0.09 * (0.42 - wall), 0.06)
 
 
 def carved_cube(x, y, z):
@@ -237,7 +237,7 @@ def main():
         write_curves(SHAPES / f"{name}.txt", make_lock(7, turns, width))
     write_curves(SHAPES / "yarn.txt", make_yarn(3, 130))
     write_curves(SHAPES / "basket.txt", make_basket())
-    write_vol(SHAPES / "gyroid.vol", gyroid_ball, (-1, -1, -1), (1, 1, 1), (96, 96, 96))
+    write_vol(SHAPES / "gyroid.vol", gyroid_ball, (-1, -1, -1), (1, 1, 1), (128, 128, 128))
     write_vol(SHAPES / "cube.vol", carved_cube, (-1, -1, -1), (1, 1, 1), (80, 80, 80))
     write_mesh(SUBSURFACE / "bear.ply", bear, (-0.4, -0.04, -0.3), (0.4, 1.04, 0.4), (104, 140, 92))
     make_pawn(CAMERAS / "pawn.obj")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 @dataclass
 class GalleryImage:
     name: str  # docs/gallery/NAME.jpg
-    commands: list  # lists of words, each a `sheaf render`
+    commands: list  # lists of words, each a `sheaf` command
 
     def outputs(self):
         """The files that the commands write, in their order."""
@@ -28,7 +28,7 @@ def read_images(page):
             commands = []
         else:
             lines = [shlex.split(line, comments=True) for line in block.splitlines()]
-            commands = [line for line in lines if line[:2] == ["sheaf", "render"]]
+            commands = [line for line in lines if line[:1] == ["sheaf"]]
     return images
 
 
