@@ -65,7 +65,7 @@ MHD_Result send_response(MHD_Connection* connection, HttpResponse response) {
   MHD_Response* made = MHD_create_response_from_buffer_with_free_callback_cls(
       bytes.size(), const_cast<char*>(bytes.data()), release_body, owner.get());
   if (made == nullptr) return MHD_NO;
-  owner.release();
+  static_cast<void>(owner.release());  // release_body() deletes it
   const auto add = [made](const char* name, const char* value) {
     return MHD_add_response_header(made, name, value) == MHD_YES;
   };

@@ -171,9 +171,11 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& proble
 }
 
 /// Whether an option's value is a number, an optional number or a list of numbers.
-template <class T> struct is_number : std::is_arithmetic<T> { static constexpr bool is_whole = std::is_integral_v<T>; };
-template <class T> struct is_number<std::optional<T>> : is_number<T> {};
-template <class T> struct is_number<std::vector<T>> : is_number<T> {};
+template <class T> struct NumberTraits : std::is_arithmetic<T> {
+  static constexpr bool kIsWhole = std::is_integral_v<T>;
+};
+template <class T> struct NumberTraits<std::optional<T>> : NumberTraits<T> {};
+template <class T> struct NumberTraits<std::vector<T>> : NumberTraits<T> {};
 
 }  // namespace
 
@@ -234,7 +236,8 @@ Option& Option::only_for_run() {
 
 template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
   CLI::Option& option = *command_->add_option(names, value, help);
-  if constexpr (is_number<T>::value) option.transform(transform(is_number<T>::is_whole ? to_whole_number : to_number));
+  if constexpr (NumberTraits<T>::value)
+    option.transform(transform(NumberTraits<T>::kIsWhole ? to_whole_number : to_number));
   return Option(option);
 }
 
