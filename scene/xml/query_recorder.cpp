@@ -6,14 +6,14 @@
 
 namespace sheaf {
 
-QueryRecorder* QueryRecorder::active_ = nullptr;
+QueryRecorder* QueryRecorder::current = nullptr;
 
 QueryRecorder::QueryRecorder() {
-  assert(active_ == nullptr);
-  active_ = this;
+  assert(current == nullptr);
+  current = this;
 }
 
-QueryRecorder::~QueryRecorder() { active_ = nullptr; }
+QueryRecorder::~QueryRecorder() { current = nullptr; }
 
 std::string default_text(bool value) { return value ? "true" : "false"; }
 

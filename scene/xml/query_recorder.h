@@ -29,14 +29,14 @@ class QueryRecorder {
   QueryRecorder& operator=(const QueryRecorder&) = delete;
 
   /// The existing recorder, or null.
-  static QueryRecorder* active() { return active_; }
+  static QueryRecorder* active() { return current; }
 
   std::vector<ValueQuery> queries;
   std::set<std::string> finished;                        ///< titles of objects that were read without error
   std::map<std::string, std::set<std::string>> plugins;  ///< known names by element, from errors about unknown ones
 
  private:
-  static QueryRecorder* active_;
+  static QueryRecorder* current;
 };
 
 /// Texts of default values in ValueQuery: numbers without trailing zeros, "true", "(1, 2, 3)", plain

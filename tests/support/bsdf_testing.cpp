@@ -66,7 +66,8 @@ void check_bsdf_sampling_with_edges(const BsdfView& bsdf, int tests, int depth) 
     const double w = grid.cell_width(), h = grid.cell_height(), sliver = h / 64;
     double integral = 0;
     for (int cell = 0; cell < grid.columns * grid.rows; ++cell) {
-      const double x = cell % grid.columns * w, y = -1 + cell / grid.columns * h;
+      const int column = cell % grid.columns, row = cell / grid.columns;
+      const double x = column * w, y = -1 + row * h;
       const double split = std::fabs(y) < 1e-9 ? y + sliver : std::fabs(y + h) < 1e-9 ? y + h - sliver : y + h / 2;
       const double mass = detail::integrate(pdf, x, x + w, y, split, depth, 1e-7) +
                           detail::integrate(pdf, x, x + w, split, y + h, depth, 1e-7);

@@ -64,7 +64,8 @@ inline double beta_i(double a, double b, double x) {
   const double front =
       std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) / a;
   return front / detail::continued_fraction(1.0, [&](int i, double& ai, double& bi) {
-           const double m = i / 2;
+           const int half = i / 2;
+           const double m = half;
            ai = i % 2 == 0 ? m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
                            : -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
            bi = 1.0;
