@@ -73,7 +73,7 @@ class TiffBytes {
     for (int i = 0; i < count; ++i) bytes_ += static_cast<char>(value >> 8 * (big_endian_ ? count - 1 - i : i) & 0xffu);
   }
   /// The strip is at offset 8, the directory follows it.
-  std::string finish(std::string strip, std::vector<TiffEntry> entries) {
+  std::string finish(std::string strip, const std::vector<TiffEntry>& entries) {
     if (strip.size() % 2 != 0) strip += '\0';
     number(8 + static_cast<std::uint32_t>(strip.size()), 4);
     bytes_ += strip;

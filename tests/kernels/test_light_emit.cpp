@@ -236,7 +236,8 @@ TEST_CASE("light emission: photons start in a medium with the pdf of light sampl
   // Cells may overlap several blocks, so each cell is integrated with many points.
   const int n = kSide * kFine;
   for (int i = 0; i < n * n * n; ++i) {
-    const double x = (i % n + 0.5) / n, y = (i / n % n + 0.5) / n, z = (i / n / n + 0.5) / n;
+    const int column = i % n, row = i / n % n, layer = i / n / n;
+    const double x = (column + 0.5) / n, y = (row + 0.5) / n, z = (layer + 0.5) / n;
     const Vec3f p = corner + size * Vec3f{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
     expected[block(x, y, z)] += kDraws * double(volume_light_pdf(view, 0, p)) * size.x * size.y * size.z / (n * n * n);
   }

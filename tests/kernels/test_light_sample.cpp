@@ -155,14 +155,15 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
   }
   double integral = 0;
   for (std::size_t cell = 0; cell < cells; ++cell) {
-    const double x0 =
-        grid.x_min + static_cast<double>(cell % static_cast<std::size_t>(grid.columns)) * grid.cell_width();
-    const double y0 =
-        grid.y_min + static_cast<double>(cell / static_cast<std::size_t>(grid.columns)) * grid.cell_height();
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    const std::size_t column = cell % columns, row = cell / columns;
+    const double x0 = grid.x_min + static_cast<double>(column) * grid.cell_width();
+    const double y0 = grid.y_min + static_cast<double>(row) * grid.cell_height();
     for (std::uint32_t i = 0; i < kStrata * kStrata; ++i) {
       const auto u = random4<Scalar>(39, static_cast<std::uint32_t>(cell), i, 0);
-      const double x = x0 + (i % kStrata + u.x) / kStrata * grid.cell_width(),
-                   y = y0 + (i / kStrata + u.y) / kStrata * grid.cell_height();
+      const std::uint32_t right = i % kStrata, up = i / kStrata;
+      const double x = x0 + (right + u.x) / kStrata * grid.cell_width(),
+                   y = y0 + (up + u.y) / kStrata * grid.cell_height();
       const double pdf = pdf_along(scene, from, chart.direction(x, y));
       if (pdf <= limit)
         expected[cell] += pdf * chart.solid_angle(x, y) * grid.cell_width() * grid.cell_height() / (kStrata * kStrata);

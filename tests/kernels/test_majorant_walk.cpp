@@ -344,8 +344,8 @@ TEST_CASE("majorant walk: rays along axes and diagonals and in faces agree with 
     const SmallGrid grid(0, outside);
     const float starts[] = {-1, 0, 0.5f, 1, 1.5f, 2, 3, 4, 5};
     for (int code = 1; code < 27; ++code) {
-      const Vec3f d{static_cast<float>(code % 3 - 1), static_cast<float>(code / 3 % 3 - 1),
-                    static_cast<float>(code / 9 - 1)};
+      const int x_sign = code % 3 - 1, y_sign = code / 3 % 3 - 1, z_sign = code / 9 - 1;
+      const Vec3f d{static_cast<float>(x_sign), static_cast<float>(y_sign), static_cast<float>(z_sign)};
       if (d == Vec3f{0, 0, 0}) continue;
       for (const float x : starts)
         for (const float y : starts)

@@ -31,6 +31,7 @@ using Parameters = std::map<std::string, Queried>;
 struct PluginKey {
   Dialect dialect;
   std::string element, name;
+  // NOLINTNEXTLINE(modernize-use-nullptr): a false positive of clang-tidy 14
   auto operator<=>(const PluginKey&) const = default;
   std::string text() const { return element + " '" + name + "' (" + dialect_name(dialect) + ")"; }
 };

@@ -342,8 +342,9 @@ TEST_CASE("environment map: the mean is the average over all directions") {
   double sum = 0;
   constexpr std::uint32_t kSide = 600;
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const Vec3f w = square_to_sphere<Scalar>((static_cast<float>(i % kSide) + 0.5f) / kSide,
-                                             (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    const std::uint32_t column = i % kSide, row = i / kSide;
+    const Vec3f w =
+        square_to_sphere<Scalar>((static_cast<float>(column) + 0.5f) / kSide, (static_cast<float>(row) + 0.5f) / kSide);
     sum += lookup_envmap<Scalar>(map.view(), w).radiance.c1;
   }
   CHECK(sum / (kSide * kSide) == doctest::Approx(map.mean.y).epsilon(2e-3));

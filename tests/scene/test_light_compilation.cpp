@@ -15,7 +15,10 @@ namespace {
 /// Thousands of shapes or lights of one kind, side by side.
 constexpr int kMany = 2000;
 
-Transform place_of(int i) { return Transform::translate({static_cast<float>(i % 50), static_cast<float>(i / 50), 0}); }
+Transform place_of(int i) {
+  const int column = i % 50, row = i / 50;
+  return Transform::translate({static_cast<float>(column), static_cast<float>(row), 0});
+}
 
 /// CPU seconds to compile a description, the minimum of three runs.
 double compile_seconds(const Description& d) {

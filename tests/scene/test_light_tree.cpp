@@ -70,7 +70,7 @@ void survey(const LightTree& tree, const LightSet& lights, std::uint32_t index, 
 
 /// Builds a tree and checks that every light is found exactly once, by its trail.
 LightTree checked_tree(const LightSet& lights) {
-  const LightTree tree = build_light_tree(lights);
+  LightTree tree = build_light_tree(lights);
   REQUIRE(tree.trails.size() == lights.size());
   CHECK(tree.depth <= kMaxLightTreeDepth);
   Survey found;

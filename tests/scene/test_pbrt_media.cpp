@@ -166,8 +166,9 @@ TEST_CASE("pbrt media: clouds are noise in the space of the medium") {
   const pbrt::CloudShape shape{2, 0.5, 2};
   double worst = 0, off = 0, sum = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Vec3f p{static_cast<float>(i % 10) * 0.1f + 0.05f, static_cast<float>(i / 10 % 10) * 0.06f + 0.35f,
-                  static_cast<float>(i / 100) * 0.01f + 0.405f};
+    const int x = i % 10, y = i / 10 % 10, z = i / 100;
+    const Vec3f p{static_cast<float>(x) * 0.1f + 0.05f, static_cast<float>(y) * 0.06f + 0.35f,
+                  static_cast<float>(z) * 0.01f + 0.405f};
     cloud.look(p + Vec3f{3, 0, 0});
     const double expected = pbrt::cloud_density(shape, double{p.x}, double{p.y}, double{p.z});
     const double error = std::fabs(double{cloud.sigma_s.x} - expected);

@@ -183,8 +183,8 @@ TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
     int hits = 0;
     double off = 0, turned = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
-      const Vec3f origin{(static_cast<float>(i % kSide) + 0.5f) / kSide, (static_cast<float>(i / kSide) + 0.5f) / kSide,
-                         -3};
+      const int column = i % kSide, row = i / kSide;
+      const Vec3f origin{(static_cast<float>(column) + 0.5f) / kSide, (static_cast<float>(row) + 0.5f) / kSide, -3};
       const auto hit = trace_ray(scene->view(), origin, {0, 0, 1});
       if (!hit) continue;
       ++hits;

@@ -106,23 +106,23 @@ inline std::vector<DocumentedSection> sections_of(const std::filesystem::path& f
   for (std::string line; std::getline(stream, line);) {
     const std::string place = "docs/scene-format/" + file.filename().string() + ":" + std::to_string(++number);
     if (in_snippet) {
-      in_snippet = line.rfind("```", 0) != 0;
+      in_snippet = !line.starts_with("```");
       if (in_snippet) sections.back().snippets.back() += line + "\n";
       continue;
     }
-    if (line.rfind("#", 0) == 0) sections.push_back({file.stem().string(), code_in(line), {}, place, {}, {}});
+    if (line.starts_with("#")) sections.push_back({file.stem().string(), code_in(line), {}, place, {}, {}});
     if (sections.empty()) continue;
     DocumentedSection& section = sections.back();
-    in_snippet = line.rfind("```", 0) == 0;
+    in_snippet = line.starts_with("```");
     if (in_snippet) {
       section.snippets.emplace_back();
       continue;
     }
     section.text += line + "\n";
     // Tables of parameters begin with "| name | type | default |"
-    const bool is_row = line.rfind("|", 0) == 0;
-    const bool is_header = line.rfind("| name | type | default |", 0) == 0;
-    if (in_table && is_row && line.rfind("| ---", 0) != 0) add_parameters(cells_of(line), place, section.parameters);
+    const bool is_row = line.starts_with("|");
+    const bool is_header = line.starts_with("| name | type | default |");
+    if (in_table && is_row && !line.starts_with("| ---")) add_parameters(cells_of(line), place, section.parameters);
     in_table = is_header || (in_table && is_row);
   }
   return sections;

@@ -14,7 +14,7 @@ namespace sheaf::test {
 /// Writes a file into a folder, creates its subfolders, and returns its path.
 inline std::filesystem::path write_below(const TemporaryFolder& folder, const std::string& name,
                                          const std::string& text) {
-  const std::filesystem::path file = folder / name;
+  std::filesystem::path file = folder / name;
   std::filesystem::create_directories(file.parent_path());
   write_bytes(file, text);
   return file;
