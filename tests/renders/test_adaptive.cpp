@@ -247,7 +247,7 @@ TEST_CASE("adaptive sampling: a time limit ends the render with an image") {
 
 TEST_CASE("adaptive sampling: unsupported combinations are rejected") {
   Description d = lamp_scene(8, 8, false);
-  const auto fails = [&](RenderOptions options) {
+  const auto fails = [&](const RenderOptions& options) {
     try {
       render(*compile_scene(d), options);
       return false;

@@ -33,8 +33,9 @@ double irradiance(const EnvmapView& map, Vec3f n) {
   double sum = 0;
   constexpr std::uint32_t kSide = 1500;
   for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-    const Vec3f w = square_to_cosine_hemisphere<Scalar>((static_cast<float>(i % kSide) + 0.5f) / kSide,
-                                                        (static_cast<float>(i / kSide) + 0.5f) / kSide);
+    const std::uint32_t column = i % kSide, row = i / kSide;
+    const Vec3f w = square_to_cosine_hemisphere<Scalar>((static_cast<float>(column) + 0.5f) / kSide,
+                                                        (static_cast<float>(row) + 0.5f) / kSide);
     sum += lookup_envmap<Scalar>(map, frame.to_world(w)).radiance.c1;
   }
   return kPiD * sum / (double(kSide) * kSide);

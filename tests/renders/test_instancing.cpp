@@ -151,7 +151,8 @@ TEST_CASE("instancing: each of thousands of instances is hit at its position") {
   add_group(d, one.shapes);
   add_group(d, two.shapes);
   const auto center = [](std::uint32_t i) {
-    return Vec3f{float(i % kSide), float(i / kSide % kSide), float(i / (kSide * kSide))};
+    const std::uint32_t x = i % kSide, y = i / kSide % kSide, z = i / (kSide * kSide);
+    return Vec3f{float(x), float(y), float(z)};
   };
   for (std::uint32_t i = 0; i < kCount; ++i) add_instance(d, i % 3 == 0 ? 1 : 0, Transform::translate(center(i)));
   const auto scene = compile_scene(d);

@@ -114,8 +114,7 @@ TEST_CASE("light groups: layers have unique names whatever the names of lights")
                                             ".",
                                             "k\xc3\xb6y lamp",
                                             "a\nb",
-                                            "a\x01"
-                                            "b",
+                                            std::string("a\x01") + "b",
                                             "light",
                                             "other_2",
                                             "point_2",

@@ -19,8 +19,8 @@ Description bumpy_ball(bool smooth, int samples) {
   constexpr int kSide = 20;
   SdfGrid grid{{kSide, kSide, kSide}, {}, smooth};
   for (int i = 0; i < kSide * kSide * kSide; ++i) {
-    const double x = i % kSide / (kSide - 1.0), y = i / kSide % kSide / (kSide - 1.0),
-                 z = i / kSide / kSide / (kSide - 1.0);
+    const int column = i % kSide, row = i / kSide % kSide, layer = i / kSide / kSide;
+    const double x = column / (kSide - 1.0), y = row / (kSide - 1.0), z = layer / (kSide - 1.0);
     const double from = std::hypot(x - 0.5, y - 0.5, z - 0.5);
     grid.values.push_back(
         static_cast<float>(from - 0.3 + 0.05 * std::sin(12 * x) * std::sin(12 * y) * std::sin(12 * z)));

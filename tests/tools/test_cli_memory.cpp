@@ -89,7 +89,7 @@ TEST_CASE("memory: info lists the memory of grids") {
   const auto word = [](auto value) { return std::string(reinterpret_cast<const char*>(&value), 4); };
   std::string vol = "VOL\x03";
   for (const int number : {1, 3, 2, 5, 1}) vol += word(number);
-  for (int i = 0; i < 6; ++i) vol += word(static_cast<float>(i / 3));
+  for (const float bound : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) vol += word(bound);
   for (int i = 0; i < 30; ++i) vol += word(0.5f);
   write_bytes(folder / "smoke.vol", vol);
   const std::string grid = "type='gridvolume'><string name='filename' value='smoke.vol'/>";

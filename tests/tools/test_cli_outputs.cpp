@@ -73,7 +73,7 @@ class Workplace {
       fs::create_directory(folder / name);
       fs::permissions(folder / name, fs::perms::all);
     }
-    const fs::path file = folder / ("place/" + std::string(written.name));
+    fs::path file = folder / ("place/" + std::string(written.name));
     if (with_old) write_bytes(file, old_of(written));
     return file;
   }

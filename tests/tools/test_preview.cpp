@@ -272,7 +272,7 @@ struct Viewer {
     return value;
   }
   static std::string pop_text(std::string_view& bytes) {
-    const std::string text(bytes.data());
+    std::string text(bytes.data());
     bytes.remove_prefix(text.size() + 1);
     return text;
   }
