@@ -215,9 +215,9 @@ static void slot_push(benchmark::State& state) {
 BENCHMARK(slot_push)->ArgName("percent")->Arg(10)->Arg(50)->Arg(90);
 
 // ---- random numbers and warps ---------------------------------------------------------------------------------------
-template <class L, SamplerKind kind> static void random_numbers(benchmark::State& state) {
+template <class L, SamplerKind kKind> static void random_numbers(benchmark::State& state) {
   Numbers n;
-  const SamplerView sampler = make_sampler(kind, 7, 64);
+  const SamplerView sampler = make_sampler(kKind, 7, 64);
   std::uint32_t sample = 0;
   for (auto _ : state) {
     for (int i = 0; i < kItems; i += L::width) {
@@ -292,8 +292,8 @@ bool both(const std::string& name, Function scalar, Function wide, const std::ve
   return true;
 }
 
-template <SamplerKind kind> bool sampler(const std::string& name) {
-  return both("draw/" + name, random_numbers<Scalar, kind>, random_numbers<Wide, kind>);
+template <SamplerKind kKind> bool sampler(const std::string& name) {
+  return both("draw/" + name, random_numbers<Scalar, kKind>, random_numbers<Wide, kKind>);
 }
 
 [[maybe_unused]] const bool registered =

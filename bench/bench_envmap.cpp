@@ -31,7 +31,8 @@ const Envmap& map_of(std::uint32_t width, bool sky) {
   if (map.width == width && map_is_sky == sky) return map;
   EnvmapImage image{width, width / 2, std::vector<float>(std::size_t{3} * width * (width / 2))};
   for (std::uint32_t i = 0; 3 * std::size_t{i} < image.rgb.size(); ++i) {
-    const double u = (i % width + 0.5) / width, v = (i / width + 0.5) / (width / 2);
+    const std::uint32_t column = i % width, row = i / width, height = width / 2;
+    const double u = (column + 0.5) / width, v = (row + 0.5) / height;
     const float noise = 0.5f + static_cast<float>((i * 2654435761u) >> 8) * 0x1p-24f;
     const float value = sky ? sky_brightness(u, v) * (0.9f + 0.1f * noise) : noise;
     for (std::size_t c = 0; c < 3; ++c) image.rgb[3 * std::size_t{i} + c] = value;
