@@ -109,15 +109,22 @@ function(sheaf_test_cost test)
   set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
 endfunction()
 
+# sheaf_find_python(<consequence>): finds the interpreter of the tests, SHEAF_PYTHON. Without one, prints the consequence.
+function(sheaf_find_python consequence)
+  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
+  find_program(SHEAF_PYTHON NAMES python3)
+  if(NOT SHEAF_PYTHON)
+    message(STATUS "No python3: ${consequence}")
+  endif()
+endfunction()
+
 # sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): runs each of the benchmarks, scripts or scenes (the examples) once
 # with the shortest settings; `generate`, which writes the files of scenes, must be among the kinds. OPTIONS: passed to
 # tests/smoke/smoke.py. That script finds what to run, and fails for scripts and programs without a known command line.
 function(sheaf_smoke_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
-  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
-  find_program(SHEAF_PYTHON NAMES python3)
+  sheaf_find_python("benchmarks, scripts and example scenes are not tested")
   if(NOT SHEAF_PYTHON)
-    message(STATUS "No python3: benchmarks, scripts and example scenes are not tested")
     return()
   endif()
   get_property(programs GLOBAL PROPERTY SHEAF_PROGRAMS)
@@ -139,10 +146,8 @@ endfunction()
 # sheaf_docs_tests(<name>...): adds a ctest entry docs_<name> for each script tests/docs/check_<name>.py, which checks
 # the documentation. Scripts that lack a program print "skipped: ".
 function(sheaf_docs_tests)
-  find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
-  find_program(SHEAF_PYTHON NAMES python3)
+  sheaf_find_python("the documentation is not tested")
   if(NOT SHEAF_PYTHON)
-    message(STATUS "No python3: the documentation is not tested")
     return()
   endif()
   foreach(name IN LISTS ARGN)
