@@ -109,7 +109,8 @@ function(sheaf_test_cost test)
   set_tests_properties(${test} PROPERTIES COST ${cost} TIMEOUT 900)
 endfunction()
 
-# sheaf_find_python(<consequence>): finds the interpreter of the tests, SHEAF_PYTHON. Without one, prints the consequence.
+# sheaf_find_python(<consequence>): sets SHEAF_PYTHON, the interpreter of the tests. If there is no Python, prints
+# the consequence.
 function(sheaf_find_python consequence)
   find_program(SHEAF_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH DOC "Python with Debian's packages")
   find_program(SHEAF_PYTHON NAMES python3)
