@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Runs the commands in the documentation of an installed package, with smaller images and fewer samples: the generating
-scripts of docs/gallery.md, and every `sheaf` command of docs/gallery.md and README.md. Needs Python with numpy, and
+scripts of docs/gallery.md, every `sheaf` command of docs/gallery.md and README.md, and the commands of docs/tutorials
+and docs/get-started that render an example. Needs Python with numpy, and
 `sheaf` and `make_cloud` in PATH.
 
   tests/package/check_examples.py EXAMPLES DOCUMENTATION      e.g. /usr/share/sheaf /usr/share/doc/sheaf
@@ -32,10 +33,10 @@ LEFT_OUT = {"farm": "submits jobs to a Slurm cluster", "--serve": "shows a page 
 
 
 def commands_of(text):
-    """The lines of fenced blocks, without comments."""
+    """The lines of fenced blocks without a language, without comments."""
     lines = []
-    for block in re.findall(r"^```\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
-        lines += [line.split(" #")[0].strip() for line in block.splitlines()]
+    for language, block in re.findall(r"^```(\w*)\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        lines += [line.split(" #")[0].strip() for line in block.splitlines() if not language]
     return [line for line in lines if line]
 
 
@@ -69,6 +70,9 @@ def main():
     examples, documentation = Path(sys.argv[1]), Path(sys.argv[2])
     gallery = commands_of((documentation / "docs/gallery.md").read_text())
     readme = commands_of((documentation / "README.md").read_text())
+    pages = sorted([*documentation.glob("docs/tutorials/*.md"), *documentation.glob("docs/get-started/*.md")])
+    tutorials = [line for page in pages for line in commands_of(page.read_text())
+                 if line.startswith("sheaf render scenes/")]
     failed = 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "examples"
@@ -79,7 +83,7 @@ def main():
         for name in ("noisy.exr", "a.exr", "b.exr"):
             failed += not run(["sheaf", "render", "scene.xml", "--spp", "4", "--scale", "0.05", "--replicates", "4",
                                "--quiet", "-o", name], folder)
-        for command in gallery + [line for line in readme if line.startswith("sheaf ")]:
+        for command in gallery + [line for line in readme if line.startswith("sheaf ")] + tutorials:
             words = shlex.split(command)
             if words[0] == "cp" or any(word in LEFT_OUT for word in words):
                 continue
@@ -94,8 +98,8 @@ def main():
             failed += not run(shortened(words), folder)
         for scene in sorted([*folder.glob("scenes/**/*.xml"), *folder.glob("scenes/**/*.pbrt")]):
             name = str(scene.relative_to(folder))
-            if "generated" not in scene.parts and not any(name in command.split() for command in gallery):
-                print(f"examples: FAILED: docs/gallery.md has no command for {name}")
+            if "generated" not in scene.parts and not any(name in command.split() for command in gallery + tutorials):
+                print(f"examples: FAILED: no page has a command for {name}")
                 failed += 1
     if failed:
         sys.exit(1)
