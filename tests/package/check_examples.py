@@ -27,9 +27,9 @@ SCENE = """<scene version="3.0.0">
 """
 MODEL = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
-# Commands of README.md that are skipped, and the reason.
+# Commands that are skipped, and the reason.
 LEFT_OUT = {"farm": "submits jobs to a Slurm cluster", "--serve": "shows a page until the render ends",
-            "--tev": "needs the viewer tev"}
+            "--tev": "needs the viewer tev", "--samples": "its range fits the full number of samples"}
 
 
 def commands_of(text):
