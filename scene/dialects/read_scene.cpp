@@ -112,13 +112,15 @@ void drop_bad_faces(Description& description) {
 
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
-  if (const auto format = model_format(file)) return read_model(file, *format, options.view, options.lenient);
-  if (is_pbrt_scene(file)) {
+  if (const auto format = model_format(file)) {
     if (!options.defines.empty())
-      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
+      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
+    return read_model(file, *format, options.view, options.lenient);
+  }
+  if (is_pbrt_scene(file)) {
     Description description;
     description.file = file;
-    read_pbrt(file, description, options.lenient);
+    read_pbrt(file, description, options.defines, options.lenient);
     if (options.lenient) drop_bad_faces(description);
     return description;
   }
