@@ -2,11 +2,13 @@
 #include "scene/compile/texture_image.h"
 
 #include "core/color.h"
+#include "core/file_cache.h"
 #include "core/image.h"
 #include "core/image_channels.h"
 #include "core/memory.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -110,7 +112,12 @@ TiledImage tile_stored_image(StoredImage stored, bool raw, const BitmapDescripti
 
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
                             const BitmapDescription::ColorTransform& change) {
-  return tile_stored_image(read_stored_image(file, raw), raw, change, {file.string(), 0});
+  std::string key = raw ? "raw texture" : "texture";
+  for (const float value : {change.scale, change.invert ? 1.0f : 0.0f, change.exponent})
+    key += " " + std::to_string(std::bit_cast<std::uint32_t>(value));
+  return cached(file, key, [&] {
+    return tile_stored_image(read_stored_image(file, raw), raw, change, {file.string(), 0});
+  });
 }
 
 TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where) {

@@ -21,7 +21,7 @@ struct TiledImage {
 /// or more become floats, decoded by the sRGB curve unless `raw`. Floats are linear; unless `raw`, they are converted
 /// to Rec.709 if the file declares another colour space. With a `change`, all data becomes floats, decoded unless
 /// `raw`, and transformed. Throws SceneError if the image is missing, broken or too large, or has unknown channels or
-/// non-finite values.
+/// non-finite values. A FileCache keeps the result.
 TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
                             const BitmapDescription::ColorTransform& change = {});
 
