@@ -15,6 +15,7 @@
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
 #include "tools/commands.h"
+#include "tools/frames.h"
 #include "tools/image_files.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
@@ -198,13 +199,27 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   return result;
 }
 
-/// Prints notes and warnings before the render.
-void print_start(const Description& description, const Scene& scene) {
-  for (const std::string& note : description.notes) print_message(note);
-  for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
-  for (const std::string& warning : scene.warnings()) print_message("warning: " + warning);
+/// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
+void print_start(const Description& description, const Scene& scene, FrameRun* frames) {
+  const auto print = [&](const std::string& message) {
+    if (frames == nullptr || frames->is_new(message)) print_message(message);
+  };
+  for (const std::string& note : description.notes) print(note);
+  for (const std::string& stand_in : description.stand_ins) print("warning: " + stand_in);
+  for (const std::string& warning : scene.warnings()) print("warning: " + warning);
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print_message("warning: the scene has no lights: the image will be black");
+    print("warning: the scene has no lights: the image will be black");
+}
+
+/// Prints a line after a frame of an animation, and its warnings.
+void print_frame(FrameRun& frames, const RenderReport& report, const std::vector<std::string>& warnings,
+                 const std::vector<fs::path>& written) {
+  for (const std::string& warning : warnings)
+    if (frames.is_new(warning)) print_message("warning: " + frames.label() + ": " + warning);
+  std::string line = fmt::format("{}: {} in {:.1f} s", frames.label(), report.interrupted ? "interrupted" : "rendered",
+                                 report.load_seconds + report.build_seconds + report.render_seconds);
+  for (const fs::path& file : written) line += (file == written.front() ? "; wrote " : ", ") + file.string();
+  print_message(line);
 }
 
 /// Prints warnings, statistics and the written files after the render.
@@ -263,7 +278,8 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
-int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given) {
+/// Renders one image. `frames`: what it shares with other frames of an animation; null for a single image.
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, FrameRun* frames) {
   // Check the outputs before any work
   RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments);
@@ -289,12 +305,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  const CompileOptions compile_options{arguments.watertight, job.color};
+  const CompileOptions compile_options{arguments.watertight, job.color, nullptr, frames ? &frames->geometry : nullptr};
   job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
                                      : compile_scene(job.description, compile_options);
   move_to_large_pages();
   const double build_end = Progress::steady_seconds();
-  if (!arguments.quiet) print_start(job.description, *job.scene);
+  if (!arguments.quiet) print_start(job.description, *job.scene, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
@@ -313,7 +329,10 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const WrittenImage written = write_result(job, result);
   bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  if (!arguments.quiet) print_end(result, written.files, job.description.stand_ins.size());
+  if (!arguments.quiet)
+    frames ? print_frame(*frames, result.report, result.warnings, written.files)
+           : print_end(result, written.files, job.description.stand_ins.size());
+  if (frames) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome
   const bool failed = !complete || !written.is_denoised;
@@ -328,7 +347,18 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = add_render_options(program, *arguments);
-  command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
+  command.on_call([arguments, command, &exit_code] {
+    if (arguments->frames.empty()) {
+      if (arguments->skip_existing) throw Error(ExitCode::kUsage, "--skip-existing needs --frames");
+      exit_code = render_scene(*arguments, command.given(), nullptr);
+      return;
+    }
+    const FrameCalls calls{[](const RenderArguments& frame) { check_outputs(frame); },
+                           [](const RenderArguments& frame, const std::vector<GivenOption>& given, FrameRun& run) {
+                             return render_scene(frame, given, &run);
+                           }};
+    exit_code = render_frames(*arguments, command.given(), calls);
+  });
 }
 
 }  // namespace sheaf
