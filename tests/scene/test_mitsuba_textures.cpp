@@ -52,7 +52,7 @@ TEST_CASE("Mitsuba materials: checkerboards of numbers are swapped except in ver
 
 TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   // v of an image points down: (u, v) becomes (u, 1 - v).
-  const std::string unchanged = " 0x1p+0 0 0x1p+0";  // BitmapDescription::change
+  const std::string unchanged = " 0x1p+0 0 0x1p+0 0";  // BitmapDescription::change and channel
   const std::string upright = unchanged + " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
   CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
   CHECK(texture("<boolean name='raw' value='true'/>") == "bitmap image.png 0 0 0 1" + upright);
