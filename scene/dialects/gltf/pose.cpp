@@ -10,7 +10,7 @@ namespace sheaf::gltf {
 
 namespace {
 
-using Channel = GltfAnimation::Channel;
+using AnimationChannel = GltfAnimation::Channel;
 using Values = std::vector<double>;
 
 /// Position of a time between two keys.
@@ -68,12 +68,12 @@ struct Keys {
   }
 };
 
-Values evaluate(const Keys& keys, const Channel& channel, double time) {
+Values evaluate(const Keys& keys, const AnimationChannel& channel, double time) {
   const KeyPair pair = find_keys(keys.times, time);
   const Values first = keys.at(pair.first, Keys::kValue), second = keys.at(pair.second, Keys::kValue);
-  if (channel.interpolation == Channel::Interpolation::kStep || pair.first == pair.second) return first;
-  if (channel.interpolation == Channel::Interpolation::kLinear) {
-    if (channel.path == Channel::Path::kRotation) return slerp(first, second, pair.t);
+  if (channel.interpolation == AnimationChannel::Interpolation::kStep || pair.first == pair.second) return first;
+  if (channel.interpolation == AnimationChannel::Interpolation::kLinear) {
+    if (channel.path == AnimationChannel::Path::kRotation) return slerp(first, second, pair.t);
     Values out(first.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = first[i] + pair.t * (second[i] - first[i]);
     return out;
@@ -89,9 +89,9 @@ Values evaluate(const Keys& keys, const Channel& channel, double time) {
 }
 
 /// Loads the keys of a channel. Throws SceneError if times and values do not match.
-Keys load_keys(const GltfFile& file, const Channel& channel, const std::string& part) {
+Keys load_keys(const GltfFile& file, const AnimationChannel& channel, const std::string& part) {
   Keys keys;
-  keys.is_cubic = channel.interpolation == Channel::Interpolation::kCubic;
+  keys.is_cubic = channel.interpolation == AnimationChannel::Interpolation::kCubic;
   keys.times = read_floats(file, channel.times, 1);
   constexpr int kComponents[] = {3, 4, 3, 1};
   const int components = kComponents[static_cast<int>(channel.path)];
@@ -101,7 +101,7 @@ Keys load_keys(const GltfFile& file, const Channel& channel, const std::string& 
     throw file.error(part, "its keys do not match: " + std::to_string(keys.times.size()) + " times and " +
                                std::to_string(keys.values.size()) + " numbers");
   keys.size = keys.values.size() / parts;
-  if (channel.path != Channel::Path::kWeights && keys.size != static_cast<std::size_t>(components))
+  if (channel.path != AnimationChannel::Path::kWeights && keys.size != static_cast<std::size_t>(components))
     throw file.error(part,
                      "has " + std::to_string(keys.size) + " numbers per key, expected " + std::to_string(components));
   const auto bad = [](float x) { return !std::isfinite(x); };
@@ -131,23 +131,23 @@ const GltfAnimation* find_animation(const GltfFile& file, const ModelMoment& mom
 /// Applies an animation to the poses and weights of nodes.
 void animate(const GltfFile& file, const GltfAnimation& animation, double time, std::vector<GltfNode>& nodes) {
   for (std::size_t i = 0; i < animation.channels.size(); ++i) {
-    const Channel& channel = animation.channels[i];
+    const AnimationChannel& channel = animation.channels[i];
     const std::string part = "animation " + in_quotes(animation.name) + ", channel " + std::to_string(i);
     const Values value = evaluate(load_keys(file, channel, part), channel, time);
     GltfNode& node = nodes[static_cast<std::size_t>(channel.node)];
-    if (channel.path != Channel::Path::kWeights && node.matrix)
+    if (channel.path != AnimationChannel::Path::kWeights && node.matrix)
       throw file.error(part, "moves a node that has a matrix");
     switch (channel.path) {
-      case Channel::Path::kTranslation:
+      case AnimationChannel::Path::kTranslation:
         std::copy(value.begin(), value.end(), node.pose.translation.begin());
         break;
-      case Channel::Path::kRotation:
+      case AnimationChannel::Path::kRotation:
         std::copy(value.begin(), value.end(), node.pose.rotation.begin());
         break;
-      case Channel::Path::kScale:
+      case AnimationChannel::Path::kScale:
         std::copy(value.begin(), value.end(), node.pose.scale.begin());
         break;
-      case Channel::Path::kWeights:
+      case AnimationChannel::Path::kWeights:
         node.weights.assign(value.begin(), value.end());
         break;
     }
