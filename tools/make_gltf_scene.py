@@ -104,7 +104,7 @@ def sphere(u, v):
 
 
 def ground(u, v):
-    return (24 * (u - 0.5), -1, 24 * (v - 0.5)), (0, 1, 0), (8 * u, 8 * v)
+    return (60 * (u - 0.5), -1, 60 * (v - 0.5)), (0, 1, 0), (20 * u, 20 * v)
 
 
 def add_mesh(document, material, shape):
@@ -170,9 +170,9 @@ def add_camera(document):
     times, translations, rotations = [], [], []
     for step in range(9):
         angle = math.radians(-20 + 5 * step)
-        tilt = math.radians(-24)
+        tilt = math.radians(-33)
         times.append((0.5 * step,))
-        translations.append((15 * math.sin(angle), 6.4, 15 * math.cos(angle)))
+        translations.append((17 * math.sin(angle), 11, 17 * math.cos(angle)))
         # First the tilt about x, then the angle about y
         s, c, t, k = math.sin(angle / 2), math.cos(angle / 2), math.sin(tilt / 2), math.cos(tilt / 2)
         rotations.append((c * t, s * k, -s * t, c * k))
@@ -194,7 +194,7 @@ def main():
     ball = add_shape(document, *grid(64, 32, sphere))
     for i, material in enumerate(add_materials(document)):
         document.node(mesh=add_mesh(document, material, ball), name=document.json["materials"][material]["name"],
-                      translation=[2.5 * (i % 4 - 1.5), 0, 2.6 * (i // 4 - 1)])
+                      translation=[2.6 * (i % 4 - 1.5), 0, 3.2 * (i // 4 - 1)])
     tiles = document.texture(lambda u, v: (0.42, 0.42, 0.42, 1) if checker(u, v, 2) else (0.55, 0.55, 0.55, 1))
     floor = document.material((1, 1, 1, 1), roughness=0.8, core={"baseColorTexture": tiles}, name="floor")
     document.node(mesh=add_mesh(document, floor, add_shape(document, *grid(1, 1, ground))), name="floor")

@@ -52,8 +52,9 @@ void add_read_options(Command& command, ReadArguments& arguments) {
       .list(',', 2);
   command.add_option("--up", arguments.up, "Up axis of a model: x, y (default) or z").one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
-  command.add_option("--env", arguments.environment,
-                     "Environment map for a model: an image by longitude and latitude. Default: a sky with a sun");
+  command.add_option(
+      "--env", arguments.environment,
+      "Environment map for a model: an image by longitude and latitude, or none. Default: a sky with a sun");
   command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model");
   command.add_option(
       "--camera", arguments.camera,

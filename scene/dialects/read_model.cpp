@@ -128,9 +128,9 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
     throw SceneError({file.string(), 0}, "has no triangles to render");
   const std::array<Vec3f, 2> box = read_bounds(description, options.lenient);
   if (!contents.has_camera) frame_box(box, options.view, description);
-  const bool is_scene = contents.has_lights || (contents.has_camera && contents.has_emission);
-  if (!contents.has_camera && !is_scene && options.surroundings.floor) add_floor(box, options.view, description);
-  if (!is_scene || !options.surroundings.environment.empty())
+  if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
+    add_floor(box, options.view, description);
+  if (!contents.has_lights || !options.surroundings.environment.empty())
     add_sky(box, options.view, options.surroundings, description);
   return description;
 }

@@ -18,8 +18,8 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
 /// Whether a file is glTF by its extension (.gltf, .glb, in any case).
 bool is_gltf(const std::filesystem::path& file);
 
-/// Reads a glTF file. Without a camera in the file, one frames the scene. A file without lights gets a sky; surfaces
-/// that emit count as lights if the file has a camera. A file with neither camera nor lights gets a floor. Throws
+/// Reads a glTF file. Without a camera in the file, one frames the scene. A file without lights gets a sky. A
+/// file with neither camera nor lights gets a floor. Throws
 /// SceneError.
 Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions& options);
 

@@ -84,6 +84,23 @@ std::string decode_uri(const std::string& uri) {
   return path;
 }
 
+/// Removes the indices of primitives whose triangles are compressed: their accessors need not have data, which the
+/// library does not know.
+void remove_compressed_indices(json& document) {
+  const auto list = [](json& object, const char* name) {
+    const bool has = object.is_object() && object.contains(name) && object[name].is_array();
+    return has ? &object[name] : nullptr;
+  };
+  json* const meshes = list(document, "meshes");
+  if (meshes == nullptr) return;
+  for (json& mesh : *meshes)
+    if (json* const primitives = list(mesh, "primitives"))
+      for (json& primitive : *primitives) {
+        const json::json_pointer compression("/extensions/KHR_draco_mesh_compression");
+        if (primitive.is_object() && primitive.contains(compression)) primitive.erase("indices");
+      }
+}
+
 /// Loads the parts that lie outside of the JSON.
 class ByteLoader {
  public:
@@ -216,6 +233,7 @@ void take_bytes(GltfDocument& document, GltfFile& out) {
   ByteLoader loader(document, out);
   loader.load_buffers();
   loader.load_images();
+  remove_compressed_indices(*document.json);
 }
 
 }  // namespace sheaf

@@ -23,7 +23,8 @@ struct GltfDocument {
 GltfDocument read_gltf_document(const std::filesystem::path& file);
 
 /// Loads the buffers, and finds the images, of a document; then replaces both in the JSON by short stand-ins, so that
-/// the library that parses it has no bytes to read. Adds external files to `out.files`. Throws SceneError.
+/// the library that parses it has no bytes to read. Removes what that library does not accept. Adds external files to
+/// `out.files`. Throws SceneError.
 void take_bytes(GltfDocument& document, GltfFile& out);
 
 /// Decodes base 64 (RFC 4648); empty if the text is malformed.

@@ -18,7 +18,10 @@ struct ModelView {
 /// What surrounds a model.
 struct ModelSurroundings {
   bool floor = true;
-  std::filesystem::path environment;  ///< image by longitude and latitude; empty: a sky with a sun
+  /// Image by longitude and latitude, or kNoEnvironment; empty: a sky with a sun
+  std::filesystem::path environment;
+
+  static constexpr const char* kNoEnvironment = "none";
 };
 
 /// The moment at which an animated model is rendered.

@@ -60,6 +60,7 @@ void add_floor(const std::array<Vec3f, 2>& box, const ModelView& view, Descripti
 
 void add_sky(const std::array<Vec3f, 2>& box, const ModelView& view, const ModelSurroundings& surroundings,
              Description& description) {
+  if (surroundings.environment == ModelSurroundings::kNoEnvironment) return;
   if (!surroundings.environment.empty()) {
     EnvmapDescription map;
     map.file = surroundings.environment;

@@ -12,7 +12,6 @@ namespace sheaf {
 /// Which parts of a scene a glTF file has.
 struct GltfContents {
   bool has_camera = false, has_lights = false;
-  bool has_emission = false;  ///< of surfaces
 };
 
 /// Reads a glTF 2.0 file (.gltf, .glb): its default scene with its first camera, or the camera that `camera` names.

@@ -106,7 +106,6 @@ class SceneReader {
     std::vector<ShapeDescription> out;
     for (Primitive& primitive : load_mesh(file_, key.mesh, deformation(i, key), lenient_)) {
       const Surface surface = materials_.surface(primitive.material, primitive.vertex_data);
-      contents_.has_emission = contents_.has_emission || surface.radiance;
       ShapeDescription shape;
       shape.geometry = std::move(primitive.mesh);
       shape.face_normals = !primitive.has_normals;
