@@ -21,7 +21,7 @@ GltfBuilder textured(const json& material) {
   primitive["attributes"]["TEXCOORD_0"] = gltf.add<float>({0, 0, 1, 0, 0, 1}, "VEC2");
   primitive["attributes"]["TEXCOORD_1"] = gltf.add<float>({0, 0, 0.5f, 0, 0, 0.25f}, "VEC2");
   primitive["material"] = 0;
-  gltf.json["materials"] = {material};
+  gltf.json["materials"] = json::array({material});
   gltf.json["images"] = {{{"uri", kPixelUri}}};
   gltf.json["textures"] = {{{"source", 0}}};
   return gltf;
