@@ -305,6 +305,7 @@ void add_images(Seeds& seeds) {
   write_pnm(path("pgm"), 3, 2, 1, 255, grey);
   write_pnm(path("ppm"), 3, 2, 3, 65535, rgb);
   write_bytes(path("pfm"), "PF\n3 2\n-1.0\n" + raw(std::vector<float>(18, 0.5f)));
+  write_bytes(path("webp"), webp_bytes(2, 1, {200, 30, 0, 255, 100, 30, 0, 128}));
   for (std::size_t i = 0; i < std::size(kImageExtensions); ++i)
     seeds.add("image", static_cast<char>(i) + read_bytes(path(kImageExtensions[i])));
   ExrMetadata metadata;
