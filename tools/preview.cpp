@@ -47,6 +47,7 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
       .add_option("--tev", arguments.tev,
                   "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
                   "viewer may start later or restart")
+      .placeholder("HOST:PORT")
       .only_for_run();
   command
       .add_option("--serve", arguments.serve,
@@ -55,18 +56,17 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
                   "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with "
                   "the render, "
                   "after connected browsers have received the final image. See docs/preview.md")
+      .placeholder("[ADDRESS:]PORT")
       .only_for_run();
 }
 
-Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
-                                       [quiet](const std::string& text) {
-                                         if (!quiet) print_message(text);
-                                       });
+                                       [](const std::string& text) { print_note(text); });
   if (arguments.serve.empty()) return;
   page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene);
-  if (!quiet) print_message("preview page: " + page_->url());
+  print_note("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
 

@@ -32,7 +32,7 @@ class Preview {
  public:
   /// Starts the server and the search for the viewer, as requested. `name`: of the image. Throws Error: exit code 2 for
   /// malformed addresses, 1 for unknown hosts and if it cannot listen.
-  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet);
+  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;

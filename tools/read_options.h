@@ -13,6 +13,7 @@ struct ReadArguments {
   std::string nori_camera = "eth", up;
   std::vector<float> view;  ///< empty, or azimuth and elevation, degrees
   std::optional<float> fov;
+  bool from_working_folder = false;  ///< relative paths in the scene refer to the working directory
 };
 
 /// Adds -D, --lenient, --nori-camera and the camera options for models.

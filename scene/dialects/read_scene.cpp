@@ -118,12 +118,12 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
       throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
     Description description;
     description.file = file;
-    read_pbrt(file, description, options.lenient);
+    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.lenient);
     if (options.lenient) drop_bad_faces(description);
     return description;
   }
   // Expand the XML file and detect its dialect
-  ExpandedScene scene(file, options.defines, options.lenient);
+  ExpandedScene scene(file, options.defines, options.lenient, options.folder);
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
   Description description;
