@@ -20,6 +20,7 @@
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/preview.h"
+#include "tools/render_scene.h"
 #include "tools/render_summary.h"
 #include "tools/standard_streams.h"
 #include "tools/terminal.h"
@@ -41,10 +42,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Returns all output files, the images first. Throws Error for unknown formats, files given twice and locations that
-/// are not writable.
-std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
+/// are not writable. `has_default`: an image is written even if none is given.
+std::vector<NamedFile> check_outputs(const RenderArguments& arguments, bool has_default) {
   std::vector<std::string> images = arguments.outputs;
-  if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  if (images.empty() && has_default) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
   std::vector<NamedFile> outputs = named_images(images);
   if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
@@ -64,6 +65,7 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
 
 /// Throws Error (exit code 2) if layers are requested but no output can store them.
 void check_layers(const RenderArguments& arguments, const std::vector<fs::path>& outputs) {
+  if (outputs.empty()) return;
   const auto is_exr = [](const fs::path& file) { return extension_of(file) == ".exr"; };
   if (std::any_of(outputs.begin(), outputs.end(), is_exr)) return;
   const char* const option = !arguments.aovs.empty()        ? "--aov"
@@ -195,7 +197,8 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, Che
 }
 
 /// Prints notes and warnings before the render.
-void print_start(const Description& description, const Scene& scene) {
+void print_start(const Description& description, const std::vector<std::string>& details, const Scene& scene) {
+  for (const std::string& detail : details) print_detail(detail);
   for (const std::string& note : description.notes) print_note(note);
   for (const std::string& stand_in : description.stand_ins) print_warning(stand_in);
   for (const std::string& warning : scene.warnings()) print_warning(warning);
@@ -213,10 +216,11 @@ void print_end(const RenderResult& result, const std::vector<fs::path>& written,
                               stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-/// The images that the render writes, with default names if none are given.
-std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs) {
+/// The images that the render writes, with the default name if none are given.
+std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs,
+                                    bool has_default) {
   std::vector<fs::path> images;
-  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
+  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), has_default ? 1 : 0); ++i)
     images.push_back(outputs[i].file);
   return images;
 }
@@ -258,21 +262,27 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
-int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given) {
+}  // namespace
+
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated) {
   // Check the outputs before any work
   RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
-  const std::vector<NamedFile> all_outputs = check_outputs(arguments);
-  job.outputs = image_outputs(arguments, all_outputs);
+  const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
+  job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
   if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
-  Preview preview(arguments.preview, arguments.scene, job.outputs.front().string());
+  std::optional<Preview> own_preview;
+  if (repeated == nullptr) own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string());
+  Preview& preview = repeated != nullptr ? repeated->preview : *own_preview;
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
   job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
-  job.color = choose_color(arguments, job.description);
-  const PixelRect crop = apply_arguments(arguments, job.description);
+  std::vector<std::string> details;
+  job.color = choose_color(arguments, details);
+  const PixelRect crop = apply_arguments(arguments, job.description, details);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
@@ -289,7 +299,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
                                      : compile_scene(job.description, compile_options);
   move_to_large_pages();
   const double build_end = Progress::steady_seconds();
-  print_start(job.description, *job.scene);
+  print_start(job.description, details, *job.scene);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
@@ -297,6 +307,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
   RenderResult result = render_with_progress(*job.scene, std::move(options), checkpointer, preview, show);
+  if (repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;  // the scene has changed
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = job.color_name();
@@ -316,8 +327,6 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   if (!written.is_denoised) return static_cast<int>(ExitCode::kRuntime);
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
-
-}  // namespace
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();

@@ -8,6 +8,8 @@ namespace sheaf {
 
 /// sheaf render: renders a scene file to images.
 void add_render_command(Command& program, int& exit_code);
+/// sheaf watch: renders a scene again whenever it changes.
+void add_watch_command(Command& program, int& exit_code);
 /// sheaf info: prints the contents of a scene file or an image.
 void add_info_command(Command& program, int& exit_code);
 /// sheaf compare: measures the differences between two images.

@@ -11,16 +11,18 @@ namespace sheaf {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using InfoJson = nlohmann::ordered_json;
 
-Json vector_json(Vec3f v) { return {v.x, v.y, v.z}; }
+InfoJson vector_json(Vec3f v) { return {v.x, v.y, v.z}; }
 
-Json rect_json(const PixelRect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
+InfoJson rect_json(const PixelRect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
 
-std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string text_of(const InfoJson& json) {
+  return json.dump(2, ' ', false, InfoJson::error_handler_t::replace) + "\n";
+}
 
-Json grids_json(const CompileReport& report) {
-  Json grids = Json::array();
+InfoJson grids_json(const CompileReport& report) {
+  InfoJson grids = InfoJson::array();
   for (const PlacedGrid& grid : report.grids)
     grids.push_back({{"name", grid.name},
                      {"where", grid.where.file + ":" + std::to_string(grid.where.line)},
@@ -33,8 +35,8 @@ Json grids_json(const CompileReport& report) {
 }
 
 /// The memory that rendering adds to the loaded scene, in bytes by purpose.
-Json rendering_json(const Scene& scene) {
-  Json json;
+InfoJson rendering_json(const Scene& scene) {
+  InfoJson json;
   try {
     for (const MemoryUse& use : render_memory(scene, {})) json[use.what] = use.bytes;
   } catch (const Error&) { return {}; }
@@ -48,16 +50,16 @@ std::string info_json(const Description& description, const Scene& scene, const 
   const FilmSettings& film = description.film;
   const SamplerSettings& sampler = description.sampler;
   // Describe the settings
-  Json json{{"file", description.file.string()},
-            {"width", film.width},
-            {"height", film.height},
-            {"crop", film.crop ? rect_json(*film.crop) : Json()},
-            {"sampler", kSamplers.name_of(sampler.kind)},
-            {"rendered_sampler", kSamplers.name_of(rendered_sampler(sampler.kind))},
-            {"spp", sampler.sample_count},
-            {"seed", sampler.seed},
-            {"integrator", integrator_name(description.integrator)},
-            {"max_depth", description.integrator.max_depth}};
+  InfoJson json{{"file", description.file.string()},
+                {"width", film.width},
+                {"height", film.height},
+                {"crop", film.crop ? rect_json(*film.crop) : InfoJson()},
+                {"sampler", kSamplers.name_of(sampler.kind)},
+                {"rendered_sampler", kSamplers.name_of(rendered_sampler(sampler.kind))},
+                {"spp", sampler.sample_count},
+                {"seed", sampler.seed},
+                {"integrator", integrator_name(description.integrator)},
+                {"max_depth", description.integrator.max_depth}};
   // Describe the contents
   json.update({{"shapes", info.shapes},
                {"triangles", info.triangles},
@@ -73,7 +75,7 @@ std::string info_json(const Description& description, const Scene& scene, const 
                {"lights", info.lights}});
   const bool has_bounds = info.shapes > 0;
   json["bounds"] =
-      has_bounds ? Json{{"min", vector_json(info.bounds_min)}, {"max", vector_json(info.bounds_max)}} : Json();
+      has_bounds ? InfoJson{{"min", vector_json(info.bounds_min)}, {"max", vector_json(info.bounds_max)}} : InfoJson();
   json["grids"] = grids_json(report);
   json["environment"] = {{"width", report.envmap_width}, {"height", report.envmap_height}};
   // Describe memory and messages
@@ -84,7 +86,7 @@ std::string info_json(const Description& description, const Scene& scene, const 
                     {"peak_while_loading", peak_rss_bytes()},
                     {"loaded", resident_memory()},
                     {"rendering", rendering_json(scene)}};
-  Json files = Json::array(), warnings = Json::array();
+  InfoJson files = InfoJson::array(), warnings = InfoJson::array();
   for (const std::filesystem::path& file : description.files) files.push_back(file.string());
   for (const std::string& stand_in : description.stand_ins) warnings.push_back(stand_in);
   for (const std::string& warning : scene.warnings()) warnings.push_back(warning);
@@ -93,7 +95,7 @@ std::string info_json(const Description& description, const Scene& scene, const 
 }
 
 std::string info_json(const ExrHeader& header, const std::string& file) {
-  Json channels = Json::array(), attributes = Json::object();
+  InfoJson channels = InfoJson::array(), attributes = InfoJson::object();
   for (const ExrHeader::Channel& channel : header.channels)
     channels.push_back({{"name", channel.name}, {"type", channel.type}});
   for (const ExrMetadata::Attribute& attribute : header.attributes)

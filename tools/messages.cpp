@@ -64,6 +64,8 @@ void print_warning(std::string_view message) { print_from(Verbosity::kWarnings, 
 
 void print_note(std::string_view message) { print_from(Verbosity::kNormal, message); }
 
+void print_detail(std::string_view message) { print_from(Verbosity::kVerbose, message); }
+
 void replace_in_messages(const std::string& text, const std::string& shown) {
   const std::lock_guard lock(listening);
   replaced_texts.emplace_back(text, shown);

@@ -41,6 +41,8 @@ void print_message(std::string_view message);
 void print_warning(std::string_view message);
 /// Prints the message at normal verbosity.
 void print_note(std::string_view message);
+/// Prints the message with -v.
+void print_detail(std::string_view message);
 /// Replaces a text in all further messages, such as the name of a temporary file.
 void replace_in_messages(const std::string& text, const std::string& shown);
 /// Passes each further message to `listener` too, whether it is printed or not, from one thread at a time. An empty

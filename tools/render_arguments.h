@@ -275,10 +275,13 @@ struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, Run
   PreviewArguments preview;
 };
 
-/// Adds the subcommand with all of its options, but without an action. `arguments` must live as long as `program`.
-inline Command add_render_options(Command& program, RenderArguments& arguments) {
-  Command command = program.add_command(
-      "render", "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to images.");
+/// Adds the subcommand `render`, or another one with the same options, but without an action. `arguments` must live as
+/// long as `program`.
+inline Command add_render_options(
+    Command& program, RenderArguments& arguments, const std::string& name = "render",
+    const std::string& help =
+        "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to images.") {
+  Command command = program.add_command(name, help);
   for (const char* const title : {kSceneOptions, kImageOptions, kSamplingOptions, kTransportOptions, kOutputOptions,
                                   kPreviewOptions, kResourceOptions, kAdvancedOptions})
     command.begin_group(title);

@@ -49,6 +49,7 @@ int run(int argc, char** argv) {
   // Add the commands, and run the one on the command line
   try {
     add_render_command(program, exit_code);
+    add_watch_command(program, exit_code);
     add_info_command(program, exit_code);
     add_compare_command(program, exit_code);
     add_denoise_command(program, exit_code);

@@ -1,6 +1,7 @@
 #include "tools/standard_streams.h"
 
 #include "core/error.h"
+#include "core/output_file.h"
 #include "tools/messages.h"
 
 #include <unistd.h>
@@ -20,12 +21,23 @@ namespace {
 
 constexpr std::size_t kPiece = std::size_t{1} << 20;
 
-/// Copies one file to another until the end. Returns false if reading or writing fails.
-bool copy_all(std::FILE* from, std::FILE* to) {
+/// Copies the rest of the standard input to a file. Returns false if reading fails.
+bool copy_input(std::vector<char>& piece, std::ostream& to) {
+  for (std::size_t count = 0; (count = std::fread(piece.data(), 1, piece.size(), stdin)) > 0;)
+    to.write(piece.data(), static_cast<std::streamsize>(count));
+  return std::ferror(stdin) == 0;
+}
+
+/// Copies a file to the standard output. Returns false if reading or writing fails.
+bool copy_to_output(const fs::path& file) {
+  std::ifstream from(file, std::ios::binary);
   std::vector<char> piece(kPiece);
-  for (std::size_t count = 0; (count = std::fread(piece.data(), 1, piece.size(), from)) > 0;)
-    if (std::fwrite(piece.data(), 1, count, to) != count) return false;
-  return std::ferror(from) == 0;
+  while (from) {
+    from.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+    const auto count = static_cast<std::size_t>(from.gcount());
+    if (std::fwrite(piece.data(), 1, count, stdout) != count) return false;
+  }
+  return from.eof() && std::fflush(stdout) == 0;
 }
 
 /// The first word that is not in a comment.
@@ -71,24 +83,20 @@ const fs::path& StandardStreams::folder() {
 
 std::string StandardStreams::read_scene(const std::string& scene) {
   if (scene != "-") return scene;
-  // Copy the stream
-  const fs::path copy = folder() / "scene";
-  std::FILE* const file = std::fopen(copy.c_str(), "wb");
-  const bool is_copied = file != nullptr && copy_all(stdin, file);
-  const bool is_closed = file != nullptr && std::fclose(file) == 0;
-  if (!is_copied || !is_closed)
+  // Name the copy by its content
+  std::vector<char> piece(kPiece);
+  const std::size_t count = std::fread(piece.data(), 1, piece.size(), stdin);
+  const fs::path copy = folder() / ("stdin" + scene_extension({piece.data(), count}));
+  OutputFile file(copy);
+  file.stream().write(piece.data(), static_cast<std::streamsize>(count));
+  // Copy the rest
+  if (!copy_input(piece, file.stream()))
     throw Error(ExitCode::kRuntime,
                 "cannot read the scene from the standard input: " + std::string(std::strerror(errno)));
-  // Name the copy by its content
-  std::string beginning(4096, '\0');
-  std::ifstream stream(copy, std::ios::binary);
-  stream.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
-  beginning.resize(static_cast<std::size_t>(stream.gcount()));
-  const fs::path named = folder_ / ("stdin" + scene_extension(beginning));
-  fs::rename(copy, named);
-  replace_in_messages(named.string(), "standard input");
+  file.commit();
+  replace_in_messages(copy.string(), "standard input");
   has_scene_ = true;
-  return named.string();
+  return copy.string();
 }
 
 void StandardStreams::open_output(std::vector<std::string>& outputs, const std::string& format) {
@@ -103,12 +111,10 @@ void StandardStreams::open_output(std::vector<std::string>& outputs, const std::
 bool StandardStreams::send_output() {
   std::error_code error;
   if (output_.empty() || !fs::exists(output_, error)) return true;
-  std::FILE* const file = std::fopen(output_.c_str(), "rb");
   errno = 0;
-  const bool is_sent = file != nullptr && copy_all(file, stdout) && std::fflush(stdout) == 0;
-  if (!is_sent) print_message("cannot write the image to the standard output: " + std::string(std::strerror(errno)));
-  if (file != nullptr) std::fclose(file);
-  return is_sent;
+  if (copy_to_output(output_)) return true;
+  print_message("cannot write the image to the standard output: " + std::string(std::strerror(errno)));
+  return false;
 }
 
 }  // namespace sheaf

@@ -102,7 +102,7 @@ def check_help(options, failures):
     sources = [file for kind in ("*.cpp", "*.h") for file in ROOT.glob(f"tools/{kind}") if file.name not in others]
     for source in sources:
         text = source.read_text()
-        for call in re.finditer(r'add_(?:option|flag)\(\s*"([-\w,]+)"', text):
+        for call in re.finditer(r'add_(?:option|flag|counter)\(\s*"([-\w,]+)"', text):
             for name in call[1].split(","):
                 declared.add(name)
                 if name.startswith("--") and name not in listed:

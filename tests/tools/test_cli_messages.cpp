@@ -17,7 +17,7 @@ using test::kScene;
 
 namespace {
 
-/// A folder with a scene, whose environment map of one pixel lacks the light that the second scene misses.
+/// A folder with a scene.
 struct Workplace {
   Workplace() { write_bytes(folder / "scene.xml", kScene); }
   std::string messages(const std::string& arguments) const {
@@ -44,7 +44,7 @@ std::string dark_scene() {
 
 TEST_CASE("messages: a render prints one line with size, samples, time, noise and files") {
   const Workplace place;
-  const std::string text = place.messages("render scene.xml -o out.exr -o out.png");
+  const std::string text = place.messages("render scene.xml --replicates 4 -o out.exr -o out.png");
   CHECK(line_count(text) == 1);
   std::smatch found;
   const std::regex expected(
@@ -97,7 +97,7 @@ TEST_CASE("messages: other commands print one line or none") {
 TEST_CASE("messages: adaptive and interrupted renders report the samples taken") {
   const Workplace place;
   CHECK(contains(place.messages("render scene.xml --noise-target 40%"), " spp on average in "));
-  const std::string stop = "timeout -s INT 2 ";
+  const std::string stop = "timeout --preserve-status -s INT 2 ";
   const Outcome stopped = run(place.folder, "render scene.xml -D size=512 --spp 16000000 --threads 1", stop);
   CHECK(stopped.code == 130);
   const std::regex expected(
