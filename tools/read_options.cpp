@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/name_table.h"
 #include "scene/dialects/read_model.h"
+#include "tools/option_groups.h"
 
 #include <charconv>
 #include <cmath>
@@ -39,17 +40,22 @@ constexpr NameTable<ModelView::Up> kUpAxes{
 }  // namespace
 
 void add_read_options(Command& command, ReadArguments& arguments) {
-  command.add_option("-D,--define", arguments.definitions, "name=value: replaces $name in the scene; may be repeated");
+  command.begin_group(kSceneOptions);
+  command.add_option("-D,--define", arguments.definitions, "name=value: replaces $name in the scene; may be repeated")
+      .placeholder("NAME=VALUE");
+  command.begin_group(kAdvancedOptions);
   command.add_flag("--lenient", arguments.lenient,
                    "Render malformed or unsupported scenes: substitute or drop what cannot be read, with warnings");
   command
       .add_option("--nori-camera", arguments.nori_camera,
                   "Image orientation of Nori scenes: eth (default), or upstream, the mirror image")
       .one_of(kNoriCameras.names());
+  command.begin_group(kSceneOptions);
   command
       .add_option("--view", arguments.view,
                   "Camera direction for a model: azimuth,elevation in degrees. Default: 30,20")
-      .list(',', 2);
+      .list(',', 2)
+      .placeholder("AZIMUTH,ELEVATION");
   command.add_option("--up", arguments.up, "Up axis of a model: x, y (default) or z").one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
   command.add_option(
@@ -68,6 +74,7 @@ void add_read_options(Command& command, ReadArguments& arguments) {
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments) {
   ReadOptions options;
   options.lenient = arguments.lenient;
+  if (arguments.from_working_folder) options.folder = "";
   for (const std::string& definition : arguments.definitions) options.defines.push_back(split_definition(definition));
   if (!arguments.nori_camera.empty()) options.nori_camera = kNoriCameras.option("camera", arguments.nori_camera);
   check_model_options(file, arguments);

@@ -16,7 +16,8 @@ struct ReadArguments {
   std::string environment;  ///< image file
   bool no_floor = false;
   std::string camera, animation;
-  std::optional<float> time;  ///< seconds
+  std::optional<float> time;         ///< seconds
+  bool from_working_folder = false;  ///< relative paths in the scene refer to the working directory
 };
 
 /// Adds -D, --lenient, --nori-camera, --camera and the options for models.

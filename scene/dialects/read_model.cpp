@@ -123,7 +123,8 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
 Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions& options) {
   Description description;
   set_model_defaults(description);
-  const GltfContents contents = read_gltf(file, options.moment, options.camera, options.lenient, description);
+  const GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment,
+                                          options.camera, options.lenient, description);
   if (description.shapes.empty() && description.instances.empty())
     throw SceneError({file.string(), 0}, "has no triangles to render");
   const std::array<Vec3f, 2> box = read_bounds(description, options.lenient);

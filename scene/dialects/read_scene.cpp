@@ -119,20 +119,22 @@ void reject_camera_choice(const ReadOptions& options) {
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
   if (is_gltf(file)) return read_gltf_scene(file, options);
-  if (!file.string().ends_with(".xml")) reject_camera_choice(options);
-  if (const auto format = model_format(file))
+  if (const auto format = model_format(file)) {
+    reject_camera_choice(options);
     return read_model(file, *format, options.view, options.surroundings, options.lenient);
+  }
   if (is_pbrt_scene(file)) {
+    reject_camera_choice(options);
     if (!options.defines.empty())
       throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
     Description description;
     description.file = file;
-    read_pbrt(file, description, options.lenient);
+    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.lenient);
     if (options.lenient) drop_bad_faces(description);
     return description;
   }
   // Expand the XML file and detect its dialect
-  ExpandedScene scene(file, options.defines, options.lenient);
+  ExpandedScene scene(file, options.defines, options.lenient, options.folder);
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
   Description description;

@@ -5,6 +5,7 @@
 #include "scene/dialects/common/model_view.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +20,8 @@ struct ReadOptions {
   std::vector<std::pair<std::string, std::string>> defines;  ///< -D name=value: the value of `$name` in the file
   bool lenient = false;  ///< substitute or drop unreadable elements; see Description::stand_ins
   NoriCamera nori_camera = NoriCamera::kEth;
+  /// Folder to which relative paths in the scene file refer. Default: that of the file.
+  std::optional<std::filesystem::path> folder;
   ModelView view;  ///< for models and, if lenient, scenes without a camera
   ModelSurroundings surroundings;
   ModelMoment moment;

@@ -196,7 +196,7 @@ struct GltfLight {
 
 /// A glTF file.
 struct GltfFile {
-  std::filesystem::path file;
+  std::filesystem::path file, folder;  ///< names in the file are relative to the folder
   std::string generator;
   std::vector<std::filesystem::path> files;  ///< external buffers and images
   std::vector<std::vector<std::uint8_t>> buffers;
@@ -220,8 +220,8 @@ struct GltfFile {
 };
 
 /// Reads a glTF file with its external buffers and images. Throws SceneError if files are missing, if the document is
-/// malformed or invalid, and for required extensions that are not supported.
-GltfFile read_gltf_file(const std::filesystem::path& file);
+/// malformed or invalid, and for required extensions that are not supported. `folder`: see GltfFile.
+GltfFile read_gltf_file(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 /// Bytes of an element: columns of matrices are padded to multiples of four.
 std::size_t element_bytes(GltfComponent type, int components);

@@ -183,7 +183,7 @@ class ByteLoader {
     const std::filesystem::path path = decode_uri(uri);
     if (uri.find("://") != std::string::npos || path.is_absolute() || path.empty())
       throw out_.error(part, "'uri' is " + in_quotes(uri) + ", expected a path relative to the file or a data URI");
-    return out_.file.parent_path() / path;
+    return out_.folder / path;
   }
 
   std::vector<std::uint8_t> bytes_at(const std::string& uri, const std::string& part) {

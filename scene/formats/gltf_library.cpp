@@ -400,9 +400,10 @@ std::vector<std::uint8_t> decode_base64(const std::string& text) {
   return bytes;
 }
 
-GltfFile read_gltf_file(const std::filesystem::path& file) {
+GltfFile read_gltf_file(const std::filesystem::path& file, const std::filesystem::path& folder) {
   GltfFile out;
   out.file = file;
+  out.folder = folder;
   GltfDocument document = read_gltf_document(file);
   const nlohmann::json& asset = (*document.json)["asset"];
   if (asset.is_object() && asset.contains("version") && asset["version"].is_string() &&

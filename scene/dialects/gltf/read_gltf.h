@@ -16,8 +16,8 @@ struct GltfContents {
 
 /// Reads a glTF 2.0 file (.gltf, .glb): its default scene with its first camera, or the camera that `camera` names.
 /// Materials become MetallicRoughnessDescription. Throws SceneError. `lenient`: faces with vertices out of range are
-/// dropped.
-GltfContents read_gltf(const std::filesystem::path& file, const ModelMoment& moment, const std::string& camera,
-                       bool lenient, Description& description);
+/// dropped. `folder`: see GltfFile.
+GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
+                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description);
 
 }  // namespace sheaf

@@ -205,9 +205,9 @@ class SceneReader {
 
 }  // namespace gltf
 
-GltfContents read_gltf(const std::filesystem::path& file, const ModelMoment& moment, const std::string& camera,
-                       bool lenient, Description& description) {
-  GltfFile gltf = read_gltf_file(file);
+GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
+                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description) {
+  GltfFile gltf = read_gltf_file(file, folder);
   description.file = file;
   description.files = {file};
   description.files.insert(description.files.end(), gltf.files.begin(), gltf.files.end());

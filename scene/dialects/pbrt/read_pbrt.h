@@ -7,7 +7,9 @@
 
 namespace sheaf {
 
-/// Reads a pbrt-v4 scene file. If `lenient`, substitutes or drops unsupported features. Throws SceneError.
-void read_pbrt(const std::filesystem::path& file, Description& description, bool lenient);
+/// Reads a pbrt-v4 scene file, whose relative paths refer to `folder`. If `lenient`, substitutes or drops unsupported
+/// features. Throws SceneError.
+void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
+               bool lenient);
 
 }  // namespace sheaf

@@ -141,8 +141,8 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
   open_.pop_back();
 }
 
-void SceneBuilder::read(const fs::path& file) {
-  reader_.folder = file.parent_path();
+void SceneBuilder::read(const fs::path& file, const fs::path& folder) {
+  reader_.folder = folder;
   reader_.description.files.push_back(file);
   read_file(file, {file.string(), 0});
   if (!saved_.empty())
@@ -170,8 +170,9 @@ void SceneBuilder::finish() {
 
 namespace sheaf {
 
-void read_pbrt(const std::filesystem::path& file, Description& description, bool lenient) {
-  pbrt::SceneBuilder(description, lenient).read(file);
+void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
+               bool lenient) {
+  pbrt::SceneBuilder(description, lenient).read(file, folder);
 }
 
 }  // namespace sheaf
