@@ -24,13 +24,15 @@ struct FarmArguments {
   std::string scene, frames, folder, partition, time, memory;
   std::vector<std::string> outputs, sbatch, options;
   int parts = 0, cpus = 1, grace = 60;
-  bool tiles = false, submit = false, quiet = false;
+  bool tiles = false, submit = false;
+  VerbosityArguments verbosity;
 };
 
 /// Options of `sheaf render` that farm sets itself or that do not apply to parts, with the reason.
 constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"output", "use the --output of 'sheaf farm'"},
     {"frames", "use the --frames of 'sheaf farm'"},
+    {"skip-existing", "run submit.sh again to continue failed jobs"},
     {"samples", "farm chooses it"},
     {"checkpoint", "farm chooses it"},
     {"resume", "farm chooses it"},
@@ -191,13 +193,12 @@ int make_farm(const FarmArguments& arguments) {
   write_text_file(render, render_script(farm));
   write_text_file(merge, merge_script(farm));
   write_text_file(submit, submit_script(farm, render.string(), merge.string()));
-  if (!arguments.quiet)
-    print_message(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
-                              farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
-                              farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+  print_note(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
+                         farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
+                         farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
   // Submit the jobs if requested
   if (!arguments.submit) {
-    if (!arguments.quiet) print_message("to submit the jobs: bash " + shell_quoted(submit.string()));
+    print_note("to submit the jobs: bash " + shell_quoted(submit.string()));
     return static_cast<int>(ExitCode::kDone);
   }
   const int status = std::system(("bash " + shell_quoted(submit.string())).c_str());
@@ -214,41 +215,54 @@ void add_farm_command(Command& program, int& exit_code) {
       program.add_command("farm",
                           "Render images in parts on a Slurm cluster: writes a job array per frame and a job that "
                           "merges its parts. Options of 'sheaf render' follow after --. See docs/farm.md.");
-  command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required();
+  command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required().file();
   command.add_arguments("options", arguments->options, "Options of 'sheaf render' for all parts, after --");
   command
       .add_option("--parts", arguments->parts,
                   "Number of parts per image: sample ranges, or strips of rows with --tiles")
       .required()
       .in_range(1, 1000);
-  command.add_option("--frames", arguments->frames,
-                     "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: each frame K is rendered with -D "
-                     "frame=K. Default: one "
-                     "image without -D");
-  command.add_option(
-      "-o,--output", arguments->outputs,
-      "Output image, .exr or .png; may be repeated. With --frames, the frame number replaces #### or "
-      "$frame4 (4 digits) or $frame, or else precedes the file extension. Default: the scene's name with .exr");
-  command.add_option("--folder", arguments->folder,
-                     "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
-                     "scene's name with _farm, in the current folder");
+  command
+      .add_option("--frames", arguments->frames,
+                  "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: each frame K is rendered with -D "
+                  "frame=K. Default: one image without -D")
+      .placeholder("FIRST:LAST:STEP");
+  command
+      .add_option(
+          "-o,--output", arguments->outputs,
+          "Output image, .exr or .png; may be repeated. With --frames, the frame number replaces #### or "
+          "$frame4 (4 digits) or $frame, or else precedes the file extension. Default: the scene's name with .exr")
+      .file();
+  command
+      .add_option("--folder", arguments->folder,
+                  "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
+                  "scene's name with _farm, in the current folder")
+      .folder();
   command.add_flag("--tiles", arguments->tiles, "Split the frame into strips of rows instead of splitting the samples");
   command.add_flag("--submit", arguments->submit, "Submit the jobs with sbatch");
-  command.add_option("--partition", arguments->partition, "Slurm partition");
-  command.add_option("--time", arguments->time,
-                     "Time limit of a part in Slurm's notation, such as 2:00:00. Unfinished parts are requeued and "
-                     "continue from their checkpoints");
+  command.add_option("--partition", arguments->partition, "Slurm partition").placeholder("NAME");
+  command
+      .add_option("--time", arguments->time,
+                  "Time limit of a part in Slurm's notation, such as 2:00:00. Unfinished parts are requeued and "
+                  "continue from their checkpoints")
+      .placeholder("TIME");
   command
       .add_option("--grace", arguments->grace,
                   "Seconds before the time limit at which a part writes its checkpoint and exits. Default: 60")
       .in_range(1, 65535);
   command.add_option("--cpus", arguments->cpus, "Cores per part, and its number of threads. Default: 1")
       .in_range(1, 4096);
-  command.add_option("--memory", arguments->memory, "Memory per part in Slurm's notation, such as 8G");
-  command.add_option("--sbatch", arguments->sbatch,
-                     "Additional option for sbatch, such as --sbatch=--constraint=avx512; may be repeated");
-  command.add_flag("--quiet", arguments->quiet, "Print only errors and job numbers");
-  command.on_call([arguments, &exit_code] { exit_code = make_farm(*arguments); });
+  command.add_option("--memory", arguments->memory, "Memory per part in Slurm's notation, such as 8G")
+      .placeholder("SIZE");
+  command
+      .add_option("--sbatch", arguments->sbatch,
+                  "Additional option for sbatch, such as --sbatch=--constraint=avx512; may be repeated")
+      .placeholder("OPTION");
+  add_verbosity_options(command, arguments->verbosity);
+  command.on_call([arguments, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    exit_code = make_farm(*arguments);
+  });
 }
 
 }  // namespace sheaf

@@ -21,10 +21,13 @@
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/preview.h"
+#include "tools/render_scene.h"
+#include "tools/render_summary.h"
+#include "tools/standard_streams.h"
+#include "tools/terminal.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -40,10 +43,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Returns all output files, the images first. Throws Error for unknown formats, files given twice and locations that
-/// are not writable.
-std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
+/// are not writable. `has_default`: an image is written even if none is given.
+std::vector<NamedFile> check_outputs(const RenderArguments& arguments, bool has_default) {
   std::vector<std::string> images = arguments.outputs;
-  if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  if (images.empty() && has_default) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
   std::vector<NamedFile> outputs = named_images(images);
   if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
@@ -63,6 +66,7 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
 
 /// Throws Error (exit code 2) if layers are requested but no output can store them.
 void check_layers(const RenderArguments& arguments, const std::vector<fs::path>& outputs) {
+  if (outputs.empty()) return;
   const auto is_exr = [](const fs::path& file) { return extension_of(file) == ".exr"; };
   if (std::any_of(outputs.begin(), outputs.end(), is_exr)) return;
   const char* const option = !arguments.aovs.empty()        ? "--aov"
@@ -146,15 +150,9 @@ bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& m
   });
 }
 
-Progress::Mode progress_mode(bool quiet) {
-  if (quiet) return Progress::Mode::kQuiet;
+Progress::Mode progress_mode() {
+  if (verbosity() < Verbosity::kNormal) return Progress::Mode::kQuiet;
   return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
-}
-
-/// Width of the terminal in columns; 0 if unknown.
-int terminal_columns() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 /// The image so far.
@@ -174,15 +172,15 @@ RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aov
 
 /// Renders with signal handling, progress display and checkpoints. `show` receives the current state whenever the user
 /// requests a preview by signal.
-RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
+RenderResult render_with_progress(const Scene& scene, RenderOptions options, Checkpointer& checkpointer,
                                   Preview& preview,
                                   const std::function<void(const RenderState&, const RenderReport&)>& show) {
   RenderReport report;
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(options.crop->width()) * static_cast<std::uint64_t>(options.crop->height());
   const auto write = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
-  Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
-                    terminal_columns);
+  Progress progress(progress_mode(), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
+                    [] { return terminal_columns(STDERR_FILENO); });
   options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   options.stop = &InterruptGuard::stop();
   options.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
@@ -195,48 +193,41 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   };
   preview.watch(options);
   RenderResult result = render(scene, options);
-  progress.finish(!result.interrupted);
+  progress.finish();
   return result;
 }
 
 /// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
-void print_start(const Description& description, const Scene& scene, FrameRun* frames) {
-  const auto print = [&](const std::string& message) {
-    if (frames == nullptr || frames->is_new(message)) print_message(message);
+void print_start(const Description& description, const std::vector<std::string>& details, const Scene& scene,
+                 FrameRun* frames) {
+  const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
+    if (frames == nullptr || frames->is_new(message)) kind(message);
   };
-  for (const std::string& note : description.notes) print(note);
-  for (const std::string& stand_in : description.stand_ins) print("warning: " + stand_in);
-  for (const std::string& warning : scene.warnings()) print("warning: " + warning);
+  for (const std::string& detail : details) print(print_detail, detail);
+  for (const std::string& note : description.notes) print(print_note, note);
+  for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
+  for (const std::string& warning : scene.warnings()) print(print_warning, warning);
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print("warning: the scene has no lights: the image will be black");
+    print(print_warning, "the scene has no lights: the image will be black");
 }
 
-/// Prints a line after a frame of an animation, and its warnings.
-void print_frame(FrameRun& frames, const RenderReport& report, const std::vector<std::string>& warnings,
-                 const std::vector<fs::path>& written) {
-  for (const std::string& warning : warnings)
-    if (frames.is_new(warning)) print_message("warning: " + frames.label() + ": " + warning);
-  std::string line = fmt::format("{}: {} in {:.1f} s", frames.label(), report.interrupted ? "interrupted" : "rendered",
-                                 report.load_seconds + report.build_seconds + report.render_seconds);
-  for (const fs::path& file : written) line += (file == written.front() ? "; wrote " : ", ") + file.string();
-  print_message(line);
-}
-
-/// Prints warnings, statistics and the written files after the render.
-void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
-  for (const std::string& warning : result.warnings) print_message("warning: " + warning);
-  std::fputs(to_table(result.report).c_str(), stderr);
-  for (const fs::path& output : written) print_message("wrote " + output.string());
+/// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
+void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins,
+               FrameRun* frames) {
+  for (const std::string& warning : result.warnings)
+    if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
+  if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
+  print_note((frames != nullptr ? frames->label() + ": " : "") + summarize(result.report, written));
   if (stand_ins > 0)
-    print_message(
-        fmt::format("warning: {} scene element{} could not be read and {} dropped or replaced; see the warnings above",
-                    stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
+    print_warning(fmt::format("{} scene element{} could not be read and {} dropped or replaced; see the warnings above",
+                              stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-/// The images that the render writes, with default names if none are given.
-std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs) {
+/// The images that the render writes, with the default name if none are given.
+std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs,
+                                    bool has_default) {
   std::vector<fs::path> images;
-  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
+  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), has_default ? 1 : 0); ++i)
     images.push_back(outputs[i].file);
   return images;
 }
@@ -249,7 +240,7 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
   for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
-    print_message("wrote the unfinished image to " + file.string());
+    print_note("wrote the unfinished image to " + file.string());
 }
 
 /// The final image, and the files to which it was written.
@@ -278,22 +269,28 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
-/// Renders one image. `frames`: what it shares with other frames of an animation; null for a single image.
-int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, FrameRun* frames) {
+}  // namespace
+
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
+                 FrameRun* frames) {
   // Check the outputs before any work
   RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
-  const std::vector<NamedFile> all_outputs = check_outputs(arguments);
-  job.outputs = image_outputs(arguments, all_outputs);
+  const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
+  job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
   if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
-  Preview preview(arguments.preview, arguments.scene, job.outputs.front().string(), arguments.quiet);
+  std::optional<Preview> own_preview;
+  if (repeated == nullptr) own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string());
+  Preview& preview = repeated != nullptr ? repeated->preview : *own_preview;
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
   job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
-  job.color = choose_color(arguments, job.description);
-  const PixelRect crop = apply_arguments(arguments, job.description);
+  std::vector<std::string> details;
+  job.color = choose_color(arguments, details);
+  const PixelRect crop = apply_arguments(arguments, job.description, details);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
@@ -305,20 +302,21 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  const CompileOptions compile_options{arguments.watertight, job.color, nullptr, frames ? &frames->geometry : nullptr};
+  CompileOptions compile_options{arguments.watertight, job.color};
+  if (frames != nullptr) compile_options.kept = &frames->geometry;
   job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
                                      : compile_scene(job.description, compile_options);
   move_to_large_pages();
   const double build_end = Progress::steady_seconds();
-  if (!arguments.quiet) print_start(job.description, *job.scene, frames);
+  print_start(job.description, details, *job.scene, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
-  RenderResult result =
-      render_with_progress(*job.scene, std::move(options), arguments.quiet, checkpointer, preview, show);
+  RenderResult result = render_with_progress(*job.scene, std::move(options), checkpointer, preview, show);
+  if (repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;  // the scene has changed
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = job.color_name();
@@ -329,10 +327,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const WrittenImage written = write_result(job, result);
   bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  if (!arguments.quiet)
-    frames ? print_frame(*frames, result.report, result.warnings, written.files)
-           : print_end(result, written.files, job.description.stand_ins.size());
-  if (frames) keep_geometry(std::move(job.scene), frames->geometry);
+  print_end(result, written.files, job.description.stand_ins.size(), frames);
+  if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome
   const bool failed = !complete || !written.is_denoised;
@@ -342,22 +338,28 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
+namespace {
+
+const FrameCalls kFrameCalls{[](const RenderArguments& frame) { check_outputs(frame, true); },
+                             [](const RenderArguments& frame, const std::vector<GivenOption>& given, FrameRun& run) {
+                               return render_scene(frame, given, nullptr, &run);
+                             }};
+
 }  // namespace
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = add_render_options(program, *arguments);
   command.on_call([arguments, command, &exit_code] {
-    if (arguments->frames.empty()) {
-      if (arguments->skip_existing) throw Error(ExitCode::kUsage, "--skip-existing needs --frames");
-      exit_code = render_scene(*arguments, command.given(), nullptr);
-      return;
-    }
-    const FrameCalls calls{[](const RenderArguments& frame) { check_outputs(frame); },
-                           [](const RenderArguments& frame, const std::vector<GivenOption>& given, FrameRun& run) {
-                             return render_scene(frame, given, &run);
-                           }};
-    exit_code = render_frames(*arguments, command.given(), calls);
+    set_verbosity(arguments->verbosity.verbosity());
+    check_frame_options(*arguments);
+    StandardStreams streams;
+    streams.open_output(arguments->outputs, arguments->output_format);
+    arguments->scene = streams.read_scene(arguments->scene);
+    arguments->read.from_working_folder = streams.has_scene();
+    exit_code = arguments->frames.empty() ? render_scene(*arguments, command.given())
+                                          : render_frames(*arguments, command.given(), kFrameCalls);
+    if (!streams.send_output() && exit_code == 0) exit_code = static_cast<int>(ExitCode::kOutput);
   });
 }
 

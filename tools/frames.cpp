@@ -48,14 +48,6 @@ std::vector<GivenOption> given_for(const std::vector<GivenOption>& given, int fr
   return one;
 }
 
-void check_options(const RenderArguments& arguments) {
-  for (const std::string& definition : arguments.read.definitions)
-    if (definition.starts_with(std::string(kParameter) + "="))
-      throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
-  if (!arguments.preview.serve.empty())
-    throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
-}
-
 /// Whether all images of a frame exist and are not of an interrupted render.
 bool is_rendered(const RenderArguments& frame) {
   return std::all_of(frame.outputs.begin(), frame.outputs.end(),
@@ -75,9 +67,22 @@ void FrameRun::begin_frame(int frame) {
 
 std::string FrameRun::label() const { return fmt::format("frame {} ({} of {})", frame_, position_, count_); }
 
+void check_frame_options(const RenderArguments& arguments) {
+  if (arguments.frames.empty()) {
+    if (arguments.skip_existing) throw Error(ExitCode::kUsage, "--skip-existing needs --frames");
+    return;
+  }
+  for (const std::string& definition : arguments.read.definitions)
+    if (definition.starts_with(std::string(kParameter) + "="))
+      throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
+  if (!arguments.preview.serve.empty())
+    throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
+  for (const std::string& output : arguments.outputs)
+    if (output == "-") throw Error(ExitCode::kUsage, "-o - writes a single image and excludes --frames");
+}
+
 int render_frames(const RenderArguments& arguments, const std::vector<GivenOption>& given, const FrameCalls& calls) {
   // Choose the frames, and check all outputs before any work
-  check_options(arguments);
   std::vector<int> frames = parse_frames(arguments.frames).frames();
   const std::size_t requested = frames.size();
   if (arguments.skip_existing)
@@ -89,11 +94,10 @@ int render_frames(const RenderArguments& arguments, const std::vector<GivenOptio
   FrameRun run(frames.size());
   std::size_t finished = 0;
   const auto report = [&] {
-    if (arguments.quiet) return;
-    print_message(fmt::format("rendered {}{} in {:.1f} s{}", frames_text(finished),
-                              finished < frames.size() ? fmt::format(" of {}", frames.size()) : "",
-                              Progress::steady_seconds() - start,
-                              skipped > 0 ? fmt::format("; skipped {} with images", frames_text(skipped)) : ""));
+    print_note(fmt::format("rendered {}{} in {:.1f} s{}", frames_text(finished),
+                           finished < frames.size() ? fmt::format(" of {}", frames.size()) : "",
+                           Progress::steady_seconds() - start,
+                           skipped > 0 ? fmt::format("; skipped {} with images", frames_text(skipped)) : ""));
   };
   int code = static_cast<int>(ExitCode::kDone);
   try {

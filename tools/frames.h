@@ -41,8 +41,11 @@ struct FrameCalls {
   std::function<int(const RenderArguments& arguments, const std::vector<GivenOption>& given, FrameRun& run)> render;
 };
 
+/// Throws Error (exit code 2) for options that exclude --frames, or need it.
+void check_frame_options(const RenderArguments& arguments);
+
 /// Renders the frames of --frames one after the other until one fails or is interrupted. `given`: the options on the
-/// command line. Returns the exit code of the last frame. Throws Error (exit code 2) for options that exclude --frames.
+/// command line. Returns the exit code of the last frame. Throws Error as renders do.
 int render_frames(const RenderArguments& arguments, const std::vector<GivenOption>& given, const FrameCalls& calls);
 
 }  // namespace sheaf

@@ -33,7 +33,8 @@ def make_missing_files(images, sheaf):
     scripts = {command[0]: command for command in read_scripts(PAGE)}
     commands = [command for image in images for command in image.commands if command[1] == "render"]
     for scene in sorted({ROOT / command[2] for command in commands}):
-        origin = scene.parent / "generated.txt"
+        folder = scene.parent.parent if scene.parent.name == "generated" else scene.parent
+        origin = folder / "generated.txt"
         done = subprocess.run([sheaf, "info", scene], check=False, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
         if done.returncode == 0 or not origin.exists():

@@ -5,6 +5,7 @@
 #include "core/file_cache.h"
 #include "core/inflate.h"
 #include "scene/formats/serialized.h"
+#include "scene/formats/stl.h"
 
 #include <fstream>
 #include <system_error>
@@ -71,6 +72,8 @@ MeshFile read_mesh_format(const MeshFileShape& shape) {
       return read_ply(shape.file, shape.flip_tex_coords, shape.bad_faces);
     case MeshFileShape::Format::kSerialized:
       return read_serialized(shape.file, shape.shape_index, shape.bad_faces);
+    case MeshFileShape::Format::kStl:
+      return read_stl(shape.file);
     default:
       return read_obj(shape.file, shape.flip_tex_coords, shape.bad_faces);
   }

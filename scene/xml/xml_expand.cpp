@@ -137,10 +137,10 @@ struct ExpandedScene::Expansion {
 };
 
 ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
-                             bool lenient)
+                             bool lenient, const std::optional<fs::path>& folder)
     : lenient_(lenient) {
   // Read and expand the file
-  search_.push_back(file.parent_path());
+  search_.push_back(folder.value_or(file.parent_path()));
   files_.push_back(file);
   root_ = read_xml(file, lenient ? &left_out_ : nullptr);
   Expansion expansion{*this, Definitions(defines)};

@@ -95,7 +95,7 @@ TEST_CASE("frames: files are those of single renders") {
     const Outcome made = frames.sheaf(scene + "--frames 2:8:3 -o '" + moving + "_$frame4.exr' -o " + moving + ".png");
     INFO(made.err);
     REQUIRE(made.code == 0);
-    CHECK(contains(made.err, "frame 2 (1 of 3): rendered in "));
+    CHECK(contains(made.err, "frame 2 (1 of 3): rendered 24x16, 4 spp in "));
     CHECK(contains(made.err, "; wrote " + moving + "_0008.exr, " + moving + "_0008.png\n"));
     CHECK(contains(made.err, "sheaf: rendered 3 frames in "));
     for (const std::string frame : {"2", "5", "8"}) {
@@ -188,6 +188,7 @@ TEST_CASE("frames: errors come before any work or name their cause") {
   CHECK(contains(error("camera.xml --frames 1:2 -D frame=3", 2), "-D frame=3 and --frames exclude each other"));
   CHECK(contains(error("camera.xml --frames 1:2 --serve 0", 2), "--serve shows a single render"));
   CHECK(contains(error("camera.xml --skip-existing", 2), "--skip-existing needs --frames"));
+  CHECK(contains(error("camera.xml --frames 1:2 -o -", 2), "-o - writes a single image"));
   CHECK(contains(error("camera.xml --frames 1:2 -o none/a.exr", 4), "none"));
   CHECK(contains(error("camera.xml --frames 1000:1000 -o 'a$frame.png' -o 'a####.png'", 2), "would overwrite"));
   CHECK(contains(error("mesh.obj --frames 1:2", 2), "models have no parameters"));

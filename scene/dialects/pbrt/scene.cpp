@@ -142,8 +142,8 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
   open_.pop_back();
 }
 
-void SceneBuilder::read(const fs::path& file) {
-  reader_.folder = file.parent_path();
+void SceneBuilder::read(const fs::path& file, const fs::path& folder) {
+  reader_.folder = folder;
   reader_.description.files.push_back(file);
   read_file(file, {file.string(), 0});
   definitions_.reject_unused(file.string());
@@ -172,9 +172,9 @@ void SceneBuilder::finish() {
 
 namespace sheaf {
 
-void read_pbrt(const std::filesystem::path& file, Description& description,
+void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
                const std::vector<std::pair<std::string, std::string>>& defines, bool lenient) {
-  pbrt::SceneBuilder(description, defines, lenient).read(file);
+  pbrt::SceneBuilder(description, defines, lenient).read(file, folder);
 }
 
 }  // namespace sheaf

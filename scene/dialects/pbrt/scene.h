@@ -14,8 +14,8 @@ class SceneBuilder {
 
   SceneBuilder(Description& description, const Defines& defines, bool lenient);
 
-  /// Reads the scene file and finishes the description. Throws SceneError.
-  void read(const std::filesystem::path& file);
+  /// Reads the scene file, whose relative paths refer to `folder`, and finishes the description. Throws SceneError.
+  void read(const std::filesystem::path& file, const std::filesystem::path& folder);
 
  private:
   using Handler = void (SceneBuilder::*)(Tokens&);
