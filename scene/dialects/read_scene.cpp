@@ -118,18 +118,19 @@ void reject_camera_choice(const ReadOptions& options) {
 
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
+  const auto format = model_format(file);
+  if ((is_gltf(file) || format) && !options.defines.empty())
+    throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
   if (is_gltf(file)) return read_gltf_scene(file, options);
-  if (const auto format = model_format(file)) {
+  if (format) {
     reject_camera_choice(options);
     return read_model(file, *format, options.view, options.surroundings, options.lenient);
   }
   if (is_pbrt_scene(file)) {
     reject_camera_choice(options);
-    if (!options.defines.empty())
-      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
     Description description;
     description.file = file;
-    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.lenient);
+    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, options.lenient);
     if (options.lenient) drop_bad_faces(description);
     return description;
   }

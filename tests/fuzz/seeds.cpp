@@ -83,6 +83,12 @@ void add_scenes(Seeds& seeds) {
                           "scene/textures/", "scene/materials/", "scene/lights/", "scene/xml/"});
   for (const char* const below : {"scenes", "tests/renders/pbrt_twins"}) seeds.add_files("pbrt", below, ".pbrt");
   seeds.add_words("pbrt", {"scene/dialects/pbrt/"});
+  seeds.add("pbrt", "WorldBegin\nTranslate $(1 + 2) $(cos(pi)) 0\nShape \"sphere\" \"float radius\" [ $(6 / 4) ]\n");
+  for (const char* const text :
+       {"0$(frame * 36)", "1f_$frame0_$(size % 4).png", "0$(-(1 + sin(2 * pi * frame / 48)) * 1e-3)",
+        "1$name $x $(1 / 0)", "0$((((1))) - --2) $", "1$(cos(size)$(2"})
+    seeds.add("expression", text);
+  seeds.add_words("expression", {"scene/xml/expression", "scene/xml/definitions"});
 }
 
 void add_meshes(Seeds& seeds) {
