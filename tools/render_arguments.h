@@ -229,6 +229,7 @@ struct RunArguments {
   bool no_timestamps = false;
   VerbosityArguments verbosity;
   std::string frames;
+  float fps = 24;  ///< frames per second of glTF files
   bool skip_existing = false;
   ReadArguments read;
 
@@ -253,11 +254,17 @@ struct RunArguments {
         .share()
         .positive();
     command.begin_group(kSceneOptions);
+    command
+        .add_option("--fps", fps,
+                    "With --frames for a glTF file: frames per second. Frame K shows the time K / fps. Default: 24")
+        .positive()
+        .only_for_run();
     // given_for() in tools/frames.cpp expects --frames directly before --define
     command
         .add_option("--frames", frames,
-                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K. "
-                    "In the names of outputs, --stats and --checkpoint, the frame number replaces #### or $frame4 (4 "
+                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K, "
+                    "or a glTF file at its time (--fps). In the names of outputs, --stats and --checkpoint, the frame "
+                    "number replaces #### or $frame4 (4 "
                     "digits) or $frame, or else precedes the file extension. Existing images are overwritten")
         .placeholder("FIRST:LAST:STEP")
         .only_for_run();
