@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kParameter = "frame";
+constexpr float kDefaultRate = 24;  ///< frames per second
 
 /// The options of a frame: the outputs have its number, and the scene's parameter or the time is defined.
 RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
@@ -29,7 +30,7 @@ RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   for (std::string* file : {&one.stats, &one.checkpoint.file})
     if (!file->empty()) *file = frame_name(*file).at(frame);
   if (is_gltf(one.scene)) {
-    one.read.time = static_cast<float>(frame / double(one.fps));
+    one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultRate)));
   } else {
     one.read.definitions.push_back(fmt::format("{}={}", kParameter, frame));
   }

@@ -229,7 +229,7 @@ struct RunArguments {
   bool no_timestamps = false;
   VerbosityArguments verbosity;
   std::string frames;
-  float fps = 24;  ///< frames per second of glTF files
+  std::optional<float> fps;  ///< frames per second of glTF files
   bool skip_existing = false;
   ReadArguments read;
 
