@@ -22,7 +22,7 @@ class GalleryImage:
             frames = next((word for before, word in pairs if before == "--frames"), None)
             if frames:
                 first, last = map(int, frames.split(":"))
-                names = [name.replace("####", f"{k:04}") for k in range(first, last + 1) for name in names]
+                names = [name.replace("$frame4", f"{k:04}") for k in range(first, last + 1) for name in names]
             files += names
         return files
 
