@@ -95,8 +95,9 @@ int taken_samples(const RenderReport& report) {
 struct RenderJob {
   const RenderArguments& arguments;
   AovSet aovs;
-  std::vector<fs::path> outputs;  ///< images
-  Description description;        ///< with the options applied
+  std::vector<fs::path> outputs;     ///< images
+  Description description;           ///< with the options applied
+  std::vector<std::string> details;  ///< what differs from the scene file, for -v
   ColorMode color;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
@@ -197,13 +198,31 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, Che
   return result;
 }
 
+/// Reads the scene and applies the options. Returns the pixels to render.
+PixelRect read_description(RenderJob& job) {
+  const RenderArguments& arguments = job.arguments;
+  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  job.color = choose_color(arguments, job.details);
+  return apply_arguments(arguments, job.description, job.details);
+}
+
+/// Compiles the scene, with the geometry that earlier frames kept.
+void compile(RenderJob& job, FrameRun* frames) {
+  CompileOptions options{job.arguments.watertight, job.color};
+  if (frames != nullptr) options.kept = &frames->geometry;
+  job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
+                                         : compile_scene(job.description, options);
+  move_to_large_pages();
+}
+
 /// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
-void print_start(const Description& description, const std::vector<std::string>& details, const Scene& scene,
-                 FrameRun* frames) {
+void print_start(const RenderJob& job, FrameRun* frames) {
+  const Description& description = job.description;
+  const Scene& scene = *job.scene;
   const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
-  for (const std::string& detail : details) print(print_detail, detail);
+  for (const std::string& detail : job.details) print(print_detail, detail);
   for (const std::string& note : description.notes) print(print_note, note);
   for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
   for (const std::string& warning : scene.warnings()) print(print_warning, warning);
@@ -274,7 +293,7 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
                  FrameRun* frames) {
   // Check the outputs before any work
-  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
+  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
   job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
@@ -285,12 +304,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  const PixelRect crop = read_description(job);
   if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
-  std::vector<std::string> details;
-  job.color = choose_color(arguments, details);
-  const PixelRect crop = apply_arguments(arguments, job.description, details);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
@@ -302,13 +318,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  CompileOptions compile_options{arguments.watertight, job.color};
-  if (frames != nullptr) compile_options.kept = &frames->geometry;
-  job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
-                                     : compile_scene(job.description, compile_options);
-  move_to_large_pages();
+  compile(job, frames);
   const double build_end = Progress::steady_seconds();
-  print_start(job.description, details, *job.scene, frames);
+  print_start(job, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
