@@ -141,9 +141,9 @@ TEST_CASE("expressions: errors have a position") {
   };
   for (const Case& c : cases) {
     CAPTURE(std::string(c.text));
-    const auto [at, message] = error_in(c.text);
-    CHECK(at == c.at);
-    CHECK_MESSAGE(contains(message, c.message), message);
+    const auto error = error_in(c.text);
+    CHECK(error.first == c.at);
+    CHECK_MESSAGE(contains(error.second, c.message), error.second);
   }
 }
 
