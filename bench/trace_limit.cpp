@@ -155,7 +155,7 @@ void measure(const Arguments& arguments) {
 }
 
 void add_options(Command& program, Arguments& arguments) {
-  program.add_option("scene", arguments.scene, "Scene file").required();
+  program.add_option("scene", arguments.scene, "Scene file").required().file();
   program.add_option("--spp", arguments.spp, "Samples per pixel, fewer if their rays do not fit in memory. Default: 4")
       .in_range(1u, 256u);
   program.add_option("--threads", arguments.threads, "Threads. Default: 0, one per logical core").in_range(0, 4096);

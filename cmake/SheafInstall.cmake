@@ -30,7 +30,7 @@ function(sheaf_install)
   find_program(SHEAF_PYTHON NAMES python3)
   if(SHEAF_PYTHON)
     set(manual "${PROJECT_BINARY_DIR}/manual")
-    add_custom_command(OUTPUT "${manual}/sheaf.bash" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/make_manual.py"
+    add_custom_command(OUTPUT "${manual}/sheaf.fish" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/make_manual.py"
       COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
         --output "${manual}"
       COMMENT "Writing manual pages and completion" VERBATIM)
@@ -39,10 +39,17 @@ function(sheaf_install)
     if(CMAKE_BUILD_TYPE MATCHES "^Rel")
       set(always ALL)
     endif()
-    add_custom_target(sheaf_manual ${always} DEPENDS "${manual}/sheaf.bash")
+    add_custom_target(sheaf_manual ${always} DEPENDS "${manual}/sheaf.fish")
     install(DIRECTORY "${manual}/" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" FILES_MATCHING PATTERN "*.1")
     install(FILES "${manual}/sheaf.bash" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"
       RENAME sheaf OPTIONAL)
+    # Debian's zsh reads completions of packages from another folder than locally installed ones.
+    set(zsh_folder site-functions)
+    if(SHEAF_PACKAGED_BUILDS)
+      set(zsh_folder vendor-completions)
+    endif()
+    install(FILES "${manual}/sheaf.zsh" DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/${zsh_folder}" RENAME _sheaf OPTIONAL)
+    install(FILES "${manual}/sheaf.fish" DESTINATION "${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d" OPTIONAL)
   else()
     message(STATUS "No python3: neither manual pages nor completion are made")
   endif()

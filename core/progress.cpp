@@ -1,6 +1,8 @@
 // Counting of work, and its display as a bar or as log lines.
 #include "core/progress.h"
 
+#include "core/duration.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,13 +22,6 @@ std::string draw_bar(double fraction) {
 }
 
 }  // namespace
-
-std::string format_duration(double seconds) {
-  if (!std::isfinite(seconds) || seconds < 0 || seconds > 1e9) return "?:??";
-  const auto whole = static_cast<long long>(std::llround(seconds));
-  const long long h = whole / 3600, m = whole / 60 % 60, s = whole % 60;
-  return h > 0 ? fmt::format("{}:{:02}:{:02}", h, m, s) : fmt::format("{}:{:02}", m, s);
-}
 
 double Progress::steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -51,44 +46,39 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
   const std::unique_lock lock(printing_, std::try_to_lock);
   if (!lock || finished_ || now < next_show_.load(std::memory_order_relaxed)) return;
   next_show_ = now + (mode_ == Mode::kLines ? kLineInterval : kBarInterval);
-  show(now, false, false);
+  show(now);
 }
 
-void Progress::finish(bool complete) {
+void Progress::finish() {
   if (mode_ == Mode::kQuiet) return;
   const std::lock_guard lock(printing_);
   if (finished_) return;
   finished_ = true;
-  show(clock_(), true, complete);
+  if (mode_ == Mode::kBar) write_("\r\x1b[K");
 }
 
-std::string Progress::describe(double fraction, int percent, double now, const char* end) const {
+std::string Progress::describe(double fraction, double now) const {
   const double elapsed = now - start_;
   const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
   const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
-  const std::string share = fmt::format("{:3} %", percent),
-                    time = fmt::format("  {} elapsed", format_duration(elapsed));
-  const std::string rest = percent < 100 ? fmt::format(", {} left", format_duration(left)) : std::string();
-  const std::string rate = fmt::format(", {:.2f} Msamples/s", speed);
-  if (mode_ != Mode::kBar) return share + time + rest + rate + end;
+  const std::string share = fmt::format("{:3} %", std::min(static_cast<int>(100 * fraction), 99)),
+                    time = fmt::format("  {} elapsed", format_duration(elapsed)),
+                    rest = fmt::format(", {} left", format_duration(left)),
+                    rate = fmt::format(", {:.2f} Msamples/s", speed);
+  if (mode_ != Mode::kBar) return share + time + rest + rate;
   // A line as long as the terminal is wide would scroll it. Leave out the least important parts first.
   const int columns = columns_ ? columns_() : 0;
   const std::size_t room = columns > 0 ? static_cast<std::size_t>(columns) - 1 : std::string::npos;
   for (const std::string& line :
-       {draw_bar(fraction) + share + time + rest + rate + end, share + time + rest + rate + end,
-        share + time + rest + end, share + rest + end, share + end})
+       {draw_bar(fraction) + share + time + rest + rate, share + time + rest + rate, share + time + rest, share + rest})
     if (line.size() <= room) return line;
   return share.substr(0, room);
 }
 
-void Progress::show(double now, bool last, bool complete) {
+void Progress::show(double now) {
   const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
-  const double fraction = last && complete ? 1.0 : total > 0 ? std::min(done / total, 1.0) : 0.0;
-  const int percent = last && complete ? 100 : std::min(static_cast<int>(100 * fraction), 99);
-  std::string text = describe(fraction, percent, now, last && !complete ? ", interrupted" : "");
-  if (mode_ == Mode::kBar) text = "\r" + text + "\x1b[K";
-  if (mode_ == Mode::kLines || last) text += "\n";
-  write_(text);
+  const std::string text = describe(total > 0 ? std::min(done / total, 1.0) : 0.0, now);
+  write_(mode_ == Mode::kBar ? "\r" + text + "\x1b[K" : text + "\n");
 }
 
 }  // namespace sheaf

@@ -10,15 +10,12 @@
 
 namespace sheaf {
 
-/// Formats seconds as "m:ss", or as "h:mm:ss" from one hour on. Negative, non-finite and values over 1e9 give "?:??".
-std::string format_duration(double seconds);
-
-/// Counts the work of any number of threads and displays it at intervals. It never shows 100 % before finish(true).
+/// Counts the work of any number of threads and displays it at intervals. It never shows 100 %.
 class Progress {
  public:
   enum class Mode {
     kQuiet,  ///< shows nothing
-    kLines,  ///< a line every 10 seconds and one at the end, for logs
+    kLines,  ///< a line every 10 seconds, for logs
     kBar     ///< one line, redrawn ten times a second, for terminals
   };
 
@@ -38,15 +35,14 @@ class Progress {
   /// Reports that `done` of `total` units of work are done. Thread-safe and cheap. Calls may come out of order; the
   /// maximum is used.
   void update(std::uint64_t done, std::uint64_t total);
-  /// Shows the final state and ends the line. `complete`: all work is done; otherwise it was interrupted. Later calls
-  /// of any function do nothing.
-  void finish(bool complete);
+  /// Erases the bar. Later calls of any function do nothing.
+  void finish();
 
   static double steady_seconds();
 
  private:
-  std::string describe(double fraction, int percent, double now, const char* end) const;
-  void show(double now, bool last, bool complete);
+  std::string describe(double fraction, double now) const;
+  void show(double now);
 
   const Mode mode_;
   const double samples_;

@@ -44,14 +44,15 @@ constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
 
 bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
 
-/// Sets the sampler and the samples per pixel. Adds a note if they differ from the scene's.
-void apply_sampler(const RenderArguments& arguments, Description& scene) {
+/// Sets the sampler and the samples per pixel. Adds a note if they differ from the user's, and a detail if the sampler
+/// differs from the scene's.
+void apply_sampler(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
   SamplerSettings& sampler = scene.sampler;
   const auto note = [&](std::string text) {
     if (!text.empty()) scene.notes.push_back(std::move(text));
   };
   if (arguments.sampler.empty()) {
-    note(rendered_sampler_note(sampler.kind));
+    if (std::string text = rendered_sampler_note(sampler.kind); !text.empty()) details.push_back(std::move(text));
     sampler.kind = rendered_sampler(sampler.kind);
   } else {
     sampler.kind = kSamplers.option("sampler", arguments.sampler);
@@ -129,20 +130,19 @@ AovSet wanted_aovs(const RenderArguments& arguments) {
   return aovs;
 }
 
-ColorMode choose_color(const RenderArguments& arguments, Description& description) {
+ColorMode choose_color(const RenderArguments& arguments, std::vector<std::string>& details) {
   const ColorMode native = native_color(arguments.scene);
   if (arguments.color.empty() && native == ColorMode::kSpectral)
-    description.notes.push_back(arguments.scene +
-                                ": rendered with --color spectral, as pbrt does; --color rgb is faster");
+    details.push_back(arguments.scene + ": rendered with --color spectral, as pbrt does; --color rgb is faster");
   const ColorMode color = arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
   if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
     throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
   return color;
 }
 
-PixelRect apply_arguments(const RenderArguments& arguments, Description& scene) {
+PixelRect apply_arguments(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
   apply_integrator(arguments, scene);
-  apply_sampler(arguments, scene);
+  apply_sampler(arguments, scene, details);
   apply_size(arguments, scene.film);
   apply_filter_mode(arguments, scene.film);
   return choose_crop(arguments, scene.film);

@@ -38,6 +38,7 @@ void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
   command
       .add_option("--checkpoint", arguments.file,
                   "Checkpoint file: written periodically, on interruption and at the end; --resume continues from it")
+      .file()
       .only_for_run();
   command
       .add_option("--checkpoint-every", arguments.every,

@@ -105,12 +105,16 @@ void add_compare_command(Command& program, int& exit_code) {
       "compare",
       "Compare an image A with a reference B. The exit code is 0 if all given limits hold and all values are finite, "
       "otherwise 1. EXR values are compared as stored, 8-bit values after division by 255.");
-  command.add_option("A", arguments->a, "Image").required();
-  command.add_option("B", arguments->b, "Reference").required();
-  command.add_option("--variance-a", arguments->variance_a,
-                     "Image file with the variance of A. Default: the layers variance.R/G/B of A");
-  command.add_option("--variance-b", arguments->variance_b,
-                     "Image file with the variance of B. Default: the layers variance.R/G/B of B");
+  command.add_option("A", arguments->a, "Image").required().file();
+  command.add_option("B", arguments->b, "Reference").required().file();
+  command
+      .add_option("--variance-a", arguments->variance_a,
+                  "Image file with the variance of A. Default: the layers variance.R/G/B of A")
+      .file();
+  command
+      .add_option("--variance-b", arguments->variance_b,
+                  "Image file with the variance of B. Default: the layers variance.R/G/B of B")
+      .file();
   command
       .add_option(
           "--spp", arguments->spp,

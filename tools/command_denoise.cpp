@@ -1,4 +1,5 @@
 // sheaf denoise: reads a rendered image, denoises it and writes it to all outputs.
+#include "core/duration.h"
 #include "core/error.h"
 #include "core/exr.h"
 #include "core/output_file.h"
@@ -6,6 +7,7 @@
 #include "tools/commands.h"
 #include "tools/image_files.h"
 #include "tools/interrupted_image.h"
+#include "tools/render_summary.h"
 
 #include <fmt/format.h>
 
@@ -23,7 +25,7 @@ struct DenoiseArguments {
   std::string input, method = "nlm";
   std::vector<std::string> outputs;
   int threads = 0;
-  bool quiet = false;
+  VerbosityArguments verbosity;
 };
 
 std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
@@ -46,11 +48,9 @@ int denoise_image(const DenoiseArguments& arguments) {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   add_denoise_attribute(metadata, result);
   const std::vector<fs::path> written = write_images(outputs, result.image, metadata);
-  if (!arguments.quiet) {
-    if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
-    print_message(fmt::format("denoised in {:.2f} s ({})", elapsed.count(), result.description));
-    for (const fs::path& output : written) print_message("wrote " + output.string());
-  }
+  if (const std::string text = interruption(metadata.attributes); !text.empty()) print_warning(text);
+  print_note(fmt::format("denoised in {} ({}); {}", format_duration(elapsed.count()), result.description,
+                         written_files(written)));
   return static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
 }
 
@@ -61,20 +61,24 @@ void add_denoise_command(Command& program, int& exit_code) {
   Command command = program.add_command("denoise",
                                         "Denoise a rendered image. Requires the layers variance.R/G/B. The layers "
                                         "half.R/G/B, albedo.R/G/B, N.X/Y/Z and Z improve the result.");
-  command.add_option("image", arguments->input, "Input image, .exr").required();
+  command.add_option("image", arguments->input, "Input image, .exr").required().file();
   command
       .add_option(
           "-o,--output", arguments->outputs,
           "Output image: .exr (all input layers plus denoised.R/G/B) or .png (the denoised image); may be repeated")
-      .required();
+      .required()
+      .file();
   command
       .add_option("--method", arguments->method,
                   "Denoiser: nlm (non-local means, the default) or oidn (Open Image Denoise, if installed)")
       .one_of(kDenoisers.names());
   command.add_option("--threads", arguments->threads, "Worker threads. Default: 0, one per logical core")
       .in_range(0, 4096);
-  command.add_flag("--quiet", arguments->quiet, "Print only errors");
-  command.on_call([arguments, &exit_code] { exit_code = denoise_image(*arguments); });
+  add_verbosity_options(command, arguments->verbosity);
+  command.on_call([arguments, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    exit_code = denoise_image(*arguments);
+  });
 }
 
 }  // namespace sheaf

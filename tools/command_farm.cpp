@@ -10,7 +10,6 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -25,12 +24,15 @@ struct FarmArguments {
   std::string scene, frames, folder, partition, time, memory;
   std::vector<std::string> outputs, sbatch, options;
   int parts = 0, cpus = 1, grace = 60;
-  bool tiles = false, submit = false, quiet = false;
+  bool tiles = false, submit = false;
+  VerbosityArguments verbosity;
 };
 
 /// Options of `sheaf render` that farm sets itself or that do not apply to parts, with the reason.
 constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"output", "use the --output of 'sheaf farm'"},
+    {"frames", "use the --frames of 'sheaf farm'"},
+    {"skip-existing", "run submit.sh again to continue failed jobs"},
     {"samples", "farm chooses it"},
     {"checkpoint", "farm chooses it"},
     {"resume", "farm chooses it"},
@@ -39,29 +41,6 @@ constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"denoise", "run 'sheaf denoise' on the merged image"},
     {"noise-target", "parts are rendered independently"},
     {"time-limit", "parts are rendered independently"}};
-
-/// Parses "FIRST:LAST". Throws Error (exit code 2).
-std::pair<int, int> parse_frames(const std::string& text) {
-  constexpr int kLast = 9'999'999;
-  int first = -1, last = -1;
-  const char* const end = text.data() + text.size();
-  const auto a = std::from_chars(text.data(), end, first);
-  if (a.ec == std::errc() && a.ptr != end && *a.ptr == ':') {
-    const auto b = std::from_chars(a.ptr + 1, end, last);
-    if (b.ec == std::errc() && b.ptr == end && first >= 0 && last >= first && last <= kLast) return {first, last};
-  }
-  throw Error(ExitCode::kUsage, "--frames '" + text + "': expected FIRST:LAST, such as 1:240");
-}
-
-/// Splits an output's name at the position of the frame number: at "####", otherwise before the file extension.
-std::pair<std::string, std::string> split_output(const fs::path& output, bool has_frames) {
-  const std::string name = fs::absolute(output).string();
-  if (!has_frames) return {name, ""};
-  if (const auto place = name.rfind("####"); place != std::string::npos)
-    return {name.substr(0, place), name.substr(place + 4)};
-  const std::string extension = output.extension().string();
-  return {name.substr(0, name.size() - extension.size()) + "_", extension};
-}
 
 /// Number of sets of samples that can be distributed to `parts` parts; at most one set per sample.
 std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
@@ -166,12 +145,12 @@ Farm plan_farm(const FarmArguments& arguments) {
   // Parse the frames and the options of the render.
   Farm farm;
   farm.has_frames = !arguments.frames.empty();
-  if (farm.has_frames) std::tie(farm.first_frame, farm.last_frame) = parse_frames(arguments.frames);
+  if (farm.has_frames) farm.frames = parse_frames(arguments.frames);
   std::vector<std::string> words{arguments.scene};
   words.insert(words.end(), arguments.options.begin(), arguments.options.end());
   if (farm.has_frames) {
     words.emplace_back("--define");
-    words.push_back("frame=" + std::to_string(farm.first_frame));
+    words.push_back("frame=" + std::to_string(farm.frames.first));
   }
   const RenderPlan plan = plan_render(words);
   for (const auto& [name, why] : kUnsupportedOptions)
@@ -191,7 +170,9 @@ Farm plan_farm(const FarmArguments& arguments) {
   for (const fs::path& output : outputs) {
     check_image_name(output);
     check_writable(output);
-    farm.outputs.push_back(split_output(output, farm.has_frames));
+    FrameName name = farm.has_frames ? frame_name(output.string()) : FrameName{{output.string()}, {}};
+    if (output.is_relative()) name.texts.front().insert(0, (fs::current_path() / "").string());
+    farm.outputs.push_back(std::move(name));
   }
   farm.sbatch_merge_options = farm.sbatch_options = sbatch_options(arguments);
   farm.sbatch_options.push_back(fmt::format("--cpus-per-task={}", arguments.cpus));
@@ -212,13 +193,12 @@ int make_farm(const FarmArguments& arguments) {
   write_text_file(render, render_script(farm));
   write_text_file(merge, merge_script(farm));
   write_text_file(submit, submit_script(farm, render.string(), merge.string()));
-  if (!arguments.quiet)
-    print_message(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
-                              farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
-                              farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
+  print_note(fmt::format("wrote render.sh, merge.sh and submit.sh to {}: {} with {} part{}, starting at {} {}",
+                         farm.folder, farm.has_frames ? "frames" : "one image", farm.part_values.size(),
+                         farm.part_values.size() == 1 ? "" : "s", farm.part_option, farm.part_values.front()));
   // Submit the jobs if requested
   if (!arguments.submit) {
-    if (!arguments.quiet) print_message("to submit the jobs: bash " + shell_quoted(submit.string()));
+    print_note("to submit the jobs: bash " + shell_quoted(submit.string()));
     return static_cast<int>(ExitCode::kDone);
   }
   const int status = std::system(("bash " + shell_quoted(submit.string())).c_str());
@@ -235,39 +215,54 @@ void add_farm_command(Command& program, int& exit_code) {
       program.add_command("farm",
                           "Render images in parts on a Slurm cluster: writes a job array per frame and a job that "
                           "merges its parts. Options of 'sheaf render' follow after --. See docs/farm.md.");
-  command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required();
+  command.add_option("scene", arguments->scene, "Scene file, on storage shared by all nodes").required().file();
   command.add_arguments("options", arguments->options, "Options of 'sheaf render' for all parts, after --");
   command
       .add_option("--parts", arguments->parts,
                   "Number of parts per image: sample ranges, or strips of rows with --tiles")
       .required()
       .in_range(1, 1000);
-  command.add_option(
-      "--frames", arguments->frames,
-      "Range of frames FIRST:LAST, inclusive: each frame K is rendered with -D frame=K. Default: one image without -D");
-  command.add_option("-o,--output", arguments->outputs,
-                     "Output image, .exr or .png; may be repeated. With --frames, the 4-digit frame number replaces "
-                     "#### or precedes the file extension. Default: the scene's name with .exr");
-  command.add_option("--folder", arguments->folder,
-                     "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
-                     "scene's name with _farm, in the current folder");
+  command
+      .add_option("--frames", arguments->frames,
+                  "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: each frame K is rendered with -D "
+                  "frame=K. Default: one image without -D")
+      .placeholder("FIRST:LAST:STEP");
+  command
+      .add_option(
+          "-o,--output", arguments->outputs,
+          "Output image, .exr or .png; may be repeated. With --frames, the frame number replaces #### or "
+          "$frame4 (4 digits) or $frame, or else precedes the file extension. Default: the scene's name with .exr")
+      .file();
+  command
+      .add_option("--folder", arguments->folder,
+                  "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
+                  "scene's name with _farm, in the current folder")
+      .folder();
   command.add_flag("--tiles", arguments->tiles, "Split the frame into strips of rows instead of splitting the samples");
   command.add_flag("--submit", arguments->submit, "Submit the jobs with sbatch");
-  command.add_option("--partition", arguments->partition, "Slurm partition");
-  command.add_option("--time", arguments->time,
-                     "Time limit of a part in Slurm's notation, such as 2:00:00. Unfinished parts are requeued and "
-                     "continue from their checkpoints");
+  command.add_option("--partition", arguments->partition, "Slurm partition").placeholder("NAME");
+  command
+      .add_option("--time", arguments->time,
+                  "Time limit of a part in Slurm's notation, such as 2:00:00. Unfinished parts are requeued and "
+                  "continue from their checkpoints")
+      .placeholder("TIME");
   command
       .add_option("--grace", arguments->grace,
                   "Seconds before the time limit at which a part writes its checkpoint and exits. Default: 60")
       .in_range(1, 65535);
   command.add_option("--cpus", arguments->cpus, "Cores per part, and its number of threads. Default: 1")
       .in_range(1, 4096);
-  command.add_option("--memory", arguments->memory, "Memory per part in Slurm's notation, such as 8G");
-  command.add_option("--sbatch", arguments->sbatch,
-                     "Additional option for sbatch, such as --sbatch=--constraint=avx512; may be repeated");
-  command.add_flag("--quiet", arguments->quiet, "Print only errors and job numbers");
-  command.on_call([arguments, &exit_code] { exit_code = make_farm(*arguments); });
+  command.add_option("--memory", arguments->memory, "Memory per part in Slurm's notation, such as 8G")
+      .placeholder("SIZE");
+  command
+      .add_option("--sbatch", arguments->sbatch,
+                  "Additional option for sbatch, such as --sbatch=--constraint=avx512; may be repeated")
+      .placeholder("OPTION");
+  add_verbosity_options(command, arguments->verbosity);
+  command.on_call([arguments, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    exit_code = make_farm(*arguments);
+  });
 }
 
 }  // namespace sheaf

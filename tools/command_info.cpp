@@ -9,8 +9,11 @@
 #include "scene/dialects/read_scene.h"
 #include "tools/commands.h"
 #include "tools/image_files.h"
+#include "tools/info_json.h"
 #include "tools/interrupted_image.h"
+#include "tools/option_groups.h"
 #include "tools/read_options.h"
+#include "tools/standard_streams.h"
 
 #include <fmt/format.h>
 
@@ -24,6 +27,7 @@ namespace {
 
 struct InfoArguments {
   std::string scene;
+  bool json = false;
   ReadArguments read;
 };
 
@@ -212,12 +216,22 @@ void add_info_command(Command& program, int& exit_code) {
       program.add_command("info",
                           "Print the contents and bounds of a scene file, the bounds of its grids, and the memory "
                           "for loading and rendering it; or print the header of an OpenEXR file.");
-  command.add_option("scene", arguments->scene, "Scene file, or image (.exr)").required();
+  command.add_option("scene", arguments->scene, "Scene file, or image (.exr); - reads a scene from the standard input")
+      .required()
+      .file();
+  command.begin_group(kOutputOptions);
+  command.add_flag("--json", arguments->json, "Print the same as JSON");
   add_read_options(command, arguments->read);
   command.on_call([arguments, &exit_code] {
+    StandardStreams streams;
+    arguments->scene = streams.read_scene(arguments->scene);
+    arguments->read.from_working_folder = streams.has_scene();
     if (extension_of(arguments->scene) == ".exr") check_is_exr(arguments->scene);
     if (std::filesystem::is_regular_file(arguments->scene) && is_exr(arguments->scene)) {
-      std::fputs(printable(describe(read_exr_header(arguments->scene), arguments->scene)).c_str(), stdout);
+      const ExrHeader header = read_exr_header(arguments->scene);
+      const std::string text =
+          arguments->json ? info_json(header, arguments->scene) : printable(describe(header, arguments->scene));
+      std::fputs(text.c_str(), stdout);
       exit_code = 0;
       return;
     }
@@ -228,7 +242,9 @@ void add_info_command(Command& program, int& exit_code) {
     options.color = native_color(arguments->scene);
     const std::unique_ptr<Scene> scene =
         arguments->read.lenient ? compile_leniently(description, options) : compile_scene(description, options);
-    std::fputs(printable(describe(description, *scene, report)).c_str(), stdout);
+    const std::string text =
+        arguments->json ? info_json(description, *scene, report) : printable(describe(description, *scene, report));
+    std::fputs(text.c_str(), stdout);
     exit_code = 0;
   });
 }

@@ -7,6 +7,7 @@
 #include "tools/image_files.h"
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
+#include "tools/render_summary.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +23,8 @@ namespace {
 struct MergeArguments {
   std::vector<std::string> parts, outputs;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
-  bool incomplete = false, full_floats = false, quiet = false;
+  bool incomplete = false, full_floats = false;
+  VerbosityArguments verbosity;
 };
 
 std::vector<fs::path> check_outputs(const MergeArguments& arguments) {
@@ -141,17 +143,14 @@ int merge_images(const MergeArguments& arguments) {
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
   // Write the outputs and print messages.
   const std::vector<fs::path> written = write_images(outputs, image, metadata);
-  const int exit_code = static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
-  if (arguments.quiet) return exit_code;
   if (has_denoised)
-    print_message("the layers denoised.R/G/B of the parts are omitted; run 'sheaf denoise' on the merged image");
-  if (const std::string text = interruption(metadata.attributes); !text.empty()) print_message("warning: " + text);
+    print_note("the layers denoised.R/G/B of the parts are omitted; run 'sheaf denoise' on the merged image");
+  if (const std::string text = interruption(metadata.attributes); !text.empty()) print_warning(text);
   if (interrupted || share < 1.0)
-    print_message(fmt::format("warning: the image is incomplete: {:.4g} % of the samples{}", share * 100,
+    print_warning(fmt::format("the image is incomplete: {:.4g} % of the samples{}", share * 100,
                               interrupted ? ", including interrupted parts" : ""));
-  print_message(fmt::format("merged {} parts", parts.size()));
-  for (const fs::path& output : written) print_message("wrote " + output.string());
-  return exit_code;
+  print_note(fmt::format("merged {} parts; {}", parts.size(), written_files(written)));
+  return static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
 }
 
 }  // namespace
@@ -162,22 +161,27 @@ void add_merge_command(Command& program, int& exit_code) {
       "merge",
       "Merge parts of an image that were rendered with --crop or --samples. Merged tiles are byte-identical to a full "
       "render; merged sample ranges are equal up to rounding. See docs/farm.md.");
-  command.add_arguments("parts", arguments->parts, "Part images, .exr, in any order").required();
+  command.add_arguments("parts", arguments->parts, "Part images, .exr, in any order").required().file();
   command
       .add_option("-o,--output", arguments->outputs,
                   "Output image: .exr (all layers) or .png (8 bits, sRGB); may be repeated")
-      .required();
+      .required()
+      .file();
   command
       .add_option("--crop", arguments->crop,
                   "Region of the merged image, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the frame")
-      .list(',', 4);
+      .list(',', 4)
+      .placeholder("x0,y0,x1,y1");
   command.add_flag("--incomplete", arguments->incomplete,
                    "Merge even if pixels or samples are missing; the header records this");
   command.add_flag("--float", arguments->full_floats,
                    "Store all layers as 32-bit floats. Default: the types of the parts; for sample ranges, 16 bits for "
                    "layers with small values");
-  command.add_flag("--quiet", arguments->quiet, "Print only errors");
-  command.on_call([arguments, &exit_code] { exit_code = merge_images(*arguments); });
+  add_verbosity_options(command, arguments->verbosity);
+  command.on_call([arguments, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    exit_code = merge_images(*arguments);
+  });
 }
 
 }  // namespace sheaf

@@ -15,15 +15,19 @@
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
 #include "tools/commands.h"
+#include "tools/frames.h"
 #include "tools/image_files.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/preview.h"
+#include "tools/render_scene.h"
+#include "tools/render_summary.h"
+#include "tools/standard_streams.h"
+#include "tools/terminal.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -39,10 +43,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Returns all output files, the images first. Throws Error for unknown formats, files given twice and locations that
-/// are not writable.
-std::vector<NamedFile> check_outputs(const RenderArguments& arguments) {
+/// are not writable. `has_default`: an image is written even if none is given.
+std::vector<NamedFile> check_outputs(const RenderArguments& arguments, bool has_default) {
   std::vector<std::string> images = arguments.outputs;
-  if (images.empty()) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
+  if (images.empty() && has_default) images.push_back(fs::path(arguments.scene).stem().string() + ".exr");
   std::vector<NamedFile> outputs = named_images(images);
   if (!arguments.stats.empty()) outputs.push_back({"--stats", arguments.stats});
   if (!arguments.checkpoint.file.empty()) outputs.push_back({"--checkpoint", arguments.checkpoint.file});
@@ -62,6 +66,7 @@ void check_sources(const std::vector<NamedFile>& outputs, const std::vector<fs::
 
 /// Throws Error (exit code 2) if layers are requested but no output can store them.
 void check_layers(const RenderArguments& arguments, const std::vector<fs::path>& outputs) {
+  if (outputs.empty()) return;
   const auto is_exr = [](const fs::path& file) { return extension_of(file) == ".exr"; };
   if (std::any_of(outputs.begin(), outputs.end(), is_exr)) return;
   const char* const option = !arguments.aovs.empty()        ? "--aov"
@@ -90,8 +95,9 @@ int taken_samples(const RenderReport& report) {
 struct RenderJob {
   const RenderArguments& arguments;
   AovSet aovs;
-  std::vector<fs::path> outputs;  ///< images
-  Description description;        ///< with the options applied
+  std::vector<fs::path> outputs;     ///< images
+  Description description;           ///< with the options applied
+  std::vector<std::string> details;  ///< what differs from the scene file, for -v
   ColorMode color;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
@@ -145,15 +151,9 @@ bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& m
   });
 }
 
-Progress::Mode progress_mode(bool quiet) {
-  if (quiet) return Progress::Mode::kQuiet;
+Progress::Mode progress_mode() {
+  if (verbosity() < Verbosity::kNormal) return Progress::Mode::kQuiet;
   return isatty(STDERR_FILENO) != 0 ? Progress::Mode::kBar : Progress::Mode::kLines;
-}
-
-/// Width of the terminal in columns; 0 if unknown.
-int terminal_columns() {
-  winsize size{};
-  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 /// The image so far.
@@ -173,15 +173,15 @@ RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aov
 
 /// Renders with signal handling, progress display and checkpoints. `show` receives the current state whenever the user
 /// requests a preview by signal.
-RenderResult render_with_progress(const Scene& scene, RenderOptions options, bool quiet, Checkpointer& checkpointer,
+RenderResult render_with_progress(const Scene& scene, RenderOptions options, Checkpointer& checkpointer,
                                   Preview& preview,
                                   const std::function<void(const RenderState&, const RenderReport&)>& show) {
   RenderReport report;
   const std::uint64_t pixels =
       static_cast<std::uint64_t>(options.crop->width()) * static_cast<std::uint64_t>(options.crop->height());
   const auto write = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
-  Progress progress(progress_mode(quiet), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
-                    terminal_columns);
+  Progress progress(progress_mode(), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
+                    [] { return terminal_columns(STDERR_FILENO); });
   options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
   options.stop = &InterruptGuard::stop();
   options.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
@@ -194,34 +194,59 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, boo
   };
   preview.watch(options);
   RenderResult result = render(scene, options);
-  progress.finish(!result.interrupted);
+  progress.finish();
   return result;
 }
 
-/// Prints notes and warnings before the render.
-void print_start(const Description& description, const Scene& scene) {
-  for (const std::string& note : description.notes) print_message(note);
-  for (const std::string& stand_in : description.stand_ins) print_message("warning: " + stand_in);
-  for (const std::string& warning : scene.warnings()) print_message("warning: " + warning);
+/// Reads the scene and applies the options. Returns the pixels to render.
+PixelRect read_description(RenderJob& job) {
+  const RenderArguments& arguments = job.arguments;
+  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  job.color = choose_color(arguments, job.details);
+  return apply_arguments(arguments, job.description, job.details);
+}
+
+/// Compiles the scene, with the geometry that earlier frames kept.
+void compile(RenderJob& job, FrameRun* frames) {
+  CompileOptions options{job.arguments.watertight, job.color};
+  if (frames != nullptr) options.kept = &frames->geometry;
+  job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
+                                         : compile_scene(job.description, options);
+  move_to_large_pages();
+}
+
+/// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
+void print_start(const RenderJob& job, FrameRun* frames) {
+  const Description& description = job.description;
+  const Scene& scene = *job.scene;
+  const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
+    if (frames == nullptr || frames->is_new(message)) kind(message);
+  };
+  for (const std::string& detail : job.details) print(print_detail, detail);
+  for (const std::string& note : description.notes) print(print_note, note);
+  for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
+  for (const std::string& warning : scene.warnings()) print(print_warning, warning);
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print_message("warning: the scene has no lights: the image will be black");
+    print(print_warning, "the scene has no lights: the image will be black");
 }
 
-/// Prints warnings, statistics and the written files after the render.
-void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
-  for (const std::string& warning : result.warnings) print_message("warning: " + warning);
-  std::fputs(to_table(result.report).c_str(), stderr);
-  for (const fs::path& output : written) print_message("wrote " + output.string());
+/// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
+void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins,
+               FrameRun* frames) {
+  for (const std::string& warning : result.warnings)
+    if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
+  if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
+  print_note((frames != nullptr ? frames->label() + ": " : "") + summarize(result.report, written));
   if (stand_ins > 0)
-    print_message(
-        fmt::format("warning: {} scene element{} could not be read and {} dropped or replaced; see the warnings above",
-                    stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
+    print_warning(fmt::format("{} scene element{} could not be read and {} dropped or replaced; see the warnings above",
+                              stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
 }
 
-/// The images that the render writes, with default names if none are given.
-std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs) {
+/// The images that the render writes, with the default name if none are given.
+std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std::vector<NamedFile>& outputs,
+                                    bool has_default) {
   std::vector<fs::path> images;
-  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), 1); ++i)
+  for (std::size_t i = 0; i < std::max<std::size_t>(arguments.outputs.size(), has_default ? 1 : 0); ++i)
     images.push_back(outputs[i].file);
   return images;
 }
@@ -234,7 +259,7 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
   for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
-    print_message("wrote the unfinished image to " + file.string());
+    print_note("wrote the unfinished image to " + file.string());
 }
 
 /// The final image, and the files to which it was written.
@@ -263,21 +288,25 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
   return arguments.stats.empty() || try_to_write([&] { write_text_file(arguments.stats, to_json(report)); });
 }
 
-int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given) {
+}  // namespace
+
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
+                 FrameRun* frames) {
   // Check the outputs before any work
-  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
-  const std::vector<NamedFile> all_outputs = check_outputs(arguments);
-  job.outputs = image_outputs(arguments, all_outputs);
+  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}, {}};
+  const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
+  job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
   if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
-  Preview preview(arguments.preview, arguments.scene, job.outputs.front().string(), arguments.quiet);
+  std::optional<Preview> own_preview;
+  if (repeated == nullptr) own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string());
+  Preview& preview = repeated != nullptr ? repeated->preview : *own_preview;
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  const PixelRect crop = read_description(job);
+  if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
-  job.color = choose_color(arguments, job.description);
-  const PixelRect crop = apply_arguments(arguments, job.description);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
@@ -289,20 +318,17 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  const CompileOptions compile_options{arguments.watertight, job.color};
-  job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
-                                     : compile_scene(job.description, compile_options);
-  move_to_large_pages();
+  compile(job, frames);
   const double build_end = Progress::steady_seconds();
-  if (!arguments.quiet) print_start(job.description, *job.scene);
+  print_start(job, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
-  RenderResult result =
-      render_with_progress(*job.scene, std::move(options), arguments.quiet, checkpointer, preview, show);
+  RenderResult result = render_with_progress(*job.scene, std::move(options), checkpointer, preview, show);
+  if (repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;  // the scene has changed
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = job.color_name();
@@ -313,7 +339,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const WrittenImage written = write_result(job, result);
   bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  if (!arguments.quiet) print_end(result, written.files, job.description.stand_ins.size());
+  print_end(result, written.files, job.description.stand_ins.size(), frames);
+  if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome
   const bool failed = !complete || !written.is_denoised;
@@ -323,12 +350,29 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
+namespace {
+
+const FrameCalls kFrameCalls{[](const RenderArguments& frame) { check_outputs(frame, true); },
+                             [](const RenderArguments& frame, const std::vector<GivenOption>& given, FrameRun& run) {
+                               return render_scene(frame, given, nullptr, &run);
+                             }};
+
 }  // namespace
 
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = add_render_options(program, *arguments);
-  command.on_call([arguments, command, &exit_code] { exit_code = render_scene(*arguments, command.given()); });
+  command.on_call([arguments, command, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    check_frame_options(*arguments);
+    StandardStreams streams;
+    streams.open_output(arguments->outputs, arguments->output_format);
+    arguments->scene = streams.read_scene(arguments->scene);
+    arguments->read.from_working_folder = streams.has_scene();
+    exit_code = arguments->frames.empty() ? render_scene(*arguments, command.given())
+                                          : render_frames(*arguments, command.given(), kFrameCalls);
+    if (!streams.send_output() && exit_code == 0) exit_code = static_cast<int>(ExitCode::kOutput);
+  });
 }
 
 }  // namespace sheaf

@@ -54,6 +54,8 @@ InterruptGuard::~InterruptGuard() {
 
 const std::atomic<bool>& InterruptGuard::stop() { return stop_requested; }
 
+void InterruptGuard::request_stop() { stop_requested = true; }
+
 int InterruptGuard::signal() { return received_signal.load(); }
 
 bool InterruptGuard::wants_preview() { return preview_requested.load(std::memory_order_relaxed); }

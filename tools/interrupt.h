@@ -20,6 +20,8 @@ class InterruptGuard {
 
   /// Becomes true when a stop request arrives.
   static const std::atomic<bool>& stop();
+  /// Requests to stop without a signal. Thread-safe.
+  static void request_stop();
   /// The signal of the stop request, or 0.
   static int signal();
   /// Whether SIGUSR1 has arrived since the last end_preview().

@@ -24,17 +24,40 @@ constexpr double kOthersSeconds = 1.3;
 /// PNG compression level: fast, because each image is sent once.
 constexpr int kPngLevel = 1;
 
+std::string new_run() {
+  static std::atomic<int> count{0};
+  return std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid()) + "-" + std::to_string(++count);
+}
+
 std::shared_ptr<const std::string> shared_text(std::string text) {
   return std::make_shared<const std::string>(std::move(text));
 }
 
 }  // namespace
 
-LivePage::LivePage(const Endpoint& endpoint, std::string scene)
+LivePage::LivePage(const Endpoint& endpoint, std::string scene, bool repeats)
     : scene_(std::move(scene)),
-      run_(std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid())),
+      repeats_(repeats),
+      run_(new_run()),
+      denoiser_([this](int number, const Image& image) {
+        const std::vector<unsigned char> png = encode_png(image, kPngLevel);
+        const std::lock_guard lock(mutex_);
+        denoised_ = std::make_shared<const std::string>(png.begin(), png.end());
+        denoised_number_ = number;
+        image_denoised_ = number == image_number_;
+      }),
       server_(endpoint, [this](std::string_view path) { return answer(path); }) {
   image_library();  // load the library now, so that encoding_seconds() of the first image excludes it
+}
+
+void LivePage::begin_scene() {
+  const std::lock_guard lock(mutex_);
+  run_ = new_run();
+  done_ = total_ = 0;
+  start_ = end_ = 0;
+  state_ = "reading";
+  report_ = "null";
+  messages_.clear();
 }
 
 void LivePage::begin_render() {
@@ -66,7 +89,16 @@ void LivePage::set_image(std::shared_ptr<const Image> image) {
   image_ = std::move(image);
   encoded_ = nullptr;
   ++image_number_;
-  image_seen_ = false;
+  image_seen_ = image_denoised_ = false;
+}
+
+void LivePage::denoise(std::shared_ptr<const Image> image, bool has_variances) {
+  int number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = image_number_;
+  }
+  denoiser_.submit(number, std::move(image), has_variances);
 }
 
 void LivePage::add_message(std::string_view message) {
@@ -77,7 +109,14 @@ void LivePage::add_message(std::string_view message) {
 
 bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kLookSeconds; }
 
-bool LivePage::wants_image() const { return image_seen_.load(std::memory_order_relaxed) && is_watched(); }
+bool LivePage::wants_image() const {
+  const bool is_denoised = image_denoised_.load(std::memory_order_relaxed) && wants_denoised();
+  return (image_seen_.load(std::memory_order_relaxed) || is_denoised) && is_watched();
+}
+
+bool LivePage::wants_denoised() const {
+  return Progress::steady_seconds() - denoised_looked_.load(std::memory_order_relaxed) < kLookSeconds;
+}
 
 void LivePage::wait_until_seen(double seconds) {
   if (!is_watched()) return;
@@ -93,6 +132,11 @@ HttpResponse LivePage::answer(std::string_view path) {
   if (path == "/") return {200, "text/html; charset=utf-8", shared_text(kPreviewPage)};
   if (path == "/status.json") return status();
   if (path == "/image.png") return encoded_image();
+  if (path == "/denoised/status.json") {
+    denoised_looked_ = Progress::steady_seconds();
+    return status();
+  }
+  if (path == "/denoised/image.png") return denoised_image();
   return {404, HttpResponse().type, nullptr};
 }
 
@@ -116,11 +160,19 @@ HttpResponse LivePage::status() {
                   {"elapsed_seconds", elapsed},
                   {"left_seconds", can_tell ? Json(elapsed * (1 - fraction) / fraction) : Json()},
                   {"image", image_number_},
+                  {"denoised_image", denoised_number_},
+                  {"repeats", repeats_},
                   {"messages", messages_},
                   {"report", Json::parse(report_)}};
   state_seen_ = true;
   seen_.notify_all();
   return {200, "application/json", shared_text(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
+}
+
+HttpResponse LivePage::denoised_image() {
+  const std::lock_guard lock(mutex_);
+  if (!denoised_) return {404, HttpResponse().type, nullptr};
+  return {200, "image/png", denoised_};
 }
 
 HttpResponse LivePage::encoded_image() {

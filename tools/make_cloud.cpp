@@ -239,7 +239,7 @@ int run(int argc, char** argv) {
   // Parse the options
   const std::map<std::string, int> kinds{
       {"cloud", kCloud}, {"smoke", kSmoke}, {"ramp", kRamp}, {"constant", kConstant}};
-  program.add_option("OUT", out, "Output file: .nvdb, or .vol for the density alone").required();
+  program.add_option("OUT", out, "Output file: .nvdb, or .vol for the density alone").required().file();
   program.add_option("--resolution", resolution, "Voxels along each side").in_range(1, 1024);
   program.add_option("--seed", seed, "Seed of the noise");
   program.add_option("--kind", kind, "Kind of volume: cloud, smoke, ramp or constant").one_of_named(kinds);

@@ -1,6 +1,7 @@
 #include "tools/options.h"
 
 #include "core/error.h"
+#include "tools/terminal.h"
 
 #include <CLI/CLI.hpp>
 
@@ -10,6 +11,7 @@
 #include <iostream>
 #include <iterator>
 #include <limits>
+#include <sstream>
 #include <string_view>
 #include <type_traits>
 
@@ -181,12 +183,15 @@ template <class T> struct NumberTraits<std::vector<T>> : NumberTraits<T> {};
 
 Option& Option::required() {
   option_->required();
+  help_->required = true;
   return *this;
 }
 
 template <class T> Option& Option::in_range(T low, T high) {
   if constexpr (std::is_floating_point_v<T>) option_->check(finite());
   option_->check(CLI::Range(low, high));
+  help_->min = static_cast<double>(low);
+  help_->max = static_cast<double>(high);
   return *this;
 }
 
@@ -200,6 +205,7 @@ Option& Option::positive() {
     return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a positive number";
   };
   option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
+  help_->is_positive = true;
   return *this;
 }
 
@@ -210,21 +216,53 @@ Option& Option::share() {
 
 Option& Option::seconds() {
   option_->transform(transform(to_seconds));
+  help_->kind = ValueKind::kTime;
   return *this;
 }
 
 Option& Option::one_of(const std::vector<std::string>& words) {
   option_->check(CLI::IsMember(words));
+  help_->words = words;
+  help_->only_words = true;
   return *this;
 }
 
 Option& Option::one_of_named(const std::map<std::string, int>& words) {
-  option_->transform(CLI::CheckedTransformer(words))->type_name("ENUM");
+  option_->transform(CLI::CheckedTransformer(words));
+  for (const auto& [word, number] : words) help_->words.push_back(word);
+  help_->only_words = true;
+  return *this;
+}
+
+Option& Option::file() {
+  help_->kind = ValueKind::kFile;
+  return *this;
+}
+
+Option& Option::folder() {
+  help_->kind = ValueKind::kFolder;
+  return *this;
+}
+
+Option& Option::placeholder(const std::string& text) {
+  help_->placeholder = text;
+  return *this;
+}
+
+Option& Option::suggest(const std::vector<std::string>& words, bool is_list) {
+  help_->words = words;
+  help_->is_list = is_list;
+  return *this;
+}
+
+Option& Option::repeated() {
+  help_->repeats = true;
   return *this;
 }
 
 Option& Option::list(char delimiter, int count) {
   option_->delimiter(delimiter)->expected(count);
+  help_->count = count;
   return *this;
 }
 
@@ -234,11 +272,32 @@ Option& Option::only_for_run() {
   return *this;
 }
 
+void Command::begin_group(const std::string& title) {
+  std::vector<std::string>& groups = help_->groups;
+  if (std::find(groups.begin(), groups.end(), title) == groups.end()) groups.push_back(title);
+  help_->group = title;
+}
+
+Option Command::describe(CLI::Option& option, const std::string& names, ValueKind kind, const std::string& help) {
+  OptionHelp& made = help_->options.emplace_back();
+  std::istringstream words(names);
+  for (std::string name; std::getline(words, name, ',');) made.names.push_back(name);
+  made.text = help;
+  made.kind = kind;
+  made.is_argument = !names.starts_with('-');
+  made.group = made.is_argument ? "" : help_->group;
+  return Option(option, made);
+}
+
 template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
   CLI::Option& option = *command_->add_option(names, value, help);
-  if constexpr (NumberTraits<T>::value)
-    option.transform(transform(NumberTraits<T>::kIsWhole ? to_whole_number : to_number));
-  return Option(option);
+  using Number = NumberTraits<T>;
+  if constexpr (Number::value) {
+    option.transform(transform(Number::kIsWhole ? to_whole_number : to_number));
+    return describe(option, names, Number::kIsWhole ? ValueKind::kInteger : ValueKind::kNumber, help);
+  } else {
+    return describe(option, names, ValueKind::kText, help);
+  }
 }
 
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
@@ -253,19 +312,30 @@ template Option Command::add_option(const std::string&, std::vector<int>&, const
 template Option Command::add_option(const std::string&, std::vector<float>&, const std::string&);
 
 Option Command::add_option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
-  return Option(*command_->add_option(names, values, help)->allow_extra_args(false));
+  CLI::Option& option = *command_->add_option(names, values, help)->allow_extra_args(false);
+  return describe(option, names, ValueKind::kText, help).repeated();
 }
 
 Option Command::add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help) {
-  return Option(*command_->add_option(name, values, help));
+  return describe(*command_->add_option(name, values, help), name, ValueKind::kText, help).repeated();
 }
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
-  return Option(*command_->add_flag(names, value, help));
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kNone, help);
+}
+
+Option Command::add_counter(const std::string& names, int& value, const std::string& help) {
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kNone, help).repeated();
 }
 
 Command Command::add_command(const std::string& name, const std::string& help) {
-  return Command(*command_->add_subcommand(name, help));
+  return Command(*command_->add_subcommand(name, help), help_->commands.emplace_back(CommandHelp{name, help}));
+}
+
+std::vector<std::string> Command::command_names() const {
+  std::vector<std::string> names;
+  for (const CommandHelp& command : help_->commands) names.push_back(command.name);
+  return names;
 }
 
 std::vector<GivenOption> Command::given() const {
@@ -283,22 +353,60 @@ std::vector<GivenOption> Command::given() const {
 void Command::on_call(std::function<void()> action) { command_->callback(std::move(action)); }
 
 Program::Program(const std::string& name, const std::string& help)
-    : Command(*new CLI::App(help, name)), app_(command_) {}
+    : Command(*new CLI::App(help, name), *new CommandHelp{name, help}), owned_help_(help_), app_(command_) {}
 
 Program::~Program() = default;
 
-void Program::set_footer(const std::string& text) { app_->footer(text); }
+void Program::set_footer(const std::string& text) { help_->footer = text; }
 
-void Program::set_version(const std::string& text) { app_->set_version_flag("--version", text); }
+void Program::set_version(const std::string& text) { version_ = text; }
 
 void Program::require_command() { app_->require_subcommand(1); }
 
+namespace {
+
+/// Adds --help, and --version if there is one, in a group of their own if other options are grouped.
+void add_common_help(CommandHelp& command, bool has_version) {
+  const std::string group = command.groups.empty() ? "" : "Help";
+  if (!group.empty()) command.groups.push_back(group);
+  const auto add = [&](std::vector<std::string> names, const std::string& text) {
+    OptionHelp& option = command.options.emplace_back();
+    option.names = std::move(names);
+    option.text = text;
+    option.group = group;
+  };
+  add({"-h", "--help"}, "Print this help and exit");
+  if (has_version) add({"--version"}, "Print the version and exit");
+}
+
+}  // namespace
+
+const CommandHelp& Program::help() {
+  if (help_->has_common_options) return *help_;
+  help_->has_common_options = true;
+  add_common_help(*help_, !version_.empty());
+  for (CommandHelp& command : help_->commands) add_common_help(command, !version_.empty());
+  return *help_;
+}
+
 std::optional<int> Program::parse(int argc, char** argv) {
+  if (!version_.empty()) {
+    app_->set_version_flag("--version", version_);
+    for (CLI::App* command : app_->get_subcommands({})) command->set_version_flag("--version", version_);
+  }
   try {
     app_->parse(argc, argv);
     return std::nullopt;
+  } catch (const CLI::CallForHelp&) {
+    const CLI::App& command = called_command(*app_);
+    const CommandHelp* const found = help().find(command.get_name());
+    std::cout << (found != nullptr ? help_text(*found, help().name, text_columns())
+                                   : help_text(help(), "", text_columns()));
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    std::cout << version_ << '\n';
+    return 0;
   } catch (const CLI::ParseError& problem) {
-    if (problem.get_exit_code() == 0) return app_->exit(problem);  // --help and --version
     std::string message = usage_message(*app_, problem);
     for (char& c : message)
       if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

@@ -17,7 +17,11 @@ namespace sheaf {
 namespace {
 
 /// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
-constexpr double kMinInterval = 1, kCostFactor = 50;
+constexpr double kMinInterval = 1, kCostFactor = 20;
+/// Time after which the first preview does not wait for the first pass, s.
+constexpr double kMaxFirst = 1;
+/// Width of a border around the frame that is sampled at most, for pixel filters.
+constexpr int kMaxBorder = 8;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The channels R, G, B and A of an image.
@@ -47,44 +51,52 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
       .add_option("--tev", arguments.tev,
                   "Show the image in the viewer tev at HOST:PORT, usually 127.0.0.1:14158, during rendering. The "
                   "viewer may start later or restart")
+      .placeholder("HOST:PORT")
       .only_for_run();
   command
       .add_option("--serve", arguments.serve,
                   "Serve a web page with the image, progress, stage times and messages at PORT on this machine, or at "
-                  "ADDRESS:PORT "
-                  "(0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page closes with "
-                  "the render, "
-                  "after connected browsers have received the final image. See docs/preview.md")
+                  "ADDRESS:PORT (0.0.0.0: all network interfaces, without a password). Port 0: any free port. The page "
+                  "closes with the program, after connected browsers have received the final image. See "
+                  "docs/preview.md")
+      .placeholder("[ADDRESS:]PORT")
       .only_for_run();
 }
 
-Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool repeats)
+    : repeats_(repeats) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
-                                       [quiet](const std::string& text) {
-                                         if (!quiet) print_message(text);
-                                       });
+                                       [](const std::string& text) { print_note(text); });
   if (arguments.serve.empty()) return;
-  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene);
-  if (!quiet) print_message("preview page: " + page_->url());
+  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, repeats);
+  print_note("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
 
 Preview::~Preview() { listen_to_messages(nullptr); }
 
+void Preview::begin_scene() {
+  if (page_) page_->begin_scene();
+}
+
 void Preview::watch(RenderOptions& options) {
   if (!page_ && !tev_) return;
-  if (page_) {
-    page_->begin_render();
-    options.on_progress = [this, before = std::move(options.on_progress)](std::uint64_t done, std::uint64_t total) {
-      if (before) before(done, total);
-      page_->update(done, total);
-    };
-    options.on_report = [this, before = std::move(options.on_report)](const RenderReport& report) {
-      if (before) before(report);
-      page_->set_report(to_json(report));
-    };
-  }
+  start_ = Progress::steady_seconds();
+  is_shown_ = false;
+  samples_ = 0;
+  next_ = pause_requested_ = 0;
+  first_samples_ = static_cast<std::uint64_t>(options.crop->grown(kMaxBorder).area());
+  if (page_) page_->begin_render();
+  options.on_progress = [this, before = std::move(options.on_progress)](std::uint64_t done, std::uint64_t total) {
+    if (before) before(done, total);
+    samples_.store(done, std::memory_order_relaxed);
+    if (page_) page_->update(done, total);
+  };
+  options.on_report = [this, before = std::move(options.on_report)](const RenderReport& report) {
+    if (before) before(report);
+    if (page_) page_->set_report(to_json(report));
+  };
   options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
   options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {
     if (before) before(state);
@@ -95,6 +107,7 @@ void Preview::watch(RenderOptions& options) {
 bool Preview::is_due() {
   const double now = Progress::steady_seconds();
   if (now < next_.load(std::memory_order_relaxed)) return false;
+  if (!is_shown_ && samples_.load(std::memory_order_relaxed) < first_samples_ && now < start_ + kMaxFirst) return false;
   const bool looked_at = (page_ && page_->wants_image()) || (tev_ && tev_->is_ready());
   double never = 0;
   if (looked_at) pause_requested_.compare_exchange_strong(never, now, std::memory_order_relaxed);
@@ -102,11 +115,15 @@ bool Preview::is_due() {
 }
 
 void Preview::show(const RenderState& state) {
-  Image image = state.film.to_image();
+  // Only denoising needs all layers
+  const bool all = page_ && page_->wants_denoised();
+  Image image = all ? state.film.to_image() : state.film.beauty_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
   const std::shared_ptr<const Image> beauty = beauty_of(image);
   if (page_) page_->set_image(beauty);
+  if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), state.film.noise().has_value());
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
+  is_shown_ = true;
   const double now = Progress::steady_seconds();
   double cost = now - pause_requested_;
   // The page encodes in parallel to the render, on one of its processors.
@@ -119,14 +136,20 @@ void Preview::begin_writing() {
   if (page_) page_->set_state("writing");
 }
 
+void Preview::fail() {
+  if (page_) page_->set_state("failed");
+}
+
 void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
   if (!page_ && !tev_) return;
   if (tev_) tev_->show(beauty_of(image));
   if (page_) {
     page_->set_report(to_json(report));
     page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
+    if (page_->wants_denoised()) page_->denoise(std::make_shared<const Image>(image), report.noise.has_value());
     page_->set_state(state);
   }
+  if (repeats_) return;
   if (tev_) tev_->finish(kTevSeconds);
   if (page_) page_->wait_until_seen(kPageSeconds);
 }

@@ -24,33 +24,44 @@ struct PreviewArguments {
 
 void add_preview_options(Command& command, PreviewArguments& arguments);
 
-/// Shows one render from construction to destruction, which closes all connections.
+/// Shows one render, or several in turn, from construction to destruction, which closes all connections.
 ///
-/// Preview images are made while the render pauses, and only for connected viewers. Slow previews are refreshed less
-/// often, so that they take at most 2% of the time. They do not change the bits of the render.
+/// Preview images are made while the render pauses, and only for connected viewers: one when the first pass is
+/// complete, then one per second. Slow previews are refreshed less often, so that they take at most 5% of the time.
+/// They do not change the bits of the render.
 class Preview {
  public:
   /// Starts the server and the search for the viewer, as requested. `name`: of the image. Throws Error: exit code 2 for
   /// malformed addresses, 1 for unknown hosts and if it cannot listen.
-  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet);
+  /// `repeats`: another render may follow a finished one.
+  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool repeats = false);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
 
+  /// Begins to read a scene, after another render.
+  void begin_scene();
   /// Begins the render. Wraps the callbacks of `options`, which must not outlive this object.
   void watch(RenderOptions& options);
   /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
-  /// Shows the finished image. Waits for viewers to fetch it: at most 5 s for tev, 3 s for browsers, and not at all if
-  /// nobody is connected. `state`: "done", "interrupted" ...
+  /// Reports that the scene could not be rendered.
+  void fail();
+  /// Shows the finished image. Waits for viewers to fetch it if no render follows: at most 5 s for tev, 3 s for
+  /// browsers, and not at all if nobody is connected. `state`: "done", "interrupted" ...
   void finish(const std::string& state, const Image& image, const RenderReport& report);
 
  private:
   bool is_due();
   void show(const RenderState& state);
 
+  const bool repeats_;
   std::unique_ptr<LivePage> page_;          ///< null: disabled
   std::unique_ptr<TevViewer> tev_;          ///< null: disabled
+  std::atomic<double> start_{0};            ///< of the render, s on the steady clock
+  std::atomic<bool> is_shown_{false};       ///< there is an image of this render
+  std::atomic<std::uint64_t> samples_{0};   ///< so far
+  std::uint64_t first_samples_ = 0;         ///< of the first pass
   std::atomic<double> next_{0};             ///< earliest time of the next preview, s on the steady clock
   std::atomic<double> pause_requested_{0};  ///< time of the last request to pause for a preview; 0: none
 };

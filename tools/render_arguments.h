@@ -5,8 +5,12 @@
 #include "core/spectrum.h"
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/aovs.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
+#include "tools/messages.h"
+#include "tools/option_groups.h"
 #include "tools/options.h"
 #include "tools/preview.h"
 #include "tools/read_options.h"
@@ -28,6 +32,7 @@ inline constexpr NameTable<FilterMode> kFilterModes{
 struct ImageArguments {
   std::string scene;
   std::vector<std::string> outputs;
+  std::string output_format = "png";
   std::string denoiser;
   bool watertight = false;
   std::optional<std::uint32_t> spp;
@@ -39,11 +44,16 @@ struct ImageArguments {
   int spectral_bins = 0;
 
   void add_to(Command& command) {
-    command.add_option("scene", scene, "Scene file").required().only_for_run();
+    command.add_option("scene", scene, "Scene file; - reads the standard input").required().file().only_for_run();
+    command.begin_group(kOutputOptions);
     command
         .add_option("-o,--output", outputs,
                     "Output image: .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. Default: "
-                    "the scene's name with .exr, in the current folder")
+                    "the scene's name with .exr, in the current folder. - writes to the standard output")
+        .file()
+        .only_for_run();
+    command.add_option("--format", output_format, "Format of the image on the standard output (-o -). Default: png")
+        .one_of({"png", "exr"})
         .only_for_run();
     command
         .add_option(
@@ -52,10 +62,12 @@ struct ImageArguments {
             "layers denoised.R/G/B to .exr, and the denoised image to .png. nlm implies --replicates 4, or 2 below 16 "
             "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
         .one_of(kDenoisers.names());
+    command.begin_group(kAdvancedOptions);
     command.add_flag(
         "--watertight", watertight,
         "Watertight intersection: no ray passes between triangles that share an edge. Up to a third slower "
         "in small scenes");
+    command.begin_group(kSamplingOptions);
     command.add_option("--spp", spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
     command
         .add_option("--noise-target", noise_target,
@@ -74,14 +86,17 @@ struct ImageArguments {
         .only_for_run();
     command.add_option("--seed", seed, "Seed of the random numbers. Default: the scene's")
         .in_range(0u, std::numeric_limits<std::uint32_t>::max());
+    command.begin_group(kResourceOptions);
     command.add_option("--threads", threads, "Worker threads. Default: 0, one per logical core")
         .in_range(0, 4096)
         .only_for_run();
+    command.begin_group(kImageOptions);
     command
         .add_option(
             "--color", color,
             "Colour mode: rgb, or spectral with four wavelengths per path. Default: spectral for pbrt scenes, else rgb")
         .one_of(kColorModes.names());
+    command.begin_group(kOutputOptions);
     command
         .add_option("--spectral-bins", spectral_bins,
                     "Also write the spectrum of each pixel to .exr, in this many equal bins from 360 to 830 nm, as the "
@@ -90,6 +105,13 @@ struct ImageArguments {
   }
 };
 
+/// The words that --aov accepts.
+inline std::vector<std::string> aov_words() {
+  std::vector<std::string> words{"all"};
+  for (const AovEntry& entry : kAovList) words.emplace_back(entry.name);
+  return words;
+}
+
 /// AOVs and other layers.
 struct LayerArguments {
   std::string aovs;
@@ -97,9 +119,12 @@ struct LayerArguments {
   bool full_floats = false;
 
   void add_to(Command& command) {
-    command.add_option(
-        "--aov", aovs,
-        "Additional .exr layers, separated by commas, or all; see docs/layers.md:\n" + aov_descriptions());
+    command.begin_group(kOutputOptions);
+    command
+        .add_option("--aov", aovs,
+                    "Additional .exr layers, separated by commas, or all; see docs/layers.md:\n" + aov_descriptions())
+        .placeholder("NAMES")
+        .suggest(aov_words(), true);
     command.add_flag(
         "--light-groups", light_groups,
         "Write the contribution of each light to its own layer, light_<id of the light>; see docs/layers.md");
@@ -123,14 +148,22 @@ struct TransportArguments {
   std::optional<int> rr_depth;
 
   void add_to(Command& command) {
-    command.add_option(
-        "--integrator", integrator,
-        "Integrator, named as in scene files, e.g. path, direct, path_mats, path_ems, path_ris, whitted, "
-        "ptracer, photonmapper, sppm, ao, av, normals, depth. Default: the scene's");
-    command.add_option("--sampler", sampler,
-                       "Sampler: sobol (Owen-scrambled), zsobol (blue noise over pixels; rounds --spp up to a power of "
-                       "two), independent, stratified or multijitter (round --spp up to a grid). Default: the scene's, "
-                       "but sobol for independent");
+    command.begin_group(kTransportOptions);
+    command
+        .add_option("--integrator", integrator,
+                    "Integrator, named as in scene files, e.g. path, direct, path_mats, path_ems, path_ris, whitted, "
+                    "ptracer, photonmapper, sppm, ao, av, normals, depth. Default: the scene's")
+        .placeholder("NAME")
+        .suggest({"path", "direct", "path_mats", "path_ems", "path_ris", "whitted", "ptracer", "photonmapper", "sppm",
+                  "ao", "av", "normals", "depth"});
+    command.begin_group(kSamplingOptions);
+    command
+        .add_option("--sampler", sampler,
+                    "Sampler: sobol (Owen-scrambled), zsobol (blue noise over pixels; rounds --spp up to a power of "
+                    "two), independent, stratified or multijitter (round --spp up to a grid). Default: the scene's, "
+                    "but sobol for independent")
+        .placeholder("NAME")
+        .suggest({"sobol", "zsobol", "independent", "stratified", "multijitter"});
     command
         .add_option(
             "--filter-mode", filter_mode,
@@ -145,9 +178,13 @@ struct TransportArguments {
             "good estimates, at a slight loss of stratification. Default: 8 with the sampler independent; "
             "otherwise 1 (no variance layers) below 32 samples per pixel, 2 below 128, 4 below 512, else 8")
         .in_range(1, 1024);
-    command.add_option("--light-sampler", light_sampler,
-                       "Light selection: bvh (light BVH, by estimated contribution), power or uniform. Default: the "
-                       "scene's, else bvh");
+    command.begin_group(kTransportOptions);
+    command
+        .add_option("--light-sampler", light_sampler,
+                    "Light selection: bvh (light BVH, by estimated contribution), power or uniform. Default: the "
+                    "scene's, else bvh")
+        .placeholder("NAME")
+        .suggest(kLightSelectors.names());
     command
         .add_option("--candidates", candidates,
                     "Light samples per vertex, of which resampled importance sampling (RIS) keeps one for the shadow "
@@ -158,9 +195,12 @@ struct TransportArguments {
         "Path guiding: learn the incident radiance in training passes and sample directions from it. Helps "
         "with light that is hard to find, e.g. through a small opening. Training covers the whole frame, "
         "regardless of --crop. For path, direct and the other path tracing integrators");
-    command.add_option("--medium-estimator", medium_estimator,
-                       "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "
-                       "one wavelength), or marching (ray marching; biased). Default: the scene's, else null_mis");
+    command
+        .add_option("--medium-estimator", medium_estimator,
+                    "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "
+                    "one wavelength), or marching (ray marching; biased). Default: the scene's, else null_mis")
+        .placeholder("NAME")
+        .suggest(kMediumEstimators.names());
     command
         .add_option("--step-size", step_size,
                     "Step size of ray marching, in metres. Default: the scene's, else 1/100 of the medium's diagonal")
@@ -187,37 +227,67 @@ struct RunArguments {
   std::string stats;
   int wave_size = 0;
   bool no_timestamps = false;
-  bool quiet = false;
+  VerbosityArguments verbosity;
+  std::string frames;
+  std::optional<float> fps;  ///< frames per second of glTF files
+  bool skip_existing = false;
   ReadArguments read;
 
   void add_to(Command& command) {
+    command.begin_group(kImageOptions);
     command
         .add_option("--crop", crop,
                     "Crop window to render, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the scene's")
-        .list(',', 4);
-    command.add_option(
-        "--samples", samples,
-        "Range of samples per pixel to render, FIRST:COUNT (counted from 0), for 'sheaf merge'. The range "
-        "must consist of whole sample sets (--replicates). Default: all");
-    command.add_option("--size", size, "Frame size in pixels, WxH. Default: the scene's");
+        .list(',', 4)
+        .placeholder("x0,y0,x1,y1");
+    command.begin_group(kSamplingOptions);
+    command
+        .add_option("--samples", samples,
+                    "Range of samples per pixel to render, FIRST:COUNT (counted from 0), for 'sheaf merge'. The range "
+                    "must consist of whole sample sets (--replicates). Default: all")
+        .placeholder("FIRST:COUNT");
+    command.begin_group(kImageOptions);
+    command.add_option("--size", size, "Frame size in pixels, WxH. Default: the scene's").placeholder("WxH");
     command
         .add_option("--scale", scale,
                     "Scale factor for the frame's width and height, e.g. 0.25 or 25% for a quick look. Default: 1")
         .share()
         .positive();
+    command.begin_group(kSceneOptions);
+    command
+        .add_option("--fps", fps,
+                    "With --frames for a glTF file: frames per second. Frame K shows the time K / fps. Default: 24")
+        .positive()
+        .only_for_run();
+    // given_for() in tools/frames.cpp expects --frames directly before --define
+    command
+        .add_option("--frames", frames,
+                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K, "
+                    "or a glTF file at its time (--fps). In the names of outputs, --stats and --checkpoint, the frame "
+                    "number replaces #### or $frame4 (4 "
+                    "digits) or $frame, or else precedes the file extension. Existing images are overwritten")
+        .placeholder("FIRST:LAST:STEP")
+        .only_for_run();
     add_read_options(command, read);
-    command.add_option("--stats", stats, "Write times and counters to this JSON file").only_for_run();
+    command.begin_group(kOutputOptions);
+    command
+        .add_flag("--skip-existing", skip_existing,
+                  "With --frames: skip frames whose images all exist, except images of interrupted renders")
+        .only_for_run();
+    command.add_option("--stats", stats, "Write times and counters to this JSON file").file().only_for_run();
+    command.begin_group(kAdvancedOptions);
     command
         .add_option(
             "--wave-size", wave_size,
             "Paths in flight per worker; affects speed, not results. Default: 0, derived from the L2 cache size")
         .in_range(0, kMaxWaveSize)
         .only_for_run();
+    command.begin_group(kOutputOptions);
     command
         .add_flag("--no-timestamps", no_timestamps,
                   "Omit the date from the files, so that repeated renders are byte-identical")
         .only_for_run();
-    command.add_flag("--quiet", quiet, "Print only errors").only_for_run();
+    add_verbosity_options(command, verbosity, "Also print times, counters per stage, and the effort for less noise");
   }
 };
 
@@ -227,15 +297,23 @@ struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, Run
   PreviewArguments preview;
 };
 
-/// Adds the subcommand with all of its options, but without an action. `arguments` must live as long as `program`.
-inline Command add_render_options(Command& program, RenderArguments& arguments) {
-  Command command = program.add_command(
-      "render", "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to images.");
+/// Adds the subcommand `render`, or another one with the same options, but without an action. `arguments` must live as
+/// long as `program`.
+inline Command add_render_options(
+    Command& program, RenderArguments& arguments, const std::string& name = "render",
+    const std::string& help =
+        "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (.obj, .ply, .serialized) to images.") {
+  Command command = program.add_command(name, help);
+  for (const char* const title : {kSceneOptions, kImageOptions, kSamplingOptions, kTransportOptions, kOutputOptions,
+                                  kPreviewOptions, kResourceOptions, kAdvancedOptions})
+    command.begin_group(title);
   arguments.ImageArguments::add_to(command);
   arguments.LayerArguments::add_to(command);
   arguments.TransportArguments::add_to(command);
   arguments.RunArguments::add_to(command);
+  command.begin_group(kResourceOptions);
   add_checkpoint_options(command, arguments.checkpoint);
+  command.begin_group(kPreviewOptions);
   add_preview_options(command, arguments.preview);
   return command;
 }

@@ -26,7 +26,8 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   // Read the scene and apply the options
   const AovSet aovs = wanted_aovs(arguments);
   Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  plan.crop = apply_arguments(arguments, scene);
+  std::vector<std::string> details;
+  plan.crop = apply_arguments(arguments, scene, details);
   // Fill in the plan
   plan.integrator = scene.integrator.kind;
   const PhotonMappingSettings& photons = scene.integrator.photons;

@@ -11,37 +11,10 @@
 #include <cstdio>
 #include <cstring>
 #include <iostream>
-#include <mutex>
 #include <new>
 #include <string>
 
 namespace sheaf {
-
-namespace {
-
-std::mutex listening;
-std::function<void(std::string_view)> message_listener;  ///< guarded by `listening`
-
-}  // namespace
-
-std::string printable(std::string_view text) {
-  std::string shown(text);
-  for (char& c : shown)
-    if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
-  return shown;
-}
-
-void print_message(std::string_view message) {
-  const std::string shown = printable(message);
-  std::fprintf(stderr, "sheaf: %s\n", shown.c_str());
-  const std::lock_guard lock(listening);
-  if (message_listener) message_listener(shown);
-}
-
-void listen_to_messages(std::function<void(std::string_view)> listener) {
-  const std::lock_guard lock(listening);
-  message_listener = std::move(listener);
-}
 
 namespace {
 
@@ -68,19 +41,22 @@ int run(int argc, char** argv) {
   Program program("sheaf", "Sheaf, a data-oriented wavefront path tracer for the CPU.");
   // Describe the program
   program.set_footer(
-      "Exit codes: 0 success, 1 runtime error, 2 usage error, 3 scene or asset error, 4 output not writable,\n"
-      "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT or SIGTERM after saving the image so far\n"
+      "Exit codes: 0 success, 1 runtime error, 2 usage error, 3 scene or asset error, 4 output not writable, "
+      "5 checkpoint mismatch; 129, 130, 143: stopped by SIGHUP, SIGINT or SIGTERM after saving the image so far "
       "(a second SIGINT or SIGTERM terminates immediately).");
   program.set_version(std::string("sheaf " SHEAF_VERSION " ") + kIsaName);
   program.require_command();
   // Add the commands, and run the one on the command line
   try {
     add_render_command(program, exit_code);
+    add_watch_command(program, exit_code);
     add_info_command(program, exit_code);
     add_compare_command(program, exit_code);
     add_denoise_command(program, exit_code);
     add_merge_command(program, exit_code);
     add_farm_command(program, exit_code);
+    add_completion_command(program, exit_code);
+    add_help_command(program, exit_code);
     return program.parse(argc, argv).value_or(exit_code);
   } catch (const Error& error) {
     print_message(error.what());

@@ -180,13 +180,42 @@ Image Film::to_image() const {
   for (int bin = 0; bin < spectral_bins(); ++bin) names.push_back(bin_channel(bin, spectral_bins()));
   for (const FilmChannel& channel : layout_.channels())
     if (channel.has_half) names.push_back("half." + channel.name);
-  Image image(crop_.width(), crop_.height(), std::move(names));
+  Image image = empty_image(std::move(names));
+  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel)
+    write_pixel(pixel, image.data.data() + pixel * image.channels.size());
+  return image;
+}
+
+Image Film::empty_image(std::vector<std::string> channels) const {
+  Image image(crop_.width(), crop_.height(), std::move(channels));
   image.x0 = crop_.x0;
   image.y0 = crop_.y0;
   image.frame_width = frame_width_;
   image.frame_height = frame_height_;
-  for (std::size_t pixel = 0; pixel < counts_.size(); ++pixel)
-    write_pixel(pixel, image.data.data() + pixel * image.channels.size());
+  return image;
+}
+
+Image Film::beauty_image() const {
+  std::vector<std::string> names;
+  std::vector<std::size_t> sources;
+  for (std::size_t c = 0; c < layout_.channels().size(); ++c) {
+    const std::string& name = layout_.channels()[c].name;
+    if (name != "R" && name != "G" && name != "B" && name != "A") continue;
+    names.push_back(name);
+    sources.push_back(c);
+  }
+  Image image = empty_image(std::move(names));
+  tbb::parallel_for(0, crop_.height(), [&](int y) {
+    const std::size_t width = static_cast<std::size_t>(crop_.width()), begin = static_cast<std::size_t>(y) * width;
+    for (std::size_t pixel = begin; pixel < begin + width; ++pixel) {
+      const double* const row = sums_.data() + pixel * row_.film_size();
+      const double weight = row[FilmRow::kWeight];
+      if (!(weight > 0.0)) continue;
+      float* const out = image.data.data() + pixel * sources.size();
+      for (std::size_t k = 0; k < sources.size(); ++k)
+        out[k] = static_cast<float>(row[FilmRow::kSums + sources[k]] / weight);
+    }
+  });
   return image;
 }
 

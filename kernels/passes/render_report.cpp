@@ -1,5 +1,6 @@
 #include "kernels/passes/render_report.h"
 
+#include "core/duration.h"
 #include "scene/tables/scene.h"
 
 #include <fmt/format.h>
@@ -120,10 +121,8 @@ std::string noise_line(const RenderReport& report) {
   for (const double target : {*report.noise / 2, 0.01}) {
     const double factor = report.samples_factor(target);
     if (factor < 1.5) continue;
-    text += fmt::format(
-        "; {:.2g} % takes about {:.0f} spp, {:.3g} {}", target * 100, report.spp * factor,
-        report.render_seconds * factor > 180 ? report.render_seconds * factor / 60 : report.render_seconds * factor,
-        report.render_seconds * factor > 180 ? "min" : "s");
+    text += fmt::format("; {:.2g} % takes about {:.0f} spp, {}", target * 100, report.spp * factor,
+                        format_duration(report.render_seconds * factor));
   }
   return text + "\n";
 }
@@ -202,15 +201,16 @@ std::string to_table(const RenderReport& report) {
   fmt::format_to(out, "{}: {} x {}, {} spp, {} threads, {}, waves of {}\n", report.integrator, report.width,
                  report.height, report.spp, report.threads, report.isa, report.wave_size);
   if (report.interrupted) fmt::format_to(out, "interrupted after {:.4g} samples per pixel\n", report.mean_samples);
-  fmt::format_to(out, "load {:.3f} s, build {:.3f} s, render {:.3f} s, peak memory {:.1f} MB\n", report.load_seconds,
-                 report.build_seconds, report.render_seconds, static_cast<double>(report.peak_rss_bytes) * 1e-6);
+  fmt::format_to(out, "load {}, build {}, render {}, peak memory {:.1f} MB\n", format_duration(report.load_seconds),
+                 format_duration(report.build_seconds), format_duration(report.render_seconds),
+                 static_cast<double>(report.peak_rss_bytes) * 1e-6);
   if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
-    fmt::format_to(out, "{} photons emitted in {:.3f} s, {} stored in maps in {:.3f} s\n", photons.emitted,
-                   photons.trace_seconds, photons.stored, photons.index_seconds);
+    fmt::format_to(out, "{} photons emitted in {}, {} stored in maps in {}\n", photons.emitted,
+                   format_duration(photons.trace_seconds), photons.stored, format_duration(photons.index_seconds));
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
-    fmt::format_to(out, "guide: {} samples in {} passes in {:.3f} s, {} cells trained with {} directions in {:.3f} s\n",
-                   guiding.samples, guiding.passes, guiding.trace_seconds, guiding.cells, guiding.records,
-                   guiding.fit_seconds);
+    fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",
+                   guiding.samples, guiding.passes, format_duration(guiding.trace_seconds), guiding.cells,
+                   guiding.records, format_duration(guiding.fit_seconds));
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

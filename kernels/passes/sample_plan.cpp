@@ -108,10 +108,12 @@ bool SamplePlan::begin_round() {
   return true;
 }
 
-/// Samples per pixel of the pass that begins at state_.first_sample.
+/// Samples per pixel of the pass that begins at state_.first_sample. Each of the first passes doubles the samples so
+/// far, so that previews soon show the whole frame.
 std::uint32_t SamplePlan::pass_samples() const {
   const std::uint32_t first = state_.first_sample;
-  const std::uint32_t count = std::min({layout_.max_pass_samples, layout_.range.end() - first,
+  const std::uint32_t doubling = std::max(first - layout_.range.first, std::uint32_t{1});
+  const std::uint32_t count = std::min({layout_.max_pass_samples, doubling, layout_.range.end() - first,
                                         layout_.replicate_samples - first % layout_.replicate_samples});
   const bool has_halves = state_.film.layout().half_count() > 0;
   return has_halves && first < layout_.half_samples ? std::min(count, layout_.half_samples - first) : count;

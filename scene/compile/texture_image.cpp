@@ -2,11 +2,13 @@
 #include "scene/compile/texture_image.h"
 
 #include "core/color.h"
+#include "core/file_cache.h"
 #include "core/image.h"
 #include "core/image_channels.h"
 #include "core/memory.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -145,7 +147,13 @@ StoredImage stored_image(const Image& made) {
 TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
   if (bitmap.made) return tile_stored_image(stored_image(*bitmap.made), bitmap, where);
   if (bitmap.encoded) return tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0});
-  return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, {bitmap.file.string(), 0});
+  std::string key = bitmap.raw ? "raw texture" : "texture";
+  key += " " + std::to_string(static_cast<int>(bitmap.channel));
+  for (const float value : {bitmap.change.scale, bitmap.change.invert ? 1.0f : 0.0f, bitmap.change.exponent})
+    key += " " + std::to_string(std::bit_cast<std::uint32_t>(value));
+  return cached(bitmap.file, key, [&] {
+    return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, {bitmap.file.string(), 0});
+  });
 }
 
 }  // namespace sheaf

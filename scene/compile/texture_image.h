@@ -22,7 +22,8 @@ struct TiledImage {
 /// unchanged, with or without `raw`. Integers of 16 bits or more become floats, decoded by the sRGB curve unless
 /// is_linear(). Floats are linear; unless `raw`, they are converted to Rec.709 if the file declares another colour
 /// space. With a `change`, all data becomes floats, decoded unless is_linear(), and transformed. Throws SceneError if
-/// the image is missing, broken or too large, or has unknown channels or non-finite values; for `made`, at `where`.
+/// the image is missing, broken or too large, or has unknown channels or non-finite values; for `made`, at `where`. A
+/// FileCache keeps images of files.
 TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where);
 
 }  // namespace sheaf

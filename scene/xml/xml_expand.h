@@ -4,6 +4,7 @@
 
 #include "scene/xml/xml.h"
 
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -19,9 +20,9 @@ class ExpandedScene {
   /// Reads `file`. Each define is a name and its value; it overrides the <default> of that name. Throws SceneError for
   /// XML errors, an include or path that is not found, includes nested deeper than 15 or more than 10,000 of them, an
   /// undefined `$name`, a define that the scene does not use, and a duplicate id. `lenient`: drops what can be dropped;
-  /// see left_out().
+  /// see left_out(). `folder`: to which relative paths refer; default: that of the file.
   ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
-                bool lenient = false);
+                bool lenient = false, const std::optional<std::filesystem::path>& folder = {});
 
   const XmlElement& root() const { return root_; }
   /// Messages, with file and line, about what was dropped or replaced because it could not be read.
@@ -37,7 +38,7 @@ class ExpandedScene {
   /// Whether a <ref> refers to this element.
   bool is_referenced(const XmlElement& element) const { return referenced_.count(&element) != 0; }
   /// Finds the file `name`, used by an element at `where`. It is absolute, or relative to a declared path (the last
-  /// declared first), to the folder of the scene file, or to the folder of the file that names it. Throws SceneError if
+  /// declared first), to the folder of the scene, or to the folder of the file that names it. Throws SceneError if
   /// it does not exist or is not a regular file.
   std::filesystem::path find_file(const std::string& name, const SourceLocation& where) const;
   /// The scene file, its includes, and all other files found by find_file() so far.

@@ -90,7 +90,9 @@ def lines_of(block):
 
 
 def shortened(words):
-    """The arguments of `sheaf` with short settings."""
+    """The arguments of `sheaf` with short settings. `watch` has the options of `render`, but does not end by itself."""
+    if words[0] == "watch":
+        words = ["render", *words[1:]]
     result, before = [], ""
     cropped = "--crop" in words
     sampled = "--samples" in words
@@ -154,7 +156,7 @@ class Runner:
         outputs = {word for last, word in zip(["", *words], words)
                    if last in ("-o", "--output", "--stats", "--checkpoint", "--folder")}
         for i, word in enumerate(words[1:], 1):
-            if word.startswith("-") or word in outputs or not re.search(r"\.(xml|pbrt|obj|ply|serialized|exr)$", word):
+            if word.startswith("-") or word in outputs or not re.search(r"\.(xml|pbrt|obj|ply|stl|glb|serialized|hdr|exr)$", word):
                 continue
             file = self.folder / word
             if word.endswith((".xml", ".pbrt")) and "scenes/" in word:

@@ -27,10 +27,10 @@ FOREIGN = {"--requeue": "sbatch", "--label-regex": "ctest", "--benchmark_filter"
 def helps(sheaf):
     """The options of each subcommand with their descriptions."""
     text = subprocess.run([sheaf, "--help"], check=True, text=True, stdout=subprocess.PIPE).stdout
-    names = re.findall(r"^  ([a-z]\w*) ", text.split("Subcommands:")[1], re.MULTILINE)
+    names = re.findall(r"^  ([a-z]\w*) ", text.split("Commands:")[1].split("\n\n")[0], re.MULTILINE)
     found = {"": parsed(text)}
     for name in names:
-        found[name] = parsed(subprocess.run([sheaf, name, "--help"], check=True, text=True,
+        found[name] = parsed(subprocess.run([sheaf, "help", name], check=True, text=True,
                                             stdout=subprocess.PIPE).stdout)
     return found
 
@@ -39,11 +39,11 @@ def parsed(text):
     """The options of a --help text with their descriptions."""
     options, name = {}, ""
     for line in text.splitlines():
-        head = re.match(r"  (?:-\w,)?(--[\w-]+)(.*)", line)
+        head = re.match(r"  (?:-\w, |    )(--[\w-]+)(.*)", line)
         if head:
             name = head[1]
-            # The type of the value, then at least one space and the description, unless that is on the next line
-            options[name] = re.sub(r"^( [A-Z]+\S*( in \[.*?\])?| \.\.\.| x \d+| REQUIRED)*", "", head[2]).strip()
+            # The value, then at least two spaces and the description, unless that is on the next line
+            options[name] = head[2].partition("  ")[2].strip()
         elif name and line.startswith(" " * 20):
             options[name] += line.strip()
         else:
@@ -102,7 +102,7 @@ def check_help(options, failures):
     sources = [file for kind in ("*.cpp", "*.h") for file in ROOT.glob(f"tools/{kind}") if file.name not in others]
     for source in sources:
         text = source.read_text()
-        for call in re.finditer(r'add_(?:option|flag)\(\s*"([-\w,]+)"', text):
+        for call in re.finditer(r'add_(?:option|flag|counter)\(\s*"([-\w,]+)"', text):
             for name in call[1].split(","):
                 declared.add(name)
                 if name.startswith("--") and name not in listed:

@@ -66,7 +66,7 @@ TEST_CASE("a report as JSON and as a table") {
   report.photons = {700, 600, 0.25, 0.5};
   const std::string json = to_json(report);
   CHECK(contains(json, "\"stored\": 600"));
-  CHECK(contains(to_table(report), "700 photons emitted in 0.250 s, 600 stored in maps in 0.500 s"));
+  CHECK(contains(to_table(report), "700 photons emitted in 0.25 s, 600 stored in maps in 0.50 s"));
   CHECK(contains(json, "\\\"quoted\\\""));
   CHECK(contains(json, "\"name\": \"light_candidates\""));
   CHECK(contains(json, "\"rays_per_second\": 3.0"));
@@ -113,7 +113,7 @@ TEST_CASE("a report says how long an image of less noise would take") {
   const std::string table = to_table(report);
   CHECK(contains(table, "noise 4.00 % of a pixel's value"));
   CHECK(contains(table, "2 % takes about 256 spp, 40 s"));
-  CHECK(contains(table, "1 % takes about 1024 spp, 160 s"));
+  CHECK(contains(table, "1 % takes about 1024 spp, 2 min 40 s"));
   CHECK(contains(to_json(report), "\"seconds_to_one_percent\": 160.0"));
 }
 

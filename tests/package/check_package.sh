@@ -75,7 +75,7 @@ for command in "" render info compare denoise; do
   page=$(in_root env MANWIDTH=1000 man "sheaf${command:+-$command}" 2>/dev/null | tr -s '\n ' ' ')
   while read -r option; do
     [[ $page == *"$option"* ]] || fail "the manual of sheaf $command lacks $option"
-  done < <(as_user sheaf $command --help | grep -oE -e '^ +(-[a-zA-Z],)?--[a-z-]+' | grep -oE -e '--[a-z-]+')
+  done < <(as_user sheaf $command --help | grep -oE -e '^ +(-[a-zA-Z], )?--[a-z-]+' | grep -oE -e '--[a-z-]+')
 done
 passed "manual pages with all options"
 

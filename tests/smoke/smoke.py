@@ -31,6 +31,7 @@ MAKERS = {
     "tools/make_material_scenes.py": [],
     "tools/make_texture_scenes.py": [],
     "tools/make_measured.py": [],
+    "tools/make_gltf_scene.py": [],
     "tools/make_shape_scenes.py": [],
     "tools/make_hall.py": [],
     "tools/make_sky.py": [],
@@ -204,9 +205,12 @@ def check_scenes(arguments, folder, failures):
                if f'"${count}"' in scene.read_text()]
         for color in [("rgb", "spectral")[i % 2]] if arguments.one_color else ("rgb", "spectral"):
             good, output = run([sheaf, "render", scene, "-o", image, "--spp", "1", "--color", color, "--crop",
-                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, "--quiet", *few], folder)
+                                f"{x - 12},{y - 8},{x + 12},{y + 8}", "--stats", stats, *few], folder)
+            notes = [line for line in output.splitlines()[1:] if not line.startswith("sheaf: rendered ")]
             if not good:
                 failures.add(f"render {name} --color {color}", output)
+            elif notes:
+                failures.add(f"render {name} --color {color}", "prints notes:\n" + "\n".join(notes))
             elif any(json.loads(stats.read_text())["dropped"].values()):
                 failures.add(f"render {name} --color {color}", "samples were dropped:\n" + stats.read_text())
     check_layers(sheaf, image, folder, failures)

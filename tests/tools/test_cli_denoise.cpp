@@ -12,7 +12,7 @@ using test::kScene;
 TEST_CASE("a render stops at the noise target or at the time limit") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  const Outcome clean = run(folder, "render scene.xml --noise-target 0.5 -o a.exr --stats a.json --no-timestamps");
+  const Outcome clean = run(folder, "render scene.xml --noise-target 0.5 -v -o a.exr --stats a.json --no-timestamps");
   CHECK(clean.code == 0);
   CHECK(contains(clean.err, "tiles have reached a noise of 50 %"));
   CHECK(contains(read_bytes(folder / "a.json"), "\"noise_target\": 0.5"));

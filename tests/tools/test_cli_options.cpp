@@ -261,7 +261,8 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
 const std::vector<std::pair<std::string, std::string>> kRuns = {
     {"threads", "1"},    {"wave-size", "256"}, {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
     {"output", "b.exr"}, {"time-limit", ""},   {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
-    {"serve", ""},       {"tev", ""},          {"help", ""}};
+    {"format", "exr"},   {"verbose", ""},      {"version", ""},       {"serve", ""},       {"tev", ""},
+    {"help", ""}};
 
 }  // namespace
 

@@ -33,7 +33,7 @@ LightSource "infinite"
 Material "diffuse" "rgb reflectance" [0.8 0.1 0.1]
 Translate 0 0 3 Shape "sphere")");
   const auto render = [&](const std::string& scene, const std::string& options) {
-    const Outcome outcome = run(folder, "render " + scene + " --no-timestamps -o out.exr " + options);
+    const Outcome outcome = run(folder, "render " + scene + " --no-timestamps -v -o out.exr " + options);
     REQUIRE(outcome.code == 0);
     std::string color;
     for (const auto& attribute : read_exr_attributes(folder / "out.exr"))
@@ -108,7 +108,7 @@ TEST_CASE("the independent sampler of a scene becomes sobol unless requested and
   write_bytes(folder / "scene.xml", kScene);
   const std::string note = "sampler 'independent' is rendered with 'sobol'";
   const auto pixels = [&](const std::string& arguments, bool noted) {
-    const Outcome outcome = run(folder, "render scene.xml -o a.exr --spp 3 " + arguments);
+    const Outcome outcome = run(folder, "render scene.xml -v -o a.exr --spp 3 " + arguments);
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
     CHECK(contains(outcome.err, note) == noted);

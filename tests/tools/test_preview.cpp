@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
@@ -42,12 +43,14 @@ constexpr const char* kEndless = " --spp 16000000 --threads 1";
 
 void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
 
-/// The program, rendering kScene in a folder of its own.
+/// The program, rendering kScene or another scene in a folder of its own.
 class Render {
  public:
-  explicit Render(const std::string& arguments) {
-    write_bytes(folder_ / "scene.xml", kScene);
-    write_bytes(folder_ / "go.sh", "exec '" SHEAF_EXECUTABLE "' render scene.xml -o out.exr -o out.png " + arguments);
+  explicit Render(const std::string& arguments, const std::string& scene = kScene,
+                  const std::string& command = "render") {
+    write_bytes(folder_ / "scene.xml", scene);
+    write_bytes(folder_ / "go.sh",
+                "exec '" SHEAF_EXECUTABLE "' " + command + " scene.xml -o out.exr -o out.png " + arguments);
     process_ = fork();
     if (process_ != 0) return;
     const int log = open((folder_ / "log.txt").c_str(), O_WRONLY | O_CREAT, 0600);
@@ -236,6 +239,110 @@ TEST_CASE("viewers get the finished image and do not change its bytes") {
   CHECK(read_image(render.file("seen.png")).data == read_image(render.file("out.png")).data);
   CHECK(read_bytes(render.file("out.exr")) == read_bytes(alone.file("out.exr")));
   CHECK(read_bytes(render.file("out.png")) == read_bytes(alone.file("out.png")));
+}
+
+namespace {
+
+/// kScene with a wall in front of the camera that fills a frame of 256 x 256 pixels.
+std::string wall_scene() {
+  std::string scene = kScene;
+  for (const auto& [before, after] : {std::pair<std::string, std::string>{"value=\"48\"", "value=\"256\""},
+                                      {"value=\"32\"", "value=\"256\""},
+                                      {"<shape type=\"sphere\">",
+                                       "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"9\"/>"
+                                       "</transform>"}})
+    scene.replace(scene.find(before), before.size(), after);
+  return scene;
+}
+
+/// Mean difference between horizontal neighbours.
+double roughness(const Image& image) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 1; x < image.width; ++x) sum += std::abs(double{image.at(x, y, 0)} - double{image.at(x - 1, y, 0)});
+  return sum / (image.height * (image.width - 1));
+}
+
+}  // namespace
+
+TEST_CASE("the first image shows every pixel, and images follow every second") {
+  Render render("--serve 0" + std::string(kEndless), wall_scene());
+  const int port = render.port();
+  REQUIRE(port > 0);
+  const nlohmann::json first = wait_for_image(port, 1);
+  REQUIRE(first.is_object());
+  // A pass of 256 samples per pixel would take longer than this image
+  CHECK(first["done"] < 256 * 256 * 256);
+  write_bytes(render.file("seen.png"), body_of(get(port, "/image.png")));
+  const Image seen = read_image(render.file("seen.png"));
+  const int alpha = seen.find_channel("A");
+  std::size_t missing = 0;
+  if (alpha >= 0)
+    for (int y = 0; y < seen.height; ++y)
+      for (int x = 0; x < seen.width; ++x) missing += seen.at(x, y, alpha) < 1.0f ? 1u : 0u;
+  CHECK(missing == 0);
+  const double start = Progress::steady_seconds();
+  REQUIRE(wait_for_image(port, 4).is_object());
+  CHECK(Progress::steady_seconds() - start < 10);
+  CHECK(render.end(SIGINT) == 130);
+}
+
+TEST_CASE("images are denoised while a client asks for it") {
+  Render render("--serve 0 --integrator path_ems" + std::string(kEndless), wall_scene());
+  const int port = render.port();
+  REQUIRE(port > 0);
+  REQUIRE(wait_for_image(port, 1).is_object());
+  CHECK(status_of(get(port, "/denoised/image.png")) == 404);
+  nlohmann::json now;
+  for (int i = 0; i < 600; ++i, pause_for(0.05)) {
+    now = nlohmann::json::parse(body_of(get(port, "/denoised/status.json")), nullptr, false);
+    get(port, "/image.png");
+    if (now.is_discarded() || now["denoised_image"] > 0) break;
+  }
+  REQUIRE(now.is_object());
+  REQUIRE(now["denoised_image"] > 0);
+  write_bytes(render.file("noisy.png"), body_of(get(port, "/image.png")));
+  write_bytes(render.file("smooth.png"), body_of(get(port, "/denoised/image.png")));
+  const Image noisy = read_image(render.file("noisy.png")), smooth = read_image(render.file("smooth.png"));
+  CHECK(smooth.width == noisy.width);
+  CHECK(roughness(smooth) < 0.5 * roughness(noisy));
+  const double start = Progress::steady_seconds();
+  CHECK(render.end(SIGINT) == 130);
+  CHECK(Progress::steady_seconds() - start < 8);  // denoising does not delay the end
+}
+
+TEST_CASE("watch renders again when the scene changes, and survives errors in it") {
+  Render render("--serve 0 --spp 16", kScene, "watch");
+  const int port = render.port();
+  REQUIRE(port > 0);
+  const auto wait_for_state = [&](const std::string& state, const std::string& other_than) {
+    for (int i = 0; i < 600; ++i, pause_for(0.05)) {
+      const nlohmann::json now = status(port);
+      if (now.is_object() && now["state"] == state && now["run"] != other_than) return now;
+    }
+    return nlohmann::json();
+  };
+  const nlohmann::json first = wait_for_state("done", "");
+  REQUIRE(first.is_object());
+  CHECK(first["repeats"] == true);
+  const std::string before = body_of(get(port, "/image.png"));
+  CHECK(std::filesystem::exists(render.file("out.png")));
+  // Another light
+  std::string scene = kScene;
+  scene.replace(scene.find("0.2, 0.5, 1.5"), 13, "1.5, 0.5, 0.2");
+  write_bytes(render.file("scene.xml"), scene);
+  const nlohmann::json second = wait_for_state("done", first["run"]);
+  REQUIRE(second.is_object());
+  CHECK(body_of(get(port, "/image.png")) != before);
+  // An error, and its correction
+  write_bytes(render.file("scene.xml"), "<scene>");
+  const nlohmann::json failed = wait_for_state("failed", second["run"]);
+  REQUIRE(failed.is_object());
+  CHECK(contains(failed["messages"].dump(), "scene.xml:1: not well-formed XML"));
+  write_bytes(render.file("scene.xml"), kScene);
+  REQUIRE(wait_for_state("done", failed["run"]).is_object());
+  CHECK(body_of(get(port, "/image.png")) == before);
+  CHECK(render.end(SIGINT) == 130);
 }
 
 namespace {

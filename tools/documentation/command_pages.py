@@ -1,4 +1,4 @@
-"""Pages of the command line, from the output of `sheaf --help` and `sheaf COMMAND --help`."""
+"""Pages of the command line, from the help of `sheaf` and its commands."""
 
 import re
 
@@ -19,14 +19,20 @@ def value_of(entry):
     """Returns the values that an option accepts."""
     if entry.choices():
         return ", ".join(f"`{choice}`" for choice in entry.choices())
-    limits = re.search(r"\[(.*) - (.*)\]", entry.limits)
-    kind = {"TEXT": "text", "INT": "integer", "UINT": "integer", "FLOAT": "number"}.get(entry.value, "")
-    if limits:
-        low, high = (f"{int(limit):,}" if limit.lstrip("-").isdigit() else limit for limit in limits.groups())
-        kind = f"{kind}, {low} to {high}"
-    elif entry.limits == ":POSITIVE":
-        kind += ", > 0"
-    return f"{entry.count.removeprefix(' x ')} {kind}s" if entry.count else kind
+    kind = {"none": "", "integer": "integer", "number": "number", "time": "time"}.get(entry.kind, entry.kind)
+    if entry.count > 1:
+        return f"{entry.count} {kind}s"
+    if entry.placeholder not in ("", "N", "X", "TIME", "TEXT", "FILE", "FOLDER"):
+        kind = f"`{entry.placeholder}`"
+    if entry.min is not None:
+        low, high = (f"{int(limit):,}" if limit == int(limit) else f"{limit:g}" for limit in (entry.min, entry.max))
+        return f"{kind}, {low} to {high}"
+    return f"{kind}, > 0" if entry.positive else kind
+
+
+def meaning_of(entry):
+    """Returns the text of an option without its default; its list is part of the sentence."""
+    return cell(DEFAULT.sub("", entry.text.replace("\n", " "), count=1).strip().rstrip("."))
 
 
 def table(title, entries):
@@ -35,16 +41,15 @@ def table(title, entries):
     for entry in entries:
         match = DEFAULT.search(entry.text)
         default = cell(match[1]) if match else "required" if entry.required else ""
-        text = DEFAULT.sub("", entry.text, count=1).strip().rstrip(".")
         names = ", ".join(f"`{name}`" for name in entry.names) + f"{{ #{entry.names[-1]} }}"
         names = names.replace("`{ #", "`{: #")
-        rows.append(f"| {names} | {value_of(entry)} | {default} | {cell(text)} |")
+        rows.append(f"| {names} | {value_of(entry)} | {default} | {meaning_of(entry)} |")
     return "\n".join(rows)
 
 
 def exit_codes(footer):
-    """Returns the table of exit codes, from the last lines of the help."""
-    text = " ".join(footer).removeprefix("Exit codes: ")
+    """Returns the table of exit codes, from the end of the help."""
+    text = footer.replace("\n", " ").removeprefix("Exit codes: ")
     parts = re.split(r"[,;] (?=\d)", text)
     rows = ["| exit code | meaning |", "| --- | --- |"]
     pending = []
@@ -60,9 +65,10 @@ def exit_codes(footer):
 def command_page(command, page):
     """Returns the page of a subcommand."""
     out = [f"# sheaf {command}", cell(page.text), f"```\n{page.usage}\n```"]
-    if page.sections.get("Positionals"):
-        out += ["## Arguments", table("argument", page.sections["Positionals"])]
-    out += ["## Options", table("option", page.sections["Options"])]
+    if page.arguments():
+        out += ["## Arguments", table("argument", page.arguments())]
+    for title, entries in page.sections().items():
+        out += [f"## {title}", table("option", entries)]
     return "\n\n".join(out) + "\n"
 
 
@@ -70,10 +76,10 @@ def index_page(program, commands):
     """Returns the page that lists the subcommands."""
     out = ["# Command line", cell(program.text), f"```\n{program.usage}\n```"]
     rows = ["| subcommand | meaning |", "| --- | --- |"]
-    for entry in program.sections["Subcommands"]:
-        rows.append(f"| [`{entry.names[0]}`]({entry.names[0]}.md) | {cell(entry.text)} |")
-    out += ["\n".join(rows), "`sheaf SUBCOMMAND --help` prints these pages. The package also installs them as manual "
-            "pages, and completion for bash.", "## Exit codes", exit_codes(program.footer)]
+    for command in program.commands:
+        rows.append(f"| [`{command.name}`]({command.name}.md) | {cell(command.text)} |")
+    out += ["\n".join(rows), "`sheaf help SUBCOMMAND` prints these pages. The package also installs them as manual pages, "
+            "and completion for bash, zsh and fish.", "## Exit codes", exit_codes(program.footer)]
     return "\n\n".join(out) + "\n"
 
 
