@@ -121,7 +121,8 @@ void Preview::show(const RenderState& state) {
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
   const std::shared_ptr<const Image> beauty = beauty_of(image);
   if (page_) page_->set_image(beauty);
-  if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), state.film.noise().has_value());
+  // The variances are valid only after two replicates
+  if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), false);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
   is_shown_ = true;
   const double now = Progress::steady_seconds();
