@@ -122,6 +122,10 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
+  for (const auto& [name, value] : plan.output_options) {
+    farm.merge_options.push_back("--" + name);
+    farm.merge_options.push_back(value);
+  }
   // Split the frame into strips of rows
   if (arguments.tiles) {
     if (is_given("crop")) throw Error(ExitCode::kUsage, "--crop and --tiles exclude each other");
@@ -245,9 +249,10 @@ void add_farm_command(Command& program, int& exit_code) {
   command.add_option(
       "--frames", arguments->frames,
       "Range of frames FIRST:LAST, inclusive: each frame K is rendered with -D frame=K. Default: one image without -D");
-  command.add_option("-o,--output", arguments->outputs,
-                     "Output image, .exr or .png; may be repeated. With --frames, the 4-digit frame number replaces "
-                     "#### or precedes the file extension. Default: the scene's name with .exr");
+  command.add_option(
+      "-o,--output", arguments->outputs,
+      "Output image, see 'sheaf render'; may be repeated. With --frames, the 4-digit frame number replaces "
+      "#### or precedes the file extension. Default: the scene's name with .exr");
   command.add_option("--folder", arguments->folder,
                      "Folder for scripts, parts, checkpoints and logs, on storage shared by all nodes. Default: the "
                      "scene's name with _farm, in the current folder");

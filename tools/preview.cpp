@@ -58,7 +58,9 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
       .only_for_run();
 }
 
-Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet) {
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
+                 DisplayTransform display, bool quiet)
+    : display_(std::move(display)) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
                                        [quiet](const std::string& text) {
@@ -104,7 +106,7 @@ bool Preview::is_due() {
 void Preview::show(const RenderState& state) {
   Image image = state.film.to_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
-  const std::shared_ptr<const Image> beauty = beauty_of(image);
+  const std::shared_ptr<const Image> beauty = displayed(image);
   if (page_) page_->set_image(beauty);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
   const double now = Progress::steady_seconds();
@@ -115,16 +117,21 @@ void Preview::show(const RenderState& state) {
   pause_requested_ = 0;
 }
 
+/// The image as viewers show it.
+std::shared_ptr<const Image> Preview::displayed(const Image& image) const {
+  return display_.is_identity() ? beauty_of(image) : std::make_shared<Image>(display_.apply(image));
+}
+
 void Preview::begin_writing() {
   if (page_) page_->set_state("writing");
 }
 
 void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
   if (!page_ && !tev_) return;
-  if (tev_) tev_->show(beauty_of(image));
+  if (tev_) tev_->show(displayed(image));
   if (page_) {
     page_->set_report(to_json(report));
-    page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
+    page_->set_image(displayed(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
     page_->set_state(state);
   }
   if (tev_) tev_->finish(kTevSeconds);

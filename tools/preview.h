@@ -1,7 +1,7 @@
 // Live previews of a running render: in the image viewer tev, and as a web page.
 #pragma once
 
-#include "core/image.h"
+#include "core/display_transform.h"
 #include "kernels/passes/render_report.h"
 #include "tools/options.h"
 
@@ -30,9 +30,11 @@ void add_preview_options(Command& command, PreviewArguments& arguments);
 /// often, so that they take at most 2% of the time. They do not change the bits of the render.
 class Preview {
  public:
-  /// Starts the server and the search for the viewer, as requested. `name`: of the image. Throws Error: exit code 2 for
+  /// Starts the server and the search for the viewer, as requested. `name`: of the image.
+  /// `display`: applied to the images. Throws Error: exit code 2 for
   /// malformed addresses, 1 for unknown hosts and if it cannot listen.
-  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool quiet);
+  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
+          DisplayTransform display, bool quiet);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
@@ -48,7 +50,9 @@ class Preview {
  private:
   bool is_due();
   void show(const RenderState& state);
+  std::shared_ptr<const Image> displayed(const Image& image) const;
 
+  DisplayTransform display_;
   std::unique_ptr<LivePage> page_;          ///< null: disabled
   std::unique_ptr<TevViewer> tev_;          ///< null: disabled
   std::atomic<double> next_{0};             ///< earliest time of the next preview, s on the steady clock

@@ -7,6 +7,7 @@
 #include "kernels/film/aovs.h"
 #include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
+#include "tools/image_files.h"
 #include "tools/options.h"
 #include "tools/preview.h"
 #include "tools/read_options.h"
@@ -28,6 +29,7 @@ inline constexpr NameTable<FilterMode> kFilterModes{
 struct ImageArguments {
   std::string scene;
   std::vector<std::string> outputs;
+  OutputArguments output;
   std::string denoiser;
   bool watertight = false;
   std::optional<std::uint32_t> spp;
@@ -42,14 +44,16 @@ struct ImageArguments {
     command.add_option("scene", scene, "Scene file").required().only_for_run();
     command
         .add_option("-o,--output", outputs,
-                    "Output image: .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. Default: "
-                    "the scene's name with .exr, in the current folder")
+                    std::string("Output image: ") + kOutputFormats +
+                        "; may be repeated. Default: the scene's name with .exr, in the current folder")
         .only_for_run();
+    add_output_options(command, output);
     command
         .add_option(
             "--denoise", denoiser,
             "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). Writes the "
-            "layers denoised.R/G/B to .exr, and the denoised image to .png. nlm implies --replicates 4, or 2 below 16 "
+            "layers denoised.R/G/B to .exr, and the denoised image to other formats. nlm implies --replicates 4, or 2 "
+            "below 16 "
             "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
         .one_of(kDenoisers.names());
     command.add_flag(
