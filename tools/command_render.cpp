@@ -14,6 +14,7 @@
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
+#include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/frames.h"
 #include "tools/image_files.h"
@@ -99,6 +100,7 @@ struct RenderJob {
   Description description;           ///< with the options applied
   std::vector<std::string> details;  ///< what differs from the scene file, for -v
   ColorMode color;
+  OutputSettings output;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
 
@@ -118,15 +120,15 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},
                          {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
-                         {"sheaf/seed", std::to_string(report.seed)},
+                         {"sheaf/scene", fs::path(arguments.scene).filename().string()},
+                         integer_attribute("sheaf/seed", report.seed),
                          {"sheaf/samplesPerPixel", taken_samples(report)},
-                         {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
-                         {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
-                         {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+                         integer_attribute("sheaf/droppedRays", report.stats.dropped.rays),
+                         integer_attribute("sheaf/droppedSamples", report.stats.dropped.samples)};
+  if (report.noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*report.noise)});
   // Add attributes that depend on the options
   if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
-  if (arguments.noise_target)
-    metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});
+  if (arguments.noise_target) metadata.attributes.push_back({"sheaf/noiseTarget", *arguments.noise_target});
   if (arguments.spectral_bins > 0) {
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
@@ -137,6 +139,8 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+    metadata.attributes.push_back({kCommandLineAttribute, command_line()});
+    metadata.attributes.push_back({kRenderSecondsAttribute, static_cast<float>(report.render_seconds)});
   }
   return metadata;
 }
@@ -231,8 +235,7 @@ void print_start(const RenderJob& job, FrameRun* frames) {
 }
 
 /// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
-void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins,
-               FrameRun* frames) {
+void print_end(const RenderResult& result, const WrittenImages& written, std::size_t stand_ins, FrameRun* frames) {
   for (const std::string& warning : result.warnings)
     if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
   if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
@@ -258,15 +261,15 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   const RenderResult so_far = preview_of(*job.scene, state, job.aovs);
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
-  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
+  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image), job.output).files)
     print_note("wrote the unfinished image to " + file.string());
 }
 
 /// The final image, and the files to which it was written.
 struct WrittenImage {
   Image image;
-  bool is_denoised;             ///< or no denoiser was requested
-  std::vector<fs::path> files;  ///< that were written
+  bool is_denoised;  ///< or no denoiser was requested
+  WrittenImages written;
 };
 
 /// Denoises the image of `result` and writes it. Frees the film of `result`.
@@ -277,7 +280,7 @@ WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
   out.is_denoised = add_denoised(job.arguments, out.image, metadata);
-  out.files = write_images(job.outputs, out.image, metadata);
+  out.written = write_images(job.outputs, out.image, metadata, job.output);
   return out;
 }
 
@@ -293,13 +296,15 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
                  FrameRun* frames) {
   // Check the outputs before any work
-  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}, {}};
+  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, output_settings(arguments.output), {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
   job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
+  if (!arguments.samples.empty() && job.output.is_lossy()) job.output.compression = ExrCompression::kZip;
   if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
   std::optional<Preview> own_preview;
-  if (repeated == nullptr) own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string());
+  if (repeated == nullptr)
+    own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string(), job.output.display);
   Preview& preview = repeated != nullptr ? repeated->preview : *own_preview;
 
   // Read the scene and apply the options
@@ -324,6 +329,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
+  if (const std::string note = apply_continuation(*job.scene, options, resumed); !note.empty()) print_note(note);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
@@ -337,9 +343,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Write image and statistics
   const WrittenImage written = write_result(job, result);
-  bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
+  bool complete = written.written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  print_end(result, written.files, job.description.stand_ins.size(), frames);
+  print_end(result, written.written, job.description.stand_ins.size(), frames);
   if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome

@@ -1,7 +1,7 @@
 #include "tools/live_page.h"
 
+#include "core/image_encoding.h"
 #include "core/image_library.h"
-#include "core/png.h"
 #include "core/progress.h"
 #include "tools/preview_page.h"
 
@@ -184,7 +184,7 @@ HttpResponse LivePage::encoded_image() {
     const std::shared_ptr<const Image> image = image_;
     lock.unlock();
     const double start = Progress::steady_seconds();
-    const std::vector<unsigned char> png = encode_png(*image, kPngLevel);
+    const std::vector<unsigned char> png = encode_image(*image, {IntegerFormat::kPng, kPngLevel, 0, {}});
     encoded = std::make_shared<const std::string>(png.begin(), png.end());
     encoding_seconds_ = Progress::steady_seconds() - start;
     lock.lock();

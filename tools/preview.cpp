@@ -63,8 +63,9 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
       .only_for_run();
 }
 
-Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool repeats)
-    : repeats_(repeats) {
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
+                 DisplayTransform display, bool repeats)
+    : repeats_(repeats), display_(std::move(display)) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
                                        [](const std::string& text) { print_note(text); });
@@ -119,7 +120,7 @@ void Preview::show(const RenderState& state) {
   const bool all = page_ && page_->wants_denoised();
   Image image = all ? state.film.to_image() : state.film.beauty_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
-  const std::shared_ptr<const Image> beauty = beauty_of(image);
+  const std::shared_ptr<const Image> beauty = displayed(image);
   if (page_) page_->set_image(beauty);
   // The variances are valid only after two replicates
   if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), false);
@@ -133,6 +134,11 @@ void Preview::show(const RenderState& state) {
   pause_requested_ = 0;
 }
 
+/// The image as viewers show it.
+std::shared_ptr<const Image> Preview::displayed(const Image& image) const {
+  return display_.is_identity() ? beauty_of(image) : std::make_shared<Image>(display_.apply(image));
+}
+
 void Preview::begin_writing() {
   if (page_) page_->set_state("writing");
 }
@@ -143,10 +149,10 @@ void Preview::fail() {
 
 void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
   if (!page_ && !tev_) return;
-  if (tev_) tev_->show(beauty_of(image));
+  if (tev_) tev_->show(displayed(image));
   if (page_) {
     page_->set_report(to_json(report));
-    page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
+    page_->set_image(displayed(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
     if (page_->wants_denoised()) page_->denoise(std::make_shared<const Image>(image), report.noise.has_value());
     page_->set_state(state);
   }

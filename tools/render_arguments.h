@@ -9,6 +9,7 @@
 #include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
+#include "tools/image_files.h"
 #include "tools/messages.h"
 #include "tools/option_groups.h"
 #include "tools/options.h"
@@ -33,6 +34,7 @@ struct ImageArguments {
   std::string scene;
   std::vector<std::string> outputs;
   std::string output_format = "png";
+  OutputArguments output;
   std::string denoiser;
   bool watertight = false;
   std::optional<std::uint32_t> spp;
@@ -48,18 +50,21 @@ struct ImageArguments {
     command.begin_group(kOutputOptions);
     command
         .add_option("-o,--output", outputs,
-                    "Output image: .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. Default: "
-                    "the scene's name with .exr, in the current folder. - writes to the standard output")
+                    std::string("Output image: ") + kOutputFormats +
+                        "; may be repeated. Default: the scene's name with .exr, in the current folder. - writes to "
+                        "the standard output")
         .file()
         .only_for_run();
     command.add_option("--format", output_format, "Format of the image on the standard output (-o -). Default: png")
-        .one_of({"png", "exr"})
+        .one_of({"png", "jpg", "tif", "exr"})
         .only_for_run();
+    add_output_options(command, output);
     command
         .add_option(
             "--denoise", denoiser,
             "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). Writes the "
-            "layers denoised.R/G/B to .exr, and the denoised image to .png. nlm implies --replicates 4, or 2 below 16 "
+            "layers denoised.R/G/B to .exr, and the denoised image to other formats. nlm implies --replicates 4, or 2 "
+            "below 16 "
             "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
         .one_of(kDenoisers.names());
     command.begin_group(kAdvancedOptions);
