@@ -70,7 +70,8 @@ Preview::Preview(const PreviewArguments& arguments, const std::string& scene, co
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
                                        [](const std::string& text) { print_note(text); });
   if (arguments.serve.empty()) return;
-  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, repeats);
+  page_ =
+      std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, display_, repeats);
   print_note("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
