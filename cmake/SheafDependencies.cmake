@@ -5,6 +5,7 @@ find_package(TBB CONFIG REQUIRED)
 find_package(Imath CONFIG REQUIRED QUIET)
 find_package(OpenEXR CONFIG REQUIRED QUIET)
 find_package(OpenImageIO MODULE REQUIRED)
+find_package(OpenColorIO MODULE QUIET)  # optional, for views of --ocio-config
 find_package(Embree MODULE REQUIRED)
 find_package(xsimd MODULE REQUIRED)
 find_package(NanoVDB MODULE REQUIRED)

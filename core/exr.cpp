@@ -10,6 +10,7 @@
 #include <ImathMatrix.h>
 #include <ImfChannelList.h>
 #include <ImfChromaticitiesAttribute.h>
+#include <ImfDoubleAttribute.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -27,9 +28,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 namespace sheaf {
@@ -40,12 +43,37 @@ namespace {
 
 Imath::V2f to_imath(Vec2f v) { return {v.x, v.y}; }
 
+Imf::Compression imf_compression(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::kRle:
+      return Imf::RLE_COMPRESSION;
+    case ExrCompression::kZips:
+      return Imf::ZIPS_COMPRESSION;
+    case ExrCompression::kPiz:
+      return Imf::PIZ_COMPRESSION;
+    case ExrCompression::kDwaa:
+      return Imf::DWAA_COMPRESSION;
+    case ExrCompression::kDwab:
+      return Imf::DWAB_COMPRESSION;
+    case ExrCompression::kZip:
+      break;
+  }
+  return Imf::ZIP_COMPRESSION;
+}
+
+bool is_dwa(ExrCompression compression) {
+  return compression == ExrCompression::kDwaa || compression == ExrCompression::kDwab;
+}
+
 Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
   const Imath::Box2i frame({0, 0}, {image.frame_width - 1, image.frame_height - 1});
   const Imath::Box2i window({image.x0, image.y0}, {image.x0 + image.width - 1, image.y0 + image.height - 1});
   Imf::Header header(frame, window);
   // Set the compression and standard attributes
-  header.compression() = Imf::ZIP_COMPRESSION;
+  header.compression() = imf_compression(metadata.compression);
+  if (is_dwa(metadata.compression)) header.dwaCompressionLevel() = metadata.dwa_level;
   header.lineOrder() = Imf::INCREASING_Y;
   const auto& xy = kRec709Chromaticities;
   const Imf::Chromaticities chromaticities(to_imath(xy[0]), to_imath(xy[1]), to_imath(xy[2]), to_imath(xy[3]));
@@ -68,6 +96,7 @@ Imf::Header make_header(const Image& image, const ExrMetadata& metadata) {
     const char* name = attribute.name.c_str();
     if (const auto* i = std::get_if<int>(&attribute.value)) header.insert(name, Imf::IntAttribute(*i));
     if (const auto* f = std::get_if<float>(&attribute.value)) header.insert(name, Imf::FloatAttribute(*f));
+    if (const auto* d = std::get_if<double>(&attribute.value)) header.insert(name, Imf::DoubleAttribute(*d));
     if (const auto* s = std::get_if<std::string>(&attribute.value)) header.insert(name, Imf::StringAttribute(*s));
   }
   return header;
@@ -211,6 +240,23 @@ Image read_part(const fs::path& path, Imf::MultiPartInputFile& file, int index, 
 
 }  // namespace
 
+ExrMetadata::Attribute integer_attribute(std::string name, std::uint64_t value) {
+  if (value <= static_cast<std::uint64_t>(std::numeric_limits<int>::max()))
+    return {std::move(name), static_cast<int>(value)};
+  return {std::move(name), static_cast<double>(value)};
+}
+
+std::optional<double> number_of(const ExrMetadata::Attribute& attribute) {
+  if (const auto* i = std::get_if<int>(&attribute.value)) return *i;
+  if (const auto* f = std::get_if<float>(&attribute.value)) return static_cast<double>(*f);
+  if (const auto* d = std::get_if<double>(&attribute.value)) return *d;
+  const auto& text = std::get<std::string>(attribute.value);
+  double number = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
 bool is_exr(const fs::path& path) { return Imf::isOpenExrFile(path.string().c_str()); }
 
 void write_exr(const fs::path& path, const Image& image, const ExrMetadata& metadata) {
@@ -288,6 +334,8 @@ ExrHeader read_exr_header(const fs::path& path) {
         out.attributes.push_back({item.name(), i->value()});
       } else if (const auto* f = dynamic_cast<const Imf::FloatAttribute*>(&attribute)) {
         out.attributes.push_back({item.name(), f->value()});
+      } else if (const auto* d = dynamic_cast<const Imf::DoubleAttribute*>(&attribute)) {
+        out.attributes.push_back({item.name(), d->value()});
       } else if (const auto* s = dynamic_cast<const Imf::StringAttribute*>(&attribute)) {
         out.attributes.push_back({item.name(), s->value()});
       }

@@ -6,6 +6,7 @@
 #include "core/pixel_rect.h"
 #include "core/transform.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,23 +15,35 @@
 
 namespace sheaf {
 
-/// Metadata of an EXR file.
+/// Compression of EXR files. kDwaa and kDwab are lossy for channels named R, G, B or Y in any
+/// layer.
+enum class ExrCompression { kNone, kRle, kZips, kZip, kPiz, kDwaa, kDwab };
+
+/// Metadata of an EXR file, and how it is stored.
 struct ExrMetadata {
   struct Attribute {
     std::string name;  ///< e.g. "sheaf/seed"
-    std::variant<int, float, std::string> value;
+    std::variant<int, float, double, std::string> value;
   };
   std::vector<Attribute> attributes;        ///< written as given; names are unique
   std::string software;                     ///< the Software attribute; left out if empty
   std::optional<Matrix4> world_to_camera;   ///< for column vectors; camera space as in OpenEXR: looks along -z, +y up
   std::vector<std::string> half_channels;   ///< channels stored as 16-bit half; all others are 32-bit float
   std::optional<std::string> capture_date;  ///< "YYYY:MM:DD hh:mm:ss" local time; left out if not given
+  ExrCompression compression = ExrCompression::kZip;
+  float dwa_level = 45;  ///< kDwaa, kDwab: compression level; larger values give smaller files and larger errors
 };
+
+/// An attribute with an integer: stored as int if it fits, otherwise as double.
+ExrMetadata::Attribute integer_attribute(std::string name, std::uint64_t value);
+
+/// The number in an attribute: an int, float or double, or a decimal number as text. Nothing if it is not a number.
+std::optional<double> number_of(const ExrMetadata::Attribute& attribute);
 
 /// Whether the file has the magic number of OpenEXR. False if it cannot be read.
 bool is_exr(const std::filesystem::path& path);
 
-/// Writes one part with ZIP-compressed scan lines. The image becomes the data window, its frame the display window. The
+/// Writes one part with scan lines. The image becomes the data window, its frame the display window. The
 /// same arguments give the same bytes. Throws Error (exit code 4).
 void write_exr(const std::filesystem::path& path, const Image& image, const ExrMetadata& metadata = {});
 
@@ -53,10 +66,11 @@ std::vector<ExrPart> read_exr_parts(const std::filesystem::path& path);
 /// Reads the given channels of a part, in the order of `channels`. Throws like read_exr(), and if a channel is missing.
 Image read_exr_channels(const std::filesystem::path& path, std::size_t part, std::vector<std::string> channels);
 
-/// Reads the string, integer and float attributes of the first part, in the order of the file. Throws like read_exr().
+/// Reads the string and number attributes of the first part, in the order of the file. Throws like read_exr().
 std::vector<ExrMetadata::Attribute> read_exr_attributes(const std::filesystem::path& path);
 
-/// Reads all metadata that write_exr() writes, for rewriting a file with other channels. Throws like read_exr().
+/// Reads all metadata that write_exr() writes, without the compression, for rewriting a file with other channels.
+/// Throws like read_exr().
 ExrMetadata read_exr_metadata(const std::filesystem::path& path);
 
 /// The header of the first part of a file.
@@ -67,7 +81,7 @@ struct ExrHeader {
   };
   PixelRect frame, window;  ///< display window and data window, in the file's coordinates
   std::vector<Channel> channels;
-  std::vector<ExrMetadata::Attribute> attributes;  ///< strings, integers and floats, in the file's order
+  std::vector<ExrMetadata::Attribute> attributes;  ///< strings and numbers, in the file's order
 };
 
 /// Reads the header of the first part. Throws like read_exr() if the file is missing or its header is malformed.

@@ -1,7 +1,6 @@
-// Reading of image files and writing of PNG, by the library behind core/image_library.h.
+// Images, and reading of image files by the library behind core/image_library.h.
 #include "core/image.h"
 
-#include "core/color.h"
 #include "core/color_space.h"
 #include "core/error.h"
 #include "core/exr.h"
@@ -10,8 +9,6 @@
 #include "core/image_library.h"
 #include "core/image_source.h"
 #include "core/memory.h"
-#include "core/output_file.h"
-#include "core/png.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,55 +21,6 @@ namespace sheaf {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::uint8_t quantize(float value) {
-  if (!(value > 0)) return 0;
-  return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
-}
-
-/// Source channels of a PNG: one or three for colour, and one for alpha, or -1 without alpha.
-struct PngChannels {
-  std::vector<int> color;
-  int alpha = -1;
-};
-
-/// The alpha of a pixel in a PNG. Light that adds to the background, as of a flame, has less alpha than colour. A PNG
-/// cannot express that: its alpha is that of the brightest colour, which keeps the image over black.
-float png_alpha(const float* pixel, const PngChannels& chosen) {
-  float brightest = 0;
-  for (const int c : chosen.color) brightest = std::max(brightest, pixel[c]);
-  return std::max(pixel[chosen.alpha], std::min(brightest, 1.0f));
-}
-
-PngChannels choose_channels(const Image& image) {
-  PngChannels chosen;
-  const int red = image.find_channel("R"), green = image.find_channel("G"), blue = image.find_channel("B");
-  if (red >= 0 && green >= 0 && blue >= 0) {
-    chosen.color = {red, green, blue};
-  } else {
-    chosen.color = {std::max(red, 0)};
-  }
-  const int alpha = image.find_channel("A");
-  if (alpha < 0 || alpha == chosen.color[0]) return chosen;
-  chosen.alpha = alpha;
-  for (std::size_t i = 0; i < image.pixel_count(); ++i)
-    if (quantize(png_alpha(&image.data[i * image.channels.size()], chosen)) != 255) return chosen;
-  chosen.alpha = -1;
-  return chosen;
-}
-
-std::vector<std::uint8_t> encode(const Image& image, const PngChannels& chosen) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(image.pixel_count() * (chosen.color.size() + 1));
-  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-    const float* pixel = &image.data[i * image.channels.size()];
-    const float alpha = chosen.alpha < 0 ? 1.0f : png_alpha(pixel, chosen);
-    const float scale = alpha > 0 ? 1 / alpha : 0.0f;
-    for (const int c : chosen.color) bytes.push_back(quantize(linear_to_srgb(pixel[c] * scale)));
-    if (chosen.alpha >= 0) bytes.push_back(quantize(alpha));
-  }
-  return bytes;
-}
 
 void check_file(const fs::path& path) {
   std::error_code error;
@@ -206,35 +154,6 @@ void check_image_memory(const fs::path& file, long long width, long long height,
   check_memory("the image '" + file.string() + "' of " + std::to_string(width) + " x " + std::to_string(height) +
                    " pixels with " + std::to_string(channels) + " channels",
                {&pixels, 1});
-}
-
-std::vector<unsigned char> encode_png(const Image& image, int level, const std::string& description) {
-  const auto fail = [](const std::string& why) {
-    return Error(ExitCode::kRuntime, "cannot encode a PNG file: " + why);
-  };
-  if (image.pixel_count() == 0 || image.channels.empty()) throw fail("the image is empty");
-  const PngChannels chosen = choose_channels(image);
-  const std::vector<std::uint8_t> bytes = encode(image, chosen);
-  const bool has_alpha = chosen.alpha >= 0;
-  const int count = static_cast<int>(chosen.color.size()) + (has_alpha ? 1 : 0);
-  std::string problem;
-  std::vector<unsigned char> png = image_library().encode_png(
-      {image.width, image.height, count, has_alpha, bytes.data(), description}, level, problem);
-  if (png.empty()) throw fail(problem);
-  return png;
-}
-
-void write_png(const fs::path& path, const Image& image, const std::string& description) {
-  OutputFile file(path);
-  const std::vector<unsigned char> png = [&] {
-    try {
-      return encode_png(image, kPngCompression, description);
-    } catch (const Error& error) {
-      throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + error.what());
-    }
-  }();
-  file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  file.commit();
 }
 
 Image read_image(const fs::path& path) {

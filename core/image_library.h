@@ -1,7 +1,8 @@
-// Interface to OpenImageIO, which is loaded when the first image is read or written. With its 250 dependent libraries
-// it takes 0.2 s and 130 MB to load; renders without images avoid that.
+// Interface to OpenImageIO and OpenColorIO, which are loaded when the first image is read or written. With their 250
+// dependent libraries they take 0.2 s and 130 MB to load; renders without images avoid that.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -34,15 +35,39 @@ class ImageReader {
   virtual bool read(float* out, std::string& remark) = 0;
 };
 
-/// Pixels for a PNG file.
-struct PngPixels {
+/// Pixels for a file of integers.
+struct IntegerPixels {
   int width, height, channels;
-  bool has_alpha;             ///< the last channel is alpha; colours are not premultiplied
-  const std::uint8_t* bytes;  ///< interleaved, row by row from the top, sRGB
-  std::string description;    ///< text chunk; empty: none
+  bool has_alpha;      ///< the last channel is alpha; colours are not premultiplied
+  int bits;            ///< per value: 8 or 16
+  const void* values;  ///< std::uint8_t or std::uint16_t, interleaved, row by row from the top, sRGB
 };
 
-/// OpenImageIO behind an interface that does not depend on its headers.
+/// File formats of integers.
+enum class IntegerFormat { kPng, kJpeg, kTiff };
+
+struct IntegerEncoding {
+  IntegerFormat format = IntegerFormat::kPng;
+  int level = 6;            ///< PNG: compression, 0 to 9
+  int quality = 95;         ///< JPEG: 1 to 100
+  std::string description;  ///< text in the header; empty: none
+};
+
+/// A view of an OpenColorIO configuration.
+class ColorProcessor {
+ public:
+  virtual ~ColorProcessor() = default;
+  /// Converts `count` colours of three values, in place, from linear Rec.709 to values of the display.
+  virtual void apply(float* rgb, std::size_t count) const = 0;
+};
+
+/// Names a view. An empty string stands for the default of the configuration.
+struct DisplayView {
+  std::string config;  ///< file, built-in name such as ocio://default or raw, or empty: the file that $OCIO names
+  std::string display, view;
+};
+
+/// The libraries behind an interface that does not depend on their headers.
 class ImageLibrary {
  public:
   virtual ~ImageLibrary() = default;
@@ -50,8 +75,12 @@ class ImageLibrary {
   /// is not empty, it is read instead of the file and kept by the reader.
   virtual std::unique_ptr<ImageReader> open(const std::string& path, const std::string& format, std::string& problem,
                                             std::vector<std::uint8_t> bytes = {}) const = 0;
-  /// Encodes a PNG file, compressed at `level` (0 to 9). On failure returns an empty vector and sets `problem`.
-  virtual std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const = 0;
+  /// Encodes a file. On failure returns an empty vector and sets `problem`.
+  virtual std::vector<unsigned char> encode(const IntegerPixels& pixels, const IntegerEncoding& encoding,
+                                            std::string& problem) const = 0;
+  /// Reads the configuration of a view. On failure, or if this build lacks OpenColorIO, returns null and sets
+  /// `problem`.
+  virtual std::unique_ptr<ColorProcessor> display_view(const DisplayView& view, std::string& problem) const = 0;
 };
 
 /// Returns the library, which the first call loads and keeps: from sheaf_image_io.so next to the program or, if that is

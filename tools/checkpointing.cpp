@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "core/progress.h"
 #include "core/simd.h"
+#include "kernels/passes/continuation.h"
 #include "tools/commands.h"
 
 #include <fmt/format.h>
@@ -49,7 +50,7 @@ void add_checkpoint_options(Command& command, CheckpointArguments& arguments) {
   command
       .add_flag("--resume", arguments.resume,
                 "Continue from the --checkpoint file, or start if it does not exist. The output is byte-identical "
-                "to that of an uninterrupted render")
+                "to that of an uninterrupted render. A larger --spp continues a finished render; see docs/output.md")
       .only_for_run();
 }
 
@@ -69,6 +70,29 @@ RenderSettings render_settings(const std::vector<GivenOption>& given, const std:
     if (option.affects_image) settings.emplace_back("--" + option.name, option.values);
   for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
   return settings;
+}
+
+std::string apply_continuation(const Scene& scene, RenderOptions& options, std::optional<RenderState>& resumed) {
+  /// Below this number of samples per pixel, a checkpoint is not worth an error.
+  constexpr std::uint32_t kFewSamples = 32;
+  if (!resumed) return "";
+  const std::uint32_t before = resumed->division.spp;
+  const Continuation continuation = continue_from(scene, options, *resumed);
+  if (continuation.problem.empty()) {
+    const bool keeps_sets = continuation.replicates != options.replicates;
+    options.replicates = continuation.replicates;
+    if (!keeps_sets) return "";
+    return fmt::format(
+        "the render continues {} samples per pixel with {}: the image is that of --replicates {}", before,
+        continuation.replicates == 1 ? "one sample set"
+                                     : fmt::format("sample sets of {}", resumed->division.replicate_samples),
+        continuation.replicates);
+  }
+  const std::string reason = fmt::format("{} samples per pixel: {}", before, continuation.problem);
+  if (before >= kFewSamples || continuation.samples <= before)
+    throw Error(ExitCode::kCheckpoint, "the checkpoint cannot be continued from " + reason);
+  resumed.reset();
+  return "the render begins again, because the checkpoint cannot be continued from " + reason;
 }
 
 Checkpointer::Checkpointer(const CheckpointArguments& arguments, RenderSettings settings)

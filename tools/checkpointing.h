@@ -24,6 +24,11 @@ void check_checkpoint(const CheckpointArguments& arguments);
 /// the scene; Sheaf's version; and the instruction set.
 RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<std::filesystem::path>& files);
 
+/// Prepares the continuation of `resumed`: sets the number of replicates in `options`. Returns a note for the user, or
+/// an empty string. A checkpoint of few samples that do not begin the new render is dropped. Throws Error (exit code 5)
+/// if a checkpoint of more samples does not.
+std::string apply_continuation(const Scene& scene, RenderOptions& options, std::optional<RenderState>& resumed);
+
 /// Writes the checkpoints of one render.
 class Checkpointer {
  public:

@@ -24,6 +24,7 @@ namespace {
 struct DenoiseArguments {
   std::string input, method = "nlm";
   std::vector<std::string> outputs;
+  OutputArguments output;
   int threads = 0;
   VerbosityArguments verbosity;
 };
@@ -38,6 +39,7 @@ std::vector<fs::path> check_outputs(const DenoiseArguments& arguments) {
 
 int denoise_image(const DenoiseArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
+  const OutputSettings settings = output_settings(arguments.output);
   const Denoiser denoiser = kDenoisers.option("denoiser", arguments.method);
   check_denoiser(denoiser);
   check_is_exr(arguments.input);
@@ -47,11 +49,11 @@ int denoise_image(const DenoiseArguments& arguments) {
   const DenoiseResult result = denoise(image, denoiser, arguments.threads);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   add_denoise_attribute(metadata, result);
-  const std::vector<fs::path> written = write_images(outputs, result.image, metadata);
+  const WrittenImages written = write_images(outputs, result.image, metadata, settings);
   if (const std::string text = interruption(metadata.attributes); !text.empty()) print_warning(text);
   print_note(fmt::format("denoised in {} ({}); {}", format_duration(elapsed.count()), result.description,
                          written_files(written)));
-  return static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
+  return static_cast<int>(written.files.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
 }
 
 }  // namespace
@@ -63,11 +65,13 @@ void add_denoise_command(Command& program, int& exit_code) {
                                         "half.R/G/B, albedo.R/G/B, N.X/Y/Z and Z improve the result.");
   command.add_option("image", arguments->input, "Input image, .exr").required().file();
   command
-      .add_option(
-          "-o,--output", arguments->outputs,
-          "Output image: .exr (all input layers plus denoised.R/G/B) or .png (the denoised image); may be repeated")
+      .add_option("-o,--output", arguments->outputs,
+                  std::string("Output image: ") + kOutputFormats +
+                      "; may be repeated. .exr files get the input's layers and " +
+                      "denoised.R/G/B, others show the denoised image")
       .required()
       .file();
+  add_output_options(command, arguments->output);
   command
       .add_option("--method", arguments->method,
                   "Denoiser: nlm (non-local means, the default) or oidn (Open Image Denoise, if installed)")

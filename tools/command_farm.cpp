@@ -101,6 +101,10 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     return std::find(plan.given.begin(), plan.given.end(), name) != plan.given.end();
   };
   if (is_given("float")) farm.merge_options.emplace_back("--float");
+  for (const auto& [name, value] : plan.output_options) {
+    farm.merge_options.push_back("--" + name);
+    farm.merge_options.push_back(value);
+  }
   // Split the frame into strips of rows
   if (arguments.tiles) {
     if (is_given("crop")) throw Error(ExitCode::kUsage, "--crop and --tiles exclude each other");
@@ -230,7 +234,7 @@ void add_farm_command(Command& program, int& exit_code) {
   command
       .add_option(
           "-o,--output", arguments->outputs,
-          "Output image, .exr or .png; may be repeated. With --frames, the frame number replaces #### or "
+          "Output image, see 'sheaf render'; may be repeated. With --frames, the frame number replaces #### or "
           "$frame4 (4 digits) or $frame, or else precedes the file extension. Default: the scene's name with .exr")
       .file();
   command

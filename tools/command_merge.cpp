@@ -22,6 +22,7 @@ namespace {
 
 struct MergeArguments {
   std::vector<std::string> parts, outputs;
+  OutputArguments output;
   std::vector<int> crop;  ///< empty or x0, y0, x1, y1
   bool incomplete = false, full_floats = false;
   VerbosityArguments verbosity;
@@ -106,6 +107,7 @@ void mark_interrupted(ExrMetadata& metadata, double taken, std::uint32_t planned
 
 int merge_images(const MergeArguments& arguments) {
   const std::vector<fs::path> outputs = check_outputs(arguments);
+  const OutputSettings settings = output_settings(arguments.output);
   // Read and check the headers of all parts.
   std::vector<PartFile> files;
   std::vector<ImagePart> parts;
@@ -134,15 +136,15 @@ int merge_images(const MergeArguments& arguments) {
   const Image image = merger.finish();
   const bool is_noise_known = !is_noise_unknown(merger.pixels_without_variance(), image.pixel_count());
   const std::optional<double> noise = is_noise_known ? image_noise(image) : std::nullopt;
-  for (ExrMetadata::Attribute& attribute : metadata.attributes)
-    if (attribute.name == "sheaf/noise") attribute.value = noise ? fmt::format("{:.6g}", *noise) : "unknown";
+  std::erase_if(metadata.attributes, [](const auto& attribute) { return attribute.name == kNoiseAttribute; });
+  if (noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*noise)});
   const double share = covered_share(parts, whole, first.samples_per_pixel);
   if (interrupted) mark_interrupted(metadata, mean_samples(image), first.samples_per_pixel);
   if (interrupted || share < 1.0)
     metadata.attributes.push_back(
         {"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", share, interrupted ? ", some interrupted" : "")});
   // Write the outputs and print messages.
-  const std::vector<fs::path> written = write_images(outputs, image, metadata);
+  const WrittenImages written = write_images(outputs, image, metadata, settings);
   if (has_denoised)
     print_note("the layers denoised.R/G/B of the parts are omitted; run 'sheaf denoise' on the merged image");
   if (const std::string text = interruption(metadata.attributes); !text.empty()) print_warning(text);
@@ -150,7 +152,7 @@ int merge_images(const MergeArguments& arguments) {
     print_warning(fmt::format("the image is incomplete: {:.4g} % of the samples{}", share * 100,
                               interrupted ? ", including interrupted parts" : ""));
   print_note(fmt::format("merged {} parts; {}", parts.size(), written_files(written)));
-  return static_cast<int>(written.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
+  return static_cast<int>(written.files.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);
 }
 
 }  // namespace
@@ -164,9 +166,10 @@ void add_merge_command(Command& program, int& exit_code) {
   command.add_arguments("parts", arguments->parts, "Part images, .exr, in any order").required().file();
   command
       .add_option("-o,--output", arguments->outputs,
-                  "Output image: .exr (all layers) or .png (8 bits, sRGB); may be repeated")
+                  std::string("Output image: ") + kOutputFormats + "; may be repeated")
       .required()
       .file();
+  add_output_options(command, arguments->output);
   command
       .add_option("--crop", arguments->crop,
                   "Region of the merged image, in pixels: x0,y0,x1,y1 (x1, y1 exclusive). Default: the frame")

@@ -14,6 +14,7 @@
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
+#include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/frames.h"
 #include "tools/image_files.h"
@@ -95,9 +96,11 @@ int taken_samples(const RenderReport& report) {
 struct RenderJob {
   const RenderArguments& arguments;
   AovSet aovs;
-  std::vector<fs::path> outputs;  ///< images
-  Description description;        ///< with the options applied
+  std::vector<fs::path> outputs;     ///< images
+  Description description;           ///< with the options applied
+  std::vector<std::string> details;  ///< what differs from the scene file, for -v
   ColorMode color;
+  OutputSettings output;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
 
@@ -117,15 +120,15 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},
                          {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
-                         {"sheaf/seed", std::to_string(report.seed)},
+                         {"sheaf/scene", fs::path(arguments.scene).filename().string()},
+                         integer_attribute("sheaf/seed", report.seed),
                          {"sheaf/samplesPerPixel", taken_samples(report)},
-                         {"sheaf/noise", report.noise ? fmt::format("{:.6g}", *report.noise) : std::string("unknown")},
-                         {"sheaf/droppedRays", std::to_string(report.stats.dropped.rays)},
-                         {"sheaf/droppedSamples", std::to_string(report.stats.dropped.samples)}};
+                         integer_attribute("sheaf/droppedRays", report.stats.dropped.rays),
+                         integer_attribute("sheaf/droppedSamples", report.stats.dropped.samples)};
+  if (report.noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*report.noise)});
   // Add attributes that depend on the options
   if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
-  if (arguments.noise_target)
-    metadata.attributes.push_back({"sheaf/noiseTarget", fmt::format("{:.6g}", *arguments.noise_target)});
+  if (arguments.noise_target) metadata.attributes.push_back({"sheaf/noiseTarget", *arguments.noise_target});
   if (arguments.spectral_bins > 0) {
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
@@ -136,6 +139,8 @@ ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, cons
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+    metadata.attributes.push_back({kCommandLineAttribute, command_line()});
+    metadata.attributes.push_back({kRenderSecondsAttribute, static_cast<float>(report.render_seconds)});
   }
   return metadata;
 }
@@ -197,13 +202,31 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, Che
   return result;
 }
 
+/// Reads the scene and applies the options. Returns the pixels to render.
+PixelRect read_description(RenderJob& job) {
+  const RenderArguments& arguments = job.arguments;
+  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  job.color = choose_color(arguments, job.details);
+  return apply_arguments(arguments, job.description, job.details);
+}
+
+/// Compiles the scene, with the geometry that earlier frames kept.
+void compile(RenderJob& job, FrameRun* frames) {
+  CompileOptions options{job.arguments.watertight, job.color};
+  if (frames != nullptr) options.kept = &frames->geometry;
+  job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
+                                         : compile_scene(job.description, options);
+  move_to_large_pages();
+}
+
 /// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
-void print_start(const Description& description, const std::vector<std::string>& details, const Scene& scene,
-                 FrameRun* frames) {
+void print_start(const RenderJob& job, FrameRun* frames) {
+  const Description& description = job.description;
+  const Scene& scene = *job.scene;
   const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
-  for (const std::string& detail : details) print(print_detail, detail);
+  for (const std::string& detail : job.details) print(print_detail, detail);
   for (const std::string& note : description.notes) print(print_note, note);
   for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
   for (const std::string& warning : scene.warnings()) print(print_warning, warning);
@@ -212,8 +235,7 @@ void print_start(const Description& description, const std::vector<std::string>&
 }
 
 /// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
-void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins,
-               FrameRun* frames) {
+void print_end(const RenderResult& result, const WrittenImages& written, std::size_t stand_ins, FrameRun* frames) {
   for (const std::string& warning : result.warnings)
     if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
   if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
@@ -239,15 +261,15 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   const RenderResult so_far = preview_of(*job.scene, state, job.aovs);
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
-  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image)))
+  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image), job.output).files)
     print_note("wrote the unfinished image to " + file.string());
 }
 
 /// The final image, and the files to which it was written.
 struct WrittenImage {
   Image image;
-  bool is_denoised;             ///< or no denoiser was requested
-  std::vector<fs::path> files;  ///< that were written
+  bool is_denoised;  ///< or no denoiser was requested
+  WrittenImages written;
 };
 
 /// Denoises the image of `result` and writes it. Frees the film of `result`.
@@ -258,7 +280,7 @@ WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
   out.is_denoised = add_denoised(job.arguments, out.image, metadata);
-  out.files = write_images(job.outputs, out.image, metadata);
+  out.written = write_images(job.outputs, out.image, metadata, job.output);
   return out;
 }
 
@@ -274,23 +296,22 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
                  FrameRun* frames) {
   // Check the outputs before any work
-  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}};
+  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, output_settings(arguments.output), {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
   job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
+  if (!arguments.samples.empty() && job.output.is_lossy()) job.output.compression = ExrCompression::kZip;
   if (!arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", arguments.denoiser));
   std::optional<Preview> own_preview;
-  if (repeated == nullptr) own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string());
+  if (repeated == nullptr)
+    own_preview.emplace(arguments.preview, arguments.scene, job.outputs.front().string(), job.output.display);
   Preview& preview = repeated != nullptr ? repeated->preview : *own_preview;
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  const PixelRect crop = read_description(job);
   if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
-  std::vector<std::string> details;
-  job.color = choose_color(arguments, details);
-  const PixelRect crop = apply_arguments(arguments, job.description, details);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
@@ -302,16 +323,13 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  CompileOptions compile_options{arguments.watertight, job.color};
-  if (frames != nullptr) compile_options.kept = &frames->geometry;
-  job.scene = arguments.read.lenient ? compile_leniently(job.description, compile_options)
-                                     : compile_scene(job.description, compile_options);
-  move_to_large_pages();
+  compile(job, frames);
   const double build_end = Progress::steady_seconds();
-  print_start(job.description, details, *job.scene, frames);
+  print_start(job, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
+  if (const std::string note = apply_continuation(*job.scene, options, resumed); !note.empty()) print_note(note);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
@@ -325,9 +343,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Write image and statistics
   const WrittenImage written = write_result(job, result);
-  bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
+  bool complete = written.written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  print_end(result, written.files, job.description.stand_ins.size(), frames);
+  print_end(result, written.written, job.description.stand_ins.size(), frames);
   if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome

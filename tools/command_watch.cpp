@@ -35,7 +35,8 @@ int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& give
                 "-D frame=N");
   if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
   const std::filesystem::path scene = arguments.scene;
-  Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr", true);
+  Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr",
+                  output_settings(arguments.output).display, true);
   RepeatedRender render{preview, {scene}};
   FileWatcher watcher(InterruptGuard::request_stop);
   for (;;) {

@@ -16,6 +16,8 @@ void add_info_command(Command& program, int& exit_code);
 void add_compare_command(Command& program, int& exit_code);
 /// sheaf denoise: denoises a rendered image.
 void add_denoise_command(Command& program, int& exit_code);
+/// sheaf convert: writes an image in other formats.
+void add_convert_command(Command& program, int& exit_code);
 /// sheaf merge: merges parts of an image.
 void add_merge_command(Command& program, int& exit_code);
 /// sheaf farm: renders parts of images in the jobs of a cluster.

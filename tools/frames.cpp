@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/progress.h"
+#include "scene/dialects/read_model.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
@@ -18,8 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kParameter = "frame";
+constexpr float kDefaultRate = 24;  ///< frames per second
 
-/// The options of a frame: the outputs have its number, and the scene's parameter is defined.
+/// The options of a frame: the outputs have its number, and the scene's parameter or the time is defined.
 RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   RenderArguments one = arguments;
   one.frames.clear();
@@ -27,7 +29,11 @@ RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   for (std::string& output : one.outputs) output = frame_name(output).at(frame);
   for (std::string* file : {&one.stats, &one.checkpoint.file})
     if (!file->empty()) *file = frame_name(*file).at(frame);
-  one.read.definitions.push_back(fmt::format("{}={}", kParameter, frame));
+  if (is_gltf(one.scene)) {
+    one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultRate)));
+  } else {
+    one.read.definitions.push_back(fmt::format("{}={}", kParameter, frame));
+  }
   return one;
 }
 
@@ -75,6 +81,10 @@ void check_frame_options(const RenderArguments& arguments) {
   for (const std::string& definition : arguments.read.definitions)
     if (definition.starts_with(std::string(kParameter) + "="))
       throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
+  if (is_gltf(arguments.scene) && arguments.read.time)
+    throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
+  if (model_format(arguments.scene))
+    throw Error(ExitCode::kUsage, "--frames applies to scenes and glTF files, not to models that do not move");
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)

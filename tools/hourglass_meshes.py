@@ -37,6 +37,22 @@ class Mesh:
             np.add.at(sums, place.ravel()[self.triangles[:, k]], faces)
         return Mesh(self.positions, unit(sums)[place.ravel()], self.uvs, self.triangles)
 
+    def agreeing(self):
+        """Tilts the normals of vertices towards triangles that face away from the sum of their normals. Readers would
+        flip such triangles."""
+        a, b, c = (self.positions[self.triangles[:, k]] for k in range(3))
+        faces = unit(np.cross(b - a, c - a))
+        normals = self.normals.copy()
+        for _ in range(100):
+            away = np.sum(faces * normals[self.triangles].sum(axis=1), axis=1) < 0.01
+            away &= np.linalg.norm(faces, axis=1) > 0.5  # not degenerate
+            if not away.any():
+                break
+            for k in range(3):
+                np.add.at(normals, self.triangles[away, k], 0.2 * faces[away])
+            normals = unit(normals)
+        return Mesh(self.positions, normals, self.uvs, self.triangles)
+
     def write(self, path):
         """Writes a binary PLY file with normals and texture coordinates, without degenerate triangles."""
         positions = self.positions.astype("<f4").astype(float)

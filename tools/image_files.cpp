@@ -2,7 +2,9 @@
 
 #include "core/error.h"
 #include "core/file_format.h"
+#include "core/image_encoding.h"
 #include "core/image_library.h"
+#include "core/name_table.h"
 #include "core/output_file.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/commands.h"
@@ -21,11 +23,39 @@ std::string extension_of(const fs::path& path) {
   return extension;
 }
 
-void check_image_name(const fs::path& path) {
-  const std::string extension = extension_of(path);
-  if (extension != ".exr" && extension != ".png")
-    throw Error(ExitCode::kUsage, "the name of the output image '" + path.string() + "' must end in .exr or .png");
+namespace {
+
+enum class OutputFormat { kExr, kPng, kJpeg, kTiff };
+constexpr NameTable<OutputFormat> kExtensions{{{".exr", OutputFormat::kExr},
+                                               {".png", OutputFormat::kPng},
+                                               {".jpg", OutputFormat::kJpeg},
+                                               {".jpeg", OutputFormat::kJpeg},
+                                               {".tif", OutputFormat::kTiff},
+                                               {".tiff", OutputFormat::kTiff}}};
+
+/// The format of an output image, by its name. Throws Error (exit code 2).
+OutputFormat output_format(const fs::path& path) {
+  if (const OutputFormat* format = kExtensions.find(extension_of(path))) return *format;
+  throw Error(ExitCode::kUsage,
+              "the name of the output image '" + path.string() + "' must end in " + one_of(kExtensions.names()));
 }
+
+IntegerFormat integer_format(OutputFormat format) {
+  switch (format) {
+    case OutputFormat::kJpeg:
+      return IntegerFormat::kJpeg;
+    case OutputFormat::kTiff:
+      return IntegerFormat::kTiff;
+    case OutputFormat::kExr:
+    case OutputFormat::kPng:
+      break;
+  }
+  return IntegerFormat::kPng;
+}
+
+}  // namespace
+
+void check_image_name(const fs::path& path) { output_format(path); }
 
 std::vector<NamedFile> named_images(const std::vector<std::string>& files) {
   std::vector<NamedFile> images;
@@ -78,7 +108,8 @@ void check_overwriting(std::span<const NamedFile> written, std::span<const Named
 void check_all_writable(std::span<const NamedFile> written) {
   for (const NamedFile& output : written) {
     check_writable(output.file);
-    if (extension_of(output.file) == ".png") image_library();
+    const OutputFormat* const format = kExtensions.find(extension_of(output.file));
+    if (format != nullptr && *format != OutputFormat::kExr) image_library();
   }
 }
 
@@ -92,18 +123,35 @@ bool try_to_write(const std::function<void()>& write) {
   }
 }
 
-std::vector<fs::path> write_images(const std::vector<fs::path>& files, const Image& image,
-                                   const ExrMetadata& metadata) {
-  std::vector<fs::path> written;
-  const bool denoised = image.find_channel("denoised.R") >= 0;
-  for (const fs::path& file : files) {
-    const bool is_png = extension_of(file) == ".png";
-    if (try_to_write([&] {
-          is_png ? write_png(file, denoised ? denoised_only(image) : image, interruption(metadata.attributes))
-                 : write_exr(file, image, metadata);
-        }))
-      written.push_back(file);
-  }
+WrittenImages write_images(const std::vector<fs::path>& files, const Image& image, const ExrMetadata& metadata,
+                           const OutputSettings& settings) {
+  WrittenImages written;
+  ExrMetadata stored = metadata;
+  stored.compression = settings.compression;
+  stored.dwa_level = settings.dwa_level;
+  // Make the displayed image once, for the first file that shows it
+  std::optional<Image> displayed;
+  const auto display = [&]() -> const Image& {
+    const bool denoised = image.find_channel("denoised.R") >= 0;
+    if (!denoised && settings.display.is_identity()) return image;
+    if (displayed) return *displayed;
+    if (denoised) displayed = denoised_only(image);
+    const Image& source = denoised ? *displayed : image;
+    if (settings.display.is_automatic()) written.exposure = settings.display.exposure_of(source);
+    if (!settings.display.is_identity()) displayed = settings.display.apply(source);
+    return *displayed;
+  };
+  const auto write = [&](const fs::path& file) {
+    const OutputFormat format = output_format(file);
+    if (format == OutputFormat::kExr) return write_exr(file, image, stored);
+    IntegerEncoding encoding;
+    encoding.format = integer_format(format);
+    encoding.quality = settings.jpeg_quality;
+    encoding.description = interruption(metadata.attributes);
+    write_encoded_image(file, display(), encoding);
+  };
+  for (const fs::path& file : files)
+    if (try_to_write([&] { write(file); })) written.files.push_back(file);
   return written;
 }
 

@@ -38,8 +38,10 @@ std::string interruption(std::span<const ExrMetadata::Attribute> attributes) {
       text += fmt::format(" of {}", std::get<int>(planned->value));
     text += " samples per pixel";
   }
-  if (const ExrMetadata::Attribute* noise = find("sheaf/noise"))
-    if (const auto* value = std::get_if<std::string>(&noise->value)) text += ", at a noise of " + *value;
+  if (const ExrMetadata::Attribute* noise = find(kNoiseAttribute)) {
+    const std::optional<double> value = number_of(*noise);
+    text += ", at a noise of " + (value ? fmt::format("{:.6g}", *value) : std::string("unknown size"));
+  }
   return text;
 }
 

@@ -1,4 +1,4 @@
-// Attributes in the header of an interrupted render's image.
+// Attributes in the headers of rendered images, and those of interrupted renders.
 #pragma once
 
 #include "core/exr.h"
@@ -9,6 +9,11 @@
 #include <string>
 
 namespace sheaf {
+
+/// Noise of the image as RenderReport::noise; the command line; and the time of rendering, s.
+inline constexpr const char* kNoiseAttribute = "sheaf/noise";
+inline constexpr const char* kCommandLineAttribute = "sheaf/commandLine";
+inline constexpr const char* kRenderSecondsAttribute = "sheaf/renderSeconds";
 
 /// Attributes of images of interrupted renders; see add_interrupted_attributes().
 inline constexpr const char* kInterruptedAttribute = "sheaf/interrupted";

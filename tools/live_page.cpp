@@ -1,7 +1,7 @@
 #include "tools/live_page.h"
 
+#include "core/image_encoding.h"
 #include "core/image_library.h"
-#include "core/png.h"
 #include "core/progress.h"
 #include "tools/preview_page.h"
 
@@ -35,12 +35,14 @@ std::shared_ptr<const std::string> shared_text(std::string text) {
 
 }  // namespace
 
-LivePage::LivePage(const Endpoint& endpoint, std::string scene, bool repeats)
+LivePage::LivePage(const Endpoint& endpoint, std::string scene, const DisplayTransform& display, bool repeats)
     : scene_(std::move(scene)),
       repeats_(repeats),
       run_(new_run()),
-      denoiser_([this](int number, const Image& image) {
-        const std::vector<unsigned char> png = encode_png(image, kPngLevel);
+      denoiser_([this, display](int number, const Image& image) {
+        const IntegerEncoding encoding{IntegerFormat::kPng, kPngLevel, 0, {}};
+        const std::vector<unsigned char> png =
+            encode_image(display.is_identity() ? image : display.apply(image), encoding);
         const std::lock_guard lock(mutex_);
         denoised_ = std::make_shared<const std::string>(png.begin(), png.end());
         denoised_number_ = number;
@@ -184,7 +186,7 @@ HttpResponse LivePage::encoded_image() {
     const std::shared_ptr<const Image> image = image_;
     lock.unlock();
     const double start = Progress::steady_seconds();
-    const std::vector<unsigned char> png = encode_png(*image, kPngLevel);
+    const std::vector<unsigned char> png = encode_image(*image, {IntegerFormat::kPng, kPngLevel, 0, {}});
     encoded = std::make_shared<const std::string>(png.begin(), png.end());
     encoding_seconds_ = Progress::steady_seconds() - start;
     lock.lock();

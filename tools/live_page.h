@@ -1,6 +1,7 @@
 // Live web page of a running render: its content, and the server that delivers it.
 #pragma once
 
+#include "core/display_transform.h"
 #include "core/image.h"
 #include "tools/http_server.h"
 #include "tools/preview_denoiser.h"
@@ -20,8 +21,9 @@ namespace sheaf {
 /// functions are thread-safe.
 class LivePage {
  public:
-  /// Starts the server. `repeats`: other renders follow. Throws Error (exit code 1) on failure.
-  LivePage(const Endpoint& endpoint, std::string scene, bool repeats);
+  /// Starts the server. `display`: applied to denoised images; others are given as displayed. `repeats`: other renders
+  /// follow. Throws Error (exit code 1) on failure.
+  LivePage(const Endpoint& endpoint, std::string scene, const DisplayTransform& display, bool repeats);
   /// Closes all connections.
   ~LivePage() = default;
 

@@ -86,14 +86,17 @@ class Document:
                          struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data)
 
 
-def grid(columns, rows, point):
-    """Vertices point(u, v), each a position, a normal and uv, of a grid of quadrilaterals, and its indices."""
+def grid(columns, rows, point, has_poles=False):
+    """Vertices point(u, v), each a position, a normal and uv, of a grid of quadrilaterals, and its indices. With poles,
+    the first and the last row are triangles."""
     vertices = [point(i / columns, j / rows) for j in range(rows + 1) for i in range(columns + 1)]
     indices = []
     for j in range(rows):
         for i in range(columns):
             a = j * (columns + 1) + i
-            indices += [(a,), (a + columns + 1,), (a + 1,), (a + 1,), (a + columns + 1,), (a + columns + 2,)]
+            b = a + columns + 1
+            indices += [] if has_poles and j == rows - 1 else [(a,), (b,), (b + 1,)]
+            indices += [] if has_poles and j == 0 else [(a,), (b + 1,), (a + 1,)]
     return vertices, indices
 
 
@@ -191,7 +194,7 @@ def add_camera(document):
 
 def main():
     document = Document()
-    ball = add_shape(document, *grid(64, 32, sphere))
+    ball = add_shape(document, *grid(64, 32, sphere, has_poles=True))
     for i, material in enumerate(add_materials(document)):
         document.node(mesh=add_mesh(document, material, ball), name=document.json["materials"][material]["name"],
                       translation=[2.6 * (i % 4 - 1.5), 0, 3.2 * (i // 4 - 1)])

@@ -111,7 +111,7 @@ def make_iceberg(wall, rows=180):
     radius = iceberg_radius(directions, wall)
     radius[0], radius[-1] = radius[0].mean(), radius[-1].mean()
     points = directions * radius[..., None] + (0, LAKE, 0)
-    whole = surface(points)
+    whole = surface(points).agreeing()
     normals = whole.normals.reshape(points.shape)
     uvs = whole.uvs.reshape(2 * rows + 1, SIDES + 1, 2)
     for name, part in (("ice_below", slice(0, rows + 1)), ("ice_above", slice(rows, 2 * rows + 1))):

@@ -63,23 +63,24 @@ def make_stairs(steps=5):
     """Returns a solid block without inner faces whose thickness in z grows in steps; x from 0 to `steps`."""
     vertices, faces = [], []
 
-    def quad(*corners):
+    def polygon(*corners):
         start = len(vertices)
         vertices.extend(corners)
-        faces.append("f " + " ".join(str(start + k + 1) for k in range(4)))
+        faces.append("f " + " ".join(str(start + k + 1) for k in range(len(corners))))
 
     def depth(step):
         return 0.25 * 1.8**step if 0 <= step < steps else 0.0
 
     for i in range(steps):
-        z = depth(i)
-        quad((i, 0, 0), (i, 1, 0), (i + 1, 1, 0), (i + 1, 0, 0))
-        quad((i, 0, z), (i + 1, 0, z), (i + 1, 1, z), (i, 1, z))
-        quad((i, 0, 0), (i + 1, 0, 0), (i + 1, 0, z), (i, 0, z))
-        quad((i, 1, 0), (i, 1, z), (i + 1, 1, z), (i + 1, 1, 0))
-        quad((i, 0, depth(i - 1)), (i, 0, z), (i, 1, z), (i, 1, depth(i - 1)))
+        z, before = depth(i), depth(i - 1)
+        polygon((i, 0, 0), (i, 1, 0), (i + 1, 1, 0), (i + 1, 0, 0))
+        polygon((i, 0, z), (i + 1, 0, z), (i + 1, 1, z), (i, 1, z))
+        # The sides have the upper corners of the step before, so that the surface is closed
+        polygon(*([(i, 0, before)] if i > 0 else []), (i, 0, 0), (i + 1, 0, 0), (i + 1, 0, z), (i, 0, z))
+        polygon(*([(i, 1, before)] if i > 0 else []), (i, 1, z), (i + 1, 1, z), (i + 1, 1, 0), (i, 1, 0))
+        polygon((i, 0, before), (i, 0, z), (i, 1, z), (i, 1, before))
     z = depth(steps - 1)
-    quad((steps, 0, 0), (steps, 1, 0), (steps, 1, z), (steps, 0, z))
+    polygon((steps, 0, 0), (steps, 1, 0), (steps, 1, z), (steps, 0, z))
     lines = [f"v {x:g} {y:g} {c:.5g}" for x, y, c in vertices]
     return "# Steps of glass, written by tools/make_media_scenes.py.\n" + "\n".join(lines + faces) + "\n"
 

@@ -67,6 +67,14 @@ template <class Value> void set(ExrMetadata& metadata, const std::string& name, 
   metadata.attributes.push_back({name, std::move(value)});
 }
 
+/// A counter in the header of a part. Throws SceneError.
+double count_in(const PartFile& part, const char* name) {
+  constexpr double kMaxCount = 0x1p53;
+  const std::optional<double> count = part.number(name);
+  if (count && *count >= 0 && *count <= kMaxCount) return *count;
+  throw SceneError({part.part.name, 0}, fmt::format("the attribute '{}' in the header is not a number", name));
+}
+
 }  // namespace
 
 SampleRange parse_samples(const std::string& text) {
@@ -103,8 +111,14 @@ void add_part_attributes(ExrMetadata& metadata, const std::string& settings,
 std::string PartFile::text(std::string_view name) const {
   for (const ExrMetadata::Attribute& attribute : metadata.attributes)
     if (attribute.name == name)
-      if (const auto* value = std::get_if<std::string>(&attribute.value)) return *value;
+      return std::visit([](const auto& value) { return fmt::format("{}", value); }, attribute.value);
   return "";
+}
+
+std::optional<double> PartFile::number(std::string_view name) const {
+  for (const ExrMetadata::Attribute& attribute : metadata.attributes)
+    if (attribute.name == name) return number_of(attribute);
+  return std::nullopt;
 }
 
 PartFile read_part_header(const std::filesystem::path& path) {
@@ -193,7 +207,8 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
   std::erase_if(whole.attributes, [](const ExrMetadata::Attribute& attribute) {
     const std::string& name = attribute.name;
     return name == kSettings || name == kSamples || name == kInterruptedAttribute || name == kSamplesTakenAttribute ||
-           name == kSamplesPlannedAttribute || name == "sheaf/denoiser" || name.starts_with("sheaf/ids/");
+           name == kSamplesPlannedAttribute || name == kCommandLineAttribute || name == kRenderSecondsAttribute ||
+           name == "sheaf/denoiser" || name.starts_with("sheaf/ids/");
   });
   set(whole, kSamplesPerPixel, static_cast<int>(parts.front().samples_per_pixel));
   // Combine the dates and instruction sets.
@@ -207,17 +222,17 @@ ExrMetadata whole_metadata(const std::vector<PartFile>& parts) {
   }
   std::sort(isas.begin(), isas.end());
   set(whole, kIsa, fmt::format("{}", fmt::join(isas, ", ")));
-  // Sum the counters.
+  // Sum the counters, and the times if all parts have them.
   for (const char* const name : kSums) {
-    std::uint64_t sum = 0;
-    for (const PartFile& part : parts) {
-      const std::string text = part.text(name);
-      std::uint64_t value = 0;
-      if (std::from_chars(text.data(), text.data() + text.size(), value).ec != std::errc())
-        throw SceneError({part.part.name, 0}, fmt::format("the attribute '{}' in the header is not a number", name));
-      sum += value;
-    }
-    set(whole, name, std::to_string(sum));
+    double sum = 0;
+    for (const PartFile& part : parts) sum += count_in(part, name);
+    set(whole, name, integer_attribute(name, static_cast<std::uint64_t>(sum)).value);
+  }
+  const auto seconds_of = [](const PartFile& part) { return part.number(kRenderSecondsAttribute); };
+  if (std::all_of(parts.begin(), parts.end(), [&](const PartFile& part) { return seconds_of(part).has_value(); })) {
+    double seconds = 0;
+    for (const PartFile& part : parts) seconds += *seconds_of(part);
+    set(whole, kRenderSecondsAttribute, static_cast<float>(seconds));
   }
   return whole;
 }

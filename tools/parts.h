@@ -32,8 +32,10 @@ struct PartFile {
   bool has_denoised = false;
   ExrMetadata metadata;
 
-  /// Value of a text attribute, or an empty string.
+  /// Value of an attribute as text, or an empty string.
   std::string text(std::string_view name) const;
+  /// Value of an attribute with a number; see number_of().
+  std::optional<double> number(std::string_view name) const;
 };
 
 /// Reads the header of a part. Throws SceneError if the file is not a part of an image.
@@ -42,8 +44,8 @@ PartFile read_part_header(const std::filesystem::path& file);
 /// Throws SceneError, which names the difference, unless both files are parts of one image.
 void check_same_image(const PartFile& first, const PartFile& other);
 
-/// Header of the merged image: the attributes that the parts share, and the sums of dropped rays and samples. Omits the
-/// attributes of interrupted renders.
+/// Header of the merged image: the attributes that the parts share, and the sums of dropped rays and samples and of the
+/// render times. Omits the command line and the attributes of interrupted renders.
 ExrMetadata whole_metadata(const std::vector<PartFile>& parts);
 
 }  // namespace sheaf

@@ -63,13 +63,15 @@ void add_preview_options(Command& command, PreviewArguments& arguments) {
       .only_for_run();
 }
 
-Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool repeats)
-    : repeats_(repeats) {
+Preview::Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
+                 DisplayTransform display, bool repeats)
+    : repeats_(repeats), display_(std::move(display)) {
   if (!arguments.tev.empty())
     tev_ = std::make_unique<TevViewer>(parse_endpoint("--tev", arguments.tev, "", 1), name,
                                        [](const std::string& text) { print_note(text); });
   if (arguments.serve.empty()) return;
-  page_ = std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, repeats);
+  page_ =
+      std::make_unique<LivePage>(parse_endpoint("--serve", arguments.serve, "127.0.0.1", 0), scene, display_, repeats);
   print_note("preview page: " + page_->url());
   listen_to_messages([this](std::string_view message) { page_->add_message(message); });
 }
@@ -119,9 +121,10 @@ void Preview::show(const RenderState& state) {
   const bool all = page_ && page_->wants_denoised();
   Image image = all ? state.film.to_image() : state.film.beauty_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
-  const std::shared_ptr<const Image> beauty = beauty_of(image);
+  const std::shared_ptr<const Image> beauty = displayed(image);
   if (page_) page_->set_image(beauty);
-  if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), state.film.noise().has_value());
+  // The variances are valid only after two replicates
+  if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), false);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
   is_shown_ = true;
   const double now = Progress::steady_seconds();
@@ -130,6 +133,11 @@ void Preview::show(const RenderState& state) {
   if (page_) cost += page_->encoding_seconds() / std::max(1u, std::thread::hardware_concurrency());
   next_ = now + std::max(kMinInterval, kCostFactor * cost);
   pause_requested_ = 0;
+}
+
+/// The image as viewers show it.
+std::shared_ptr<const Image> Preview::displayed(const Image& image) const {
+  return display_.is_identity() ? beauty_of(image) : std::make_shared<Image>(display_.apply(image));
 }
 
 void Preview::begin_writing() {
@@ -142,10 +150,10 @@ void Preview::fail() {
 
 void Preview::finish(const std::string& state, const Image& image, const RenderReport& report) {
   if (!page_ && !tev_) return;
-  if (tev_) tev_->show(beauty_of(image));
+  if (tev_) tev_->show(displayed(image));
   if (page_) {
     page_->set_report(to_json(report));
-    page_->set_image(beauty_of(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
+    page_->set_image(displayed(image.find_channel("denoised.R") >= 0 ? denoised_only(image) : image));
     if (page_->wants_denoised()) page_->denoise(std::make_shared<const Image>(image), report.noise.has_value());
     page_->set_state(state);
   }

@@ -1,7 +1,7 @@
 // Live previews of a running render: in the image viewer tev, and as a web page.
 #pragma once
 
-#include "core/image.h"
+#include "core/display_transform.h"
 #include "kernels/passes/render_report.h"
 #include "tools/options.h"
 
@@ -31,10 +31,12 @@ void add_preview_options(Command& command, PreviewArguments& arguments);
 /// They do not change the bits of the render.
 class Preview {
  public:
-  /// Starts the server and the search for the viewer, as requested. `name`: of the image. Throws Error: exit code 2 for
+  /// Starts the server and the search for the viewer, as requested. `name`: of the image.
+  /// `display`: applied to the images. Throws Error: exit code 2 for
   /// malformed addresses, 1 for unknown hosts and if it cannot listen.
   /// `repeats`: another render may follow a finished one.
-  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name, bool repeats = false);
+  Preview(const PreviewArguments& arguments, const std::string& scene, const std::string& name,
+          DisplayTransform display, bool repeats = false);
   ~Preview();
   Preview(const Preview&) = delete;
   Preview& operator=(const Preview&) = delete;
@@ -54,8 +56,10 @@ class Preview {
  private:
   bool is_due();
   void show(const RenderState& state);
+  std::shared_ptr<const Image> displayed(const Image& image) const;
 
   const bool repeats_;
+  DisplayTransform display_;
   std::unique_ptr<LivePage> page_;          ///< null: disabled
   std::unique_ptr<TevViewer> tev_;          ///< null: disabled
   std::atomic<double> start_{0};            ///< of the render, s on the steady clock

@@ -44,8 +44,8 @@ class PreviewDenoiser {
   std::thread thread_;     ///< last member: it uses the others
 };
 
-/// Replaces the layers variance.R/G/B by estimates from the differences between neighbouring pixels, for images without
-/// valid variances. Edges count as noise. Removes the layers half.R/G/B, which may be incomplete.
+/// Replaces the layers variance.R/G/B by estimates from the differences between nearby pixels, for images without valid
+/// variances. Textures count as noise. Removes the layers half.R/G/B, which may be incomplete.
 Image with_estimated_variances(const Image& image);
 
 }  // namespace sheaf

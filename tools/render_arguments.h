@@ -9,6 +9,7 @@
 #include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
 #include "tools/checkpointing.h"
+#include "tools/image_files.h"
 #include "tools/messages.h"
 #include "tools/option_groups.h"
 #include "tools/options.h"
@@ -33,6 +34,7 @@ struct ImageArguments {
   std::string scene;
   std::vector<std::string> outputs;
   std::string output_format = "png";
+  OutputArguments output;
   std::string denoiser;
   bool watertight = false;
   std::optional<std::uint32_t> spp;
@@ -48,18 +50,21 @@ struct ImageArguments {
     command.begin_group(kOutputOptions);
     command
         .add_option("-o,--output", outputs,
-                    "Output image: .exr (linear floats, all layers) or .png (8 bits, sRGB); may be repeated. Default: "
-                    "the scene's name with .exr, in the current folder. - writes to the standard output")
+                    std::string("Output image: ") + kOutputFormats +
+                        "; may be repeated. Default: the scene's name with .exr, in the current folder. - writes to "
+                        "the standard output")
         .file()
         .only_for_run();
     command.add_option("--format", output_format, "Format of the image on the standard output (-o -). Default: png")
-        .one_of({"png", "exr"})
+        .one_of({"png", "jpg", "tif", "exr"})
         .only_for_run();
+    add_output_options(command, output);
     command
         .add_option(
             "--denoise", denoiser,
             "Denoise the final image with nlm (non-local means) or oidn (Open Image Denoise, if installed). Writes the "
-            "layers denoised.R/G/B to .exr, and the denoised image to .png. nlm implies --replicates 4, or 2 below 16 "
+            "layers denoised.R/G/B to .exr, and the denoised image to other formats. nlm implies --replicates 4, or 2 "
+            "below 16 "
             "samples per pixel; oidn implies --filter-mode importance, because it expects uncorrelated pixel noise")
         .one_of(kDenoisers.names());
     command.begin_group(kAdvancedOptions);
@@ -229,6 +234,7 @@ struct RunArguments {
   bool no_timestamps = false;
   VerbosityArguments verbosity;
   std::string frames;
+  std::optional<float> fps;  ///< frames per second of glTF files
   bool skip_existing = false;
   ReadArguments read;
 
@@ -253,11 +259,17 @@ struct RunArguments {
         .share()
         .positive();
     command.begin_group(kSceneOptions);
+    command
+        .add_option("--fps", fps,
+                    "With --frames for a glTF file: frames per second. Frame K shows the time K / fps. Default: 24")
+        .positive()
+        .only_for_run();
     // given_for() in tools/frames.cpp expects --frames directly before --define
     command
         .add_option("--frames", frames,
-                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K. "
-                    "In the names of outputs, --stats and --checkpoint, the frame number replaces #### or $frame4 (4 "
+                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K, "
+                    "or a glTF file at its time (--fps). In the names of outputs, --stats and --checkpoint, the frame "
+                    "number replaces #### or $frame4 (4 "
                     "digits) or $frame, or else precedes the file extension. Existing images are overwritten")
         .placeholder("FIRST:LAST:STEP")
         .only_for_run();

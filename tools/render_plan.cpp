@@ -5,6 +5,7 @@
 #include "tools/apply_arguments.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sheaf {
 
@@ -14,7 +15,12 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   Command command = add_render_options(program, arguments);
   RenderPlan plan;
   command.on_call([&] {
-    for (const GivenOption& option : command.given()) plan.given.push_back(option.name);
+    for (const GivenOption& option : command.given()) {
+      plan.given.push_back(option.name);
+      const auto has_name = [&](const char* name) { return option.name == name; };
+      if (std::any_of(std::begin(kOutputOptionNames), std::end(kOutputOptionNames), has_name))
+        plan.output_options.emplace_back(option.name, option.values);
+    }
   });
   // Parse the options as `sheaf render` does
   std::vector<std::string> line{"sheaf", "render"};

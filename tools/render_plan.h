@@ -5,12 +5,15 @@
 #include "scene/content/description.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sheaf {
 
 struct RenderPlan {
   std::vector<std::string> given;  ///< names of the options given, without dashes
+  /// The options of output_options.h that are given, with their values.
+  std::vector<std::pair<std::string, std::string>> output_options;
   IntegratorKind integrator = IntegratorKind::kPath;
   PixelRect crop;                 ///< rendered pixels
   std::uint32_t samples = 0;      ///< per pixel

@@ -15,13 +15,13 @@ std::string percent(double fraction) {
 
 }  // namespace
 
-std::string written_files(std::span<const std::filesystem::path> written) {
+std::string written_files(const WrittenImages& written) {
   std::string text;
-  for (const std::filesystem::path& file : written) text += (text.empty() ? "wrote " : ", ") + file.string();
-  return text;
+  for (const std::filesystem::path& file : written.files) text += (text.empty() ? "wrote " : ", ") + file.string();
+  return written.exposure ? text + " (exposure " + exposure_text(*written.exposure) + ")" : text;
 }
 
-std::string summarize(const RenderReport& report, std::span<const std::filesystem::path> written) {
+std::string summarize(const RenderReport& report, const WrittenImages& written) {
   std::string text =
       fmt::format("{} {}x{}, ", report.interrupted ? "interrupted:" : "rendered", report.width, report.height);
   if (report.interrupted && !report.adaptive)

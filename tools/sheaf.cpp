@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
     add_info_command(program, exit_code);
     add_compare_command(program, exit_code);
     add_denoise_command(program, exit_code);
+    add_convert_command(program, exit_code);
     add_merge_command(program, exit_code);
     add_farm_command(program, exit_code);
     add_completion_command(program, exit_code);

@@ -1,6 +1,6 @@
-// Reading of image files and encoding of PNG: the only file that includes OpenImageIO, and the source of
+// Reading and encoding of image files: the only file that includes OpenImageIO. Defines the entry point of
 // sheaf_image_io.so.
-#include "core/image_library.h"
+#include "core/image_io/opencolorio.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -128,25 +128,56 @@ class Library final : public ImageLibrary {
     return std::make_unique<Reader>(std::move(input), std::move(file));
   }
 
-  std::vector<unsigned char> encode_png(const PngPixels& pixels, int level, std::string& problem) const override {
-    OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels, OIIO::TypeDesc::UINT8);
-    spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
-    spec.attribute("oiio:UnassociatedAlpha", 1);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    spec.attribute("png:compressionLevel", level);
-    if (!pixels.description.empty()) spec.attribute("ImageDescription", pixels.description);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("png");
+  std::vector<unsigned char> encode(const IntegerPixels& pixels, const IntegerEncoding& encoding,
+                                    std::string& problem) const override {
+    const char* const format = format_name(encoding.format);
+    const OIIO::TypeDesc type = pixels.bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+    const OIIO::ImageSpec spec = make_spec(pixels, type, encoding);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(format);
     const auto fail = [&](const std::string& why) {
       problem = why;
       return std::vector<unsigned char>();
     };
     if (!output) return fail(OIIO::geterror());
     OIIO::Filesystem::IOVecOutput encoded;  // the library ignores errors while closing files
-    if (!output->set_ioproxy(&encoded)) return fail("this build of OpenImageIO cannot write PNG files to memory");
-    if (!output->open("image.png", spec)) return fail(output->geterror());
-    const bool written = output->write_image(OIIO::TypeDesc::UINT8, pixels.bytes);
+    if (!output->set_ioproxy(&encoded))
+      return fail(std::string("this build of OpenImageIO cannot write ") + format + " files to memory");
+    if (!output->open(std::string("image.") + format, spec)) return fail(output->geterror());
+    const bool written = output->write_image(type, pixels.values);
     if (!output->close() || !written) return fail(output->geterror());
     return encoded.buffer();
+  }
+
+  std::unique_ptr<ColorProcessor> display_view(const DisplayView& view, std::string& problem) const override {
+    return open_display_view(view, problem);
+  }
+
+ private:
+  static const char* format_name(IntegerFormat format) {
+    switch (format) {
+      case IntegerFormat::kJpeg:
+        return "jpeg";
+      case IntegerFormat::kTiff:
+        return "tiff";
+      case IntegerFormat::kPng:
+        break;
+    }
+    return "png";
+  }
+
+  static OIIO::ImageSpec make_spec(const IntegerPixels& pixels, OIIO::TypeDesc type, const IntegerEncoding& encoding) {
+    OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels, type);
+    spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    if (encoding.format == IntegerFormat::kPng) spec.attribute("png:compressionLevel", encoding.level);
+    if (encoding.format == IntegerFormat::kTiff) spec.attribute("compression", "zip");
+    if (encoding.format == IntegerFormat::kJpeg) {
+      spec.attribute("compression", "jpeg:" + std::to_string(encoding.quality));
+      spec.attribute("jpeg:subsampling", "4:4:4");
+    }
+    if (!encoding.description.empty()) spec.attribute("ImageDescription", encoding.description);
+    return spec;
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include "kernels/film/adaptive_film.h"
 #include "kernels/film/splat.h"
+#include "kernels/passes/sample_division.h"
 #include "kernels/wave/wave_stats.h"
 
 #include <filesystem>
@@ -16,6 +17,7 @@ namespace sheaf {
 /// The state of a sample plan: everything from which a render resumes. Photon maps and the guide are not stored but
 /// computed again.
 struct RenderState {
+  SampleDivision division;               ///< of the render that wrote the state
   Film film;                             ///< without the borders of the tiles of the current pass
   std::uint32_t first_sample = 0;        ///< per pixel, of the current pass, or of the next one between passes
   std::vector<std::uint8_t> tiles;       ///< of the current pass: 1 for tiles that are done; empty: not begun
@@ -33,7 +35,8 @@ using RenderSettings = std::vector<std::pair<std::string, std::string>>;
 void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state);
 
 /// Reads a checkpoint. Throws Error (exit code 5) if the file cannot be read, is damaged, was written by another
-/// version of Sheaf, or belongs to other settings, which the message names.
+/// version of Sheaf, or belongs to other settings, which the message names. --spp may differ, and then
+/// --replicates, too; continue_from() judges them.
 RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings);
 
 }  // namespace sheaf

@@ -111,7 +111,8 @@ void set_replicates(const RenderOptions& options, SamplerKind sampler, SampleLay
   const bool by_samples = sampler == SamplerKind::kIndependent && layout.reach == 0 && !layout.adapts;
   layout.replicate_samples = by_samples ? layout.spp : (layout.spp + replicates - 1) / replicates;
   const std::uint32_t made = (layout.spp + layout.replicate_samples - 1) / layout.replicate_samples;
-  layout.half_samples = by_samples ? layout.spp / 2 : made / 2 * layout.replicate_samples;
+  if (options.aovs.contains(aov_named("half")))
+    layout.half_samples = by_samples ? layout.spp / 2 : made / 2 * layout.replicate_samples;
   layout.unit = by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate;
   layout.has_variances = by_samples || layout.adapts || layout.replicate_samples < layout.spp;
 }

@@ -5,26 +5,21 @@
 #include "core/pixel_rect.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film.h"
-#include "kernels/film/sample_range.h"
 #include "kernels/passes/render.h"
+#include "kernels/passes/sample_division.h"
 
 namespace sheaf {
 
 /// See RenderOptions for the meaning of the settings.
-struct SampleLayout {
+struct SampleLayout : SampleDivision {
   PixelRect crop;  ///< pixels of the image
   /// Pixels that are sampled: the crop, and surrounding pixels whose samples contribute to it.
   PixelRect sampled;
   int reach = 0;                                  ///< distance up to which samples contribute to other pixels, pixels
   const FilterWeights* filter_weights = nullptr;  ///< optional: see SensorView::filter_weights
   SampledFrame frame;
-  std::uint32_t rays = 1;               ///< gather rays per camera sample, each counted as a sample of its own
-  std::uint32_t spp = 0;                ///< samples per pixel
-  std::uint32_t replicate_samples = 0;  ///< per pixel, of each replicate
-  std::uint32_t half_samples = 0;       ///< per pixel, of the first half
-  SampleRange range;                    ///< samples to be taken, of `spp`
-  std::uint32_t max_pass_samples = 0;   ///< maximum of samples per pixel of a pass
-  bool adapts = false;                  ///< adaptive sampling
+  std::uint32_t rays = 1;  ///< gather rays per camera sample, each counted as a sample of its own
+  bool adapts = false;     ///< adaptive sampling
   VarianceUnit unit = VarianceUnit::kReplicate;
   bool has_variances = false;
   std::vector<std::string> light_groups;  ///< names of the groups with layers

@@ -24,6 +24,7 @@ constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleLayout layout)
     : layout_(std::move(layout)) {
   state_.film = layout_.make_film(scene, options);
+  state_.division = layout_;
   state_.first_sample = layout_.range.first;
   if (layout_.adapts) set_adaptive({options.noise_target, layout_.spp});
   if (options.guiding) training_ = training_passes(state_.film.width(), state_.film.height(), layout_.spp);
@@ -64,7 +65,10 @@ void SamplePlan::resume(RenderState& from) {
                     from.first_sample >= layout_.range.first && from.first_sample <= layout_.range.end() &&
                     from.photons <= photon_count();
   if (!same) refuse_checkpoint();
+  const std::uint32_t taken = from.tiles.empty() ? from.first_sample : from.first_sample + 1;
+  if (from.adaptive ? !(layout_ == from.division) : !begins_with(layout_, from.division, taken)) refuse_checkpoint();
   state_ = std::move(from);
+  state_.division = layout_;
   dropped_before_ = state_.dropped;
   if (state_.tiles.empty()) return;
   if (state_.adaptive || state_.first_sample == layout_.range.end()) refuse_checkpoint();
@@ -84,7 +88,8 @@ std::uint64_t SamplePlan::samples_before() const {
   std::uint64_t samples = layout_.sampled.area() * (state_.first_sample - layout_.range.first) + state_.photons;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     if (state_.adaptive) samples += tiles_[i].sampled.area() * state_.adaptive->taken_samples(i);
-    if (!state_.tiles.empty() && state_.tiles[i] != 0) samples += tiles_[i].sampled.area() * pass_samples();
+    if (!state_.tiles.empty() && state_.tiles[i] != 0)
+      samples += tiles_[i].sampled.area() * layout_.pass_samples(state_.first_sample);
   }
   return samples;
 }
@@ -108,20 +113,9 @@ bool SamplePlan::begin_round() {
   return true;
 }
 
-/// Samples per pixel of the pass that begins at state_.first_sample. Each of the first passes doubles the samples so
-/// far, so that previews soon show the whole frame.
-std::uint32_t SamplePlan::pass_samples() const {
-  const std::uint32_t first = state_.first_sample;
-  const std::uint32_t doubling = std::max(first - layout_.range.first, std::uint32_t{1});
-  const std::uint32_t count = std::min({layout_.max_pass_samples, doubling, layout_.range.end() - first,
-                                        layout_.replicate_samples - first % layout_.replicate_samples});
-  const bool has_halves = state_.film.layout().half_count() > 0;
-  return has_halves && first < layout_.half_samples ? std::min(count, layout_.half_samples - first) : count;
-}
-
 /// Begins the next pass, or continues the one of a checkpoint.
 void SamplePlan::begin_pass() {
-  tiles_ = make_tiles(layout_.sampled, tile_side(pass_samples()));
+  tiles_ = make_tiles(layout_.sampled, tile_side(layout_.pass_samples(state_.first_sample)));
   // Without filter weights, tiles add nothing to each other.
   const std::size_t borders = layout_.filter_weights != nullptr ? tiles_.size() : 0;
   if (state_.tiles.empty()) {
@@ -132,7 +126,7 @@ void SamplePlan::begin_pass() {
 }
 
 void SamplePlan::end_pass() {
-  const std::uint32_t end = state_.first_sample + pass_samples();
+  const std::uint32_t end = state_.first_sample + layout_.pass_samples(state_.first_sample);
   state_.film.add(state_.borders);
   state_.tiles.clear();
   state_.borders.clear();
@@ -158,7 +152,7 @@ TileTask SamplePlan::tile_task(std::size_t task) const {
     const AdaptiveUnit& unit = state_.adaptive->units()[task];
     return {tiles_[unit.tile], unit.first_sample, unit.samples, kAdaptiveSamples, unit.set, 0};
   }
-  const std::uint32_t first = state_.first_sample, count = pass_samples(), set = layout_.replicate_samples;
+  const std::uint32_t first = state_.first_sample, count = layout_.pass_samples(first), set = layout_.replicate_samples;
   return {tiles_[task], first, count, count, first / set, set};
 }
 

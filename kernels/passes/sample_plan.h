@@ -93,7 +93,6 @@ class SamplePlan {
   void begin_pass();
   void end_pass();
   void end_photons();
-  std::uint32_t pass_samples() const;
 
   SampleLayout layout_;
   RenderState state_;

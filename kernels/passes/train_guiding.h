@@ -22,6 +22,8 @@ struct GuideTraining {
 struct TrainingPass {
   std::uint32_t first_sample = 0, sample_count = 0;  ///< per participating pixel
   int stride = 1;                                    ///< every `stride`-th pixel in each direction participates
+
+  bool operator==(const TrainingPass&) const = default;
 };
 
 /// Passes for a render of `samples` samples per pixel; empty for renders too short to benefit.

@@ -53,6 +53,12 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
     add_instances(groups);
   });
+  for (const OpenBoundaries::Gap& gap : open_boundaries_.gaps())
+    out_->warnings_.push_back(
+        SceneError(gap.where,
+                   "the mesh bounds a medium and has " + std::to_string(gap.edges) +
+                       " open edges: unless other shapes close it, paths enter and leave the medium unnoticed")
+            .what());
   check_attributes();
   set_bounds();
   // Compile media, and lights, which depend on the bounds and on emitting media

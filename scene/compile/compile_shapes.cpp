@@ -82,9 +82,9 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   check_mesh(mesh, shape.where);
   if (face_normals) mesh.normals.clear();
   transform_mesh(mesh, shape.to_world);
-  // Count open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles
+  // Find open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles
   const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
-  const std::size_t open_edges = should_close ? count_open_edges(mesh) : 0;
+  if (should_close) open_boundaries_.add(mesh, shape.where);
   const std::size_t dropped = drop_degenerate_triangles(mesh);
   // Compute missing normals, and flip all
   if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) {
@@ -97,9 +97,6 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   if (shape.flip_normals) flip_mesh(mesh);
   // Report defects
   if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
-  if (open_edges > 0)
-    warn(shape, "the mesh bounds a medium and has " + std::to_string(open_edges) +
-                    " open edges: unless other shapes close it, paths enter and leave the medium unnoticed");
   if (mesh.triangles.empty()) {
     warn(shape, shape.radiance ? "shape has no area: neither visible nor emitting" : "shape has no area: left out");
     return;

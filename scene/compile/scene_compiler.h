@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/kept_geometry.h"
+#include "scene/compile/open_boundaries.h"
 #include "scene/compile/scene_naming.h"
 #include "scene/formats/mesh.h"
 #include "scene/lights/area_light.h"
@@ -144,6 +145,7 @@ class SceneCompiler {
   const CompileOptions& options_;
   std::unique_ptr<Scene> out_;
   SceneNaming naming_;
+  OpenBoundaries open_boundaries_;
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode

@@ -287,7 +287,7 @@ std::vector<std::uint32_t> same_places(const Mesh& mesh) {
   return same;
 }
 
-std::size_t count_open_edges(const Mesh& mesh) {
+std::vector<std::array<std::uint32_t, 2>> open_edges(const Mesh& mesh) {
   const std::vector<std::uint32_t> same = same_places(mesh);
   struct Edge {
     std::uint64_t ends;
@@ -301,14 +301,14 @@ std::size_t count_open_edges(const Mesh& mesh) {
       const std::uint64_t a = same[triangle[k]], b = same[triangle[(k + 1) % 3]];
       if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), a < b ? 1 : -1});
     }
-  // Count edges whose directions do not cancel
+  // Find edges whose directions do not cancel
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.ends < b.ends; });
-  std::size_t open = 0;
+  std::vector<std::array<std::uint32_t, 2>> open;
   for (std::size_t i = 0; i < edges.size();) {
     int balance = 0;
     const std::uint64_t ends = edges[i].ends;
     for (; i < edges.size() && edges[i].ends == ends; ++i) balance += edges[i].way;
-    open += balance != 0;
+    if (balance != 0) open.push_back({static_cast<std::uint32_t>(ends >> 32), static_cast<std::uint32_t>(ends)});
   }
   return open;
 }

@@ -65,8 +65,8 @@ std::size_t drop_degenerate_triangles(Mesh& mesh);
 /// Returns for each vertex the first vertex at the same position.
 std::vector<std::uint32_t> same_places(const Mesh& mesh);
 
-/// Returns the number of open edges, those without equally many triangles on both sides. Vertices at the same position
-/// count as one. 0 for a closed surface, independent of vertex splits. O(n log n).
-std::size_t count_open_edges(const Mesh& mesh);
+/// Returns the vertices of the open edges, those without equally many triangles on both sides. Vertices at the same
+/// position count as one. Empty for a closed surface, independent of vertex splits. O(n log n).
+std::vector<std::array<std::uint32_t, 2>> open_edges(const Mesh& mesh);
 
 }  // namespace sheaf

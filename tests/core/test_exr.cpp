@@ -102,7 +102,7 @@ TEST_CASE("metadata survives a round trip") {
   metadata.world_to_camera = Matrix4{};
   write_exr(folder / "meta.exr", make_noise(4, 4, {"R"}), metadata);
   const std::vector<ExrMetadata::Attribute> found = read_exr_attributes(folder / "meta.exr");
-  const auto value_of = [&found](const std::string& name) -> std::variant<int, float, std::string> {
+  const auto value_of = [&found](const std::string& name) -> std::variant<int, float, double, std::string> {
     for (const auto& attribute : found) {
       if (attribute.name == name) return attribute.value;
     }
@@ -116,6 +116,57 @@ TEST_CASE("metadata survives a round trip") {
   CHECK(bytes.find("chromaticities") != std::string::npos);
   CHECK(bytes.find("worldToCamera") != std::string::npos);
   CHECK(bytes.find("capDate") == std::string::npos);
+}
+
+TEST_CASE("every compression is read back; only DWA changes values, and only those of colours") {
+  const TemporaryFolder folder;
+  const Image image = make_noise(70, 50, {"CryptoObject00.r", "R", "Z"});
+  std::vector<std::size_t> sizes;
+  for (const ExrCompression compression :
+       {ExrCompression::kNone, ExrCompression::kRle, ExrCompression::kZips, ExrCompression::kZip, ExrCompression::kPiz,
+        ExrCompression::kDwaa, ExrCompression::kDwab}) {
+    CAPTURE(static_cast<int>(compression));
+    ExrMetadata metadata;
+    metadata.compression = compression;
+    write_exr(folder / "a.exr", image, metadata);
+    const Image back = read_exr(folder / "a.exr");
+    const bool is_dwa = compression == ExrCompression::kDwaa || compression == ExrCompression::kDwab;
+    CHECK(same_values(image, back) == !is_dwa);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (const int c : {0, 2}) CHECK(back.at(x, y, c) == image.at(x, y, c));
+    sizes.push_back(read_bytes(folder / "a.exr").size());
+    // The compression is a byte of the header, as in the file format's enumeration.
+    const std::string bytes = read_bytes(folder / "a.exr"), name("compression\0compression\0\1\0\0\0", 28);
+    REQUIRE(bytes.find(name) != std::string::npos);
+    constexpr int kCodes[] = {0, 1, 2, 3, 4, 8, 9};
+    CHECK(bytes[bytes.find(name) + name.size()] == kCodes[static_cast<int>(compression)]);
+  }
+  ExrMetadata coarse;
+  coarse.compression = ExrCompression::kDwaa;
+  coarse.dwa_level = 1000;
+  write_exr(folder / "a.exr", image, coarse);
+  CHECK(read_bytes(folder / "a.exr").size() < sizes[5]);
+}
+
+TEST_CASE("numbers in attributes: integers of any size, and texts of older versions") {
+  using Attribute = ExrMetadata::Attribute;
+  CHECK(std::get<int>(integer_attribute("a", 2147483647).value) == 2147483647);
+  CHECK(std::get<double>(integer_attribute("a", 2147483648).value) == 2147483648.0);
+  const TemporaryFolder folder;
+  ExrMetadata metadata;
+  metadata.attributes = {integer_attribute("seed", 4294967295)};
+  write_exr(folder / "a.exr", make_noise(4, 4, {"R"}), metadata);
+  bool found = false;
+  for (const Attribute& attribute : read_exr_metadata(folder / "a.exr").attributes)
+    if (attribute.name == "seed") found = number_of(attribute) == 4294967295.0;
+  CHECK(found);
+  CHECK(number_of(Attribute{"a", 3}) == 3.0);
+  CHECK(number_of(Attribute{"a", 0.5f}) == 0.5);
+  CHECK(number_of(Attribute{"a", std::string("0.0123")}) == 0.0123);
+  CHECK_FALSE(number_of(Attribute{"a", std::string("unknown")}));
+  CHECK_FALSE(number_of(Attribute{"a", std::string("")}));
+  CHECK_FALSE(number_of(Attribute{"a", std::string("12 ")}));
 }
 
 TEST_CASE("the bytes do not depend on the order of the channels") {

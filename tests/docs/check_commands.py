@@ -90,7 +90,9 @@ def lines_of(block):
 
 
 def shortened(words):
-    """The arguments of `sheaf` with short settings."""
+    """The arguments of `sheaf` with short settings. `watch` has the options of `render`, but does not end by itself."""
+    if words[0] == "watch":
+        words = ["render", *words[1:]]
     result, before = [], ""
     cropped = "--crop" in words
     sampled = "--samples" in words

@@ -24,7 +24,7 @@ inline void try_mesh(const MeshFile& file) {
   }
   flip_mesh(mesh);
   check_mesh(mesh, {"mesh"});
-  (void)count_open_edges(mesh);
+  (void)open_edges(mesh);
   if (!mesh.triangles.empty()) (void)edge_distances(mesh, true);
   Mesh control;
   control.positions = mesh.positions;

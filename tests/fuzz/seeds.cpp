@@ -276,6 +276,7 @@ void add_checkpoints(Seeds& seeds) {
   };
   const PixelRect crop{1, 0, 4, 3};
   RenderState state;
+  state.division = {16, 8, 0, 256, {0, 16}};
   state.film = Film(5, 3, crop);
   state.tiles = {1, 0};
   add(state);
@@ -324,7 +325,7 @@ void add_images(Seeds& seeds) {
   part.frame_width = 6;
   part.frame_height = 4;
   metadata.half_channels.clear();
-  metadata.attributes = {{"sheaf/samplesPerPixel", 8}, {"sheaf/droppedRays", "0"}, {"sheaf/droppedSamples", "0"}};
+  metadata.attributes = {{"sheaf/samplesPerPixel", 8}, {"sheaf/droppedRays", 0}, {"sheaf/droppedSamples", "0"}};
   add_part_attributes(metadata, "--spp 8\n", std::nullopt);
   write_exr(path("exr"), part, metadata);
   seeds.add("exr", read_bytes(path("exr")));

@@ -91,6 +91,18 @@ TEST_CASE("boundaries of media: open meshes give a warning") {
   };
   Mesh lidless = cube_mesh();
   lidless.triangles.pop_back();
+  // Two meshes that close each other
+  const auto warns_of_both = [&](const Mesh& other) {
+    Description d = empty_scene(4, 4);
+    const MediumId medium = add_medium(d, fog(1, 0.5f));
+    for (const Mesh& mesh : {lidless, other}) fill(d, add_shape(d, mesh, Transform::translate({0, 0, 5})), medium);
+    return !compile_scene(d)->warnings().empty();
+  };
+  Mesh lid = cube_mesh();
+  lid.triangles = {lid.triangles.back()};
+  CHECK_FALSE(warns_of_both(lid));
+  for (Vec3f& p : lid.positions) p.x *= 1.01f;
+  CHECK(warns_of_both(lid));
   CHECK(warns(lidless, true));
   CHECK_FALSE(warns(lidless, false));
   CHECK_FALSE(warns(cube_mesh(), true));

@@ -141,7 +141,7 @@ TEST_CASE("expressions: errors have a position") {
   };
   for (const Case& c : cases) {
     CAPTURE(std::string(c.text));
-    const std::pair<std::size_t, std::string> error = error_in(c.text);
+    const auto error = error_in(c.text);
     CHECK(error.first == c.at);
     CHECK_MESSAGE(contains(error.second, c.message), error.second);
   }

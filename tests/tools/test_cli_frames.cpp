@@ -1,5 +1,6 @@
 // sheaf render --frames: the frames of an animation, their names, and what happens to existing and unfinished ones.
 #include "core/error.h"
+#include "tests/support/gltf_files.h"
 #include "tests/support/program_testing.h"
 #include "tools/frame_names.h"
 
@@ -203,6 +204,24 @@ TEST_CASE("frames: errors come before any work or name their cause") {
   // A scene without the parameter
   write_bytes(frames.folder / "still.xml", "<scene version='3.0.0'><sensor type='perspective'/></scene>");
   CHECK(contains(error("still.xml --frames 1:2", 3), "the scene has no parameter 'frame' for -D or --frames to set"));
+}
+
+TEST_CASE("frames: a glTF file is rendered at the time of each frame") {
+  test::GltfBuilder gltf;
+  gltf.add_triangle();
+  const int times = gltf.add<float>({0, 1}, "SCALAR");
+  const int places = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
+  gltf.json["animations"].push_back(
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+       {"samplers", {{{"input", times}, {"output", places}}}}});
+  const FrameFolder f;
+  write_bytes(f.folder / "model.glb", gltf.binary());
+  const std::string quick = "render model.glb --size 24x16 --spp 4 --no-timestamps -q ";
+  REQUIRE(f.sheaf(quick + "--frames 0:1 --fps 2 -o f####.png").code == 0);
+  REQUIRE(f.sheaf(quick + "--time 0.5 -o half.png").code == 0);
+  CHECK(f.bytes("f0001.png") == f.bytes("half.png"));
+  CHECK(f.bytes("f0000.png") != f.bytes("half.png"));
+  CHECK(contains(f.sheaf(quick + "--frames 0:1 --time 1 -o f.png").err, "exclude each other"));
 }
 
 }  // namespace sheaf::test_cli_frames

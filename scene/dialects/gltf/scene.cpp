@@ -2,6 +2,7 @@
 #include "scene/dialects/common/choose_camera.h"
 #include "scene/dialects/gltf/pose.h"
 #include "scene/dialects/gltf/reader.h"
+#include "scene/formats/mesh.h"
 
 #include <algorithm>
 
@@ -29,6 +30,9 @@ class SceneReader {
       }
       if (node.mesh != kNoIndex) add_mesh(i);
     }
+    if (degenerate_ > 0)
+      file_.notes.push_back(file_.file.string() + ": " + std::to_string(degenerate_) +
+                            " degenerate or non-finite triangles left out");
     std::move(file_.notes.begin(), file_.notes.end(), std::back_inserter(out_.notes));
     return contents_;
   }
@@ -105,6 +109,8 @@ class SceneReader {
   std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
     std::vector<ShapeDescription> out;
     for (Primitive& primitive : load_mesh(file_, key.mesh, deformation(i, key), lenient_)) {
+      degenerate_ += drop_degenerate_triangles(primitive.mesh);
+      if (primitive.mesh.triangles.empty()) continue;
       const Surface surface = materials_.surface(primitive.material, primitive.vertex_data);
       ShapeDescription shape;
       shape.geometry = std::move(primitive.mesh);
@@ -199,6 +205,7 @@ class SceneReader {
   std::vector<std::size_t> nodes_;  ///< of the scene
   std::map<MeshKey, MeshUse> uses_;
   GltfContents contents_;
+  std::size_t degenerate_ = 0;  ///< triangles left out
 };
 
 }  // namespace

@@ -1,0 +1,13 @@
+# Finds OpenColorIO: target OpenColorIO::OpenColorIO. Debian 12 installs OpenColorIO's own CMake package where CMake does
+# not search.
+find_path(OpenColorIO_INCLUDE_DIR OpenColorIO/OpenColorIO.h)
+find_library(OpenColorIO_LIBRARY OpenColorIO)
+mark_as_advanced(OpenColorIO_INCLUDE_DIR OpenColorIO_LIBRARY)
+include(FindPackageHandleStandardArgs)
+find_package_handle_standard_args(OpenColorIO REQUIRED_VARS OpenColorIO_LIBRARY OpenColorIO_INCLUDE_DIR)
+if(OpenColorIO_FOUND AND NOT TARGET OpenColorIO::OpenColorIO)
+  add_library(OpenColorIO::OpenColorIO UNKNOWN IMPORTED)
+  set_target_properties(OpenColorIO::OpenColorIO PROPERTIES
+    IMPORTED_LOCATION "${OpenColorIO_LIBRARY}"
+    INTERFACE_INCLUDE_DIRECTORIES "${OpenColorIO_INCLUDE_DIR}")
+endif()

@@ -1,0 +1,118 @@
+#include "core/display_transform.h"
+
+#include "core/color.h"
+#include "core/display_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kMiddleGrey = 0.18;
+
+/// The colour channels of a pixel; grey as three equal ones.
+Vec3f color_of(const float* pixel, const DisplayChannels& channels) {
+  const std::size_t last = channels.color.size() - 1;
+  return {pixel[channels.color[0]], pixel[channels.color[std::min<std::size_t>(1, last)]], pixel[channels.color[last]]};
+}
+
+/// An image of black pixels with the displayed channels and the window of `image`.
+Image prepare_display(const Image& image, const DisplayChannels& channels) {
+  Image out;
+  out.width = image.width;
+  out.height = image.height;
+  out.x0 = image.x0;
+  out.y0 = image.y0;
+  out.frame_width = image.frame_width;
+  out.frame_height = image.frame_height;
+  for (const int c : channels.color) out.channels.push_back(image.channels[static_cast<std::size_t>(c)]);
+  if (channels.alpha >= 0) out.channels.emplace_back("A");
+  out.data.resize(out.pixel_count() * out.channels.size());
+  return out;
+}
+
+/// Writes the colours times 2^stops, and alpha.
+void expose(const Image& image, const DisplayChannels& channels, double stops, Image& out) {
+  const auto scale = static_cast<float>(std::exp2(stops));
+  const std::size_t colors = channels.color.size();
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* const from = &image.data[i * image.channels.size()];
+    float* const to = &out.data[i * out.channels.size()];
+    for (std::size_t c = 0; c < colors; ++c) to[c] = from[channels.color[c]] * scale;
+    if (channels.alpha >= 0) to[colors] = from[channels.alpha];
+  }
+}
+
+/// A value that OpenColorIO may receive: NaN becomes 0, and infinity the largest half.
+float finite(float value) {
+  constexpr float kMaxHalf = 65504;
+  return std::isnan(value) ? 0.0f : std::clamp(value, -kMaxHalf, kMaxHalf);
+}
+
+}  // namespace
+
+double auto_exposure(const Image& image) {
+  if (image.channels.empty()) return 0;
+  const DisplayChannels channels = display_channels(image);
+  double sum = 0;
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* const pixel = &image.data[i * image.channels.size()];
+    const float alpha = display_alpha(pixel, channels);
+    if (!(alpha > 0)) continue;
+    const double value = static_cast<double>(luminance(color_of(pixel, channels))) / static_cast<double>(alpha);
+    if (!(value > 0) || !std::isfinite(value)) continue;
+    sum += std::log2(value);
+    ++count;
+  }
+  return count == 0 ? 0.0 : std::log2(kMiddleGrey) - sum / static_cast<double>(count);
+}
+
+double DisplayTransform::exposure_of(const Image& image) const {
+  return settings_.exposure ? *settings_.exposure : auto_exposure(image);
+}
+
+Image DisplayTransform::apply(const Image& image) const {
+  if (image.channels.empty()) return image;
+  const DisplayChannels channels = display_channels(image);
+  Image out = prepare_display(image, channels);
+  expose(image, channels, exposure_of(image), out);
+  if (settings_.tone_map == ToneMap::kNone && !settings_.display_view) return out;
+
+  const DisplayChannels own = display_channels(out);
+  const std::size_t stride = out.channels.size();
+  std::vector<Vec3f> row(static_cast<std::size_t>(out.width));
+  std::vector<float> alphas(row.size());
+  for (std::size_t first = 0; first < out.data.size(); first += row.size() * stride) {
+    // Read the straight colours of a row
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      const float* const pixel = &out.data[first + x * stride];
+      alphas[x] = display_alpha(pixel, own);
+      row[x] = alphas[x] > 0 ? color_of(pixel, own) * (1 / alphas[x]) : Vec3f{};
+    }
+    map_colors(row);
+    // Write them, premultiplied
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      float* const pixel = &out.data[first + x * stride];
+      const float mapped[3] = {row[x].x, row[x].y, row[x].z};
+      for (std::size_t c = 0; c < own.color.size(); ++c) pixel[own.color[c]] = mapped[c] * alphas[x];
+      if (own.alpha >= 0) pixel[own.alpha] = alphas[x];
+    }
+  }
+  return out;
+}
+
+void DisplayTransform::map_colors(std::vector<Vec3f>& colors) const {
+  if (!settings_.display_view) {
+    for (Vec3f& color : colors) color = tone_mapped(settings_.tone_map, color);
+    return;
+  }
+  for (Vec3f& color : colors) color = {finite(color.x), finite(color.y), finite(color.z)};
+  settings_.display_view->apply(&colors[0].x, colors.size());
+  for (Vec3f& color : colors) color = srgb_to_linear(tone_mapped(ToneMap::kNone, color));
+}
+
+}  // namespace sheaf

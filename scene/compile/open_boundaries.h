@@ -1,0 +1,36 @@
+// Open edges of meshes around media.
+#pragma once
+
+#include "core/error.h"
+#include "scene/formats/mesh.h"
+
+#include <array>
+#include <vector>
+
+namespace sheaf {
+
+/// Finds meshes around media that do not enclose them. Several meshes may enclose a medium together if they have the
+/// same vertices where they meet.
+class OpenBoundaries {
+ public:
+  /// Adds a mesh in world space, which the element at `where` describes.
+  void add(const Mesh& mesh, const SourceLocation& where);
+
+  struct Gap {
+    SourceLocation where;
+    std::size_t edges;  ///< number of open edges at which no other mesh continues the boundary
+  };
+  /// The meshes with gaps, in the order of add().
+  std::vector<Gap> gaps() const;
+
+ private:
+  using Edge = std::array<float, 6>;  ///< positions of both ends, the smaller first
+  struct Boundary {
+    SourceLocation where;
+    std::vector<Edge> edges;
+  };
+
+  std::vector<Boundary> boundaries_;  ///< with open edges
+};
+
+}  // namespace sheaf
