@@ -8,6 +8,9 @@ find_package(OpenImageIO MODULE REQUIRED)
 find_package(Embree MODULE REQUIRED)
 find_package(xsimd MODULE REQUIRED)
 find_package(NanoVDB MODULE REQUIRED)
+find_package(TinyGLTF MODULE REQUIRED)
+find_package(Draco MODULE QUIET)  # optional, for compressed meshes in glTF files
+find_package(Meshoptimizer MODULE QUIET)  # likewise
 find_package(OpenVDB MODULE QUIET)  # optional, for the tool vdb_to_nanovdb
 find_package(pugixml CONFIG REQUIRED)
 find_package(tinyobjloader CONFIG REQUIRED)

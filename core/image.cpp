@@ -8,6 +8,7 @@
 #include "core/exr_colors.h"
 #include "core/image_corrections.h"
 #include "core/image_library.h"
+#include "core/image_source.h"
 #include "core/memory.h"
 #include "core/output_file.h"
 #include "core/png.h"
@@ -107,18 +108,23 @@ struct OpenImage {
   bool xyz;
 };
 
-/// Opens an image file and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
-OpenImage open_image(const fs::path& path, bool keeps_bytes) {
+/// Opens an image and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
+OpenImage open_image(ImageSource source, bool keeps_bytes) {
+  const fs::path& path = source.path();
   const SourceLocation where{path.string(), 0};
-  const std::string format = checked_image_format(path);
-  ImageCorrections corrections = find_corrections(path, format);
+  const std::string format = checked_image_format(source);
+  ImageCorrections corrections;
+  if (source.memory() != nullptr)
+    corrections.bytes = source.memory()->bytes;
+  else
+    corrections = find_corrections(path, format);
   std::string problem;
   std::unique_ptr<ImageReader> reader =
       image_library().open(path.string(), format, problem, std::move(corrections.bytes));
   if (!reader) refuse_image(path, first_line(problem));
   const ImageHeader& header = reader->header();
   check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
-                   fs::file_size(path));
+                   counted_image_bytes(source, format));
   const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
   check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
                      copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)));
@@ -142,6 +148,21 @@ template <class Value> std::vector<Value> read_pixels(const OpenImage& open, con
     refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
   if (open.orientation == 1) return values;
   return oriented(values, width, height, header.channels.size(), open.orientation);
+}
+
+/// Reads all pixels, 8-bit data as bytes.
+StoredImage read_stored(const OpenImage& open, const fs::path& path) {
+  const ImageHeader& header = open.reader->header();
+  StoredImage image;
+  image.width = is_transposed(open.orientation) ? header.height : header.width;
+  image.height = is_transposed(open.orientation) ? header.width : header.height;
+  image.channels = header.channels;
+  image.integers = header.holds_integers;
+  if (header.holds_bytes)
+    image.bytes = read_pixels<std::uint8_t>(open, path);
+  else
+    image.floats = read_pixels<float>(open, path);
+  return image;
 }
 
 }  // namespace
@@ -219,7 +240,7 @@ void write_png(const fs::path& path, const Image& image, const std::string& desc
 Image read_image(const fs::path& path) {
   check_file(path);
   if (is_exr(path)) return read_exr(path);
-  const OpenImage open = open_image(path, false);
+  const OpenImage open = open_image(ImageSource(path), false);
   const ImageHeader& header = open.reader->header();
   Image image;
   image.width = image.frame_width = is_transposed(open.orientation) ? header.height : header.width;
@@ -232,21 +253,14 @@ Image read_image(const fs::path& path) {
 StoredImage read_stored_image(const fs::path& path, bool raw) {
   check_file(path);
   if (is_exr(path)) return read_exr_colors(path, raw);
-  const OpenImage open = open_image(path, true);
-  const ImageHeader& header = open.reader->header();
-  StoredImage image;
-  image.width = is_transposed(open.orientation) ? header.height : header.width;
-  image.height = is_transposed(open.orientation) ? header.width : header.height;
-  image.channels = header.channels;
-  image.integers = header.holds_integers;
-  if (header.holds_bytes) {
-    image.bytes = read_pixels<std::uint8_t>(open, path);
-  } else {
-    image.floats = read_pixels<float>(open, path);
-  }
-  if (open.xyz && !raw && header.channels.size() >= 3)
-    convert_to_rec709(image.floats, kXyzSpace, header.channels.size());
+  const OpenImage open = open_image(ImageSource(path), true);
+  StoredImage image = read_stored(open, path);
+  if (open.xyz && !raw && image.channels.size() >= 3) convert_to_rec709(image.floats, kXyzSpace, image.channels.size());
   return image;
+}
+
+StoredImage read_stored_image(const EncodedImage& image) {
+  return read_stored(open_image(ImageSource(image), true), image.name);
 }
 
 }  // namespace sheaf

@@ -46,6 +46,12 @@ struct StoredImage {
   bool integers = false;              ///< the file holds integers, by convention sRGB-encoded colours
 };
 
+/// The bytes of an image file in memory, for example one that is part of another file.
+struct EncodedImage {
+  std::vector<std::uint8_t> bytes;
+  std::string name;  ///< for messages
+};
+
 /// Limits of image files: pixels per side, and bytes as floats. Larger images are rejected, whatever the header claims.
 inline constexpr int kMaxImageSide = 1 << 16;
 inline constexpr std::size_t kMaxImageBytes = std::size_t{1} << 34;
@@ -74,5 +80,8 @@ Image read_image(const std::filesystem::path& path);
 /// Reads the colours of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_colors(). Unless
 /// `raw`, floats in other colour spaces are converted to linear Rec.709. Throws like read_image().
 StoredImage read_stored_image(const std::filesystem::path& path, bool raw = false);
+
+/// The same for a PNG, JPEG or WebP file in memory. Throws SceneError for other formats.
+StoredImage read_stored_image(const EncodedImage& image);
 
 }  // namespace sheaf

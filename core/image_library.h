@@ -10,6 +10,8 @@
 
 namespace sheaf {
 
+class ImageSource;
+
 /// The header of an image file.
 struct ImageHeader {
   int width = 0, height = 0, depth = 0;  ///< pixels
@@ -58,9 +60,15 @@ const ImageLibrary& image_library();
 
 /// Returns the library's name for the format of an image file. Formats are recognised by their magic number; TGA, which
 /// has none, by its file extension. Other formats of the library, for example video and medical images, are rejected
-/// for security. Throws SceneError for unsupported formats. Throws Error (exit code 1) or SceneError for files that
-/// would make the library allocate more memory than is available, or far more than they need.
+/// for security. In memory, only PNG, JPEG and WebP are supported. Throws SceneError for unsupported formats. Throws
+/// Error (exit code 1) or SceneError for files that would make the library allocate more memory than is available, or
+/// far more than they need.
+std::string checked_image_format(ImageSource& source);
 std::string checked_image_format(const std::filesystem::path& file);
+
+/// The size for check_image_size() of a file of `format`: WebP files of a few bytes may hold large images of one
+/// colour.
+std::size_t counted_image_bytes(const ImageSource& source, const std::string& format);
 
 /// The function that sheaf_image_io.so exports. It returns the library.
 using ImageLibraryFunction = const ImageLibrary*();

@@ -10,7 +10,6 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -32,6 +31,8 @@ struct FarmArguments {
 /// Options of `sheaf render` that farm sets itself or that do not apply to parts, with the reason.
 constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"output", "use the --output of 'sheaf farm'"},
+    {"frames", "use the --frames of 'sheaf farm'"},
+    {"skip-existing", "run submit.sh again to continue failed jobs"},
     {"samples", "farm chooses it"},
     {"checkpoint", "farm chooses it"},
     {"resume", "farm chooses it"},
@@ -40,29 +41,6 @@ constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"denoise", "run 'sheaf denoise' on the merged image"},
     {"noise-target", "parts are rendered independently"},
     {"time-limit", "parts are rendered independently"}};
-
-/// Parses "FIRST:LAST". Throws Error (exit code 2).
-std::pair<int, int> parse_frames(const std::string& text) {
-  constexpr int kLast = 9'999'999;
-  int first = -1, last = -1;
-  const char* const end = text.data() + text.size();
-  const auto a = std::from_chars(text.data(), end, first);
-  if (a.ec == std::errc() && a.ptr != end && *a.ptr == ':') {
-    const auto b = std::from_chars(a.ptr + 1, end, last);
-    if (b.ec == std::errc() && b.ptr == end && first >= 0 && last >= first && last <= kLast) return {first, last};
-  }
-  throw Error(ExitCode::kUsage, "--frames '" + text + "': expected FIRST:LAST, such as 1:240");
-}
-
-/// Splits an output's name at the position of the frame number: at "####", otherwise before the file extension.
-std::pair<std::string, std::string> split_output(const fs::path& output, bool has_frames) {
-  const std::string name = fs::absolute(output).string();
-  if (!has_frames) return {name, ""};
-  if (const auto place = name.rfind("####"); place != std::string::npos)
-    return {name.substr(0, place), name.substr(place + 4)};
-  const std::string extension = output.extension().string();
-  return {name.substr(0, name.size() - extension.size()) + "_", extension};
-}
 
 /// Number of sets of samples that can be distributed to `parts` parts; at most one set per sample.
 std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
@@ -167,12 +145,12 @@ Farm plan_farm(const FarmArguments& arguments) {
   // Parse the frames and the options of the render.
   Farm farm;
   farm.has_frames = !arguments.frames.empty();
-  if (farm.has_frames) std::tie(farm.first_frame, farm.last_frame) = parse_frames(arguments.frames);
+  if (farm.has_frames) farm.frames = parse_frames(arguments.frames);
   std::vector<std::string> words{arguments.scene};
   words.insert(words.end(), arguments.options.begin(), arguments.options.end());
   if (farm.has_frames) {
     words.emplace_back("--define");
-    words.push_back("frame=" + std::to_string(farm.first_frame));
+    words.push_back("frame=" + std::to_string(farm.frames.first));
   }
   const RenderPlan plan = plan_render(words);
   for (const auto& [name, why] : kUnsupportedOptions)
@@ -192,7 +170,9 @@ Farm plan_farm(const FarmArguments& arguments) {
   for (const fs::path& output : outputs) {
     check_image_name(output);
     check_writable(output);
-    farm.outputs.push_back(split_output(output, farm.has_frames));
+    FrameName name = farm.has_frames ? frame_name(output.string()) : FrameName{{output.string()}, {}};
+    if (output.is_relative()) name.texts.front().insert(0, (fs::current_path() / "").string());
+    farm.outputs.push_back(std::move(name));
   }
   farm.sbatch_merge_options = farm.sbatch_options = sbatch_options(arguments);
   farm.sbatch_options.push_back(fmt::format("--cpus-per-task={}", arguments.cpus));
@@ -244,13 +224,14 @@ void add_farm_command(Command& program, int& exit_code) {
       .in_range(1, 1000);
   command
       .add_option("--frames", arguments->frames,
-                  "Range of frames FIRST:LAST, inclusive: each frame K is rendered with -D frame=K. Default: one image "
-                  "without -D")
-      .placeholder("FIRST:LAST");
+                  "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: each frame K is rendered with -D "
+                  "frame=K. Default: one image without -D")
+      .placeholder("FIRST:LAST:STEP");
   command
-      .add_option("-o,--output", arguments->outputs,
-                  "Output image, .exr or .png; may be repeated. With --frames, the 4-digit frame number replaces "
-                  "#### or precedes the file extension. Default: the scene's name with .exr")
+      .add_option(
+          "-o,--output", arguments->outputs,
+          "Output image, .exr or .png; may be repeated. With --frames, the frame number replaces #### or "
+          "$frame4 (4 digits) or $frame, or else precedes the file extension. Default: the scene's name with .exr")
       .file();
   command
       .add_option("--folder", arguments->folder,

@@ -15,6 +15,7 @@
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
 #include "tools/commands.h"
+#include "tools/frames.h"
 #include "tools/image_files.h"
 #include "tools/interrupt.h"
 #include "tools/interrupted_image.h"
@@ -205,30 +206,37 @@ PixelRect read_description(RenderJob& job) {
   return apply_arguments(arguments, job.description, job.details);
 }
 
-void compile(RenderJob& job) {
-  const CompileOptions options{job.arguments.watertight, job.color};
+/// Compiles the scene, with the geometry that earlier frames kept.
+void compile(RenderJob& job, FrameRun* frames) {
+  CompileOptions options{job.arguments.watertight, job.color};
+  if (frames != nullptr) options.kept = &frames->geometry;
   job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
                                          : compile_scene(job.description, options);
   move_to_large_pages();
 }
 
-/// Prints notes and warnings before the render.
-void print_start(const RenderJob& job) {
+/// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
+void print_start(const RenderJob& job, FrameRun* frames) {
   const Description& description = job.description;
   const Scene& scene = *job.scene;
-  for (const std::string& detail : job.details) print_detail(detail);
-  for (const std::string& note : description.notes) print_note(note);
-  for (const std::string& stand_in : description.stand_ins) print_warning(stand_in);
-  for (const std::string& warning : scene.warnings()) print_warning(warning);
+  const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
+    if (frames == nullptr || frames->is_new(message)) kind(message);
+  };
+  for (const std::string& detail : job.details) print(print_detail, detail);
+  for (const std::string& note : description.notes) print(print_note, note);
+  for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
+  for (const std::string& warning : scene.warnings()) print(print_warning, warning);
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print_warning("the scene has no lights: the image will be black");
+    print(print_warning, "the scene has no lights: the image will be black");
 }
 
-/// Prints warnings, statistics and the written files after the render.
-void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins) {
-  for (const std::string& warning : result.warnings) print_warning(warning);
+/// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
+void print_end(const RenderResult& result, const std::vector<fs::path>& written, std::size_t stand_ins,
+               FrameRun* frames) {
+  for (const std::string& warning : result.warnings)
+    if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
   if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
-  print_note(summarize(result.report, written));
+  print_note((frames != nullptr ? frames->label() + ": " : "") + summarize(result.report, written));
   if (stand_ins > 0)
     print_warning(fmt::format("{} scene element{} could not be read and {} dropped or replaced; see the warnings above",
                               stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
@@ -282,7 +290,8 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
 
 }  // namespace
 
-int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated) {
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
+                 FrameRun* frames) {
   // Check the outputs before any work
   RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, {}, {}};
   const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
@@ -309,9 +318,9 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  compile(job);
+  compile(job, frames);
   const double build_end = Progress::steady_seconds();
-  print_start(job);
+  print_start(job, frames);
 
   // Render
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
@@ -330,7 +339,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const WrittenImage written = write_result(job, result);
   bool complete = written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  print_end(result, written.files, job.description.stand_ins.size());
+  print_end(result, written.files, job.description.stand_ins.size(), frames);
+  if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome
   const bool failed = !complete || !written.is_denoised;
@@ -340,16 +350,27 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   return result.interrupted ? 128 + InterruptGuard::signal() : static_cast<int>(ExitCode::kDone);
 }
 
+namespace {
+
+const FrameCalls kFrameCalls{[](const RenderArguments& frame) { check_outputs(frame, true); },
+                             [](const RenderArguments& frame, const std::vector<GivenOption>& given, FrameRun& run) {
+                               return render_scene(frame, given, nullptr, &run);
+                             }};
+
+}  // namespace
+
 void add_render_command(Command& program, int& exit_code) {
   const auto arguments = std::make_shared<RenderArguments>();
   Command command = add_render_options(program, *arguments);
   command.on_call([arguments, command, &exit_code] {
     set_verbosity(arguments->verbosity.verbosity());
+    check_frame_options(*arguments);
     StandardStreams streams;
     streams.open_output(arguments->outputs, arguments->output_format);
     arguments->scene = streams.read_scene(arguments->scene);
     arguments->read.from_working_folder = streams.has_scene();
-    exit_code = render_scene(*arguments, command.given());
+    exit_code = arguments->frames.empty() ? render_scene(*arguments, command.given())
+                                          : render_frames(*arguments, command.given(), kFrameCalls);
     if (!streams.send_output() && exit_code == 0) exit_code = static_cast<int>(ExitCode::kOutput);
   });
 }

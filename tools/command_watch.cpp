@@ -29,6 +29,10 @@ int render_once(const RenderArguments& arguments, const std::vector<GivenOption>
 int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& given) {
   if (!arguments.checkpoint.file.empty())
     throw Error(ExitCode::kUsage, "--checkpoint is not supported by 'sheaf watch': it belongs to a single render");
+  if (!arguments.frames.empty() || arguments.skip_existing)
+    throw Error(ExitCode::kUsage,
+                "--frames and --skip-existing are not supported by 'sheaf watch': choose a frame by "
+                "-D frame=N");
   if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
   const std::filesystem::path scene = arguments.scene;
   Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr", true);

@@ -79,10 +79,12 @@ std::string merge_script(const Farm& farm) {
   text += fmt::format("files=()\nfor ((part = 0; part < {}; ++part)); do files+=(\"$parts/$part.exr\"); done\n",
                       farm.part_values.size());
   text += shell_array("options", farm.merge_options);
-  for (const auto& [before, after] : farm.outputs)
-    text += farm.has_frames ? "options+=(--output " + shell_quoted(before) + "\"$(printf %04d \"$frame\")\"" +
-                                  shell_quoted(after) + ")\n"
-                            : "options+=(--output " + shell_quoted(before + after) + ")\n";
+  for (const FrameName& output : farm.outputs) {
+    text += "options+=(--output " + shell_quoted(output.texts.front());
+    for (std::size_t i = 0; i < output.digits.size(); ++i)
+      text += fmt::format("\"$(printf %0{}d \"$frame\")\"", output.digits[i]) + shell_quoted(output.texts[i + 1]);
+    text += ")\n";
+  }
   // Keep the checkpoints until the parts are merged: a restarted part then finishes immediately.
   text += "\"$sheaf\" merge \"${options[@]}\" -- \"${files[@]}\" || exit\nrm -f -- \"$parts\"/*.state\n";
   return text;
@@ -93,7 +95,8 @@ std::string submit_script(const Farm& farm, const std::string& render, const std
       "#!/usr/bin/env bash\n# Written by sheaf farm. Submits the jobs. Run it again to continue failed jobs.\n";
   text += "set -euo pipefail\n" + shell_variable("render", render) + shell_variable("merge", merge) +
           shell_array("options", farm.sbatch_options) + shell_array("merge_options", farm.sbatch_merge_options);
-  text += fmt::format("for ((frame = {}; frame <= {}; ++frame)); do\n", farm.first_frame, farm.last_frame);
+  text += fmt::format("for ((frame = {}; frame <= {}; frame += {})); do\n", farm.frames.first, farm.frames.last,
+                      farm.frames.step);
   text += fmt::format("  job=$(sbatch --parsable --array=0-{} \"${{options[@]}}\" \"$render\" \"$frame\")\n",
                       farm.part_values.size() - 1);
   text += R"sh(  job=${job%%;*}

@@ -1,9 +1,10 @@
 // The bash scripts for Slurm that `sheaf farm` writes.
 #pragma once
 
+#include "tools/frame_names.h"
+
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace sheaf {
@@ -18,10 +19,9 @@ struct Farm {
   std::string part_option;           ///< option of `sheaf render` that takes each of part_values
   std::vector<std::string> part_values;
   std::vector<std::string> merge_options;
-  /// Names of the images to write, split into the text before and after the frame number.
-  std::vector<std::pair<std::string, std::string>> outputs;
-  bool has_frames = false;  ///< false: a single image
-  int first_frame = 0, last_frame = 0;
+  std::vector<FrameName> outputs;  ///< images to write
+  bool has_frames = false;         ///< false: a single image
+  FrameRange frames;
   std::vector<std::string> sbatch_options;        ///< for the parts
   std::vector<std::string> sbatch_merge_options;  ///< for merging
   int max_restarts = 100;

@@ -56,8 +56,9 @@ void check_is_image(const fs::path& file) {
     return;
   }
   if (format.use == FileUse::kUnknown) return;
-  throw SceneError({file.string(), 0},
-                   "is " + format.name + ", expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, TGA or BMP");
+  throw SceneError(
+      {file.string(), 0},
+      "is " + format.name + ", expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, WebP, TGA or BMP");
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {

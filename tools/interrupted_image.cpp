@@ -5,8 +5,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 namespace sheaf {
+
+namespace {
+
+/// First words of interruption(), which other formats than OpenEXR hold as their description.
+constexpr const char* kInterruption = "the render was interrupted";
+
+}  // namespace
 
 void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32_t planned) {
   metadata.attributes.push_back({kInterruptedAttribute, 1});
@@ -21,7 +30,7 @@ std::string interruption(std::span<const ExrMetadata::Attribute> attributes) {
     return found == attributes.end() ? nullptr : &*found;
   };
   if (find(kInterruptedAttribute) == nullptr) return {};
-  std::string text = "the render was interrupted";
+  std::string text = kInterruption;
   const ExrMetadata::Attribute *taken = find(kSamplesTakenAttribute), *planned = find(kSamplesPlannedAttribute);
   if (taken != nullptr && std::holds_alternative<float>(taken->value)) {
     text += fmt::format(" after {:.4g}", std::get<float>(taken->value));
@@ -32,6 +41,13 @@ std::string interruption(std::span<const ExrMetadata::Attribute> attributes) {
   if (const ExrMetadata::Attribute* noise = find("sheaf/noise"))
     if (const auto* value = std::get_if<std::string>(&noise->value)) text += ", at a noise of " + *value;
   return text;
+}
+
+bool is_interrupted(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  // Neither headers of OpenEXR files nor descriptions are compressed
+  return bytes.find(kInterruptedAttribute) != std::string::npos || bytes.find(kInterruption) != std::string::npos;
 }
 
 }  // namespace sheaf

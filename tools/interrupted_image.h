@@ -4,6 +4,7 @@
 #include "core/exr.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -20,5 +21,8 @@ void add_interrupted_attributes(ExrMetadata& metadata, double taken, std::uint32
 
 /// Message for the user if the header marks the image as interrupted; otherwise empty.
 std::string interruption(std::span<const ExrMetadata::Attribute> attributes);
+
+/// Whether an image file, of any format, was written by an interrupted render. Files that cannot be read were not.
+bool is_interrupted(const std::filesystem::path& file);
 
 }  // namespace sheaf

@@ -6,7 +6,8 @@ python3-numpy python3-pil fonts-dejavu-core), and for the plots python3-matplotl
 
 NAME is the name of an image, such as balls; the default is all images. The commands are those of docs/gallery.md: the
 image gallery/NAME.jpg shows the output of the last code block before it. Several outputs become one labelled sheet; see
-tools/gallery/sheets.py. Scripts that write the files of scenes run first if files are missing.
+tools/gallery/sheets.py. The frames of an animation also become an animated gallery/NAME.png. Scripts that write the
+files of scenes run first if files are missing.
 """
 
 import argparse
@@ -20,7 +21,7 @@ import time
 from pathlib import Path
 
 from gallery.page import read_images, read_scripts
-from gallery.sheets import make_sheet
+from gallery.sheets import make_sheet, write_film
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "gallery.md"
@@ -33,7 +34,8 @@ def make_missing_files(images, sheaf):
     scripts = {command[0]: command for command in read_scripts(PAGE)}
     commands = [command for image in images for command in image.commands if command[1] == "render"]
     for scene in sorted({ROOT / command[2] for command in commands}):
-        origin = scene.parent / "generated.txt"
+        folder = scene.parent.parent if scene.parent.name == "generated" else scene.parent
+        origin = folder / "generated.txt"
         done = subprocess.run([sheaf, "info", scene], check=False, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
         if done.returncode == 0 or not origin.exists():
@@ -66,8 +68,10 @@ def render(image, arguments):
                 words = [*(shortened(words) if arguments.draft else words), "--quiet"]
             subprocess.run([arguments.sheaf, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
         path = arguments.output / f"{image.name}.jpg"
-        make_sheet(image.name, [folder / name for name in image.outputs()]).save(
-            path, quality=QUALITY, optimize=True, progressive=True)
+        outputs = [folder / name for name in image.outputs()]
+        make_sheet(image.name, outputs).save(path, quality=QUALITY, optimize=True, progressive=True)
+        if image.has_frames():
+            write_film(outputs, path.with_suffix(".png"))
     print(f"{image.name}.jpg: {path.stat().st_size / 1000:.0f} kB, {time.monotonic() - start:.0f} s", flush=True)
 
 

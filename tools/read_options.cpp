@@ -19,6 +19,20 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
   return {definition.substr(0, equals), definition.substr(equals + 1)};
 }
 
+/// Throws Error for options that do not apply to a file of this kind.
+void check_model_options(const std::filesystem::path& file, const ReadArguments& arguments) {
+  const bool gltf = is_gltf(file), model = gltf || model_format(file).has_value();
+  const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
+  if (viewed && !model && !arguments.lenient)
+    throw Error(ExitCode::kUsage,
+                "--view, --up and --fov apply to models (.gltf, .glb, .obj, .ply, .stl, .serialized), not to scenes");
+  if ((!arguments.environment.empty() || arguments.no_floor) && !model)
+    throw Error(ExitCode::kUsage, "--env and --no-floor apply to models, not to scenes");
+  if (!gltf && (arguments.time || !arguments.animation.empty()))
+    throw Error(ExitCode::kUsage, "--time and --animation apply to glTF files (.gltf, .glb)");
+  if (!arguments.animation.empty() && !arguments.time) throw Error(ExitCode::kUsage, "--animation requires --time");
+}
+
 constexpr NameTable<NoriCamera> kNoriCameras{{{"eth", NoriCamera::kEth}, {"upstream", NoriCamera::kUpstream}}};
 constexpr NameTable<ModelView::Up> kUpAxes{
     {{"x", ModelView::Up::kX}, {"y", ModelView::Up::kY}, {"z", ModelView::Up::kZ}}};
@@ -44,6 +58,17 @@ void add_read_options(Command& command, ReadArguments& arguments) {
       .placeholder("AZIMUTH,ELEVATION");
   command.add_option("--up", arguments.up, "Up axis of a model: x, y (default) or z").one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
+  command.add_option(
+      "--env", arguments.environment,
+      "Environment map for a model: an image by longitude and latitude, or none. Default: a sky with a sun");
+  command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model");
+  command.add_option(
+      "--camera", arguments.camera,
+      "Camera of a Mitsuba scene or glTF file with several: its name or its number, from 0. Default: the first");
+  command.add_option("--time", arguments.time,
+                     "Moment of an animated glTF file, in seconds. Default: the file without its animation");
+  command.add_option("--animation", arguments.animation,
+                     "Animation of a glTF file for --time: its name or its number, from 0. Default: the first");
 }
 
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments) {
@@ -52,9 +77,7 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   if (arguments.from_working_folder) options.folder = "";
   for (const std::string& definition : arguments.definitions) options.defines.push_back(split_definition(definition));
   if (!arguments.nori_camera.empty()) options.nori_camera = kNoriCameras.option("camera", arguments.nori_camera);
-  const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
-  if (viewed && !model_format(file) && !arguments.lenient)
-    throw Error(ExitCode::kUsage, "--view, --up and --fov apply to models (.obj, .ply, .serialized), not to scenes");
+  check_model_options(file, arguments);
   ModelView& view = options.view;
   if (!arguments.view.empty()) {
     view.azimuth = arguments.view[0];
@@ -65,6 +88,11 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
   }
   if (!arguments.up.empty()) view.up = kUpAxes.option("axis", arguments.up);
   if (arguments.fov) view.fov = *arguments.fov;
+  options.surroundings = {!arguments.no_floor, arguments.environment};
+  if (arguments.time && !std::isfinite(*arguments.time))
+    throw Error(ExitCode::kUsage, "--time: expected a finite number of seconds");
+  options.moment = {arguments.time, arguments.animation};
+  options.camera = arguments.camera;
   return options;
 }
 

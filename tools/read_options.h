@@ -13,10 +13,14 @@ struct ReadArguments {
   std::string nori_camera = "eth", up;
   std::vector<float> view;  ///< empty, or azimuth and elevation, degrees
   std::optional<float> fov;
+  std::string environment;  ///< image file
+  bool no_floor = false;
+  std::string camera, animation;
+  std::optional<float> time;         ///< seconds
   bool from_working_folder = false;  ///< relative paths in the scene refer to the working directory
 };
 
-/// Adds -D, --lenient, --nori-camera and the camera options for models.
+/// Adds -D, --lenient, --nori-camera, --camera and the options for models.
 void add_read_options(Command& command, ReadArguments& arguments);
 
 /// Converts the options for a file. Throws Error (exit code 2) for malformed or inapplicable options.

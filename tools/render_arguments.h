@@ -228,6 +228,9 @@ struct RunArguments {
   int wave_size = 0;
   bool no_timestamps = false;
   VerbosityArguments verbosity;
+  std::string frames;
+  std::optional<float> fps;  ///< frames per second of glTF files
+  bool skip_existing = false;
   ReadArguments read;
 
   void add_to(Command& command) {
@@ -250,8 +253,27 @@ struct RunArguments {
                     "Scale factor for the frame's width and height, e.g. 0.25 or 25% for a quick look. Default: 1")
         .share()
         .positive();
+    command.begin_group(kSceneOptions);
+    command
+        .add_option("--fps", fps,
+                    "With --frames for a glTF file: frames per second. Frame K shows the time K / fps. Default: 24")
+        .positive()
+        .only_for_run();
+    // given_for() in tools/frames.cpp expects --frames directly before --define
+    command
+        .add_option("--frames", frames,
+                    "Range of frames FIRST:LAST or FIRST:LAST:STEP, inclusive: renders each frame K with -D frame=K, "
+                    "or a glTF file at its time (--fps). In the names of outputs, --stats and --checkpoint, the frame "
+                    "number replaces #### or $frame4 (4 "
+                    "digits) or $frame, or else precedes the file extension. Existing images are overwritten")
+        .placeholder("FIRST:LAST:STEP")
+        .only_for_run();
     add_read_options(command, read);
     command.begin_group(kOutputOptions);
+    command
+        .add_flag("--skip-existing", skip_existing,
+                  "With --frames: skip frames whose images all exist, except images of interrupted renders")
+        .only_for_run();
     command.add_option("--stats", stats, "Write times and counters to this JSON file").file().only_for_run();
     command.begin_group(kAdvancedOptions);
     command

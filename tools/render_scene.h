@@ -9,6 +9,8 @@
 
 namespace sheaf {
 
+class FrameRun;
+
 /// A render that is repeated when its scene changes. It writes no images unless the user named them.
 struct RepeatedRender {
   Preview& preview;                          ///< also shows the renders before and after this one
@@ -16,8 +18,9 @@ struct RepeatedRender {
 };
 
 /// Renders a scene with the options of `sheaf render`, and `given`, those on the command line. Returns the exit code.
-/// Throws Error. `repeated`: null for a single render.
+/// Throws Error. `repeated`: null unless the render is repeated. `frames`: what the render shares with other frames of
+/// an animation; null for a single image.
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given,
-                 RepeatedRender* repeated = nullptr);
+                 RepeatedRender* repeated = nullptr, FrameRun* frames = nullptr);
 
 }  // namespace sheaf

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace sheaf {
@@ -36,6 +37,9 @@ class Reader final : public ImageReader {
                !spec.format.is_floating_point(),
                spec.tile_width,
                spec.tile_height};
+    // Versions of OpenImageIO up to 3.0 premultiply the colours of WebP files by alpha, whatever was asked for.
+    is_premultiplied_ = std::string_view(input_->format_name()) == "webp" && spec.nchannels == 4 &&
+                        spec.alpha_channel == 3 && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
   }
 
   const ImageHeader& header() const override { return header_; }
@@ -46,6 +50,7 @@ class Reader final : public ImageReader {
   template <class Value> bool read(OIIO::TypeDesc type, Value* out, std::string& remark) {
     try {
       const bool complete = read_all(type, out);
+      if (is_premultiplied_) divide_by_alpha(out);
       remark = input_->geterror();
       return complete;
     } catch (const std::logic_error& error) {
@@ -65,9 +70,26 @@ class Reader final : public ImageReader {
     return true;
   }
 
+  /// Undoes the premultiplication of four-channel pixels.
+  void divide_by_alpha(std::uint8_t* out) const {
+    for (std::size_t i = 0; i < value_count(); i += 4)
+      for (std::size_t c = 0; out[i + 3] != 0 && c < 3; ++c) {
+        const unsigned alpha = out[i + 3], value = (out[i + c] * 255u + alpha / 2) / alpha;
+        out[i + c] = static_cast<std::uint8_t>(std::min(value, 255u));
+      }
+  }
+  void divide_by_alpha(float* out) const {
+    for (std::size_t i = 0; i < value_count(); i += 4)
+      for (std::size_t c = 0; out[i + 3] > 0 && c < 3; ++c) out[i + c] = std::min(out[i + c] / out[i + 3], 1.0f);
+  }
+  std::size_t value_count() const {
+    return static_cast<std::size_t>(header_.width) * static_cast<std::size_t>(header_.height) * 4;
+  }
+
   std::unique_ptr<MemoryFile> file_;  ///< the file that input_ reads; null: a file on the disk
   std::unique_ptr<OIIO::ImageInput> input_;
   ImageHeader header_;
+  bool is_premultiplied_ = false;
 };
 
 class Library final : public ImageLibrary {

@@ -33,8 +33,8 @@ template <class L>
 SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query) {
   using F = Float<L>;
   const Spectrum<L> rgb = lookup_texture<L>(textures, map.texture, query);
-  const F y = F(2.0f) * rgb.c1 - F(1.0f);
-  return {F(2.0f) * rgb.c0 - F(1.0f), map.flags & NormalMapRow::kFlipGreen ? -y : y, F(2.0f) * rgb.c2 - F(1.0f)};
+  const F x = F(2.0f) * rgb.c0 - F(1.0f), y = F(2.0f) * rgb.c1 - F(1.0f), scale(map.scale);
+  return {scale * x, scale * (map.flags & NormalMapRow::kFlipGreen ? -y : y), F(2.0f) * rgb.c2 - F(1.0f)};
 }
 
 /// The normal of the surface displaced by a bump map, in world space, unnormalised. Ignores the change of the unmapped
@@ -60,7 +60,9 @@ SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapR
   const Frame<L> frame = Frame<L>::from_normal(base);
   const Vec2<L> c = tangent_of<L>(frame, dp_du);
   const Vec3<L> s = frame.s * c.x + frame.t * c.y;
-  const Vec3<L> bitangent = cross(base, s) * handedness;
+  Vec3<L> bitangent = cross(base, s) * handedness;
+  if (map.flags & NormalMapRow::kFollowsUv)
+    bitangent = select<L>(dot(bitangent, dp_dv) < F(0.0f), -bitangent, bitangent);
   Vec3<L> n;
   if (map.flags & NormalMapRow::kBump) {
     // Seen from behind, the displaced surface is the mirror image of its front, as normal maps are.

@@ -1,4 +1,5 @@
 // Warns about images with values that are invalid as reflectances. Kernels clamp these, which changes the result.
+#include "core/image.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
 
@@ -89,7 +90,8 @@ std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, 
       "%zu of %.0f texels (%.3g %%) are above 1 or below 0, from %g to %g: as reflectances they are clamped to "
       "[0, 1]",
       beyond.texels, all, share, static_cast<double>(beyond.smallest), static_cast<double>(beyond.largest));
-  const std::string file = std::get<BitmapDescription>(texture.model).file.string();
+  const auto& description = std::get<BitmapDescription>(texture.model);
+  const std::string file = description.encoded ? description.encoded->name : description.file.string();
   return warning(texture, (file.empty() ? "" : file + ": ") + text);
 }
 

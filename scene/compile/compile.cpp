@@ -200,19 +200,6 @@ void SceneCompiler::finish_tables() {
   probe_media();
 }
 
-void SceneCompiler::build_accel() {
-  const GeometryTables& geometry = out_->geometry_;
-  const AccelInput input{geometry.shapes.data(),         ungrouped_shapes_,
-                         geometry.vertices.data(),       geometry.triangles.data(),
-                         geometry.quadrics.data(),       geometry.curve_points.data(),
-                         geometry.curve_segments.data(), geometry.sdf_grids.data(),
-                         geometry.sdf_values.data(),     geometry.sdf_cells.data(),
-                         vertex_counts_.data(),          options_.watertight,
-                         group_ranges_.data(),           static_cast<std::uint32_t>(group_ranges_.size()),
-                         geometry.instances.data(),      static_cast<std::uint32_t>(geometry.instances.size())};
-  out_->accel_ = std::make_unique<Accel>(input);
-}
-
 void SceneCompiler::warn(const ShapeDescription& shape, const std::string& message) {
   out_->warnings_.push_back(SceneError(shape.where, message).what());
 }

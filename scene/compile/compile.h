@@ -25,6 +25,8 @@ struct CompileReport {
   std::size_t texture_bytes = 0;  ///< texels
 };
 
+struct KeptGeometry;
+
 /// Options of scene compilation.
 struct CompileOptions {
   /// Prevents rays from passing between two triangles that share an edge. Without it, about one ray in two million does
@@ -32,6 +34,8 @@ struct CompileOptions {
   bool watertight = false;
   ColorMode color = ColorMode::kRgb;
   CompileReport* report = nullptr;  ///< receives a report; null: none
+  /// Geometry of an earlier scene (scene/compile/kept_geometry.h), used instead of an equal one; null: none.
+  KeptGeometry* kept = nullptr;
 };
 
 /// Compiles a description: loads meshes, flattens materials, builds light tables and the acceleration structure. Throws

@@ -46,8 +46,8 @@ class NestingCheck {
   }
 
   SceneError too_deep(std::size_t i) const {
-    return TextureTableBuilder::error(
-        textures_[i], "more than " + std::to_string(kMaxTextureDepth) + " nested checkerboards and mixes");
+    return TextureTableBuilder::error(textures_[i],
+                                      "more than " + std::to_string(kMaxTextureDepth) + " nested textures");
   }
 
   const std::vector<TextureDescription>& textures_;

@@ -1,5 +1,6 @@
 #include "scene/compile/load_volume.h"
 
+#include "core/file_cache.h"
 #include "scene/compile/build_brick_grid.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/vol_file.h"
@@ -78,9 +79,12 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
         case GridVolumeDescription::Format::kInMemory:
           return load_made(description);
         case GridVolumeDescription::Format::kNanoVdb:
-          return load_nanovdb(description);
-        default:
-          return load_vol(description);
+          return cached(description.file, "nvdb " + description.grid, [&] { return load_nanovdb(description); });
+        default: {
+          const std::string options = description.use_grid_bbox ? "vol with box " : "vol ";
+          return cached(description.file, options + std::to_string(static_cast<int>(description.wrap)),
+                        [&] { return load_vol(description); });
+        }
       }
     } catch (const SceneError& error) {
       if (file.empty() || std::string_view(error.what()).starts_with(file + ":")) throw;

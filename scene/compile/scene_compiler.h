@@ -3,6 +3,7 @@
 
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
+#include "scene/compile/kept_geometry.h"
 #include "scene/compile/open_boundaries.h"
 #include "scene/compile/scene_naming.h"
 #include "scene/formats/mesh.h"
@@ -42,6 +43,9 @@ class SceneCompiler {
   /// Runs all steps in order. Call once.
   std::unique_ptr<Scene> run();
 
+  /// Moves the geometry out of a scene, which must not be used afterwards.
+  static void keep_geometry(Scene& scene, KeptGeometry& kept);
+
  private:
   /// Maximum number of 32-bit words in a table, so that kernels can address them by 32-bit indices.
   static constexpr std::size_t kMaxWords = std::numeric_limits<std::uint32_t>::max() - 64;
@@ -73,10 +77,13 @@ class SceneCompiler {
   void set_bounds();
   /// Pads tables for kernels, and builds the tables that depend on all others.
   void finish_tables();
-  void build_accel();
   /// Memory use; call after all tables are complete.
   CompileReport report() const;
   void warn(const ShapeDescription& shape, const std::string& message);
+
+  // kept_geometry.cpp
+  /// Builds the acceleration structure, or takes the kept one.
+  void build_accel();
 
   // compile_shapes.cpp
   void add_shape(const ShapeDescription& shape);

@@ -2,11 +2,13 @@
 #include "scene/compile/texture_image.h"
 
 #include "core/color.h"
+#include "core/file_cache.h"
 #include "core/image.h"
 #include "core/image_channels.h"
 #include "core/memory.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -55,9 +57,9 @@ void prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channel
   }
 }
 
-/// Converts all values to floats, decoded unless `raw`, and applies the colour transform.
-void change_values(StoredImage& stored, bool raw, const BitmapDescription::ColorTransform& change) {
-  const bool decode = !raw && (stored.integers || !stored.bytes.empty());
+/// Converts all values to floats, decoded unless `linear`, and applies the colour transform.
+void change_values(StoredImage& stored, bool linear, const BitmapDescription::ColorTransform& change) {
+  const bool decode = !linear && (stored.integers || !stored.bytes.empty());
   if (stored.floats.empty())
     for (const std::uint8_t byte : stored.bytes) stored.floats.push_back(static_cast<float>(byte) / 255.0f);
   stored.bytes = {};
@@ -72,10 +74,34 @@ void change_values(StoredImage& stored, bool raw, const BitmapDescription::Color
   }
 }
 
-TiledImage tile_stored_image(StoredImage stored, bool raw, const BitmapDescription::ColorTransform& change,
-                             const SourceLocation& where) {
-  if (change != BitmapDescription::ColorTransform{}) change_values(stored, raw, change);
-  const std::vector<std::size_t> channels = find_color_channels(stored.channels, where).channels;
+/// One opaque pixel: the alpha of an image without alpha.
+StoredImage opaque_pixel() {
+  StoredImage pixel;
+  pixel.width = pixel.height = 1;
+  pixel.channels = {"A"};
+  pixel.bytes = {255};
+  pixel.integers = true;
+  return pixel;
+}
+
+/// Indices of the channels that the texture uses: one or three. Replaces the image if it lacks alpha and that is used.
+std::vector<std::size_t> select_channels(StoredImage& stored, BitmapDescription::Channel channel,
+                                         const SourceLocation& where) {
+  using Channel = BitmapDescription::Channel;
+  const ColorChannels found = find_color_channels(stored.channels, where);
+  if (channel == Channel::kColor) return found.channels;
+  if (channel != Channel::kAlpha) {
+    const auto index = static_cast<std::size_t>(channel) - static_cast<std::size_t>(Channel::kRed);
+    return {found.channels[std::min(index, found.channels.size() - 1)]};
+  }
+  if (found.alpha) return {*found.alpha};
+  stored = opaque_pixel();
+  return {0};
+}
+
+TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap, const SourceLocation& where) {
+  const std::vector<std::size_t> channels = select_channels(stored, bitmap.channel, where);
+  if (bitmap.change != BitmapDescription::ColorTransform{}) change_values(stored, bitmap.is_linear(), bitmap.change);
   const bool bytes = !stored.bytes.empty(), grey = channels.size() == 1;
 
   TiledImage image;
@@ -100,26 +126,34 @@ TiledImage tile_stored_image(StoredImage stored, bool raw, const BitmapDescripti
   if (bytes) {
     fill_tiles(image, stored.bytes, stored.channels.size(), channels);
   } else {
-    prepare_floats(stored, channels, stored.integers && !raw, where);
+    prepare_floats(stored, channels, stored.integers && !bitmap.is_linear(), where);
     fill_tiles(image, stored.floats, stored.channels.size(), channels);
   }
   return image;
 }
 
-}  // namespace
-
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
-                            const BitmapDescription::ColorTransform& change) {
-  return tile_stored_image(read_stored_image(file, raw), raw, change, {file.string(), 0});
-}
-
-TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where) {
+/// The pixels of an image in memory, as if read from a file.
+StoredImage stored_image(const Image& made) {
   StoredImage stored;
   stored.width = made.width;
   stored.height = made.height;
   stored.channels = made.channels;
   stored.floats = made.data;
-  return tile_stored_image(std::move(stored), true, change, where);
+  return stored;
+}
+
+}  // namespace
+
+TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where) {
+  if (bitmap.made) return tile_stored_image(stored_image(*bitmap.made), bitmap, where);
+  if (bitmap.encoded) return tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0});
+  std::string key = bitmap.raw ? "raw texture" : "texture";
+  key += " " + std::to_string(static_cast<int>(bitmap.channel));
+  for (const float value : {bitmap.change.scale, bitmap.change.invert ? 1.0f : 0.0f, bitmap.change.exponent})
+    key += " " + std::to_string(std::bit_cast<std::uint32_t>(value));
+  return cached(bitmap.file, key, [&] {
+    return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, {bitmap.file.string(), 0});
+  });
 }
 
 }  // namespace sheaf

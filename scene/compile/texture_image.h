@@ -4,7 +4,7 @@
 #include "scene/tables/texture.h"
 #include "scene/textures/bitmap.h"
 
-#include <filesystem>
+#include <vector>
 
 namespace sheaf {
 
@@ -16,16 +16,14 @@ struct TiledImage {
   std::vector<TexelTile> tiles;
 };
 
-/// Reads an image. Grey (with or without alpha) becomes one channel, and colours become four, the last of which is
-/// zero. Alpha is dropped and not multiplied in. 8-bit data stays unchanged, with or without `raw`. Integers of 16 bits
-/// or more become floats, decoded by the sRGB curve unless `raw`. Floats are linear; unless `raw`, they are converted
-/// to Rec.709 if the file declares another colour space. With a `change`, all data becomes floats, decoded unless
-/// `raw`, and transformed. Throws SceneError if the image is missing, broken or too large, or has unknown channels or
-/// non-finite values.
-TiledImage load_tiled_image(const std::filesystem::path& file, bool raw,
-                            const BitmapDescription::ColorTransform& change = {});
-
-/// The same for an image in memory with linear values.
-TiledImage tile_image(const Image& made, const BitmapDescription::ColorTransform& change, const SourceLocation& where);
+/// Reads the image of a bitmap: its file, or `encoded` or `made` if set. Grey (with or without alpha) and single
+/// channels become one channel, and colours become four, the last of which is zero. Alpha is dropped from colours and
+/// not multiplied in; if it is the channel and the image has none, the result is a single texel of 1. 8-bit data stays
+/// unchanged, with or without `raw`. Integers of 16 bits or more become floats, decoded by the sRGB curve unless
+/// is_linear(). Floats are linear; unless `raw`, they are converted to Rec.709 if the file declares another colour
+/// space. With a `change`, all data becomes floats, decoded unless is_linear(), and transformed. Throws SceneError if
+/// the image is missing, broken or too large, or has unknown channels or non-finite values; for `made`, at `where`. A
+/// FileCache keeps images of files.
+TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocation& where);
 
 }  // namespace sheaf

@@ -44,29 +44,33 @@ PlacedImage TextureTableBuilder::image(const BitmapDescription& bitmap, const Te
   return {static_cast<std::uint32_t>(first_tile), image.tiles_per_row, image.width, image.height, image.format};
 }
 
-/// Index in images_. Byte images without a colour transform are shared between raw and decoded use; float images are
-/// not.
+/// Index in images_. Byte images without a colour transform are shared between linear and decoded use; float images
+/// are not.
 std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
-  if (bitmap.made) return made_image_index(bitmap, texture);
-  std::error_code ignored;
-  std::filesystem::path file = std::filesystem::weakly_canonical(bitmap.file, ignored);
-  if (ignored) file = bitmap.file;
-  const auto known = index_of_.find({file, bitmap.raw, bitmap.change});
+  ImageKey key{{}, bitmap.made.get(), bitmap.is_linear(), bitmap.channel, bitmap.change};
+  if (bitmap.encoded && !bitmap.made) key.memory = bitmap.encoded.get();
+  if (key.memory == nullptr) {
+    std::error_code ignored;
+    key.file = std::filesystem::weakly_canonical(bitmap.file, ignored);
+    if (ignored) key.file = bitmap.file;
+  }
+  const auto known = index_of_.find(key);
   if (known != index_of_.end()) return known->second;
-  std::size_t index = 0;
-  try {
-    index = add_image(load_tiled_image(bitmap.file, bitmap.raw, bitmap.change));
-  } catch (const SceneError& problem) { throw error(texture, problem.what()); }
-  for (const bool raw : {false, true})
-    if (raw == bitmap.raw || holds_bytes(images_[index].image.format)) index_of_[{file, raw, bitmap.change}] = index;
+  const std::size_t index = add_image(load(bitmap, texture));
+  const bool is_shared = bitmap.made || holds_bytes(images_[index].image.format);
+  for (const bool linear : {false, true})
+    if (linear == bitmap.is_linear() || is_shared) {
+      key.linear = linear;
+      index_of_[key] = index;
+    }
   return index;
 }
 
-/// The same for an image in memory.
-std::size_t TextureTableBuilder::made_image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
-  const auto [known, is_new] = index_of_made_.insert({{bitmap.made.get(), bitmap.change}, images_.size()});
-  if (is_new) add_image(tile_image(*bitmap.made, bitmap.change, texture.where));
-  return known->second;
+TiledImage TextureTableBuilder::load(const BitmapDescription& bitmap, const TextureDescription& texture) {
+  if (bitmap.made) return load_tiled_image(bitmap, texture.where);
+  try {
+    return load_tiled_image(bitmap, texture.where);
+  } catch (const SceneError& problem) { throw error(texture, problem.what()); }
 }
 
 std::size_t TextureTableBuilder::add_image(TiledImage image) {

@@ -48,6 +48,15 @@ class TextureTableBuilder {
   TextureTables finish(std::vector<PlacedGrid>* grids);
 
  private:
+  /// The source of an image, and the way of reading it.
+  struct ImageKey {
+    std::filesystem::path file;    ///< canonical path; empty for images in memory
+    const void* memory = nullptr;  ///< BitmapDescription::made or encoded
+    bool linear = false;           ///< BitmapDescription::is_linear()
+    BitmapDescription::Channel channel = BitmapDescription::Channel::kColor;
+    BitmapDescription::ColorTransform change = {};
+    friend auto operator<=>(const ImageKey&, const ImageKey&) = default;
+  };
   struct LoadedImage {
     TiledImage image;
     std::size_t first_tile;
@@ -58,15 +67,14 @@ class TextureTableBuilder {
   };
 
   std::size_t image_index(const BitmapDescription& bitmap, const TextureDescription& texture);
-  std::size_t made_image_index(const BitmapDescription& bitmap, const TextureDescription& texture);
+  static TiledImage load(const BitmapDescription& bitmap, const TextureDescription& texture);
   std::size_t add_image(TiledImage image);
   void join_images();
 
   const std::vector<TextureDescription>& textures_;
   std::vector<LoadedImage> images_;
   std::size_t tile_count_ = 0;
-  std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform>, std::size_t> index_of_;
-  std::map<std::pair<const Image*, BitmapDescription::ColorTransform>, std::size_t> index_of_made_;
+  std::map<ImageKey, std::size_t> index_of_;
   std::vector<Grid> grids_;
   TextureTables out_;
 };

@@ -1,9 +1,10 @@
 // Scenes around a single model: its materials, a floor, a sky and a camera.
 #include "scene/dialects/read_model.h"
 
-#include "core/frame.h"
 #include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/obj_materials.h"
+#include "scene/dialects/common/surroundings.h"
+#include "scene/dialects/gltf/read_gltf.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/smooth_normals.h"
@@ -14,62 +15,6 @@
 namespace sheaf {
 
 namespace {
-
-/// Ratio of floor size to model size; the floor's edge is near the horizon.
-constexpr float kFloor = 200;
-
-/// Returns a disk below the box, perpendicular to `up`.
-ShapeDescription make_floor(const std::array<Vec3f, 2>& box, Vec3f up, MaterialId material) {
-  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
-  const Vec3f half = box[1] * 0.5f - box[0] * 0.5f;
-  const float radius = kFloor * std::max(length(half), 1e-6f);
-  const Vec3f foot = center - up * dot(up, half);
-  const Frame<Scalar> frame = Frame<Scalar>::from_normal(up);
-  Matrix4 m;
-  const Vec3f columns[4] = {frame.s * radius, frame.t * radius, up, foot};
-  for (std::size_t j = 0; j < 4; ++j) {
-    m.m[0][j] = columns[j].x;
-    m.m[1][j] = columns[j].y;
-    m.m[2][j] = columns[j].z;
-  }
-  ShapeDescription floor;
-  floor.geometry = DiskShape{};
-  floor.to_world = Transform(m);
-  floor.material = material;
-  return floor;
-}
-
-MaterialId add_two_sided(Description& description, DiffuseDescription diffuse) {
-  MaterialDescription material;
-  material.model = std::move(diffuse);
-  MaterialDescription both;
-  description.materials.push_back(std::move(material));
-  const auto id = static_cast<MaterialId>(description.materials.size() - 1);
-  both.model = TwoSidedDescription{id, id};
-  description.materials.push_back(std::move(both));
-  return static_cast<MaterialId>(description.materials.size() - 1);
-}
-
-MaterialId add_diffuse(Description& description, Vec3f reflectance) {
-  return add_two_sided(description, {SpectrumDescription{SpectrumDescription::Rgb{reflectance}}});
-}
-
-/// Adds a constant sky and a sun over the viewer's left shoulder.
-void add_sky(Description& description, const ModelView& view, const std::array<Vec3f, 2>& box) {
-  constexpr Vec3f kSky{0.52f, 0.58f, 0.68f}, kSun{1.9f, 1.75f, 1.5f};
-  description.lights.push_back({ConstantLightDescription{{SpectrumDescription::Rgb{kSky}}}, {}});
-  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
-  const Vec3f up = up_vector(view);
-  const Vec3f eye = description.camera.to_world.point({0, 0, 0});
-  Vec3f front = eye - center;
-  front = front - up * dot(up, front);
-  front = length_squared(front) > 0.0f ? normalize(front) : Frame<Scalar>::from_normal(up).s;
-  const Vec3f left = cross(front, up);
-  DirectionalLightDescription sun;
-  sun.direction = -(up * 1.0f + front * 0.5f + left * 0.6f);
-  sun.irradiance = {SpectrumDescription::Rgb{kSun}};
-  description.lights.push_back({std::move(sun), {}});
-}
 
 /// Adds a two-sided diffuse material with a texture.
 MaterialId add_textured(Description& description, TextureDescription texture, const std::filesystem::path& file) {
@@ -123,19 +68,30 @@ void load_model(ShapeDescription& shape, const MeshFileShape& from, Description&
   shape.geometry = std::move(mesh);
 }
 
-}  // namespace
-
-std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
+std::string lower_extension(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+}  // namespace
+
+bool is_gltf(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  return extension == ".gltf" || extension == ".glb";
+}
+
+std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
   if (extension == ".obj") return MeshFileShape::Format::kObj;
   if (extension == ".ply") return MeshFileShape::Format::kPly;
   if (extension == ".serialized") return MeshFileShape::Format::kSerialized;
+  if (extension == ".stl") return MeshFileShape::Format::kStl;
   return std::nullopt;
 }
 
 Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view,
-                       bool lenient) {
+                       const ModelSurroundings& surroundings, bool lenient) {
   Description description;
   description.file = file;
   description.files = {file};
@@ -154,16 +110,29 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
       load_model(part, MeshFileShape(*from), description);
   const std::array<Vec3f, 2> box = read_bounds(description, lenient);
   frame_box(box, view, description);
-  // Add floor, light and default materials
-  const MaterialId grey = add_diffuse(description, {0.6f, 0.6f, 0.6f});
+  // Add default materials, floor and light
+  const MaterialId grey = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
   for (ShapeDescription& part : description.shapes)
     if (!part.material) part.material = grey;
-  description.shapes.push_back(make_floor(box, up_vector(view), add_diffuse(description, {0.45f, 0.43f, 0.41f})));
-  add_sky(description, view, box);
-  description.film.width = 800;
-  description.film.height = 600;
-  description.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
-  description.sampler.sample_count = 64;
+  if (surroundings.floor) add_floor(box, view, description);
+  add_sky(box, view, surroundings, description);
+  set_model_defaults(description);
+  return description;
+}
+
+Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  Description description;
+  set_model_defaults(description);
+  const GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment,
+                                          options.camera, options.lenient, description);
+  if (description.shapes.empty() && description.instances.empty())
+    throw SceneError({file.string(), 0}, "has no triangles to render");
+  const std::array<Vec3f, 2> box = read_bounds(description, options.lenient);
+  if (!contents.has_camera) frame_box(box, options.view, description);
+  if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
+    add_floor(box, options.view, description);
+  if (!contents.has_lights || !options.surroundings.environment.empty())
+    add_sky(box, options.view, options.surroundings, description);
   return description;
 }
 

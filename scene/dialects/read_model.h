@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-/// Returns the model format by file extension (.obj, .ply, .serialized, in any case); nullopt for other files.
+/// Returns the model format by file extension (.obj, .ply, .serialized, .stl, in any case); nullopt for other files.
 std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file);
 
 /// Builds a scene around a model. Materials come from the MTL files of an OBJ file, the texture that a PLY file names
@@ -13,6 +13,14 @@ std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& f
 /// with compute_creased_normals(). Throws SceneError. `lenient`: unreadable materials and faces that refer to missing
 /// vertices become warnings.
 Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view,
-                       bool lenient);
+                       const ModelSurroundings& surroundings, bool lenient);
+
+/// Whether a file is glTF by its extension (.gltf, .glb, in any case).
+bool is_gltf(const std::filesystem::path& file);
+
+/// Reads a glTF file. Without a camera in the file, one frames the scene. A file without lights gets a sky. A
+/// file with neither camera nor lights gets a floor. Throws
+/// SceneError.
+Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace sheaf

@@ -71,7 +71,7 @@ namespace {
 std::string conversion(FileUse use) {
   switch (use) {
     case FileUse::kModel:
-      return "; convert it to OBJ or PLY, or to a Mitsuba scene, for example with Blender";
+      return "; convert it to glTF, for example with Blender";
     case FileUse::kVolume:
       return "; convert it to .nvdb with vdb_to_nanovdb or nanovdb_convert and use it as a gridvolume in a scene";
     case FileUse::kImage:
@@ -89,6 +89,7 @@ std::string conversion(FileUse use) {
 
 /// Throws SceneError for files that are neither scenes nor models.
 void check_format(const std::filesystem::path& file) {
+  if (is_gltf(file) || model_format(file) == MeshFileShape::Format::kStl) return;
   const FileFormat format = file_format(file);
   if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
   // For empty files with a known extension, the readers report better errors.
@@ -96,7 +97,7 @@ void check_format(const std::filesystem::path& file) {
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError({file.string(), 0}, "is " + format.name +
                                            ", expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), "
-                                           "or a model (.obj, .ply, .serialized)" +
+                                           "or a model (.gltf, .glb, .obj, .ply, .stl, .serialized)" +
                                            conversion(format.use));
 }
 
@@ -110,15 +111,26 @@ void drop_bad_faces(Description& description) {
   for (ShapeGroup& group : description.groups) drop(group.shapes);
 }
 
+/// Throws Error for scenes of formats that have one camera.
+void reject_camera_choice(const ReadOptions& options) {
+  if (!options.camera.empty()) throw Error(ExitCode::kUsage, "--camera applies to scenes of Mitsuba and to glTF files");
+}
+
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
-  if (const auto format = model_format(file)) return read_model(file, *format, options.view, options.lenient);
+  const auto format = model_format(file);
+  if ((is_gltf(file) || format) && !options.defines.empty())
+    throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
+  if (is_gltf(file)) return read_gltf_scene(file, options);
+  if (format) {
+    reject_camera_choice(options);
+    return read_model(file, *format, options.view, options.surroundings, options.lenient);
+  }
   if (is_pbrt_scene(file)) {
-    if (!options.defines.empty())
-      throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": pbrt scenes have no parameters");
+    reject_camera_choice(options);
     Description description;
     description.file = file;
-    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.lenient);
+    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, options.lenient);
     if (options.lenient) drop_bad_faces(description);
     return description;
   }
@@ -131,6 +143,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   description.stand_ins = scene.left_out();
   const bool nori = is_nori(root);
   if (nori) {
+    reject_camera_choice(options);
     scene.rename("shape", "mesh");
   } else {
     rename_old_plugins(scene);
@@ -138,6 +151,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   // Read the elements
   ReadContext context{scene, description, options.lenient};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
+  context.camera = options.camera;
   context.readers.spectrum = read_property_spectrum;
   context.readers.scalar_texture = scalar_texture;
   if (nori) {

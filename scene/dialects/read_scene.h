@@ -23,12 +23,15 @@ struct ReadOptions {
   /// Folder to which relative paths in the scene file refer. Default: that of the file.
   std::optional<std::filesystem::path> folder;
   ModelView view;  ///< for models and, if lenient, scenes without a camera
+  ModelSurroundings surroundings;
+  ModelMoment moment;
+  std::string camera;  ///< name or number of a camera, in glTF files and scenes of Mitsuba; empty: the first
 };
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
-/// 0.6 to 3 (`sensor`, `version`), chosen by content. Models (.obj, .ply, .serialized) are placed on a floor under a
-/// sky. Mesh files are located but not loaded, except for models and for OBJ files whose materials are used
-/// (scene/dialects/common/obj_materials.h). Throws SceneError.
+/// 0.6 to 3 (`sensor`, `version`), chosen by content. glTF (.gltf, .glb) may be a scene or a model. Models (.obj, .ply,
+/// .stl, .serialized) are placed on a floor under a sky. Mesh files are located but not loaded, except for models and
+/// for OBJ files whose materials are used (scene/dialects/common/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 }  // namespace sheaf

@@ -2,8 +2,10 @@
 #include "scene/formats/mesh_io.h"
 
 #include "core/byte_order_mark.h"
+#include "core/file_cache.h"
 #include "core/inflate.h"
 #include "scene/formats/serialized.h"
+#include "scene/formats/stl.h"
 
 #include <fstream>
 #include <system_error>
@@ -62,15 +64,29 @@ std::string read_mesh_text(const std::filesystem::path& file, std::string_view w
   return text;
 }
 
-MeshFile read_mesh(const MeshFileShape& shape) {
+namespace {
+
+MeshFile read_mesh_format(const MeshFileShape& shape) {
   switch (shape.format) {
     case MeshFileShape::Format::kPly:
       return read_ply(shape.file, shape.flip_tex_coords, shape.bad_faces);
     case MeshFileShape::Format::kSerialized:
       return read_serialized(shape.file, shape.shape_index, shape.bad_faces);
+    case MeshFileShape::Format::kStl:
+      return read_stl(shape.file);
     default:
       return read_obj(shape.file, shape.flip_tex_coords, shape.bad_faces);
   }
+}
+
+}  // namespace
+
+MeshFile read_mesh(const MeshFileShape& shape) {
+  std::string key = "mesh";
+  for (const int option : {static_cast<int>(shape.format), int{shape.flip_tex_coords}, shape.shape_index,
+                           static_cast<int>(shape.bad_faces)})
+    key += " " + std::to_string(option);
+  return cached(shape.file, key, [&] { return read_mesh_format(shape); });
 }
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 #include "scene/lights/make_envmap.h"
 
 #include "core/color.h"
+#include "core/file_cache.h"
 #include "core/image.h"
 #include "core/image_channels.h"
 #include "core/lanes.h"
@@ -224,7 +225,7 @@ void uplift_nodes(Envmap& map) {
 EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw) {
   const SourceLocation where{file.string(), 0};
   // Read the image and find its colours
-  StoredImage stored = read_stored_image(file);
+  StoredImage stored = cached(file, "stored image", [&] { return read_stored_image(file); });
   const std::vector<std::size_t> channels = find_color_channels(stored.channels, where).channels;
   const std::size_t stride = stored.channels.size();
   const bool bytes = !stored.bytes.empty(), encoded = !raw && (bytes || stored.integers);

@@ -13,6 +13,7 @@
 #include "scene/materials/hanrahan_krueger.h"
 #include "scene/materials/mask.h"
 #include "scene/materials/measured.h"
+#include "scene/materials/metallic_roughness.h"
 #include "scene/materials/nori_microfacet.h"
 #include "scene/materials/normal_map.h"
 #include "scene/materials/null.h"
@@ -48,6 +49,7 @@ using MaterialModels = list_detail::ModelList<DiffuseDescription,             //
                                               PrincipledDescription,          //
                                               PrincipledThinDescription,      //
                                               DisneyDescription,              //
+                                              MetallicRoughnessDescription,   //
                                               NoriMicrofacetDescription,      //
                                               PhongDescription,               //
                                               RoughDiffuseDescription,        //

@@ -75,13 +75,14 @@ static_assert(sizeof(MaterialRow) == 256);
 struct NormalMapRow {
   std::uint32_t texture = 0;  ///< into TextureView::rows
   std::uint32_t flags = 0;
-  float scale = 1;  ///< kBump: factor of the texture's gradient
+  float scale = 1;  ///< kBump: factor of the texture's gradient; otherwise of the normal's x and y
   /// Bits of `flags`.
   enum : std::uint32_t {
     kBump = 1,        ///< the texture is a height field, not a normal map
     kFlipGreen = 2,   ///< green points down
     kFixInvalid = 4,  ///< normals that face away from the viewer are mirrored at the unmapped normal
     kSoften = 8,      ///< soften the shadow terminator
+    kFollowsUv = 16,  ///< the y axis of the normal map follows the direction of increasing v
   };
 };
 

@@ -45,6 +45,16 @@ bool read_raw(Properties& p) {
   return read_linear_gamma(p);
 }
 
+BitmapDescription::Channel read_channel(Properties& p) {
+  using Channel = BitmapDescription::Channel;
+  static constexpr NameTable<Channel> kChannels{{{"all", Channel::kColor},
+                                                 {"r", Channel::kRed},
+                                                 {"g", Channel::kGreen},
+                                                 {"b", Channel::kBlue},
+                                                 {"a", Channel::kAlpha}}};
+  return p.choice("channel", kChannels, Channel::kColor);
+}
+
 }  // namespace
 
 BitmapDescription BitmapDescription::read(Properties& p) {
@@ -55,7 +65,7 @@ BitmapDescription BitmapDescription::read(Properties& p) {
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
-  if (p.has("channel")) p.fail_at("channel", "is not supported: all channels of the image are read");
+  bitmap.channel = read_channel(p);
   p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;
 }

@@ -9,6 +9,7 @@
 
 namespace sheaf {
 
+struct EncodedImage;
 struct Image;
 
 /// Data of an image's row.
@@ -23,10 +24,14 @@ struct BitmapRow {
 
 /// An image from a file or from memory, repeated over the uv plane.
 struct BitmapDescription {
+  /// What of the image is used: its colours, or one channel as a scalar. Red, green and blue of a grey image are its
+  /// grey; alpha of an image without alpha is 1.
+  enum class Channel { kColor, kRed, kGreen, kBlue, kAlpha };
+
   std::filesystem::path file;  ///< resolved path
   TextureFilter filter = TextureFilter::kBilinear;
   TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
-  bool raw = false;  ///< values are data, not colours: integers are not decoded by the sRGB curve
+  bool raw = false;  ///< values are data, not colours: integers are not decoded by the sRGB curve, as alpha never is
   /// Transform of each value of the image after decoding.
   struct ColorTransform {
     float scale = 1;      ///< first: multiply by this
@@ -36,21 +41,27 @@ struct BitmapDescription {
   } change = {};
   /// Replaces `file`: channels Y, or R, G and B, with linear values.
   std::shared_ptr<const Image> made = {};
+  /// Replaces `file`: a PNG, JPEG or WebP file in memory. Textures with the same object share their texels.
+  std::shared_ptr<const EncodedImage> encoded = {};
+  Channel channel = Channel::kColor;
 
   static constexpr TextureDomain kDomain = TextureDomain::kImage;
   static constexpr std::array kPlugins = {"bitmap"};
   static BitmapDescription read(Properties& p);
   static constexpr auto fields(auto& s) {
-    return std::tie(s.file, s.filter, s.wrap_u, s.wrap_v, s.raw, s.change.scale, s.change.invert, s.change.exponent);
+    return std::tie(s.file, s.filter, s.wrap_u, s.wrap_v, s.raw, s.change.scale, s.change.invert, s.change.exponent,
+                    s.channel);
   }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { change.scale *= by; }
+  /// Whether integers are linear values.
+  bool is_linear() const { return raw || channel == Channel::kAlpha; }
 
   void make_row(auto& row) const {
     const auto image = row.load_image(*this);
     TexelFormat format = image.format;
-    if (format == TexelFormat::kByte1 && !raw) format = TexelFormat::kSrgbByte1;
-    if (format == TexelFormat::kByte4 && !raw) format = TexelFormat::kSrgbByte4;
+    if (format == TexelFormat::kByte1 && !is_linear()) format = TexelFormat::kSrgbByte1;
+    if (format == TexelFormat::kByte4 && !is_linear()) format = TexelFormat::kSrgbByte4;
     row.set(
         BitmapRow{image.first_tile, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
   }

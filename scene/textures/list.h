@@ -8,6 +8,9 @@
 #include "scene/textures/grid.h"
 #include "scene/textures/mesh_attribute.h"
 #include "scene/textures/mix.h"
+#include "scene/textures/product.h"
+#include "scene/textures/threshold.h"
+#include "scene/textures/uv_set.h"
 #include "scene/textures/volume.h"
 #include "scene/textures/wireframe.h"
 
@@ -34,14 +37,17 @@ template <CompleteTexture... Descriptions> struct TextureKindList {
 };
 
 /// All kinds of textures, in the order of TextureKind.
-using TextureKinds = TextureKindList<ConstantTextureDescription,  //
-                                     BitmapDescription,           //
-                                     CheckerboardDescription,     //
-                                     GridTextureDescription,      //
-                                     MeshAttributeDescription,    //
-                                     VolumeTextureDescription,    //
-                                     MixTextureDescription,       //
-                                     WireframeDescription>;
+using TextureKinds = TextureKindList<ConstantTextureDescription,   //
+                                     BitmapDescription,            //
+                                     CheckerboardDescription,      //
+                                     GridTextureDescription,       //
+                                     MeshAttributeDescription,     //
+                                     VolumeTextureDescription,     //
+                                     MixTextureDescription,        //
+                                     WireframeDescription,         //
+                                     ProductTextureDescription,    //
+                                     ThresholdTextureDescription,  //
+                                     UvSetTextureDescription>;
 
 /// The TextureKind of a kind, such as kTextureKind<BitmapDescription>.
 template <class Description> inline constexpr TextureKind kTextureKind = TextureKinds::kind_of<Description>();

@@ -24,7 +24,7 @@ struct MeshAttributeDescription {
   static MeshAttributeDescription read(auto& p) {
     if (p.type() == "vertexcolors") return {"vertex_color"};
     const std::string name = p.required_string("name");
-    if (!is_attribute(name))
+    if (!is_attribute_name(name))
       p.fail_at("name", "is " + in_quotes(name) + ", expected a name that begins with vertex_ or face_");
     return {name, p.number("scale", 1)};
   }
@@ -33,14 +33,10 @@ struct MeshAttributeDescription {
   void scale_by(float by) { scale *= by; }
 
   void make_row(auto& row) const {
-    if (!is_attribute(name))
-      throw row.error("'" + name + "' is not a mesh attribute (expected a name that begins with 'vertex_' or 'face_')");
+    check_attribute_name(row, name);
     if (!std::isfinite(scale)) throw row.error("'scale' is not finite");
     row.set(MeshAttributeRow{row.require_attribute(name), scale});
   }
-
- private:
-  static bool is_attribute(const std::string& name) { return name.starts_with("vertex_") || name.starts_with("face_"); }
 };
 
 }  // namespace sheaf

@@ -24,6 +24,8 @@
 #include <array>
 #include <concepts>
 #include <span>
+#include <string>
+#include <string_view>
 #include <tuple>
 
 namespace sheaf {
@@ -44,6 +46,17 @@ enum class TextureDomain {
 constexpr std::uint8_t needs_of(TextureDomain domain) {
   if (domain == TextureDomain::kMesh) return kTextureNeedsMesh;
   return domain == TextureDomain::kPoint ? kTextureNeedsPoint : 0;
+}
+
+/// Whether a name can be that of a mesh attribute.
+inline bool is_attribute_name(std::string_view name) {
+  return name.starts_with("vertex_") || name.starts_with("face_");
+}
+
+/// Throws the error of the TextureRowBuilder `row` if it cannot.
+void check_attribute_name(const auto& row, const std::string& name) {
+  if (!is_attribute_name(name))
+    throw row.error("'" + name + "' is not a mesh attribute (expected a name that begins with 'vertex_' or 'face_')");
 }
 
 /// kPlugins of a kind that only one dialect can write.

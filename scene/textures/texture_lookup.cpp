@@ -6,11 +6,14 @@ namespace sheaf {
 
 template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept {
   const TextureRow& row = view.rows[texture];
-  for (const std::uint32_t input : row.used_inputs()) prefetch_texture<L>(view, input, uv);
+  bool moves_inputs = false;
   Textures::with(row.kind, [&]<class Texture>() SHEAF_LAMBDA_INLINE {
+    if constexpr (requires { Texture::kMovesInputs; }) moves_inputs = Texture::kMovesInputs;
     if constexpr (requires { Texture::template prefetch<L>(view, row, uv); })
       Texture::template prefetch<L>(view, row, uv);
   });
+  if (moves_inputs) return;
+  for (const std::uint32_t input : row.used_inputs()) prefetch_texture<L>(view, input, uv);
 }
 
 template <class L>

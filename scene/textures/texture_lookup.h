@@ -29,11 +29,12 @@ template <class L>
 Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
 /// Derivatives of lookup_scalar() by the surface's u and v, with the texture's transform applied. Zero except for
-/// bilinear images and mixes of these.
+/// bilinear images, and mixes and products of these.
 template <class L>
 Vec2<L> lookup_scalar_gradient(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
-/// Prefetches the texels that a lookup at `uv` will read. Only acts on images and textures composed of them.
+/// Prefetches the texels that a lookup at `uv` will read. Only acts on images and textures composed of them at the same
+/// coordinates.
 template <class L> void prefetch_texture(const TextureView& view, std::uint32_t texture, Vec2<L> uv) noexcept;
 
 /// Values of a binding's texture for the closure's words: the first binding.words lanes of the result.

@@ -44,6 +44,12 @@ class LineIndex {
     const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), static_cast<std::size_t>(offset));
     return static_cast<int>(end - line_ends_.begin()) + 1;
   }
+  int column(std::ptrdiff_t offset) const {
+    const int before = line(offset) - 1;
+    const std::ptrdiff_t start =
+        before > 0 ? static_cast<std::ptrdiff_t>(line_ends_[static_cast<std::size_t>(before) - 1]) + 1 : 0;
+    return static_cast<int>(offset - start) + 1;
+  }
 
  private:
   std::vector<std::size_t> line_ends_;
@@ -55,6 +61,7 @@ template <class Range> std::size_t count(const Range& range) {
 
 struct Converter {
   std::string file;
+  const char* buffer;  ///< the text, parsed in place
   LineIndex lines;
   std::vector<std::string>* left_out;
 
@@ -76,6 +83,15 @@ struct Converter {
     fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "ignored");
   }
 
+  /// Sets the position of a value at this offset if it contains an expression.
+  void place_expression(XmlAttribute& attribute, std::ptrdiff_t offset) const {
+    if (attribute.value.find("$(") == std::string::npos) return;
+    const int line = lines.line(offset);
+    if (lines.line(offset + static_cast<std::ptrdiff_t>(attribute.value.size())) != line) return;
+    attribute.line = line;
+    attribute.column = lines.column(offset);
+  }
+
   /// Removes the children of `node` from pugixml's tree while converting, so that a large scene is not in memory twice.
   XmlElement convert(pugi::xml_node node, int depth) const {
     XmlElement element;
@@ -94,6 +110,7 @@ struct Converter {
       if (element.attributes.size() == kMaxAttributes)
         throw SceneError(element.where, "more than " + std::to_string(kMaxAttributes) + " attributes");
       element.attributes.push_back({attribute.name(), attribute.value()});
+      place_expression(element.attributes.back(), attribute.value() - buffer);
     }
     // Convert the children, and free their nodes
     element.children.reserve(count(node.children()));
@@ -135,7 +152,7 @@ void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) c
 
 XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out) {
   std::string text = read_text(file);
-  const Converter converter{file.string(), LineIndex(text), left_out};
+  const Converter converter{file.string(), text.data(), LineIndex(text), left_out};
   pugi::xml_document document;
   const pugi::xml_parse_result result =
       document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);

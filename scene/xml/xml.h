@@ -13,6 +13,9 @@ namespace sheaf {
 
 struct XmlAttribute {
   std::string name, value;
+  /// Position of a value that contains "$(" and lies on one line: line and column of its first character, from 1. Else
+  /// 0.
+  int line = 0, column = 0;
 };
 
 /// One element, without comments, processing instructions and white space. Other text inside elements is an error.

@@ -1,11 +1,10 @@
 // Expansion of a scene file: includes, parameters, search paths, and ids.
 #include "scene/xml/xml_expand.h"
 
+#include "scene/xml/definitions.h"
 #include "scene/xml/missing_file.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 namespace sheaf {
 
@@ -17,11 +16,6 @@ constexpr int kMaxIncludeDepth = 15;
 constexpr int kMaxIncludes = 10'000;
 constexpr std::size_t kMaxElements = 20'000'000;
 constexpr std::size_t kMaxParameterLength = std::size_t{1} << 20;
-constexpr std::size_t kMaxSubstituted = std::size_t{1} << 28;  ///< total size of all parameter substitutions, bytes
-
-bool is_name_character(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
 
 /// Whether an element is a directive that is replaced by its meaning.
 bool is_directive(const XmlElement& element) {
@@ -54,68 +48,29 @@ fs::path find_existing(const std::string& name, const std::vector<fs::path>& sea
 
 }  // namespace
 
-/// The state of one expansion: parameters and limits.
+/// The state of one expansion: definitions and limits.
 struct ExpandedScene::Expansion {
   ExpandedScene& scene;
-  std::map<std::string, std::string> parameters;
-  std::set<std::string> read;  ///< names used by the scene, in <default> or as $name
+  Definitions definitions;
   int includes = 0;
-  std::size_t elements = 0, substituted = 0;
+  std::size_t elements = 0;
 
-  /// The longest parameter name that is a prefix of `text`.
-  const std::pair<const std::string, std::string>* longest_parameter(std::string_view text) const {
-    for (std::size_t length = text.size(); length > 0; --length)
-      if (auto it = parameters.find(std::string(text.substr(0, length))); it != parameters.end()) return &*it;
-    return nullptr;
-  }
-
-  void fail_undefined(const std::string& name, const SourceLocation& where) const {
-    std::vector<std::string> known;
-    for (const auto& parameter : parameters) known.push_back(parameter.first);
-    scene.fail(SceneError(where, "parameter '$" + name + "' is not defined" + did_you_mean(name, known) +
-                                     " (define it by -D " + name + "=value or <default>)"),
-               "left empty");
-  }
-
-  void substitute(std::string& text, const SourceLocation& where) {
-    constexpr std::size_t kLongestName = 128;
-    if (text.find('$') == std::string::npos) return;
-    std::string result;
-    for (std::size_t i = 0; i < text.size();) {
-      // Find the end of the name
-      std::size_t end = i + 1;
-      if (text[i] == '$')
-        while (end < text.size() && end - i <= kLongestName && is_name_character(text[end])) ++end;
-      if (end == i + 1) {
-        result += text[i++];
-        continue;
-      }
-      const std::string_view name = std::string_view(text).substr(i + 1, end - i - 1);
-      // Substitute the parameter
-      const auto* parameter = longest_parameter(name);
-      if (parameter == nullptr) {
-        fail_undefined(std::string(name), where);
-        i += 1 + name.size();
-        continue;
-      }
-      read.insert(parameter->first);
-      result += parameter->second;
-      i += 1 + parameter->first.size();
-      substituted += parameter->second.size();
-      if (substituted > kMaxSubstituted) throw SceneError(where, "$parameters expand to more than 256 MiB");
-    }
-    text = std::move(result);
+  void substitute(XmlAttribute& attribute, const SourceLocation& where) {
+    if (attribute.value.find('$') == std::string::npos) return;
+    TextPlace place{where, attribute.column};
+    if (attribute.line > 0) place.where.line = attribute.line;
+    attribute.value = definitions.substitute(attribute.value, place,
+                                             [&](const SceneError& error) { scene.fail(error, "left empty"); });
   }
 
   void define_default(const XmlElement& element) {
     element.expect_attributes({"name", "value"});
     const std::string& name = element.attribute("name");
-    if (name.empty() || !std::all_of(name.begin(), name.end(), is_name_character))
+    if (!is_definition_name(name))
       throw SceneError(element.where, in_quotes(name) + " is not a parameter name, expected letters, digits and _");
     if (element.attribute("value").size() > kMaxParameterLength)
       throw SceneError(element.where, "the default value is longer than 1 MiB");
-    parameters.emplace(name, element.attribute("value"));
-    read.insert(name);
+    definitions.add_default(name, element.attribute("value"));
   }
 
   void add_path(const XmlElement& element) {
@@ -161,7 +116,7 @@ struct ExpandedScene::Expansion {
     std::vector<XmlElement> out;
     for (XmlElement& child : children) {
       if (++elements > kMaxElements) throw SceneError(child.where, "more than 20 million elements");
-      for (XmlAttribute& attribute : child.attributes) substitute(attribute.value, child.where);
+      for (XmlAttribute& attribute : child.attributes) substitute(attribute, child.where);
       if (in_place) {
         expand(child.children, include_depth);
       } else if (child.name == "default") {
@@ -188,15 +143,9 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
   search_.push_back(folder.value_or(file.parent_path()));
   files_.push_back(file);
   root_ = read_xml(file, lenient ? &left_out_ : nullptr);
-  Expansion expansion{*this, {}, {}};
-  for (const auto& [name, value] : defines) expansion.parameters[name] = value;
+  Expansion expansion{*this, Definitions(defines)};
   expansion.expand(root_.children, 0);
-  // Reject defines that the scene does not use
-  const std::vector<std::string> known(expansion.read.begin(), expansion.read.end());
-  for (const auto& define : defines)
-    if (expansion.read.count(define.first) == 0)
-      throw SceneError(SourceLocation{file.string(), 0}, "the scene has no parameter " + in_quotes(define.first) +
-                                                             " for -D to set" + did_you_mean(define.first, known));
+  expansion.definitions.reject_unused(file.string());
   // Resolve ids
   for (const XmlElement& child : root_.children) index(child);
   apply_aliases();

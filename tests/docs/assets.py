@@ -1,5 +1,6 @@
 """Small files of every format that scenes refer to, written with the standard library."""
 
+import json
 import math
 import struct
 import subprocess
@@ -34,6 +35,36 @@ def ply():
     header += [f"element face {len(TRIANGLES)}", "property list uchar int vertex_indices", "end_header"]
     rows = [f"{x} {y} {z} {0.5 + x / 2} {0.5 + y / 2} 0.2 0.5 0.8" for x, y, z in VERTICES]
     return "\n".join(header + rows + [f"3 {a} {b} {c}" for a, b, c in TRIANGLES]) + "\n"
+
+
+def stl():
+    """The cube in the binary format."""
+    corners = [struct.pack("<12fH", 0, 0, 0, *(x for i in t for x in VERTICES[i]), 0) for t in TRIANGLES]
+    return b" " * 80 + struct.pack("<I", len(TRIANGLES)) + b"".join(corners)
+
+
+def glb():
+    """The cube with a camera and an animation of its node."""
+    buffer = struct.pack(f"<{3 * len(VERTICES)}f", *(x for v in VERTICES for x in v))
+    buffer += struct.pack(f"<{3 * len(TRIANGLES)}H", *(i for t in TRIANGLES for i in t))
+    keys = len(buffer)
+    buffer += struct.pack("<8f", 0, 1, 0, 0, 0, 0.5, 0, 0)
+    views = [(0, 96), (96, keys - 96), (keys, 8), (keys + 8, 24)]
+    accessors = [(0, 5126, 8, "VEC3"), (1, 5123, 36, "SCALAR"), (2, 5126, 2, "SCALAR"), (3, 5126, 2, "VEC3")]
+    text = json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "name": "front", "translation": [0, 0, 6]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+                        "samplers": [{"input": 2, "output": 3}]}],
+        "buffers": [{"byteLength": len(buffer)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in views],
+        "accessors": [{"bufferView": v, "componentType": c, "count": n, "type": t} for v, c, n, t in accessors],
+    }).encode()
+    text += b" " * (-len(text) % 4)
+    return (struct.pack("<4sII", b"glTF", 2, 28 + len(text) + len(buffer)) + struct.pack("<I4s", len(text), b"JSON") +
+            text + struct.pack("<I4s", len(buffer), b"BIN\0") + buffer)
 
 
 def ellipsoids():
@@ -97,7 +128,7 @@ def content(path, text):
         return vol() if "sdfgrid" in text else density()
     if suffix == ".txt":
         return CURVES
-    makers = {".obj": obj, ".ply": ply, ".serialized": serialized, ".bsdf": measured, ".mitshair": lambda: HAIR,
+    makers = {".obj": obj, ".ply": ply, ".stl": stl, ".glb": glb, ".serialized": serialized, ".bsdf": measured, ".mitshair": lambda: HAIR,
               ".hair": lambda: HAIR, ".spd": lambda: SPECTRUM}
     images = (".png", ".jpg", ".jpeg", ".exr", ".hdr", ".bmp", ".tif", ".tiff", ".pfm")
     return makers[suffix]() if suffix in makers else png() if suffix in images else None

@@ -156,7 +156,7 @@ class Runner:
         outputs = {word for last, word in zip(["", *words], words)
                    if last in ("-o", "--output", "--stats", "--checkpoint", "--folder")}
         for i, word in enumerate(words[1:], 1):
-            if word.startswith("-") or word in outputs or not re.search(r"\.(xml|pbrt|obj|ply|serialized|exr)$", word):
+            if word.startswith("-") or word in outputs or not re.search(r"\.(xml|pbrt|obj|ply|stl|glb|serialized|hdr|exr)$", word):
                 continue
             file = self.folder / word
             if word.endswith((".xml", ".pbrt")) and "scenes/" in word:

@@ -1,6 +1,6 @@
 // Images. The first byte selects the extension, and hence the format that is tried first. Checksums in PNG files are
-// corrected, because almost none would be read otherwise. Files that claim many pixels take a hundred times as long as
-// others and tend to multiply: one in sixteen of them is read, without height fields.
+// corrected, because almost none would be read otherwise. All are read from memory, too. Files that claim many pixels
+// take a hundred times as long as others and tend to multiply: one in sixteen of them is read, without height fields.
 #include "core/image.h"
 #include "core/image_library.h"
 #include "core/inflate.h"
@@ -51,6 +51,10 @@ void try_input(std::string_view input) {
   const auto file = make_file("image." + extension, bytes);
   const bool is_large = claims_much(file);
   if (is_large && choice >> 4 != 15) return;
+  EncodedImage encoded;
+  encoded.bytes.assign(bytes.begin(), bytes.end());
+  encoded.name = "image";
+  reads([&] { (void)read_stored_image(encoded); });
   if (!reads([&] { (void)read_stored_image(file); })) return;
   reads([&] { (void)read_image(file); });
   if (!is_large) reads([&] { (void)read_height_field(file, 1, true, false); });

@@ -5,6 +5,7 @@
 
 namespace sheaf::fuzz {
 
-inline constexpr std::string_view kImageExtensions[] = {"png", "jpg", "tif", "hdr", "bmp", "tga", "pgm", "ppm", "pfm"};
+inline constexpr std::string_view kImageExtensions[] = {"png", "jpg", "tif", "hdr", "bmp",
+                                                        "tga", "pgm", "ppm", "pfm", "webp"};
 
 }  // namespace sheaf::fuzz

@@ -8,6 +8,7 @@
 #include "tests/fuzz/image_extensions.h"
 #include "tests/support/deflate.h"
 #include "tests/support/exr_files.h"
+#include "tests/support/gltf_samples.h"
 #include "tests/support/image_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/parts.h"
@@ -82,6 +83,12 @@ void add_scenes(Seeds& seeds) {
                           "scene/textures/", "scene/materials/", "scene/lights/", "scene/xml/"});
   for (const char* const below : {"scenes", "tests/renders/pbrt_twins"}) seeds.add_files("pbrt", below, ".pbrt");
   seeds.add_words("pbrt", {"scene/dialects/pbrt/"});
+  seeds.add("pbrt", "WorldBegin\nTranslate $(1 + 2) $(cos(pi)) 0\nShape \"sphere\" \"float radius\" [ $(6 / 4) ]\n");
+  for (const char* const text :
+       {"0$(frame * 36)", "1f_$frame0_$(size % 4).png", "0$(-(1 + sin(2 * pi * frame / 48)) * 1e-3)",
+        "1$name $x $(1 / 0)", "0$((((1))) - --2) $", "1$(cos(size)$(2"})
+    seeds.add("expression", text);
+  seeds.add_words("expression", {"scene/xml/expression", "scene/xml/definitions"});
 }
 
 void add_meshes(Seeds& seeds) {
@@ -101,6 +108,22 @@ void add_meshes(Seeds& seeds) {
             "Pcr 0.1\r\naniso 0.7\r\nnorm image.png\r\nmap_d image.png\r\nnewmtl c\r\nillum 4\r\n");
   seeds.add("mtl", "newmtl \"a b\"\nmap_Kd \"my image.png\" -s 2 2 -clamp on # why\nmap_Ks image.png -o 1\n");
   seeds.add_words("mtl", {"scene/formats/mtl"});
+}
+
+void add_gltf(Seeds& seeds) {
+  const test::GltfBuilder sample = test::gltf_sample();
+  seeds.add("gltf", sample.text());
+  seeds.add("gltf", sample.binary());
+  test::GltfBuilder triangle;
+  triangle.add_triangle();
+  seeds.add("gltf", triangle.binary());
+  seeds.add_words("gltf", {"scene/formats/gltf"});
+  seeds.add("stl",
+            "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\n"
+            "endfacet\nendsolid a\n");
+  seeds.add("stl", std::string(80, ' ') + raw<std::uint32_t>(1) + raw<float>({0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) +
+                       raw<std::uint16_t>(0));
+  seeds.add_words("stl", {"scene/formats/stl"});
 }
 
 std::string ply_header(const std::string& encoding) {
@@ -288,6 +311,7 @@ void add_images(Seeds& seeds) {
   write_pnm(path("pgm"), 3, 2, 1, 255, grey);
   write_pnm(path("ppm"), 3, 2, 3, 65535, rgb);
   write_bytes(path("pfm"), "PF\n3 2\n-1.0\n" + raw(std::vector<float>(18, 0.5f)));
+  write_bytes(path("webp"), webp_bytes(2, 1, {200, 30, 0, 255, 100, 30, 0, 128}));
   for (std::size_t i = 0; i < std::size(kImageExtensions); ++i)
     seeds.add("image", static_cast<char>(i) + read_bytes(path(kImageExtensions[i])));
   ExrMetadata metadata;
@@ -329,6 +353,7 @@ void make_seeds(const fs::path& folder) {
   add_scenes(seeds);
   add_meshes(seeds);
   add_ply(seeds);
+  add_gltf(seeds);
   add_serialized(seeds);
   add_volumes(seeds);
   add_measured(seeds);

@@ -18,11 +18,11 @@ import tempfile
 from pathlib import Path
 
 SCENE = """<scene version="3.0.0">
-  <default name="turns" value="1"/>
+  <default name="turns" value="1"/><default name="frame" value="1"/>
   <sensor type="perspective"><transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
     <film type="hdrfilm"><integer name="width" value="1280"/><integer name="height" value="720"/></film>
     <sampler type="independent"><integer name="sample_count" value="4"/></sampler></sensor>
-  <shape type="sphere"><transform name="to_world"><scale value="$turns"/></transform></shape>
+  <shape type="sphere"><transform name="to_world"><scale value="$turns"/><translate x="$(0.01 * frame)"/></transform></shape>
   <emitter type="constant"/></scene>
 """
 MODEL = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

@@ -36,7 +36,7 @@ TEST_CASE("Mitsuba materials: defaults match the documentation") {
   CHECK(material("blendbsdf", bsdf("diffuse") + bsdf("plastic")) == "blendbsdf 0x1p-1 0 1");
   const std::string image = "<texture type='bitmap' name='any'>" + word("filename", "image.png") + "</texture>";
   CHECK(material("bumpmap", bsdf("diffuse") + image) == "bumpmap 0 0x1p+0 0");
-  CHECK(material("normalmap", bsdf("diffuse") + image) == "normalmap 0 0 0");
+  CHECK(material("normalmap", bsdf("diffuse") + image) == "normalmap 0 0 0 0x1p+0 0");
 }
 
 TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for other names by default") {
@@ -308,11 +308,11 @@ TEST_CASE("Mitsuba materials: bump and normal maps are read") {
   for (const char* name : {"", "normalmap", "bump", "arbitrary", "scale"}) {
     CAPTURE(std::string(name));
     if (std::string(name) != "scale") CHECK(material("bumpmap", bsdf("diffuse") + named(name)) == "bumpmap 0 0x1p+0 0");
-    CHECK(material("normalmap", bsdf("diffuse") + named(name)) == "normalmap 0 0 0");
+    CHECK(material("normalmap", bsdf("diffuse") + named(name)) == "normalmap 0 0 0 0x1p+0 0");
   }
   CHECK(material("bumpmap", bsdf("diffuse") + named("a") + number("scale", "-2")) == "bumpmap 0 -0x1p+1 0");
   CHECK(material("normalmap", bsdf("diffuse") + named("a") + "<boolean name='flip_green' value='true'/>") ==
-        "normalmap 0 1 0");
+        "normalmap 0 1 0 0x1p+0 0");
   for (const char* type : {"normalmap", "bumpmap"}) {
     const std::string start = bsdf("diffuse") + named("a");
     CHECK(contains(material(type, start + "<boolean name='flip_invalid_normals' value='false'/>"), " keep_normals"));

@@ -52,7 +52,7 @@ TEST_CASE("Mitsuba materials: checkerboards of numbers are swapped except in ver
 
 TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   // v of an image points down: (u, v) becomes (u, 1 - v).
-  const std::string unchanged = " 0x1p+0 0 0x1p+0";  // BitmapDescription::change
+  const std::string unchanged = " 0x1p+0 0 0x1p+0 0";  // BitmapDescription::change and channel
   const std::string upright = unchanged + " to_uv " + dump_all(1.0f, 0.0f, 0.0f, -0.0f, -1.0f, 1.0f);
   CHECK(texture("") == "bitmap image.png 0 0 0 0" + upright);
   CHECK(texture("<boolean name='raw' value='true'/>") == "bitmap image.png 0 0 0 1" + upright);
@@ -65,6 +65,9 @@ TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   CHECK(texture(word("format", "variant") +
                 "<boolean name='accel' value='false'/><boolean name='cache' value='true'/>" +
                 number("maxAnisotropy", "8")) == "bitmap image.png 0 0 0 0" + upright);
+  CHECK(contains(texture(word("channel", "all")), unchanged));
+  CHECK(contains(texture(word("channel", "g")), " 0x1p+0 0 0x1p+0 2 to_uv"));
+  CHECK(contains(texture(word("channel", "a")), " 0x1p+0 0 0x1p+0 4 to_uv"));
   auto notes = [](const std::string& inside) {
     return read_text(mitsuba_scene(bsdf("diffuse", "<texture type='bitmap' name='reflectance'>" +
                                                        word("filename", "image.png") + inside + "</texture>")))
@@ -164,7 +167,7 @@ TEST_CASE("Mitsuba textures: errors have line and fault and nearest name") {
           {bitmap(word("wrap_mode", "mirror") + word("wrap", "clamp")), "is set together with 'wrap_mode'"},
           {bitmap(number("gamma", "1.8")), "expected 1 (linear) or -1 (sRGB)"},
           {bitmap(number("gamma", "1") + "<boolean name='raw' value='true'/>"), "is set together with 'raw'"},
-          {bitmap(word("channel", "a")), "property 'channel' of texture 'bitmap' is not supported"},
+          {bitmap(word("channel", "x")), "is 'x', expected all, r, g, b or a"},
           {bitmap(number("uscale", "2") + "<transform name='to_uv'><scale value='2'/></transform>"),
            "is set together with 'to_uv'"},
           {bitmap(number("uscal", "2")),

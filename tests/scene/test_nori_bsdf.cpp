@@ -80,7 +80,7 @@ TEST_CASE("Nori materials: materials of Mitsuba are read with names in camelCase
   CHECK(material("mask", bsdf("mirror") + number("opacity", "0.25")) == "mask 0x1p-2 0");
   CHECK(material("normalmap", "<boolean name='flipGreen' value='true'/>" + bsdf("microfacet") +
                                   "<texture name='normals' type='image'>" + word("filename", "image.png") +
-                                  "</texture>") == "normalmap 0 1 0");
+                                  "</texture>") == "normalmap 0 1 0 0x1p+0 0");
 }
 
 TEST_CASE("Nori materials: every parameter that may be textured is") {
@@ -138,7 +138,7 @@ TEST_CASE("Nori textures: constants are read") {
 
 TEST_CASE("Nori textures: images are upright") {
   const std::string file = word("filename", "image.png");
-  const std::string unchanged = " 0x1p+0 0 0x1p+0";  // BitmapDescription::change
+  const std::string unchanged = " 0x1p+0 0 0x1p+0 0";  // BitmapDescription::change and channel
   const std::string as_is = unchanged + " to_uv " + dump_all(1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f);
   CHECK(dump(texture_of("bitmap", file)) == "bitmap image.png 0 0 0 0" + as_is);
   CHECK(dump(texture_of("bitmap", file + word("wrapMode", "clamp") + word("filterType", "nearest") +

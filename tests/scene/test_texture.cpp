@@ -71,6 +71,14 @@ TextureDescription board(SpectrumInput color0, SpectrumInput color1) {
   return texture;
 }
 
+/// Reads an image file with the defaults of BitmapDescription.
+TiledImage load_image(const std::filesystem::path& file, bool raw) {
+  BitmapDescription bitmap;
+  bitmap.file = file;
+  bitmap.raw = raw;
+  return load_tiled_image(bitmap, {});
+}
+
 std::string message_of(const std::function<void()>& f) {
   try {
     f();
@@ -118,8 +126,7 @@ TEST_CASE("texture: 8-bit images are stored as bytes in tiles from the lower lef
     const std::vector<int> grey = ramp(width * height), color = ramp(3 * width * height);
     write_pnm(folder / "grey.pgm", width, height, 1, 255, grey);
     write_pnm(folder / "color.ppm", width, height, 3, 255, color);
-    const TiledImage one = load_tiled_image(folder / "grey.pgm", false),
-                     four = load_tiled_image(folder / "color.ppm", false);
+    const TiledImage one = load_image(folder / "grey.pgm", false), four = load_image(folder / "color.ppm", false);
     CHECK(one.format == TexelFormat::kByte1);
     CHECK(four.format == TexelFormat::kByte4);
     REQUIRE(one.width == static_cast<std::uint32_t>(width));
@@ -138,17 +145,17 @@ TEST_CASE("texture: images of every format are read") {
   write_tiff(folder / "a8.tif", 9, 6, 3, 8, color);
   for (const char* name : {"a.bmp", "a.tga", "a8.tif"}) {
     CAPTURE(name);
-    const TiledImage image = load_tiled_image(folder / name, false);
+    const TiledImage image = load_image(folder / name, false);
     CHECK(image.format == TexelFormat::kByte4);
     CHECK(holds(image, color, 3));
   }
   write_jpeg(folder / "a.jpg", 200);
-  const TiledImage jpeg = load_tiled_image(folder / "a.jpg", false);
+  const TiledImage jpeg = load_image(folder / "a.jpg", false);
   CHECK(jpeg.format == TexelFormat::kByte1);
   CHECK(holds(jpeg, std::vector<int>(64, 200), 1));
 
   write_hdr(folder / "a.hdr", 9, 6, color);
-  const TiledImage hdr = load_tiled_image(folder / "a.hdr", false);
+  const TiledImage hdr = load_image(folder / "a.hdr", false);
   CHECK(hdr.format == TexelFormat::kFloat4);
   CHECK(holds(hdr, color, 3, 0.5 + 1e-6));  // some libraries add half a step
 
@@ -156,10 +163,10 @@ TEST_CASE("texture: images of every format are read") {
   write_pnm(folder / "a16.ppm", 9, 6, 3, 65535, wide);
   for (const char* name : {"a16.tif", "a16.ppm"}) {
     CAPTURE(name);
-    CHECK(load_tiled_image(folder / name, true).format == TexelFormat::kFloat4);
+    CHECK(load_image(folder / name, true).format == TexelFormat::kFloat4);
     constexpr double kStep = 1.01 / 65535;  // the PPM reader rounds by up to a step
-    CHECK(holds(load_tiled_image(folder / name, true), wide, 3, kStep, [](int v) { return v / 65535.0; }));
-    CHECK(holds(load_tiled_image(folder / name, false), wide, 3, 3 * kStep,
+    CHECK(holds(load_image(folder / name, true), wide, 3, kStep, [](int v) { return v / 65535.0; }));
+    CHECK(holds(load_image(folder / name, false), wide, 3, 3 * kStep,
                 [](int v) { return static_cast<double>(srgb_to_linear(static_cast<float>(v / 65535.0))); }));
   }
 }
@@ -172,7 +179,7 @@ TEST_CASE("texture: OpenEXR images are linear and have named channels") {
       for (int c = 0; c < 4; ++c) image.at(x, y, c) = static_cast<float>(100 * c + 10 * y + x) - 50;
   write_exr(folder / "color.exr", image);
   for (const bool raw : {false, true}) {
-    const TiledImage color = load_tiled_image(folder / "color.exr", raw);
+    const TiledImage color = load_image(folder / "color.exr", raw);
     REQUIRE(color.format == TexelFormat::kFloat4);
     CHECK(stored(color, 4, 2, 0) == 300 + 4 - 50);
     CHECK(stored(color, 4, 0, 1) == 200 + 20 + 4 - 50);
@@ -180,12 +187,12 @@ TEST_CASE("texture: OpenEXR images are linear and have named channels") {
   }
   image.channels = {"A", "U", "V", "Z"};
   write_exr(folder / "uv.exr", image);
-  CHECK(contains(message_of([&] { load_tiled_image(folder / "uv.exr", false); }),
+  CHECK(contains(message_of([&] { load_image(folder / "uv.exr", false); }),
                  "the channels A, U, V, Z (expected R, G and B"));
   Image grey(5, 3, {"A", "Y"});
   grey.at(1, 0, 1) = 0.25f;
   write_exr(folder / "grey.exr", grey);
-  const TiledImage tiled = load_tiled_image(folder / "grey.exr", false);
+  const TiledImage tiled = load_image(folder / "grey.exr", false);
   CHECK(tiled.format == TexelFormat::kFloat1);
   CHECK(stored(tiled, 1, 2) == 0.25);
   CHECK(stored(tiled, 1, 0) == 0.0);
@@ -202,12 +209,12 @@ TEST_CASE("texture: alpha is dropped without unpremultiplying") {
     rgba.push_back(20 * i);
   }
   write_tga(folder / "alpha.tga", 4, 3, 4, rgba);
-  CHECK(holds(load_tiled_image(folder / "alpha.tga", false), rgb, 3));
+  CHECK(holds(load_image(folder / "alpha.tga", false), rgb, 3));
 
   Image image(2, 1, {"R", "G", "B", "A"});
   image.data = {0.25f, 0.125f, 0.5f, 0.5f, 0, 0, 0, 0};
   write_png(folder / "alpha.png", image);
-  const TiledImage png = load_tiled_image(folder / "alpha.png", false);
+  const TiledImage png = load_image(folder / "alpha.png", false);
   CHECK(png.format == TexelFormat::kByte4);
   CHECK(stored(png, 0, 0, 2) == 255);
   CHECK(stored(png, 0, 0, 0) == std::lround(255 * linear_to_srgb(0.5f)));
@@ -215,7 +222,7 @@ TEST_CASE("texture: alpha is dropped without unpremultiplying") {
   Image grey(2, 1, {"Y", "A"});
   grey.data = {0.5f, 1, 0.25f, 0.5f};
   write_png(folder / "grey.png", grey);
-  const TiledImage two = load_tiled_image(folder / "grey.png", false);
+  const TiledImage two = load_image(folder / "grey.png", false);
   CHECK(two.format == TexelFormat::kByte1);
   CHECK(stored(two, 1, 0) == std::lround(255 * linear_to_srgb(0.5f)));
 }
@@ -321,7 +328,7 @@ TEST_CASE("texture: pixels and transforms must be finite") {
   Image image(4, 3, {"A", "B", "G", "R"});
   image.at(1, 2, 0) = std::numeric_limits<float>::quiet_NaN();
   write_exr(folder / "alpha.exr", image);
-  CHECK_NOTHROW(load_tiled_image(folder / "alpha.exr", false));
+  CHECK_NOTHROW(load_image(folder / "alpha.exr", false));
   image.at(3, 1, 2) = std::numeric_limits<float>::infinity();
   write_exr(folder / "a.exr", image);
   CHECK(contains(compile_error({bitmap(folder / "a.exr")}), "channel G of the pixel in column 3, row 1"));
@@ -338,10 +345,10 @@ TEST_CASE("texture: checkerboards may be nested to a limited depth but not conta
   CHECK(compile_error(chain).empty());
   chain.back() = board(white, TextureId{kMaxTextureDepth});
   chain.push_back(board(white, white));
-  CHECK(contains(compile_error(chain), "more than 8 nested checkerboards"));
+  CHECK(contains(compile_error(chain), "more than 8 nested textures"));
   std::vector<TextureDescription> reversed{board(white, white)};
   for (std::uint32_t i = 0; i < kMaxTextureDepth; ++i) reversed.push_back(board(white, TextureId{i}));
-  CHECK(contains(compile_error(reversed), "more than 8 nested checkerboards"));
+  CHECK(contains(compile_error(reversed), "more than 8 nested textures"));
   reversed.pop_back();
   CHECK(compile_error(reversed).empty());
 
@@ -351,7 +358,7 @@ TEST_CASE("texture: checkerboards may be nested to a limited depth but not conta
   std::vector<TextureDescription> longest;
   for (std::uint32_t i = 1; i < 100000; ++i) longest.push_back(board(TextureId{i}, TextureId{i}));
   longest.push_back(board(white, white));
-  CHECK(contains(compile_error(longest), "more than 8 nested checkerboards"));
+  CHECK(contains(compile_error(longest), "more than 8 nested textures"));
 }
 
 TEST_CASE("texture: rows know what their lookups read, also in nested textures") {

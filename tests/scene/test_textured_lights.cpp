@@ -74,6 +74,34 @@ TEST_CASE("lights: a mesh attribute can be the radiance of a light") {
   CHECK(power.z == doctest::Approx(kPiD * 4 * 2));
 }
 
+TEST_CASE("lights: products, thresholds and other coordinates can be the radiance of a light") {
+  Description d = floor_scene();
+  const TextureId board = add_checkerboard(d, {6, 1, 1}, {2, 3, 1});
+  const auto add = [&](const TextureModel& model) {
+    d.textures.push_back({model, {1, 0, 0, 0, 1, 0}, "", {}});
+    return static_cast<TextureId>(d.textures.size() - 1);
+  };
+  // The light shows the square (0.5, 0.5) of the board, of 6, where u is above 0.5, and nothing elsewhere.
+  const TextureId moved = add(UvSetTextureDescription{"vertex_uv1", board});
+  const TextureId right = add(ThresholdTextureDescription{add(MeshAttributeDescription{"vertex_u", 1}), 0.5f});
+  Mesh mesh;
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.attributes.push_back({"vertex_uv1", 3, {0.5f, 0.5f, 0, 0.999f, 0.5f, 0, 0.999f, 0.999f, 0, 0.5f, 0.999f, 0}});
+  mesh.attributes.push_back({"vertex_u", 1, {0, 1, 1, 0}});
+  const Transform above = Transform::translate({0.4f, 0.1f, 1.5f}) * Transform::rotate({1, 0, 0}, 180);
+  add_shape(d, mesh, above, add_diffuse(d, 0)).radiance = add(ProductTextureDescription{moved, right});
+  const double mean = agreed(d);
+  const Vec3f power = compile_scene(d)->view().lights.powers[0];
+  CHECK(power.x == doctest::Approx(kPiD * 2 * 6).epsilon(5e-3));
+  CHECK(power.y == doctest::Approx(kPiD * 2 * 1).epsilon(5e-3));
+  // The same light as half of the rectangle
+  Description half = floor_scene();
+  add_area_light_rectangle(half, above * Transform::translate({0.5f, 0, 0}) * Transform::scale({0.5f, 1, 1}), 6);
+  const Result expected = rendered(half);
+  CHECK(std::fabs(mean - expected.mean) < 0.02 * expected.mean);
+}
+
 TEST_CASE("lights: lights that share the mean of a texture have the same power as separate ones") {
   Description d = empty_scene(4, 4);
   const TextureId board = add_checkerboard(d, {8, 1, 0.5f}, {1, 3, 2});

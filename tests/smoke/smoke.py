@@ -31,6 +31,7 @@ MAKERS = {
     "tools/make_material_scenes.py": [],
     "tools/make_texture_scenes.py": [],
     "tools/make_measured.py": [],
+    "tools/make_gltf_scene.py": [],
     "tools/make_shape_scenes.py": [],
     "tools/make_hall.py": [],
     "tools/make_sky.py": [],

@@ -3,6 +3,7 @@
 
 #include "tests/support/temporary_folder.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -161,6 +162,56 @@ inline void write_jpeg(const std::filesystem::path& path, int grey) {
   bytes += static_cast<char>(bits & 0xffu);
   bytes += "\xff\xd9";
   write_bytes(path, bytes);
+}
+
+/// Writes numbers of any number of bits, lowest bit first.
+class BitWriter {
+ public:
+  void put(std::uint32_t value, int bits) {
+    for (int i = 0; i < bits; ++i, ++count_) {
+      if (count_ % 8 == 0) bytes_ += '\0';
+      if (value >> i & 1u) bytes_.back() = static_cast<char>(bytes_.back() | 1 << count_ % 8);
+    }
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  int count_ = 0;
+};
+
+/// A lossless WebP file (RFC 9649). `values` are R, G, B, A, top left first, with at most two values per channel. These
+/// have prefix codes of one bit.
+inline std::string webp_bytes(int width, int height, const std::vector<int>& values, bool has_alpha = true) {
+  BitWriter bits;
+  bits.put(0x2f, 8);
+  bits.put(static_cast<std::uint32_t>(width - 1), 14);
+  bits.put(static_cast<std::uint32_t>(height - 1), 14);
+  bits.put(has_alpha ? 1 : 0, 1);
+  bits.put(0, 3 + 3);  // version; no transform, no colour cache, one group of prefix codes
+  constexpr std::size_t kOrder[] = {1, 0, 2, 3};
+  std::vector<int> used[4];
+  for (const std::size_t channel : kOrder) {
+    for (std::size_t i = channel; i < values.size(); i += 4) used[channel].push_back(values[i]);
+    std::vector<int>& symbols = used[channel];
+    std::sort(symbols.begin(), symbols.end());
+    symbols.erase(std::unique(symbols.begin(), symbols.end()), symbols.end());
+    bits.put(1, 1);
+    bits.put(static_cast<std::uint32_t>(symbols.size()) - 1, 1);
+    bits.put(1, 1);
+    for (const int symbol : symbols) bits.put(static_cast<std::uint32_t>(symbol), 8);
+  }
+  bits.put(1, 4);  // one distance: 0
+  for (std::size_t i = 0; i < values.size(); i += 4)
+    for (const std::size_t channel : kOrder)
+      if (used[channel].size() == 2) bits.put(values[i + channel] == used[channel][1] ? 1 : 0, 1);
+  const std::string& data = bits.bytes();
+  const auto size = static_cast<std::uint32_t>(data.size()), padding = size % 2;
+  std::string bytes = "RIFF";
+  append_little(bytes, 4 + 8 + size + padding, 4);
+  bytes += "WEBPVP8L";
+  append_little(bytes, size, 4);
+  return bytes + data + std::string(padding, '\0');
 }
 
 }  // namespace sheaf

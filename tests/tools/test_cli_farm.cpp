@@ -162,7 +162,7 @@ TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   CHECK(contains(error("--parts 5 -- --replicates 4"), "4 sample sets"));
   CHECK(contains(error("--parts 17 --tiles"), "16 pixel rows"));
   CHECK(contains(error("--parts 900 -- --spp 1700"), "1700 sample sets (--replicates), expected at most 1024"));
-  for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:3", "a:b", "1:99999999"})
+  for (const char* frames : {"1", "1:", "5:1", "-1:2", "1:2:0", "1:2:3:4", "1:2:", "a:b", "1:99999999"})
     CHECK(contains(error("--parts 2 --frames=" + std::string(frames)), "FIRST:LAST"));
   CHECK(contains(error("--parts 2 -- --threads 3"), "--cpus"));
   CHECK(contains(error("--parts 2 -- --denoise nlm"), "sheaf denoise"));

@@ -10,10 +10,21 @@ class GalleryImage:
     name: str  # docs/gallery/NAME.jpg
     commands: list  # lists of words, each a `sheaf` command
 
+    def has_frames(self):
+        return any("--frames" in command for command in self.commands)
+
     def outputs(self):
-        """The files that the commands write, in their order."""
-        return [word for command in self.commands
-                for before, word in zip(command, command[1:]) if before in ("-o", "--output")]
+        """The files that the commands write, in their order; with --frames, one per frame."""
+        files = []
+        for command in self.commands:
+            pairs = list(zip(command, command[1:]))
+            names = [word for before, word in pairs if before in ("-o", "--output")]
+            frames = next((word for before, word in pairs if before == "--frames"), None)
+            if frames:
+                first, last = map(int, frames.split(":"))
+                names = [name.replace("$frame4", f"{k:04}") for k in range(first, last + 1) for name in names]
+            files += names
+        return files
 
 
 def read_images(page):

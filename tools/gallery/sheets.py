@@ -11,6 +11,7 @@ from validation.exr import read_channels
 
 GAP = 6  # pixels between tiles
 FONT = "DejaVuSans.ttf"
+FRAME_DURATION = 50  # ms
 
 
 @dataclass
@@ -18,10 +19,12 @@ class Sheet:
     """Labels of the tiles, one per image that the commands write. Tiles fill rows of `columns` tiles."""
     labels: list = field(default_factory=list)
     columns: int = 0  # 0: one row
+    shrink: int = 1  # factor by which the width and height of tiles are reduced
 
 
 # Images that several commands render, and their labels.
 SHEETS = {
+    "animation": Sheet(columns=8, shrink=2),
     "cameras": Sheet(["perspective", "radial distortion", "orthographic", "spherical"]),
     "denoising": Sheet(["16 samples per pixel", "denoised by non-local means"]),
     "guiding": Sheet(["path tracing", "with path guiding, equal samples"]),
@@ -141,4 +144,13 @@ def make_sheet(name, paths):
         tiles = [tiles[0].crop((i * width, 0, (i + 1) * width, tiles[0].height)) for i in range(len(sheet.labels))]
     if sheet.labels:
         tiles = [draw_label(tile, text) for tile, text in zip(tiles, sheet.labels)]
+    tiles = [tile.reduce(sheet.shrink) for tile in tiles]
     return compose(tiles, sheet.columns)
+
+
+def write_film(paths, film):
+    """Writes an animated PNG of the frames, with a palette of 128 colours that all frames share."""
+    frames = [open_image(path) for path in paths]
+    palette = compose([frame.reduce(2) for frame in frames[::4]]).quantize(128, method=Image.Quantize.MEDIANCUT)
+    frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    frames[0].save(film, save_all=True, append_images=frames[1:], duration=FRAME_DURATION, loop=0, optimize=True)

@@ -1,5 +1,9 @@
-// The view of a scene without a camera.
+// How a model is seen: view, surroundings and moment.
 #pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
 
 namespace sheaf {
 
@@ -9,6 +13,21 @@ struct ModelView {
   float azimuth = 30;    ///< degrees around the up axis
   float elevation = 20;  ///< degrees above the floor, in [-90, 90]
   float fov = 35;        ///< degrees along the image's shorter side, in (0, 180)
+};
+
+/// What surrounds a model.
+struct ModelSurroundings {
+  bool floor = true;
+  /// Image by longitude and latitude, or kNoEnvironment; empty: a sky with a sun
+  std::filesystem::path environment;
+
+  static constexpr const char* kNoEnvironment = "none";
+};
+
+/// The moment at which an animated model is rendered.
+struct ModelMoment {
+  std::optional<double> time;  ///< seconds; empty: as the file is, without animation
+  std::string animation;       ///< name or index; empty: the first
 };
 
 }  // namespace sheaf

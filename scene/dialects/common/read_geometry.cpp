@@ -88,8 +88,10 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
     shape.geometry = HeightFieldShape{input, width, height, scale, smooth};
     return;
   }
-  if (bitmap->change.invert || bitmap->change.exponent != 1.0f)
-    throw ElementError(*nested, "is inverted or raised to a power, expected a plain texture for a height field");
+  if (bitmap->change.invert || bitmap->change.exponent != 1.0f || bitmap->channel != BitmapDescription::Channel::kColor)
+    throw ElementError(*nested,
+                       "is inverted, raised to a power or a single channel, expected a plain texture for a height "
+                       "field");
   shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
 }
 

@@ -2,6 +2,7 @@
 #include "scene/dialects/mitsuba/reader.h"
 
 #include "scene/dialects/common/auto_camera.h"
+#include "scene/dialects/common/choose_camera.h"
 #include "scene/dialects/mitsuba/read_mitsuba.h"
 
 namespace sheaf {
@@ -38,7 +39,7 @@ namespace {
 
 /// Elements that are read after all others.
 struct Last {
-  const XmlElement* sensor = nullptr;
+  std::vector<const XmlElement*> sensors;
   const XmlElement* integrator = nullptr;
 };
 
@@ -56,10 +57,7 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
   } else if (kind == "emitter") {
     mitsuba::read_emitter(child, reader);
   } else if (kind == "sensor") {
-    if (last.sensor != nullptr)
-      context.note(child.where, "sensor ignored: only the first one is rendered");
-    else
-      last.sensor = &child;
+    last.sensors.push_back(&child);
   } else if (kind == "integrator") {
     if (context.scene.is_referenced(child)) return;
     if (last.integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
@@ -81,6 +79,28 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
   }
 }
 
+/// Reads the chosen sensor. Those of shapes come after the others.
+void read_camera(mitsuba::Reader& reader, const std::vector<const XmlElement*>& sensors) {
+  ReadContext& context = reader.context;
+  std::vector<const XmlElement*> all = sensors;
+  for (const mitsuba::ShapeSensor& sensor : reader.shape_sensors) all.push_back(sensor.element);
+  std::vector<std::string> names;
+  for (const XmlElement* sensor : all) {
+    const std::string* id = sensor->find_attribute("id");
+    names.push_back(id == nullptr ? "" : *id);
+  }
+  if (all.empty()) return stand_in_camera(context.scene.root(), "<sensor>", context);
+  const std::size_t chosen = choose_camera(context.camera, names, context.scene.root().where.file);
+  for (std::size_t i = 1; i < all.size() && context.camera.empty(); ++i)
+    context.note(all[i]->where, "sensor ignored: only the first one is rendered (choose another by --camera)");
+  if (chosen < sensors.size()) {
+    read_or_as(*all[chosen], context, "perspective", [&] { mitsuba::read_sensor(*all[chosen], reader); });
+  } else {
+    const mitsuba::ShapeSensor& sensor = reader.shape_sensors[chosen - sensors.size()];
+    read_or_as(*all[chosen], context, "irradiancemeter", [&] { mitsuba::read_shape_sensor(sensor, reader); });
+  }
+}
+
 }  // namespace
 
 void read_mitsuba(ReadContext& context) {
@@ -91,20 +111,8 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
-  // Warn about unused sensors
-  const std::size_t used = last.sensor != nullptr || reader.shape_sensors.empty() ? 0 : 1;
-  for (std::size_t i = used; i < reader.shape_sensors.size(); ++i)
-    context.note(reader.shape_sensors[i].element->where, "sensor ignored: only the first one is rendered");
   // Read the camera, then the integrator
-  if (last.sensor != nullptr) {
-    read_or_as(*last.sensor, context, "perspective", [&] { mitsuba::read_sensor(*last.sensor, reader); });
-  } else if (!reader.shape_sensors.empty()) {
-    const XmlElement& sensor = *reader.shape_sensors[0].element;
-    read_or_as(sensor, context, "irradiancemeter",
-               [&] { mitsuba::read_shape_sensor(reader.shape_sensors[0], reader); });
-  } else {
-    stand_in_camera(root, "<sensor>", context);
-  }
+  read_camera(reader, last.sensors);
   if (last.integrator != nullptr) {
     mitsuba::read_integrator(*last.integrator, reader);
   } else {

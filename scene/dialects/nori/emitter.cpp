@@ -91,6 +91,8 @@ void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescrip
   const auto index = static_cast<std::size_t>(std::get<TextureId>(radiance));
   const auto* bitmap = std::get_if<BitmapDescription>(&p.context().description.textures[index].model);
   if (bitmap == nullptr) p.fail("has a texture that is not an image, expected an image or a colour");
+  if (bitmap->channel != BitmapDescription::Channel::kColor)
+    p.fail("has a texture of a single channel, expected an image or a colour");
   EnvmapDescription map;
   map.file = bitmap->file;
   map.to_world = p.transform("toWorld");

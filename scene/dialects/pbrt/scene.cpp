@@ -54,7 +54,8 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
   throw SceneError(where, missing_file(name, {folder}));
 }
 
-SceneBuilder::SceneBuilder(Description& description, bool lenient) : reader_{description, lenient, {}, {}} {}
+SceneBuilder::SceneBuilder(Description& description, const Defines& defines, bool lenient)
+    : reader_{description, lenient, {}, {}}, definitions_(defines) {}
 
 std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
   using B = SceneBuilder;
@@ -136,7 +137,7 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
   if (++included_ > kMaxIncludes)
     throw SceneError(where, "more than " + std::to_string(kMaxIncludes) + " files are included");
   open_.push_back(file);
-  Tokens tokens(read_mesh_text(file, "scene file"), file.string());
+  Tokens tokens(read_mesh_text(file, "scene file"), file.string(), &definitions_);
   while (tokens.current().kind != Token::Kind::kEnd) read_directive(tokens);
   open_.pop_back();
 }
@@ -145,6 +146,7 @@ void SceneBuilder::read(const fs::path& file, const fs::path& folder) {
   reader_.folder = folder;
   reader_.description.files.push_back(file);
   read_file(file, {file.string(), 0});
+  definitions_.reject_unused(file.string());
   if (!saved_.empty())
     throw SceneError(saved_.back().where, std::string(saved_.back().by) + " is not closed at the end of the file");
   if (!in_world_) throw SceneError({file.string(), 0}, "the scene has no WorldBegin");
@@ -171,8 +173,8 @@ void SceneBuilder::finish() {
 namespace sheaf {
 
 void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
-               bool lenient) {
-  pbrt::SceneBuilder(description, lenient).read(file, folder);
+               const std::vector<std::pair<std::string, std::string>>& defines, bool lenient) {
+  pbrt::SceneBuilder(description, defines, lenient).read(file, folder);
 }
 
 }  // namespace sheaf

@@ -10,7 +10,9 @@ namespace sheaf::pbrt {
 /// Reads a scene, directive by directive.
 class SceneBuilder {
  public:
-  SceneBuilder(Description& description, bool lenient);
+  using Defines = std::vector<std::pair<std::string, std::string>>;
+
+  SceneBuilder(Description& description, const Defines& defines, bool lenient);
 
   /// Reads the scene file, whose relative paths refer to `folder`, and finishes the description. Throws SceneError.
   void read(const std::filesystem::path& file, const std::filesystem::path& folder);
@@ -88,6 +90,7 @@ class SceneBuilder {
   void translate(Tokens& tokens);
 
   Reader reader_;
+  Definitions definitions_;
   SourceLocation where_;  ///< of the current directive
   std::vector<Saved> saved_;
   std::vector<std::filesystem::path> open_;  ///< files being read

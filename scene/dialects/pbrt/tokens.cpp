@@ -1,6 +1,9 @@
 // Tokenizer of pbrt scene files.
 #include "scene/dialects/pbrt/tokens.h"
 
+#include "scene/xml/expression.h"
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -36,7 +39,10 @@ char unescaped(char c) {
 
 }  // namespace
 
-Tokens::Tokens(std::string text, std::string file) : text_(std::move(text)), file_(std::move(file)) { advance(); }
+Tokens::Tokens(std::string text, std::string file, Definitions* definitions)
+    : text_(std::move(text)), file_(std::move(file)), definitions_(definitions) {
+  advance();
+}
 
 void Tokens::skip_space() {
   bool comment = false;
@@ -44,6 +50,7 @@ void Tokens::skip_space() {
     const char c = text_[at_];
     if (c == '\n') {
       ++line_;
+      line_start_ = at_ + 1;
       comment = false;
     } else if (c == '#') {
       comment = true;
@@ -74,21 +81,51 @@ void Tokens::read_string() {
   throw SceneError(where(), "a string is not closed on its line, expected '\"'");
 }
 
+void Tokens::read_word() {
+  const std::size_t begin = at_;
+  while (at_ < text_.size() && !ends_word(text_[at_])) {
+    if (definitions_ == nullptr || text_[at_] != '$' || at_ + 1 == text_.size() || text_[at_ + 1] != '(') {
+      ++at_;
+      continue;
+    }
+    // An expression may contain spaces
+    constexpr std::size_t kMaxLength = 2000;  // lines may be longer
+    const std::string_view rest = std::string_view(text_).substr(at_, kMaxLength);
+    const std::size_t end = end_of_parentheses(rest.substr(0, rest.find('\n')), 1);
+    if (end == std::string_view::npos)
+      throw SceneError(where(), "column " + std::to_string(at_ - line_start_ + 1) +
+                                    ": '$(' is not closed on its line, expected ')'");
+    at_ += end;
+  }
+  token_.text = std::string_view(text_).substr(begin, at_ - begin);
+}
+
+void Tokens::substitute(std::size_t begin) {
+  if (definitions_ == nullptr || token_.text.find('$') == std::string_view::npos) return;
+  const TextPlace place{where(), static_cast<int>(begin - line_start_) + 1};
+  string_ =
+      definitions_->substitute_defined(token_.text, place, [](const SceneError& error) { throw SceneError(error); });
+  token_.text = string_;
+}
+
 void Tokens::advance() {
   skip_space();
   token_ = {Token::Kind::kEnd, {}, line_};
   if (at_ == text_.size()) return;
   const char c = text_[at_];
+  const std::size_t begin = at_;
   if (c == '"') {
     token_.kind = Token::Kind::kString;
     read_string();
-    return;
+    substitute(begin + 1);
+  } else if (c == '[' || c == ']') {
+    token_.kind = c == '[' ? Token::Kind::kOpen : Token::Kind::kClose;
+    token_.text = std::string_view(text_).substr(at_++, 1);
+  } else {
+    token_.kind = Token::Kind::kWord;
+    read_word();
+    substitute(begin);
   }
-  const std::size_t begin = at_++;
-  token_.kind = c == '[' ? Token::Kind::kOpen : c == ']' ? Token::Kind::kClose : Token::Kind::kWord;
-  if (token_.kind == Token::Kind::kWord)
-    while (at_ < text_.size() && !ends_word(text_[at_])) ++at_;
-  token_.text = std::string_view(text_).substr(begin, at_ - begin);
 }
 
 std::string shown(const Token& token) {
@@ -110,7 +147,8 @@ double number_of(const Token& token, const SourceLocation& where, std::string_vi
   if (problem == std::errc::result_out_of_range && end == text.data() + text.size() && text.find("e-") != text.npos)
     return 0;
   if (token.kind != Token::Kind::kWord || !whole || !std::isfinite(value))
-    throw SceneError(where, "found " + shown(token) + ", expected " + std::string(expected));
+    throw SceneError(where, "found " + shown(token) + ", expected " + std::string(expected) +
+                                (token.text.starts_with('$') ? " (define names after $ by -D name=value)" : ""));
   return value;
 }
 

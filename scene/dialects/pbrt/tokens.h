@@ -1,7 +1,7 @@
 // Tokens of pbrt scene files.
 #pragma once
 
-#include "core/error.h"
+#include "scene/xml/definitions.h"
 
 #include <string>
 #include <string_view>
@@ -21,23 +21,30 @@ struct Token {
   int line = 1;           ///< where it begins
 };
 
-/// Splits a text into tokens, one at a time. Comments start at # and end with the line.
+/// Splits a text into tokens, one at a time. Comments start at # and end with the line. In words and strings, `$name`
+/// is replaced if the name is defined, and `$(expression)` is evaluated.
 class Tokens {
  public:
-  /// `file` is used in messages. Throws SceneError as advance() does.
-  Tokens(std::string text, std::string file);
+  /// `file` is used in messages. `definitions`: null: `$` has no meaning. Throws SceneError as advance() does.
+  Tokens(std::string text, std::string file, Definitions* definitions = nullptr);
 
   const Token& current() const { return token_; }
   SourceLocation where() const { return {file_, token_.line}; }
-  /// Advances to the next token. Throws SceneError for a string that does not end on its line, and for unknown escapes.
+  /// Advances to the next token. Throws SceneError for a string or an expression that does not end on its line, for
+  /// unknown escapes, and for errors of expressions.
   void advance();
 
  private:
   void skip_space();
   void read_string();
+  void read_word();
+  /// Substitutes definitions in the token, which begins at `begin`.
+  void substitute(std::size_t begin);
 
   std::string text_, file_, string_;
+  Definitions* definitions_;
   std::size_t at_ = 0;
+  std::size_t line_start_ = 0;  ///< of the current line in the text
   int line_ = 1;
   Token token_;
 };

@@ -6,7 +6,8 @@
 //     scalar    the texture as a scalar: the luminance of colours,
 //     slopes    derivatives of `scalar` by the surface's u and v; kinds that have none derive from WithoutSlopes,
 // and optionally
-//     prefetch  prefetches what a lookup will read, besides that of its inputs.
+//     prefetch      prefetches what a lookup will read, besides that of its inputs,
+//     kMovesInputs  true: inputs are looked up at other coordinates and are not prefetched.
 // A specialisation of LookupOf below the struct makes them the lookups of its description.
 //
 // All lanes look up the same texture. Any coordinates are safe, including NaN: lookups stay inside their table.

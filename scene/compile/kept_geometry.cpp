@@ -1,0 +1,78 @@
+#include "scene/compile/kept_geometry.h"
+
+#include "scene/compile/scene_compiler.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace sheaf {
+
+namespace {
+
+template <class T> bool same_bytes(const T* a, std::size_t count, const std::vector<T>& b) {
+  return count == b.size() && (count == 0 || std::memcmp(a, b.data(), count * sizeof(T)) == 0);
+}
+
+template <class T> bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return same_bytes(a.data(), a.size(), b);
+}
+
+/// Whether two shapes refer to the same geometry, whatever their materials, lights and media.
+bool same_geometry(const ShapeRow& a, const ShapeRow& b) {
+  return a.kind == b.kind && a.first_vertex == b.first_vertex && a.first_triangle == b.first_triangle &&
+         a.triangle_count == b.triangle_count;
+}
+
+}  // namespace
+
+bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input) const {
+  const auto same_range = [](const ShapeRange& a, const ShapeRange& b) {
+    return a.first_shape == b.first_shape && a.shape_count == b.shape_count;
+  };
+  if (accel == nullptr || watertight != input.watertight || ungrouped_shapes != input.shape_count) return false;
+  return std::equal(groups.begin(), groups.end(), input.groups, input.groups + input.group_count, same_range) &&
+         std::equal(tables.shapes.begin(), tables.shapes.end(), other.shapes.begin(), other.shapes.end(),
+                    same_geometry) &&
+         same_bytes(input.vertex_counts, vertex_counts.size(), vertex_counts) &&
+         same_bytes(tables.vertices, other.vertices) && same_bytes(tables.triangles, other.triangles) &&
+         same_bytes(tables.quadrics, other.quadrics) && same_bytes(tables.curve_points, other.curve_points) &&
+         same_bytes(tables.curve_segments, other.curve_segments) && same_bytes(tables.sdf_grids, other.sdf_grids) &&
+         same_bytes(tables.sdf_values, other.sdf_values) && same_bytes(tables.sdf_cells, other.sdf_cells) &&
+         same_bytes(tables.instances, other.instances);
+}
+
+void SceneCompiler::build_accel() {
+  GeometryTables& geometry = out_->geometry_;
+  const AccelInput input{geometry.shapes.data(),         ungrouped_shapes_,
+                         geometry.vertices.data(),       geometry.triangles.data(),
+                         geometry.quadrics.data(),       geometry.curve_points.data(),
+                         geometry.curve_segments.data(), geometry.sdf_grids.data(),
+                         geometry.sdf_values.data(),     geometry.sdf_cells.data(),
+                         vertex_counts_.data(),          options_.watertight,
+                         group_ranges_.data(),           static_cast<std::uint32_t>(group_ranges_.size()),
+                         geometry.instances.data(),      static_cast<std::uint32_t>(geometry.instances.size())};
+  KeptGeometry* const kept = options_.kept;
+  if (kept != nullptr && kept->vertex_counts.size() == vertex_counts_.size() && kept->matches(geometry, input)) {
+    // Embree refers to the kept tables. Shapes may have other materials and lights.
+    kept->tables.shapes = std::move(geometry.shapes);
+    geometry = std::move(kept->tables);
+    out_->accel_ = std::move(kept->accel);
+    return;
+  }
+  if (kept != nullptr) *kept = {};  // free its memory before building
+  out_->accel_ = std::make_unique<Accel>(input);
+  if (kept == nullptr) return;
+  kept->vertex_counts = vertex_counts_;
+  kept->groups = group_ranges_;
+  kept->ungrouped_shapes = ungrouped_shapes_;
+  kept->watertight = options_.watertight;
+}
+
+void SceneCompiler::keep_geometry(Scene& scene, KeptGeometry& kept) {
+  kept.accel = std::move(scene.accel_);
+  kept.tables = std::move(scene.geometry_);
+}
+
+void keep_geometry(std::unique_ptr<Scene> scene, KeptGeometry& kept) { SceneCompiler::keep_geometry(*scene, kept); }
+
+}  // namespace sheaf

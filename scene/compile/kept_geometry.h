@@ -1,0 +1,28 @@
+// The geometry of a scene, kept for the next frame of an animation: its acceleration structure is built once while
+// geometry does not move.
+#pragma once
+
+#include "scene/tables/scene.h"
+
+#include <memory>
+#include <vector>
+
+namespace sheaf {
+
+/// Geometry tables with the acceleration structure that refers to them.
+struct KeptGeometry {
+  GeometryTables tables;
+  std::vector<std::uint32_t> vertex_counts;  ///< AccelInput::vertex_counts
+  std::vector<ShapeRange> groups;
+  std::uint32_t ungrouped_shapes = 0;
+  bool watertight = false;
+  std::unique_ptr<Accel> accel;  ///< null: no geometry is kept
+
+  /// Whether an acceleration structure for `input` with these tables would equal the kept one, bit by bit.
+  bool matches(const GeometryTables& other, const AccelInput& input) const;
+};
+
+/// Moves the geometry of a scene that was compiled with CompileOptions::kept to that object, and destroys the scene.
+void keep_geometry(std::unique_ptr<Scene> scene, KeptGeometry& kept);
+
+}  // namespace sheaf

@@ -1,0 +1,26 @@
+// Choice of a camera by name or number.
+#include "scene/dialects/common/choose_camera.h"
+
+#include "core/error.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+std::size_t choose_camera(const std::string& wanted, const std::vector<std::string>& names,
+                          const std::filesystem::path& file) {
+  if (wanted.empty()) return 0;
+  const auto found = std::find(names.begin(), names.end(), wanted);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (std::to_string(i) == wanted) return i;
+  const SourceLocation where{file.string(), 0};
+  if (names.empty()) throw SceneError(where, "has no camera");
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : ", ") + (names[i].empty() ? std::to_string(i) : in_quotes(names[i]));
+  throw SceneError(where,
+                   "has no camera " + in_quotes(wanted) + did_you_mean(wanted, names) + " (cameras: " + list + ")");
+}
+
+}  // namespace sheaf

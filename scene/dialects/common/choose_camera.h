@@ -1,0 +1,15 @@
+// Choice among the cameras of a scene.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+/// Returns the index of the camera with the name or else the number `wanted`, counted from 0. Returns 0 if `wanted` is
+/// empty. Throws SceneError if the scene has no such camera.
+std::size_t choose_camera(const std::string& wanted, const std::vector<std::string>& names,
+                          const std::filesystem::path& file);
+
+}  // namespace sheaf

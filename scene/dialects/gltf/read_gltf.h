@@ -1,0 +1,23 @@
+// Entry point of the glTF dialect.
+#pragma once
+
+#include "scene/content/description.h"
+#include "scene/dialects/common/model_view.h"
+
+#include <filesystem>
+#include <string>
+
+namespace sheaf {
+
+/// Which parts of a scene a glTF file has.
+struct GltfContents {
+  bool has_camera = false, has_lights = false;
+};
+
+/// Reads a glTF 2.0 file (.gltf, .glb): its default scene with its first camera, or the camera that `camera` names.
+/// Materials become MetallicRoughnessDescription. Throws SceneError. `lenient`: faces with vertices out of range are
+/// dropped. `folder`: see GltfFile.
+GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
+                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description);
+
+}  // namespace sheaf

@@ -1,0 +1,224 @@
+// Scenes of glTF: nodes, instances, and what is chosen of cameras.
+#include "scene/dialects/common/choose_camera.h"
+#include "scene/dialects/gltf/pose.h"
+#include "scene/dialects/gltf/reader.h"
+#include "scene/formats/mesh.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+namespace gltf {
+
+namespace {
+
+/// Reads the nodes of the default scene.
+class SceneReader {
+ public:
+  SceneReader(GltfFile& file, const ModelMoment& moment, bool lenient, Description& out)
+      : file_(file), pose_(pose_at(file, moment)), lenient_(lenient), out_(out), materials_(file, out) {}
+
+  GltfContents read(const std::string& camera) {
+    list_nodes();
+    place_camera(camera);
+    count_uses();
+    for (const std::size_t i : nodes_) {
+      const GltfNode& node = file_.nodes[i];
+      if (node.light != kNoIndex) {
+        add_light(file_.lights[static_cast<std::size_t>(node.light)], pose_.to_world[i], file_, out_);
+        contents_.has_lights = true;
+      }
+      if (node.mesh != kNoIndex) add_mesh(i);
+    }
+    if (degenerate_ > 0)
+      file_.notes.push_back(file_.file.string() + ": " + std::to_string(degenerate_) +
+                            " degenerate or non-finite triangles left out");
+    std::move(file_.notes.begin(), file_.notes.end(), std::back_inserter(out_.notes));
+    return contents_;
+  }
+
+ private:
+  /// What a node shows: a mesh with its morph weights. Nodes with skins share nothing.
+  struct MeshKey {
+    int mesh = kNoIndex, skinned_node = kNoIndex;
+    std::vector<float> weights;
+    auto operator<=>(const MeshKey&) const = default;
+  };
+  struct MeshUse {
+    std::size_t count = 0;
+    std::optional<std::uint32_t> group;
+  };
+
+  /// Lists the nodes of the scene, parents first.
+  void list_nodes() {
+    std::vector<int> open(file_.roots.rbegin(), file_.roots.rend());
+    while (!open.empty()) {
+      const auto i = static_cast<std::size_t>(open.back());
+      open.pop_back();
+      nodes_.push_back(i);
+      const std::vector<int>& children = file_.nodes[i].children;
+      open.insert(open.end(), children.rbegin(), children.rend());
+    }
+  }
+
+  void place_camera(const std::string& wanted) {
+    std::vector<std::string> names;
+    std::vector<std::size_t> nodes;
+    for (const std::size_t i : nodes_) {
+      const GltfNode& node = file_.nodes[i];
+      if (node.camera == kNoIndex) continue;
+      nodes.push_back(i);
+      names.push_back(node.name.empty() ? file_.cameras[static_cast<std::size_t>(node.camera)].name : node.name);
+    }
+    contents_.has_camera = !nodes.empty();
+    if (nodes.empty() && wanted.empty()) return;
+    const std::size_t i = nodes[choose_camera(wanted, names, file_.file)];
+    set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], pose_.to_world[i], file_, out_);
+  }
+
+  MeshKey key_of(std::size_t i) const {
+    const GltfNode& node = file_.nodes[i];
+    const bool skinned = node.skin != kNoIndex;
+    const std::vector<float>& mesh_weights = file_.meshes[static_cast<std::size_t>(node.mesh)].weights;
+    return {node.mesh, skinned ? static_cast<int>(i) : kNoIndex,
+            pose_.weights[i].empty() ? mesh_weights : pose_.weights[i]};
+  }
+
+  void count_uses() {
+    for (const std::size_t i : nodes_)
+      if (file_.nodes[i].mesh != kNoIndex) uses_[key_of(i)].count += file_.nodes[i].instances.empty() ? 1 : 2;
+  }
+
+  Deformation deformation(std::size_t i, const MeshKey& key) const {
+    Deformation out{key.weights, {}};
+    const GltfNode& node = file_.nodes[i];
+    if (node.skin == kNoIndex) return out;
+    const GltfSkin& skin = file_.skins[static_cast<std::size_t>(node.skin)];
+    std::vector<float> inverse;
+    if (skin.inverse_bind_matrices != kNoIndex) inverse = read_floats(file_, skin.inverse_bind_matrices, 16);
+    for (std::size_t joint = 0; joint < skin.joints.size(); ++joint) {
+      Matrix4 bind;
+      if (!inverse.empty())
+        for (std::size_t k = 0; k < 16; ++k) bind.m[k % 4][k / 4] = inverse[16 * joint + k];
+      out.joint_to_world.push_back(pose_.to_world[static_cast<std::size_t>(skin.joints[joint])] * bind);
+    }
+    return out;
+  }
+
+  /// The shapes of a mesh in its own space.
+  std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
+    std::vector<ShapeDescription> out;
+    for (Primitive& primitive : load_mesh(file_, key.mesh, deformation(i, key), lenient_)) {
+      degenerate_ += drop_degenerate_triangles(primitive.mesh);
+      if (primitive.mesh.triangles.empty()) continue;
+      const Surface surface = materials_.surface(primitive.material, primitive.vertex_data);
+      ShapeDescription shape;
+      shape.geometry = std::move(primitive.mesh);
+      shape.face_normals = !primitive.has_normals;
+      shape.material = surface.material;
+      shape.radiance = surface.radiance;
+      shape.emits_on_both_sides = surface.emits_on_both_sides;
+      shape.interior = surface.interior;
+      shape.exterior_is_surrounding = surface.interior.has_value();
+      shape.where = {file_.file.string(), 0};
+      shape.id =
+          file_.nodes[i].name.empty() ? file_.meshes[static_cast<std::size_t>(key.mesh)].name : file_.nodes[i].name;
+      out.push_back(std::move(shape));
+    }
+    return out;
+  }
+
+  void add_mesh(std::size_t i) {
+    const MeshKey key = key_of(i);
+    MeshUse& use = uses_.at(key);
+    const Matrix4 to_world = key.skinned_node == kNoIndex ? pose_.to_world[i] : Matrix4{};
+    if (use.count == 1) {
+      Matrix4 inverse;
+      if (!invert(to_world, inverse)) return note_singular(i);
+      const Transform transform(to_world);
+      for (ShapeDescription& shape : shapes(i, key)) {
+        shape.to_world = transform;
+        // A mirrored mesh keeps its front: without normals, the order of its corners says where it is.
+        shape.flip_normals = shape.face_normals && transform.swaps_handedness();
+        out_.shapes.push_back(std::move(shape));
+      }
+      return;
+    }
+    if (!use.group) {
+      use.group = static_cast<std::uint32_t>(out_.groups.size());
+      out_.groups.push_back({shapes(i, key), file_.nodes[i].name, {file_.file.string(), 0}});
+    }
+    if (out_.groups[*use.group].shapes.empty()) return;
+    add_instances(i, to_world, *use.group);
+  }
+
+  void note_singular(std::size_t i) {
+    file_.notes.push_back(
+        file_.error("nodes[" + std::to_string(i) + "]", "its transform is singular (not rendered)").what());
+  }
+
+  void add_instances(std::size_t i, const Matrix4& to_world, std::uint32_t group) {
+    bool singular = false;
+    const auto add = [&](const Matrix4& matrix) {
+      Matrix4 inverse;
+      if (!invert(matrix, inverse)) {
+        singular = true;
+        return;
+      }
+      InstanceDescription instance;
+      instance.group = group;
+      for (std::size_t k = 0; k < 12; ++k) instance.to_world[k] = static_cast<float>(matrix.m[k / 4][k % 4]);
+      out_.instances.push_back(instance);
+    };
+    const GltfAttributes& attributes = file_.nodes[i].instances;
+    if (attributes.empty()) {
+      add(to_world);
+    } else {
+      for (const GltfPose& pose : instance_poses(attributes, i)) add(to_world * matrix_of(pose));
+    }
+    if (singular) note_singular(i);
+  }
+
+  /// The poses of EXT_mesh_gpu_instancing.
+  std::vector<GltfPose> instance_poses(const GltfAttributes& attributes, std::size_t i) const {
+    std::vector<GltfPose> poses(file_.accessors[static_cast<std::size_t>(attributes.begin()->second)].count);
+    const auto load = [&](const char* name, int components, auto member) {
+      const auto found = attributes.find(name);
+      if (found == attributes.end()) return;
+      const std::vector<float> values = read_floats(file_, found->second, components);
+      const auto size = static_cast<std::size_t>(components);
+      if (values.size() != poses.size() * size)
+        throw file_.error("nodes[" + std::to_string(i) + "]", "its instances have attributes of different lengths");
+      for (std::size_t k = 0; k < values.size(); ++k) (poses[k / size].*member)[k % size] = values[k];
+    };
+    load("TRANSLATION", 3, &GltfPose::translation);
+    load("ROTATION", 4, &GltfPose::rotation);
+    load("SCALE", 3, &GltfPose::scale);
+    return poses;
+  }
+
+  GltfFile& file_;
+  Pose pose_;
+  bool lenient_;
+  Description& out_;
+  Materials materials_;
+  std::vector<std::size_t> nodes_;  ///< of the scene
+  std::map<MeshKey, MeshUse> uses_;
+  GltfContents contents_;
+  std::size_t degenerate_ = 0;  ///< triangles left out
+};
+
+}  // namespace
+
+}  // namespace gltf
+
+GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
+                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description) {
+  GltfFile gltf = read_gltf_file(file, folder);
+  description.file = file;
+  description.files = {file};
+  description.files.insert(description.files.end(), gltf.files.begin(), gltf.files.end());
+  return gltf::SceneReader(gltf, moment, lenient, description).read(camera);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,33 @@
+// The JSON document of a glTF file and its bytes, before their meaning is known.
+#pragma once
+
+#include "scene/formats/gltf.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <memory>
+
+namespace sheaf {
+
+/// The parts of a .gltf or .glb file.
+struct GltfDocument {
+  GltfDocument();
+  GltfDocument(GltfDocument&&) noexcept;
+  ~GltfDocument();
+
+  std::unique_ptr<nlohmann::json> json;  ///< an object
+  std::vector<std::uint8_t> chunk;       ///< binary chunk of a .glb file; may be empty
+};
+
+/// Splits a file into its parts and parses the JSON. Throws SceneError, with the line for malformed JSON.
+GltfDocument read_gltf_document(const std::filesystem::path& file);
+
+/// Loads the buffers, and finds the images, of a document; then replaces both in the JSON by short stand-ins, so that
+/// the library that parses it has no bytes to read. Removes what that library does not accept. Adds external files to
+/// `out.files`. Throws SceneError.
+void take_bytes(GltfDocument& document, GltfFile& out);
+
+/// Decodes base 64 (RFC 4648); empty if the text is malformed.
+std::vector<std::uint8_t> decode_base64(const std::string& text);
+
+}  // namespace sheaf
