@@ -16,7 +16,7 @@
 //
 // As stated in appendix B, the dielectric does not conserve energy: its diffuse part is attenuated at the facet that
 // reflects wi into wo, but not by what other facets reflect. The albedo of a white one is 1 at normal incidence and
-// rises at grazing incidence, to 1.7 for a roughness of 0.1 and to 1.2 for 0.5. With a base colour below 0.95, a closed
+// rises at grazing incidence, to 1.8 for a roughness of 0.1 and to 1.2 for 0.5. With a base colour below 0.95, a closed
 // surface loses energy.
 #pragma once
 

@@ -43,7 +43,7 @@ struct MetallicRoughnessDescription {
   ScalarInput anisotropy_rotation =
       0.0f;  ///< of the direction of larger roughness, radians from the tangent, any value
   SpectrumInput sheen_color = SpectrumDescription::constant(0);
-  ScalarInput sheen_roughness = 0.0f;  ///< perceptual
+  ScalarInput sheen_roughness = 0.0f;  ///< perceptual; the model has a minimum of 0.1
   ScalarInput clearcoat = 0.0f;
   ScalarInput clearcoat_roughness = 0.0f;  ///< perceptual
   /// Index of refraction of the dielectric. Infinity, or 0 as in files, stands for a reflectance of 1 at normal

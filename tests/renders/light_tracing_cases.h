@@ -296,6 +296,20 @@ inline std::vector<NamedChange> layered_balls() {
          p.metallic = 0.3f, p.subsurface = 0.5f, p.sheen = 0.5f, p.clearcoat = 0.5f, p.clearcoat_gloss = 0.2f;
          add_ball(d, p);
        }},
+      {"metallic-roughness",
+       [](Description& d) {
+         MetallicRoughnessDescription p;
+         p.metallic = 0.3f, p.roughness = 0.5f, p.sheen_color = SpectrumDescription::rgb(0.2f, 0.4f, 0.3f);
+         p.sheen_roughness = 0.5f, p.clearcoat = 0.5f, p.clearcoat_roughness = 0.4f;
+         add_ball(d, p);
+       }},
+      {"thin metallic-roughness",
+       [](Description& d) {
+         MetallicRoughnessDescription p;
+         p.base_color = SpectrumDescription::rgb(0.9f, 0.6f, 0.3f), p.metallic = 0.2f, p.roughness = 0.5f;
+         p.transmission = 0.7f, p.specular = 0.5f;
+         add_ball(d, p);
+       }},
       {"Nori's microfacet",
        [](Description& d) {
          NoriMicrofacetDescription p;

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 namespace sheaf::test_passes {
 
 namespace {
@@ -26,7 +28,8 @@ std::vector<std::uint32_t> pass_ends(int samples, int replicates) {
   options.wants_pause = [&] { return has_progress; };
   options.on_pause = [&](const RenderState& state) {
     has_progress = false;
-    if (!state.tiles.empty() || state.first_sample == 0) return;
+    const bool is_between = std::all_of(state.tiles.begin(), state.tiles.end(), [](auto done) { return done == 0; });
+    if (!is_between || state.first_sample == 0) return;
     if (ends.empty() || ends.back() != state.first_sample) ends.push_back(state.first_sample);
     for (int y = 0; y < 20; ++y)
       for (int x = 0; x < 30; ++x) REQUIRE(state.film.count(x, y) == state.first_sample);
