@@ -1,5 +1,6 @@
 #include "tools/frames.h"
 
+#include "core/duration.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "scene/dialects/read_model.h"
@@ -104,9 +105,9 @@ int render_frames(const RenderArguments& arguments, const std::vector<GivenOptio
   FrameRun run(frames.size());
   std::size_t finished = 0;
   const auto report = [&] {
-    print_note(fmt::format("rendered {}{} in {:.1f} s{}", frames_text(finished),
+    print_note(fmt::format("rendered {}{} in {}{}", frames_text(finished),
                            finished < frames.size() ? fmt::format(" of {}", frames.size()) : "",
-                           Progress::steady_seconds() - start,
+                           format_duration(Progress::steady_seconds() - start),
                            skipped > 0 ? fmt::format("; skipped {} with images", frames_text(skipped)) : ""));
   };
   int code = static_cast<int>(ExitCode::kDone);

@@ -58,17 +58,22 @@ void add_read_options(Command& command, ReadArguments& arguments) {
       .placeholder("AZIMUTH,ELEVATION");
   command.add_option("--up", arguments.up, "Up axis of a model: x, y (default) or z").one_of(kUpAxes.names());
   command.add_option("--fov", arguments.fov, "Field of view for a model, in degrees. Default: 35").in_range(1.f, 170.f);
-  command.add_option(
-      "--env", arguments.environment,
-      "Environment map for a model: an image by longitude and latitude, or none. Default: a sky with a sun");
+  command
+      .add_option("--env", arguments.environment,
+                  "Environment map for a model: an image by longitude and latitude, or none. Default: a sky with a sun")
+      .file();
   command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model");
-  command.add_option(
-      "--camera", arguments.camera,
-      "Camera of a Mitsuba scene or glTF file with several: its name or its number, from 0. Default: the first");
+  command
+      .add_option(
+          "--camera", arguments.camera,
+          "Camera of a Mitsuba scene or glTF file with several: its name or its number, from 0. Default: the first")
+      .placeholder("NAME");
   command.add_option("--time", arguments.time,
                      "Moment of an animated glTF file, in seconds. Default: the file without its animation");
-  command.add_option("--animation", arguments.animation,
-                     "Animation of a glTF file for --time: its name or its number, from 0. Default: the first");
+  command
+      .add_option("--animation", arguments.animation,
+                  "Animation of a glTF file for --time: its name or its number, from 0. Default: the first")
+      .placeholder("NAME");
 }
 
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments) {

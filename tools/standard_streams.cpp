@@ -61,7 +61,7 @@ std::string scene_extension(std::string_view bytes) {
   const std::string_view word = first_word(bytes);
   if (word.empty() || word.starts_with('<')) return ".xml";
   if (word.starts_with('{')) return ".gltf";
-  if (word == "ply") return ".ply";
+  if (word == "ply" || word == "solid") return word == "ply" ? ".ply" : ".stl";
   const bool is_obj = std::find(std::begin(kObjWords), std::end(kObjWords), word) != std::end(kObjWords);
   return is_obj ? ".obj" : ".pbrt";
 }

@@ -25,6 +25,9 @@ LightSource "infinite"
 Include "part.pbrt"
 )";
 constexpr const char* kObjModel = "# A triangle\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+constexpr const char* kStlModel =
+    "solid triangle\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    "endsolid triangle\n";
 constexpr const char* kPlyModel =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -47,6 +50,7 @@ TEST_CASE("streams: the content of the standard input determines the dialect") {
   write_bytes(folder / "part.pbrt", sphere);
   for (const auto& [name, content, options] : {std::tuple{"scene.xml", kScene, "--spp 2"},
                                                {"scene.pbrt", kPbrtScene, "--spp 2"},
+                                               {"model.stl", kStlModel, "--spp 2 --size 12x8"},
                                                {"model.obj", kObjModel, "--spp 2 --size 12x8 --up z"},
                                                {"model.ply", kPlyModel, "--spp 2 --size 12x8"}}) {
     CAPTURE_BINDING(name);
