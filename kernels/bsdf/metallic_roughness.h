@@ -41,7 +41,8 @@ template <class L> struct MetallicRoughnessBsdf : MetallicRoughnessParameters<L>
   /// A GGX lobe with height-correlated masking, for one outgoing direction.
   struct FacetLobe {
     GgxDistribution<L> facets;
-    F cos_o, root_o;
+    F cos_o;   ///< cosine of wo to the normal
+    F root_o;  ///< root() of wo
 
     SHEAF_INLINE FacetLobe(F alpha_u, F alpha_v, Vec3<L> wo)
         : facets(alpha_u, alpha_v), cos_o(wo.z), root_o(root(wo)) {}
