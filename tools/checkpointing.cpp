@@ -83,10 +83,8 @@ std::string apply_continuation(const Scene& scene, RenderOptions& options, std::
     options.replicates = continuation.replicates;
     if (!keeps_sets) return "";
     return fmt::format(
-        "the render continues {} samples per pixel with {}: the image is that of --replicates {}", before,
-        continuation.replicates == 1 ? "one sample set"
-                                     : fmt::format("sample sets of {}", resumed->division.replicate_samples),
-        continuation.replicates);
+        "the render continues {} samples per pixel with sample sets of {}: the image is that of --replicates {}",
+        before, resumed->division.replicate_samples, continuation.replicates);
   }
   const std::string reason = fmt::format("{} samples per pixel: {}", before, continuation.problem);
   if (before >= kFewSamples || continuation.samples <= before)

@@ -28,8 +28,11 @@ std::string sampling_problem(const Scene& scene, const SampleLayout& layout, con
   if (!is_one_set)
     return "its samples form sets of " + count_text(before.replicate_samples) + ", but the new sets have " +
            count_text(layout.replicate_samples) + " (choose a multiple of the set size as --spp)";
-  return "its " + count_text(before.spp) + " form one set, which can only be continued from a power of two up to " +
-         count_text(before.max_pass_samples) + " or a multiple of it";
+  if (layout.replicate_samples < layout.spp)
+    return "its samples form one set, but the new ones are divided into sets of " +
+           count_text(layout.replicate_samples) + " (--replicates 1 keeps one set)";
+  return "one set can only be continued from a power of two up to " + std::to_string(before.max_pass_samples) +
+         " or a multiple of " + std::to_string(before.max_pass_samples);
 }
 
 /// Why precomputed data, on which the samples depend, differ for another number of samples; empty if they do not.
@@ -61,10 +64,10 @@ std::string problem_of(const Scene& scene, const RenderOptions& options, const S
 Continuation continue_from(const Scene& scene, const RenderOptions& options, const RenderState& state) {
   const SampleLayout layout = make_sample_layout(scene, options);
   Continuation found{layout.spp, options.replicates, problem_of(scene, options, layout, state)};
-  if (found.problem.empty() || options.replicates != 0) return found;
-  // Keep the size of the sets
   const std::uint32_t size = state.division.replicate_samples;
-  const std::uint32_t sets = size >= state.division.spp ? 1 : (layout.spp + size - 1) / size;
+  if (found.problem.empty() || options.replicates != 0 || size >= state.division.spp) return found;
+  // Keep the size of the sets
+  const std::uint32_t sets = (layout.spp + size - 1) / size;
   RenderOptions same_size = options;
   same_size.replicates = static_cast<int>(sets);
   const std::string problem = problem_of(scene, options, make_sample_layout(scene, same_size), state);

@@ -38,7 +38,7 @@ TEST_CASE("wrong usage has exit code 2") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
   for (const char* arguments :
-       {"", "paint", "render", "render scene.xml --no-such-option", "render scene.xml -o out.jpeg",
+       {"", "paint", "render", "render scene.xml --no-such-option", "render scene.xml -o out.webp",
         "render scene.xml --spp 0", "render scene.xml --spp many", "render scene.xml --color cmyk",
         "render scene.xml --crop 0,0,100,16", "render scene.xml --crop 4,4,4,8", "render scene.xml --crop 1,2,3",
         "render scene.xml -D novalue", "render scene.xml --integrator pathh", "render scene.xml --max-depth -2",

@@ -174,7 +174,7 @@ TEST_CASE("farm: invalid requests are usage errors and write nothing") {
   CHECK(contains(error("--parts 2 -o none/x.exr", 4), "none"));
   error("");
   error("--parts 0");
-  CHECK(contains(error("--parts 2 -o x.tiff"), ".exr or .png"));
+  CHECK(contains(error("--parts 2 -o x.webp"), ".exr, .png, .jpg"));
 }
 
 }  // namespace sheaf::test_cli_farm

@@ -196,7 +196,7 @@ TEST_CASE("mismatched parts are rejected by name") {
   // Invalid outputs.
   CHECK(run(scene.folder, "merge a.exr b.exr -o a.exr").code == 2);
   CHECK(run(scene.folder, "merge a.exr b.exr -o c.exr -o ./c.exr").code == 2);
-  CHECK(run(scene.folder, "merge a.exr b.exr -o c.tiff").code == 2);
+  CHECK(run(scene.folder, "merge a.exr b.exr -o c.webp").code == 2);
   CHECK(run(scene.folder, "merge a.exr b.exr").code == 2);
   CHECK(run(scene.folder, "merge -o c.exr").code == 2);
   CHECK(run(scene.folder, "merge a.exr b.exr -o none/c.exr").code == 4);
