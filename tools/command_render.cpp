@@ -197,6 +197,7 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, Che
     show(state, report);
   };
   preview.watch(options);
+  preview.show_first_passes(scene, options);
   RenderResult result = render(scene, options);
   progress.finish();
   return result;

@@ -8,9 +8,9 @@
 #include "tools/tev.h"
 
 #include <algorithm>
-#include <array>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace sheaf {
 
@@ -18,10 +18,8 @@ namespace {
 
 /// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
 constexpr double kMinInterval = 1, kCostFactor = 20;
-/// Time after which the first preview does not wait for the first pass, s.
-constexpr double kMaxFirst = 1;
-/// Width of a border around the frame that is sampled at most, for pixel filters.
-constexpr int kMaxBorder = 8;
+/// Samples of a render per sample of show_first_passes().
+constexpr std::uint32_t kFirstShare = 32;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The channels R, G, B and A of an image.
@@ -42,6 +40,23 @@ std::shared_ptr<const Image> beauty_of(const Image& image) {
   for (std::size_t i = 0; i < image.pixel_count(); ++i)
     for (const std::size_t source : sources) beauty->data.push_back(image.data[i * image.channels.size() + source]);
   return beauty;
+}
+
+/// Copies R, G, B and A of `other`, an image of the same pixels, to the pixels of `image` where they are zero.
+void fill_gaps(Image& image, const Image& other) {
+  if (image.pixel_count() != other.pixel_count()) return;
+  std::vector<std::pair<std::size_t, std::size_t>> channels;  // in both images
+  for (const char* name : {"R", "G", "B", "A"}) {
+    const int to = image.find_channel(name), from = other.find_channel(name);
+    if (to >= 0 && from >= 0) channels.emplace_back(static_cast<std::size_t>(to), static_cast<std::size_t>(from));
+  }
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    float* const to = image.data.data() + i * image.channels.size();
+    const float* const from = other.data.data() + i * other.channels.size();
+    const bool is_zero = std::all_of(channels.begin(), channels.end(), [&](auto& c) { return to[c.first] == 0.0f; });
+    if (!is_zero) continue;
+    for (const auto& [target, source] : channels) to[target] = from[source];
+  }
 }
 
 }  // namespace
@@ -84,15 +99,11 @@ void Preview::begin_scene() {
 
 void Preview::watch(RenderOptions& options) {
   if (!page_ && !tev_) return;
-  start_ = Progress::steady_seconds();
-  is_shown_ = false;
-  samples_ = 0;
+  first_ = nullptr;
   next_ = pause_requested_ = 0;
-  first_samples_ = static_cast<std::uint64_t>(options.crop->grown(kMaxBorder).area());
   if (page_) page_->begin_render();
   options.on_progress = [this, before = std::move(options.on_progress)](std::uint64_t done, std::uint64_t total) {
     if (before) before(done, total);
-    samples_.store(done, std::memory_order_relaxed);
     if (page_) page_->update(done, total);
   };
   options.on_report = [this, before = std::move(options.on_report)](const RenderReport& report) {
@@ -106,10 +117,33 @@ void Preview::watch(RenderOptions& options) {
   };
 }
 
+void Preview::show_first_passes(const Scene& scene, const RenderOptions& options) {
+  const bool is_new = options.resume == nullptr && scene.integrator().kind == IntegratorKind::kPath;
+  if ((!page_ && !tev_) || !is_new) return;
+  const std::uint32_t samples = options.samples_per_pixel.value_or(scene.sampler().sample_count);
+  RenderOptions first;
+  first.seed = options.seed;
+  first.threads = options.threads;
+  first.wave_size = options.wave_size;
+  first.crop = options.crop;
+  first.stop = options.stop;
+  first.replicates = 1;
+  std::uint32_t taken = 0;
+  for (std::uint32_t count = 1; samples > 1 && taken + count <= std::max(samples / kFirstShare, 1u); count *= 2) {
+    first.samples_per_pixel = count;
+    const RenderResult result = render(scene, first);
+    if (result.interrupted) return;
+    taken += count;
+    first_ = std::make_shared<const Image>(result.film.beauty_image());
+    const std::shared_ptr<const Image> shown = displayed(*first_);
+    if (page_) page_->set_image(shown);
+    if (tev_ && tev_->is_ready()) tev_->show(shown);
+  }
+}
+
 bool Preview::is_due() {
   const double now = Progress::steady_seconds();
   if (now < next_.load(std::memory_order_relaxed)) return false;
-  if (!is_shown_ && samples_.load(std::memory_order_relaxed) < first_samples_ && now < start_ + kMaxFirst) return false;
   const bool looked_at = (page_ && page_->wants_image()) || (tev_ && tev_->is_ready());
   double never = 0;
   if (looked_at) pause_requested_.compare_exchange_strong(never, now, std::memory_order_relaxed);
@@ -121,12 +155,12 @@ void Preview::show(const RenderState& state) {
   const bool all = page_ && page_->wants_denoised();
   Image image = all ? state.film.to_image() : state.film.beauty_image();
   if (state.splats && state.photons > 0) state.splats->add_to(image, state.photons);
+  if (first_) fill_gaps(image, *first_);
   const std::shared_ptr<const Image> beauty = displayed(image);
   if (page_) page_->set_image(beauty);
   // The variances are valid only after two replicates
   if (all) page_->denoise(std::make_shared<const Image>(std::move(image)), false);
   if (tev_ && tev_->is_ready()) tev_->show(beauty);
-  is_shown_ = true;
   const double now = Progress::steady_seconds();
   double cost = now - pause_requested_;
   // The page encodes in parallel to the render, on one of its processors.

@@ -12,6 +12,7 @@
 namespace sheaf {
 
 class LivePage;
+class Scene;
 class TevViewer;
 struct RenderOptions;
 struct RenderState;
@@ -26,8 +27,8 @@ void add_preview_options(Command& command, PreviewArguments& arguments);
 
 /// Shows one render, or several in turn, from construction to destruction, which closes all connections.
 ///
-/// Preview images are made while the render pauses, and only for connected viewers: one when the first pass is
-/// complete, then one per second. Slow previews are refreshed less often, so that they take at most 5% of the time.
+/// Preview images are made while the render pauses, and only for connected viewers: at
+/// most one per second. Slow previews are refreshed less often, so that they take at most 5% of the time.
 /// They do not change the bits of the render.
 class Preview {
  public:
@@ -45,6 +46,10 @@ class Preview {
   void begin_scene();
   /// Begins the render. Wraps the callbacks of `options`, which must not outlive this object.
   void watch(RenderOptions& options);
+  /// Shows renders with 1, 2, 4 ... samples per pixel, while they take little of the time of the render that `options`
+  /// describe. Until that render has samples of a pixel, previews show the last of these images there. Does nothing for
+  /// resumed renders and for integrators other than path tracing.
+  void show_first_passes(const Scene& scene, const RenderOptions& options);
   /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
   /// Reports that the scene could not be rendered.
@@ -62,10 +67,7 @@ class Preview {
   DisplayTransform display_;
   std::unique_ptr<LivePage> page_;          ///< null: disabled
   std::unique_ptr<TevViewer> tev_;          ///< null: disabled
-  std::atomic<double> start_{0};            ///< of the render, s on the steady clock
-  std::atomic<bool> is_shown_{false};       ///< there is an image of this render
-  std::atomic<std::uint64_t> samples_{0};   ///< so far
-  std::uint64_t first_samples_ = 0;         ///< of the first pass
+  std::shared_ptr<const Image> first_;      ///< of show_first_passes(); may be null
   std::atomic<double> next_{0};             ///< earliest time of the next preview, s on the steady clock
   std::atomic<double> pause_requested_{0};  ///< time of the last request to pause for a preview; 0: none
 };

@@ -31,8 +31,7 @@ std::string sampling_problem(const Scene& scene, const SampleLayout& layout, con
   if (layout.replicate_samples < layout.spp)
     return "its samples form one set, but the new ones are divided into sets of " +
            count_text(layout.replicate_samples) + " (--replicates 1 keeps one set)";
-  return "one set can only be continued from a power of two up to " + std::to_string(before.max_pass_samples) +
-         " or a multiple of " + std::to_string(before.max_pass_samples);
+  return "one set can only be continued from a multiple of " + count_text(before.max_pass_samples);
 }
 
 /// Why precomputed data, on which the samples depend, differ for another number of samples; empty if they do not.

@@ -5,10 +5,8 @@
 namespace sheaf {
 
 std::uint32_t SampleDivision::pass_samples(std::uint32_t first) const {
-  // Each of the first passes doubles the samples so far, so that previews soon show the whole frame
-  const std::uint32_t doubling = std::max(first - range.first, std::uint32_t{1});
   const std::uint32_t count =
-      std::min({max_pass_samples, doubling, range.end() - first, replicate_samples - first % replicate_samples});
+      std::min({max_pass_samples, range.end() - first, replicate_samples - first % replicate_samples});
   return half_samples > 0 && first < half_samples ? std::min(count, half_samples - first) : count;
 }
 

@@ -11,8 +11,7 @@ namespace sheaf {
 /// Camera samples per task: many enough that the wave is full most of the time, few enough that their buffer stays in
 /// the caches.
 inline constexpr int kTaskSamples = 16384;
-/// Maximum samples per pixel and pass; the first passes have fewer. A barrier separates passes; within a pass each tile
-/// has one owner.
+/// Maximum samples per pixel and pass. A barrier separates passes; within a pass each tile has one owner.
 inline constexpr std::uint32_t kPassSamples = 256;
 /// Side of the tiles of adaptive sampling, pixels.
 inline constexpr int kAdaptiveSide = 32;
