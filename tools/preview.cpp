@@ -18,8 +18,8 @@ namespace {
 
 /// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
 constexpr double kMinInterval = 1, kCostFactor = 20;
-/// Samples of a render per sample of show_first_passes().
-constexpr std::uint32_t kFirstShare = 32;
+/// Samples of a render per sample of show_first_passes(), and the largest number of samples of these.
+constexpr std::uint32_t kFirstShare = 32, kMaxFirst = 4;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The channels R, G, B and A of an image.
@@ -129,7 +129,8 @@ void Preview::show_first_passes(const Scene& scene, const RenderOptions& options
   first.stop = options.stop;
   first.replicates = 1;
   std::uint32_t taken = 0;
-  for (std::uint32_t count = 1; samples > 1 && taken + count <= std::max(samples / kFirstShare, 1u); count *= 2) {
+  const std::uint32_t most = std::max(samples / kFirstShare, 1u);
+  for (std::uint32_t count = 1; samples > 1 && count <= kMaxFirst && taken + count <= most; count *= 2) {
     first.samples_per_pixel = count;
     const RenderResult result = render(scene, first);
     if (result.interrupted) return;

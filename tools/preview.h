@@ -46,7 +46,7 @@ class Preview {
   void begin_scene();
   /// Begins the render. Wraps the callbacks of `options`, which must not outlive this object.
   void watch(RenderOptions& options);
-  /// Shows renders with 1, 2, 4 ... samples per pixel, while they take little of the time of the render that `options`
+  /// Shows renders with 1, 2 and 4 samples per pixel, while they take little of the time of the render that `options`
   /// describe. Until that render has samples of a pixel, previews show the last of these images there. Does nothing for
   /// resumed renders and for integrators other than path tracing.
   void show_first_passes(const Scene& scene, const RenderOptions& options);

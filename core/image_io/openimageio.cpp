@@ -5,6 +5,9 @@
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <string_view>
@@ -20,6 +23,33 @@ struct MemoryFile {
 
   std::vector<std::uint8_t> bytes;
   OIIO::Filesystem::IOMemReader proxy;
+};
+
+/// A file in memory with a path that the library can write to.
+class AnonymousFile {
+ public:
+  AnonymousFile() : descriptor_(memfd_create("image", MFD_CLOEXEC)) {}
+  ~AnonymousFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  AnonymousFile(const AnonymousFile&) = delete;
+  AnonymousFile& operator=(const AnonymousFile&) = delete;
+
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  std::vector<unsigned char> bytes() const {
+    const off_t size = lseek(descriptor_, 0, SEEK_END);
+    std::vector<unsigned char> all(size > 0 ? static_cast<std::size_t>(size) : 0);
+    std::size_t read = 0;
+    while (read < all.size()) {
+      const ssize_t count = pread(descriptor_, all.data() + read, all.size() - read, static_cast<off_t>(read));
+      if (count <= 0) return {};
+      read += static_cast<std::size_t>(count);
+    }
+    return all;
+  }
+
+ private:
+  int descriptor_;
 };
 
 class Reader final : public ImageReader {
@@ -139,6 +169,14 @@ class Library final : public ImageLibrary {
       return std::vector<unsigned char>();
     };
     if (!output) return fail(OIIO::geterror());
+    // Through a proxy, OpenImageIO 2.4 writes TIFF files without their main directory.
+    if (encoding.format == IntegerFormat::kTiff) {
+      const AnonymousFile file;
+      if (!output->open(file.path(), spec)) return fail(output->geterror());
+      const bool written = output->write_image(type, pixels.values);
+      if (!output->close() || !written) return fail(output->geterror());
+      return file.bytes();
+    }
     OIIO::Filesystem::IOVecOutput encoded;  // the library ignores errors while closing files
     if (!output->set_ioproxy(&encoded))
       return fail(std::string("this build of OpenImageIO cannot write ") + format + " files to memory");

@@ -221,6 +221,7 @@ class ByteLoader {
 
 GltfDocument read_gltf_document(const std::filesystem::path& file) {
   const std::string bytes = read_mesh_bytes(file, "glTF file");
+  if (bytes.empty()) throw SceneError({file.string(), 0}, "is empty");
   if (bytes.starts_with("glTF")) return split_binary(bytes, file);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   const std::string_view text = bytes;

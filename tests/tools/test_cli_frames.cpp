@@ -192,7 +192,7 @@ TEST_CASE("frames: errors come before any work or name their cause") {
   CHECK(contains(error("camera.xml --frames 1:2 -o -", 2), "-o - writes a single image"));
   CHECK(contains(error("camera.xml --frames 1:2 -o none/a.exr", 4), "none"));
   CHECK(contains(error("camera.xml --frames 1000:1000 -o 'a$frame.png' -o 'a####.png'", 2), "would overwrite"));
-  CHECK(contains(error("mesh.obj --frames 1:2", 2), "models have no parameters"));
+  CHECK(contains(error("mesh.obj --frames 1:2", 2), "not to models"));
   CHECK_FALSE(frames.has("camera_0001.exr"));
   // An error in a later frame
   write_bytes(frames.folder / "late.xml", scene_with("$(1 / (3 - frame))", "1", "0.5"));
@@ -211,6 +211,9 @@ TEST_CASE("frames: a glTF file is rendered at the time of each frame") {
   gltf.add_triangle();
   const int times = gltf.add<float>({0, 1}, "SCALAR");
   const int places = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
+  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
+  gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 4}}});
+  gltf.json["scenes"][0]["nodes"] = {0, 1};
   gltf.json["animations"].push_back(
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
        {"samplers", {{{"input", times}, {"output", places}}}}});

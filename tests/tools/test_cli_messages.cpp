@@ -53,7 +53,7 @@ TEST_CASE("messages: a render prints one line with size, samples, time, noise an
   // The header records the same noise
   for (const ExrMetadata::Attribute& each : read_exr_attributes(place.folder / "out.exr"))
     if (each.name == "sheaf/noise") {
-      const double noise = std::atof(std::get<std::string>(each.value).c_str());
+      const auto noise = static_cast<double>(std::get<float>(each.value));
       CHECK(std::atof(found[1].str().c_str()) == doctest::Approx(noise * 100).epsilon(0.06));
     }
 }

@@ -156,7 +156,7 @@ TEST_CASE("options: misplaced options name their command and only similar names 
   CHECK(contains(run(place.folder, "--quiet render scene.xml").err,
                  "option '--quiet' must follow its command: sheaf render --quiet"));
   CHECK(contains(run(place.folder, "--qiet render scene.xml").err, "unknown option '--qiet'"));
-  for (const char* const option : {"--env", "--fast", "--gpu", "--bounces", "--frobnicate"}) {
+  for (const char* const option : {"--zap", "--fast", "--gpu", "--bounces", "--frobnicate"}) {
     CAPTURE(std::string(option));
     const Outcome outcome = place.render(option);
     CHECK(outcome.code == 2);
@@ -255,7 +255,15 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"spp", ""},
                                                                    {"view", ""},
                                                                    {"up", ""},
-                                                                   {"fov", ""}};
+                                                                   {"fov", ""},
+                                                                   {"env", ""},
+                                                                   {"no-floor", ""},
+                                                                   {"camera", ""},
+                                                                   {"time", ""},
+                                                                   {"animation", ""},
+                                                                   {"frames", ""},
+                                                                   {"fps", ""},
+                                                                   {"skip-existing", ""}};
 
 /// Options of the run, with which the same image comes out.
 const std::vector<std::pair<std::string, std::string>> kRuns = {
@@ -280,7 +288,9 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     CAPTURE_BINDING(name);
     known.insert(name);
     // Options that need others or do not apply to scenes.
-    if (name == "spp" || name == "view" || name == "up" || name == "fov") continue;
+    const std::set<std::string> elsewhere = {"spp",    "view", "up",        "fov",    "env", "no-floor",
+                                             "camera", "time", "animation", "frames", "fps", "skip-existing"};
+    if (elsewhere.contains(name)) continue;
     const std::string also = name == "spectral-bins" ? " --color spectral" : "";
     const Outcome outcome = resume("-o out.exr --" + name + " " + value + also);
     CHECK(outcome.code == 5);
