@@ -1,16 +1,9 @@
 // Previews of a running render: --serve as browsers and other clients use it, --tev as the viewer does.
 #include "core/exr.h"
 #include "core/progress.h"
-#include "tests/support/contains.h"
-#include "tests/support/loopback.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/tools/preview_testing.h"
 
 #include <doctest/doctest.h>
-
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -20,110 +13,6 @@
 #include <thread>
 
 namespace sheaf::test_preview {
-
-using test::contains;
-
-namespace {
-
-constexpr const char* kScene = R"(<scene version="3.0.0">
-  <integrator type="path"><integer name="max_depth" value="6"/></integrator>
-  <sensor type="perspective">
-    <float name="fov" value="40"/>
-    <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
-    <film type="hdrfilm">
-      <integer name="width" value="48"/><integer name="height" value="32"/><rfilter type="gaussian"/>
-    </film>
-    <sampler type="independent"/>
-  </sensor>
-  <shape type="sphere"><bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
-  <emitter type="constant"><rgb name="radiance" value="0.2, 0.5, 1.5"/></emitter>
-</scene>)";
-/// So many samples that no test waits for them, on one thread beside other tests.
-constexpr const char* kEndless = " --spp 16000000 --threads 1";
-
-void pause_for(double seconds) { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
-
-/// The program, rendering kScene or another scene in a folder of its own.
-class Render {
- public:
-  explicit Render(const std::string& arguments, const std::string& scene = kScene,
-                  const std::string& command = "render") {
-    write_bytes(folder_ / "scene.xml", scene);
-    write_bytes(folder_ / "go.sh",
-                "exec '" SHEAF_EXECUTABLE "' " + command + " scene.xml -o out.exr -o out.png " + arguments);
-    process_ = fork();
-    if (process_ != 0) return;
-    const int log = open((folder_ / "log.txt").c_str(), O_WRONLY | O_CREAT, 0600);
-    if (chdir(folder_.path().c_str()) == 0 && dup2(log, STDERR_FILENO) >= 0)
-      execlp("bash", "bash", "go.sh", static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  ~Render() {
-    if (process_ > 0) end(SIGKILL);
-  }
-  Render(const Render&) = delete;
-
-  std::string log() const { return read_bytes(folder_ / "log.txt"); }
-  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
-
-  /// The port of --serve 0; 0 if none is printed within 10 s.
-  int port() const {
-    for (int i = 0; i < 200; ++i, pause_for(0.05)) {
-      const std::string text = log(), before = "http://127.0.0.1:";
-      const std::size_t at = text.find(before);
-      if (at != std::string::npos && text.find('\n', at) != std::string::npos)
-        return std::atoi(text.c_str() + at + before.size());
-    }
-    return 0;
-  }
-
-  /// Sends an optional signal and waits for the end. Returns the exit code, or 128 plus the signal that ended it.
-  int end(int signal = 0) {
-    if (signal != 0) kill(process_, signal);
-    int status = 0;
-    waitpid(process_, &status, 0);
-    process_ = 0;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-
- private:
-  TemporaryFolder folder_;
-  pid_t process_ = 0;
-};
-
-/// Everything that a server replies to these bytes until it closes the connection; empty if there is no server.
-std::string ask(int port, const std::string& request) {
-  const LoopbackSocket socket = LoopbackSocket::connect_to(port);
-  if (!socket.is_open()) return {};
-  socket.send(request);  // the server may reply before it has received everything
-  return socket.receive();
-}
-
-std::string get(int port, const std::string& path, const std::string& host = "127.0.0.1") {
-  return ask(port, "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");
-}
-
-int status_of(const std::string& answer) { return answer.starts_with("HTTP/1.1 ") ? std::atoi(answer.c_str() + 9) : 0; }
-
-std::string body_of(const std::string& answer) {
-  const std::size_t end = answer.find("\r\n\r\n");
-  return end == std::string::npos ? std::string() : answer.substr(end + 4);
-}
-
-nlohmann::json status(int port) { return nlohmann::json::parse(body_of(get(port, "/status.json")), nullptr, false); }
-
-/// Polls as a browser does until an image with at least this number exists. Returns the status.
-nlohmann::json wait_for_image(int port, int number) {
-  nlohmann::json now;
-  for (int i = 0; i < 600; ++i, pause_for(0.05)) {
-    now = status(port);
-    if (now.is_discarded() || now["image"] >= number) break;
-    get(port, "/image.png");
-  }
-  return now;
-}
-
-}  // namespace
 
 TEST_CASE("invalid addresses are usage errors and an occupied port ends the program before it reads the scene") {
   for (const char* arguments :
@@ -152,7 +41,8 @@ TEST_CASE("the page and the status and the image of a render are served and noth
   for (const char* elsewhere : {"http://", "https://", "<link rel=\"stylesheet", "<script src"})
     CHECK_FALSE(contains(body_of(page), elsewhere));
 
-  const nlohmann::json first = wait_for_image(port, 1), second = wait_for_image(port, 2);
+  // The first three images have 1, 2 and 4 samples per pixel and are not part of the progress.
+  const nlohmann::json first = wait_for_image(port, 4), second = wait_for_image(port, 5);
   REQUIRE(second.is_object());
   CHECK(second["state"] == "rendering");
   CHECK(second["scene"] == "scene.xml");
@@ -203,7 +93,7 @@ TEST_CASE("slow and silent and malformed clients block neither the render nor ot
   for (const std::string& nonsense :
        {"GET /" + endless, "GET / HTTP/1.1\r\nX: " + endless, std::string("GET / HTTP/9.9\r\n\r\n")})
     CHECK(status_of(ask(port, nonsense)) >= 400);
-  const nlohmann::json before = wait_for_image(port, 1), after = wait_for_image(port, 3);
+  const nlohmann::json before = wait_for_image(port, 4), after = wait_for_image(port, 5);
   REQUIRE(after.is_object());
   CHECK(after["done"] > before["done"]);
   const double start = Progress::steady_seconds();
@@ -271,7 +161,7 @@ TEST_CASE("the first image shows every pixel, and images follow every second") {
   REQUIRE(port > 0);
   const nlohmann::json first = wait_for_image(port, 1);
   REQUIRE(first.is_object());
-  // A pass of 256 samples per pixel would take longer than this image
+  // A pass of the render would take longer than this image
   CHECK(first["done"] < 256 * 256 * 256);
   write_bytes(render.file("seen.png"), body_of(get(port, "/image.png")));
   const Image seen = read_image(render.file("seen.png"));
