@@ -16,7 +16,8 @@ using test::contains;
 namespace {
 
 Image image_of(std::vector<std::string> channels, std::vector<float> pixels) {
-  Image image(static_cast<int>(pixels.size() / channels.size()), 1, std::move(channels));
+  const auto width = static_cast<int>(pixels.size() / channels.size());
+  Image image(width, 1, std::move(channels));
   image.data = std::move(pixels);
   return image;
 }
