@@ -208,6 +208,8 @@ class Library final : public ImageLibrary {
     spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
     spec.attribute("oiio:UnassociatedAlpha", 1);
     spec.attribute("oiio:ColorSpace", "sRGB");
+    // Otherwise the library writes the current time.
+    if (encoding.format == IntegerFormat::kTiff) spec.attribute("DateTime", "");
     if (encoding.format == IntegerFormat::kPng) spec.attribute("png:compressionLevel", encoding.level);
     if (encoding.format == IntegerFormat::kTiff) spec.attribute("compression", "zip");
     if (encoding.format == IntegerFormat::kJpeg) {
