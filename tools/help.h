@@ -38,7 +38,7 @@ struct CommandHelp {
   std::string group = {};                ///< of the options that are declared next
   bool has_common_options = false;       ///< --help and --version are among the options
 
-  /// The command of that name; null if there is none.
+  /// The command of that name; null if no command has it.
   const CommandHelp* find(const std::string& command) const;
 };
 

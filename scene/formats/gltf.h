@@ -1,6 +1,6 @@
 // glTF 2.0 files (.gltf, .glb): the document with all its bytes, in structures of our own.
 //
-// Khronos Group, "glTF 2.0 Specification" (2021), and the extensions that GltfFile::supported_extensions() lists. All
+// Khronos Group, "glTF 2.0 Specification" (2021), and the extensions that scene/formats/gltf_library.cpp lists. All
 // indices in these structures are in range or kNoIndex; accessors, views and buffers fit into each other.
 #pragma once
 

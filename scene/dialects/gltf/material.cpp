@@ -10,6 +10,9 @@ namespace {
 
 using Channel = BitmapDescription::Channel;
 
+/// Roughness up to which transmitting surfaces are smooth. The closure of rough ones has a minimum of about this.
+constexpr float kSmooth = 0.03f;
+
 SpectrumDescription rgb(Vec3f color) { return SpectrumDescription::rgb(color.x, color.y, color.z); }
 
 bool is_zero(Vec3f color) { return color.x == 0 && color.y == 0 && color.z == 0; }
@@ -165,8 +168,6 @@ class MaterialBuilder {
     const ScalarInput transmission = number(m_.transmission, m_.transmission_texture, Channel::kRed);
     const bool transmits = m_.transmission > 0 && opaque.metallic != ScalarInput(1.0f);
     const bool is_volume = transmits && m_.thickness > 0;
-    // Facets of the thin closure have a smallest roughness, below which the surface is smooth.
-    constexpr float kSmooth = 0.03f;
     const float* roughness = std::get_if<float>(&opaque.roughness);
     const bool is_smooth_wall = transmits && !is_volume && roughness != nullptr && *roughness <= kSmooth;
     if (!is_volume && !is_smooth_wall) {
@@ -174,7 +175,7 @@ class MaterialBuilder {
       return finish(add(std::move(opaque)), !transmits);
     }
     if (is_volume) surface.interior = add_medium();
-    // The share of transmission is that of the part that is no metal.
+    // Only the part that is not metal transmits.
     const ScalarInput share = times(transmission, one_minus(opaque.metallic));
     DielectricDescription glass = dielectric(opaque, is_smooth_wall);
     if (share == ScalarInput(1.0f)) return finish(add(std::move(glass)), false);
@@ -221,7 +222,6 @@ class MaterialBuilder {
     glass.thin = is_thin;
     if (is_thin) return glass;
     if (m_.dispersion > 0) glass.int_dispersion = dispersion_of(glass.int_ior, 20 / m_.dispersion);
-    constexpr float kSmooth = 0.03f;
     const float* roughness = std::get_if<float>(&opaque.roughness);
     if (roughness != nullptr && *roughness <= kSmooth) return glass;
     const ScalarInput alpha = times(opaque.roughness, opaque.roughness);
@@ -232,7 +232,7 @@ class MaterialBuilder {
   /// The absorbing medium of a volume.
   std::optional<MediumId> add_medium() {
     if (!std::isfinite(m_.attenuation_distance) || is_one(m_.attenuation_color)) return std::nullopt;
-    // Black absorbs nearly everything within a hundredth of the distance.
+    // Keeps the absorption of black finite: a distance transmits this share.
     constexpr float kDarkest = 1e-30f;
     const auto absorption = [&](float c) {
       return std::max(-std::log(std::clamp(c, kDarkest, 1.0f)), 0.0f) / m_.attenuation_distance;
