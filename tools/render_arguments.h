@@ -181,7 +181,7 @@ struct TransportArguments {
             "--replicates", replicates,
             "Number of independent sample sets, from which the layers variance.R/G/B are estimated. 4 to 16 give "
             "good estimates, at a slight loss of stratification. Default: 8 with the sampler independent; "
-            "otherwise 1 (no variance layers) below 32 samples per pixel, 2 below 128, 4 below 512, else 8")
+            "otherwise one per 32 samples per pixel, at most 16 (no variance layers below 32 samples)")
         .in_range(1, 1024);
     command.begin_group(kTransportOptions);
     command

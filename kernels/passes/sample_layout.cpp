@@ -16,8 +16,14 @@ namespace {
 /// Number of replicates where they cost nothing.
 constexpr std::uint32_t kFreeReplicates = 8;
 
+/// Samples per pixel of a replicate where smaller ones are less well stratified. The size is constant so that a render
+/// of more samples can continue one of fewer.
+constexpr std::uint32_t kReplicateSamples = 32;
+constexpr std::uint32_t kMaxReplicates = 16;
+
 /// Maximum of samples per pixel times gather rays.
 constexpr std::uint32_t kMaxSamples = 1 << 24;
+
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
 PixelRect checked_crop(const Scene& scene, const RenderOptions& options) {
@@ -143,8 +149,8 @@ SampleRange requested_range(const SampleRange& requested, const SampleLayout& la
 
 std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
   if (kind == SamplerKind::kIndependent) return kFreeReplicates;
-  if (samples < 32) return 1;
-  return samples < 128 ? 2 : samples < 512 ? 4 : 8;
+  return static_cast<std::uint32_t>(
+      std::clamp<std::uint64_t>(samples / kReplicateSamples, 1, kMaxReplicates));
 }
 
 SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options) {

@@ -73,15 +73,18 @@ TEST_CASE("a continued render has the same bytes as one at once, with every samp
                                     SamplerKind::kStratified, SamplerKind::kMultijitter}) {
     CAPTURE(static_cast<int>(sampler));
     const auto scene = compile_scene(box(sampler));
-    // 8 sets of 8 samples become 32 sets, or two sets of 32 become 8 sets.
+    // 8 sets of 8 samples become 32 sets. The other samplers have sets of 32 samples by default.
     const int sets = check_continued(*scene, 64, options_of(256));
-    CHECK(sets == (sampler == SamplerKind::kIndependent ? 32 : 8));
+    CHECK(sets == (sampler == SamplerKind::kIndependent ? 32 : 0));
   }
 }
 
 TEST_CASE("a continued render has the default sample sets where they have the same size") {
   const auto scene = compile_scene(box(SamplerKind::kSobol));
   CHECK(check_continued(*scene, 64, options_of(128)) == 0);
+  CHECK(check_continued(*scene, 128, options_of(512)) == 0);
+  // Default sets of 1024 samples would be larger.
+  CHECK(check_continued(*scene, 128, options_of(1024)) == 32);
   RenderOptions layers = options_of(128);
   layers.aovs = {aov_named("albedo"), aov_named("cryptomatte_object"), aov_named("variance")};
   check_continued(*scene, 64, layers);
