@@ -156,7 +156,8 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerSett
   options.wave_size = arguments.wave_size;
   options.spectral_bins = arguments.spectral_bins;
   options.replicates = choose_replicates(arguments, sampler);
-  options.guiding = arguments.guiding;
+  options.guiding =
+      arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
   options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
   options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
   options.aovs = aovs;

@@ -21,6 +21,7 @@ struct OptionHelp {
   std::string placeholder;              ///< of the value in the help, "WxH"; empty: by kind
   std::vector<std::string> words = {};  ///< values to complete
   bool only_words = false;              ///< other values are errors
+  std::string implied = {};             ///< the value if none of `words` follows the option; empty: one must follow
   bool is_list = false;                 ///< accepts several words, separated by commas
   double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
   bool is_positive = false;  ///< a number above 0

@@ -234,6 +234,11 @@ Option& Option::one_of_named(const std::map<std::string, int>& words) {
   return *this;
 }
 
+Option& Option::implies(const std::string& word) {
+  help_->implied = word;
+  return *this;
+}
+
 Option& Option::file() {
   help_->kind = ValueKind::kFile;
   return *this;
@@ -379,6 +384,29 @@ void add_common_help(CommandHelp& command, bool has_version) {
   if (has_version) add({"--version"}, "Print the version and exit");
 }
 
+/// The implied value of the option `name`, if `next` is not one of its values; otherwise empty.
+std::string implied_value(const CommandHelp& program, const std::string& name, const std::string& next) {
+  for (const CommandHelp& command : program.commands)
+    for (const OptionHelp& option : command.options) {
+      const auto contains = [](const std::vector<std::string>& list, const std::string& word) {
+        return std::find(list.begin(), list.end(), word) != list.end();
+      };
+      if (!option.implied.empty() && contains(option.names, name) && !contains(option.words, next))
+        return option.implied;
+    }
+  return "";
+}
+
+/// The command line, where options without a value have the one that they imply.
+std::vector<std::string> with_implied_values(const CommandHelp& program, int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
+    const std::string value = implied_value(program, words[i], i + 1 < words.size() ? words[i + 1] : "");
+    if (!value.empty()) words[i] += "=" + value;
+  }
+  return words;
+}
+
 }  // namespace
 
 const CommandHelp& Program::help() {
@@ -395,7 +423,10 @@ std::optional<int> Program::parse(int argc, char** argv) {
     for (CLI::App* command : app_->get_subcommands({})) command->set_version_flag("--version", version_);
   }
   try {
-    app_->parse(argc, argv);
+    std::vector<std::string> words = with_implied_values(*help_, argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    app_->parse(static_cast<int>(pointers.size()), pointers.data());
     return std::nullopt;
   } catch (const CLI::CallForHelp&) {
     const CLI::App& command = called_command(*app_);

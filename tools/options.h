@@ -37,6 +37,8 @@ class Option {
   Option& one_of(const std::vector<std::string>& words);
   /// Requires one of these words and converts it to its number.
   Option& one_of_named(const std::map<std::string, int>& words);
+  /// After one_of(): the option may be given without a value, and then has the value `word`.
+  Option& implies(const std::string& word);
   /// The value is the name of a file, or of a folder.
   Option& file();
   Option& folder();

@@ -5,6 +5,7 @@
 #include "core/spectrum.h"
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/aovs.h"
+#include "kernels/passes/guiding_mode.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
@@ -28,6 +29,10 @@ namespace sheaf {
 inline constexpr NameTable<ColorMode> kColorModes{{{"rgb", ColorMode::kRgb}, {"spectral", ColorMode::kSpectral}}};
 inline constexpr NameTable<FilterMode> kFilterModes{
     {{"weighted", FilterMode::kWeighted}, {"importance", FilterMode::kImportance}}};
+
+/// Values of --guiding.
+inline constexpr NameTable<GuidingMode> kGuidingModes{
+    {{"on", GuidingMode::kOn}, {"off", GuidingMode::kOff}, {"auto", GuidingMode::kAuto}}};
 
 /// Inputs, outputs and image quality.
 struct ImageArguments {
@@ -159,7 +164,7 @@ struct TransportArguments {
   int replicates = 0;
   std::string light_sampler;
   std::optional<int> candidates;
-  bool guiding = false;
+  std::string guiding;
   std::string medium_estimator;
   std::optional<float> step_size;
   std::optional<int> max_depth;
@@ -221,11 +226,15 @@ struct TransportArguments {
                     "Light samples per vertex, of which resampled importance sampling (RIS) keeps one for the shadow "
                     "ray. Default: the scene's, else 1; 8 for path_ris")
         .in_range(1, kMaxCandidates);
-    command.add_flag(
-        "--guiding", guiding,
-        "Path guiding: learn the incident radiance in training passes and sample directions from it. Helps "
-        "with light that is hard to find, e.g. through a small opening. Training covers the whole frame, "
-        "regardless of --crop. For path, direct and the other path tracing integrators");
+    command
+        .add_option(
+            "--guiding", guiding,
+            "Path guiding: learn the incident radiance in training passes and sample directions from it. Helps "
+            "with light that is hard to find, e.g. through a small opening. auto: only if the training passes show "
+            "that it pays. Training covers the whole frame, regardless of --crop. For path, direct and the other path "
+            "tracing integrators. Default: auto; without a value: on")
+        .one_of(kGuidingModes.names())
+        .implies("on");
     command
         .add_option("--medium-estimator", medium_estimator,
                     "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "

@@ -50,6 +50,8 @@ class TrainingSamples {
   /// Ends a path, with its final radiance.
   void finish(std::uint32_t path, float radiance) { radiance_[path] = radiance; }
 
+  /// Radiance of each path, lanes added up.
+  const std::vector<float>& radiance() const { return radiance_; }
   /// All records, by path and then by vertex, independent of the order in which waves have added them. `means`: mean of
   /// GuideRecord::found for each row of the guide's mixtures; negative or missing: unknown.
   ///

@@ -38,11 +38,12 @@ std::string sampling_problem(const Scene& scene, const SampleLayout& layout, con
 std::string precomputation_problem(const Scene& scene, const RenderOptions& options, const SampleLayout& layout,
                                    const RenderState& state) {
   const IntegratorSettings& integrator = scene.integrator();
-  if (options.guiding) {
+  if (trains_guide(options.guiding, integrator)) {
     const auto passes = [&](std::uint32_t spp) {
-      return training_passes(scene.film().width, scene.film().height, spp);
+      return training_passes(scene.film().width, scene.film().height, spp, options.guiding);
     };
-    if (passes(layout.spp) != passes(state.division.spp)) return "path guiding trains longer for more samples";
+    if (passes(layout.spp) != passes(state.division.spp))
+      return "path guiding trains longer for more samples (--guiding off renders without)";
   }
   if (integrator.kind != IntegratorKind::kPhotonMapper || integrator.photons.progressive) return "";
   const auto sets = [&](std::uint32_t spp) { return photon_map_sets(integrator.photons, scene.color(), spp); };

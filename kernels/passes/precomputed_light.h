@@ -9,11 +9,11 @@ namespace sheaf {
 
 class PrecomputedLight {
  public:
-  /// For the camera passes of `context`, which samples the guide from then on if `guiding`. Throws Error (usage) if the
-  /// photon maps would need too many passes.
-  PrecomputedLight(StageContext& context, const SamplePlan& plan, bool guiding, ProgressReporter& reporter);
+  /// For the camera passes of `context`. Throws Error (usage) if the photon maps would need too many passes.
+  PrecomputedLight(StageContext& context, const SamplePlan& plan, GuidingMode guiding, ProgressReporter& reporter);
 
-  /// Trains the guide by the plan's training passes, for the following samples of `context`.
+  /// Trains the guide by the plan's training passes, for the following samples of `context`. With GuidingMode::kAuto,
+  /// these sample it only if it pays.
   void train(const SamplePlan& plan, Workers& workers, StageContext& context);
   /// Builds the photon maps for the next samples of `context`, if the integrator uses photon maps. `sample`: the first.
   void prepare(std::uint32_t sample, Workers& workers, StageContext& context);
@@ -28,6 +28,7 @@ class PrecomputedLight {
  private:
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_;
+  GuidingMode guiding_;
   GuideField guide_;
   GuideTraining guide_training_;
 };

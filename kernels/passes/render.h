@@ -3,6 +3,7 @@
 
 #include "kernels/film/aovs.h"
 #include "kernels/film/sample_range.h"
+#include "kernels/passes/guiding_mode.h"
 #include "kernels/passes/render_report.h"
 #include "kernels/passes/render_state.h"
 #include "scene/tables/scene.h"
@@ -37,10 +38,10 @@ struct RenderOptions {
   /// The samples of each pixel to be taken. They are the same as in a full render: merging the images of all parts
   /// gives the image of all samples. Default: all.
   std::optional<SampleRange> samples;
-  AovSet aovs;                    ///< further layers; "variance" and "half" need two replicates or more
-  bool light_groups = false;      ///< layers with the contribution of each of SceneNames::lights
-  bool guiding = false;           ///< path guiding, with training passes before the image is rendered
-  std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame
+  AovSet aovs;                              ///< further layers; "variance" and "half" need two replicates or more
+  bool light_groups = false;                ///< layers with the contribution of each of SceneNames::lights
+  GuidingMode guiding = GuidingMode::kOff;  ///< path guiding, with training passes before the image is rendered
+  std::optional<PixelRect> crop;            ///< default: that of the scene, otherwise the whole frame
   /// Called concurrently by workers after each task, with the number of samples done and in total.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
   /// Called concurrently, once per worker, to create its Wave::recorder; for benchmarks.

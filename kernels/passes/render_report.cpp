@@ -172,7 +172,9 @@ std::string to_json(const RenderReport& report) {
         {"records", report.guiding.records},
         {"cells", report.guiding.cells},
         {"trace_seconds", report.guiding.trace_seconds},
-        {"fit_seconds", report.guiding.fit_seconds}}},
+        {"fit_seconds", report.guiding.fit_seconds},
+        {"gain", report.guiding.gain ? nlohmann::ordered_json(*report.guiding.gain) : nlohmann::ordered_json()},
+        {"used", report.guiding.is_used}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
       {"samples", report.stats.samples},
@@ -211,6 +213,9 @@ std::string to_table(const RenderReport& report) {
     fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",
                    guiding.samples, guiding.passes, format_duration(guiding.trace_seconds), guiding.cells,
                    guiding.records, format_duration(guiding.fit_seconds));
+  if (const std::optional<double>& gain = report.guiding.gain)
+    fmt::format_to(out, "guide: {}, error x cost is {:.2f} times as high without it\n",
+                   report.guiding.is_used ? "used" : "not used", *gain);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

@@ -46,6 +46,8 @@ struct RenderReport {
     std::uint64_t records = 0, cells = 0;   ///< training samples with light, and guide cells that learned from them
     double trace_seconds = 0;               ///< tracing paths
     double fit_seconds = 0;                 ///< fitting the guide to the training samples
+    std::optional<double> gain;             ///< GuidingGain::ratio, if training has estimated it
+    bool is_used = false;                   ///< the samples of the image are guided
   } guiding;
   std::optional<AdaptiveSummary> adaptive;  ///< with adaptive sampling
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;

@@ -89,7 +89,7 @@ void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, st
 }
 
 void check_guiding(const IntegratorSettings& integrator) {
-  if (integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse) return;
+  if (can_guide(integrator)) return;
   refuse("guiding needs an integrator that traces paths from the camera, such as path (got '" +
          integrator_name(integrator) + "')");
 }
@@ -186,7 +186,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
                             photon_map_sets(transport.photons, scene.color(), layout.spp) > 1;
   layout.max_pass_samples = has_map_sets ? 1 : kPassSamples;
   if (options.light_groups) add_light_groups(scene.names(), transport, layout);
-  if (options.guiding) check_guiding(transport);
+  if (options.guiding == GuidingMode::kOn) check_guiding(transport);
   if (options.wave_size > kMaxWaveSize) refuse("the wave size must not exceed " + std::to_string(kMaxWaveSize));
   return layout;
 }

@@ -12,6 +12,9 @@ namespace {
 /// Samples per pixel that adaptive sampling takes at once.
 constexpr std::uint32_t kAdaptiveSamples = 16;
 
+/// Samples per pixel for which adaptive sampling trains the guide.
+constexpr std::uint32_t kTypicalSamples = 64;
+
 /// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
@@ -27,7 +30,9 @@ SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleL
   state_.division = layout_;
   state_.first_sample = layout_.range.first;
   if (layout_.adapts) set_adaptive({options.noise_target, layout_.spp});
-  if (options.guiding) training_ = training_passes(state_.film.width(), state_.film.height(), layout_.spp);
+  if (trains_guide(options.guiding, scene.integrator()))
+    training_ = training_passes(state_.film.width(), state_.film.height(),
+                                layout_.adapts ? std::min(layout_.spp, kTypicalSamples) : layout_.spp, options.guiding);
   if (scene.integrator().kind == IntegratorKind::kLightTracer) set_photons(scene);
   if (options.resume != nullptr) resume(*options.resume);
   is_trained_ = training_.empty() || state_.first_sample == layout_.range.end();

@@ -10,21 +10,34 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sheaf {
 
 namespace {
 
-/// Maximum share of training in the samples of a render, and the samples per pixel after which training has converged.
-constexpr double kTrainingShare = 0.125;
-constexpr std::uint32_t kMaxTraining = 16;
-/// Camera samples of the longest pass. Their records stay in memory until the guide has learned from them.
-constexpr std::uint64_t kTrainingPassSamples = 1 << 20;
+/// Camera samples of training: one per pixel of the frame, within these bounds. It does not depend on the number of
+/// samples, so that a longer render of the same frame has the same guide.
+constexpr double kMinTraining = 1 << 14, kMaxTraining = 1 << 19;
+/// Maximum share of training in the samples of a render. With kAuto, shorter renders train nothing.
+constexpr double kAutoShare = 0.0625, kMaxShare = 0.125;
+/// Samples per pixel below which no render trains.
+constexpr std::uint32_t kMinSamples = 8;
+/// Shares of the passes in these samples.
+constexpr std::array kPassShares = {0.25, 0.25, 0.5};
+/// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
+constexpr std::uint32_t kPassSamples = 2;
 /// Camera samples per task.
-constexpr int kTrainingTaskSamples = 4096;
+constexpr int kTrainingTaskSamples = 1024;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
 constexpr double kSplitRecords = 1000;
+
+/// Number of samples of a pass over that of another.
+double size_ratio(const TrainingPass& pass, const TrainingPass& other) {
+  const double strides = static_cast<double>(other.stride) / pass.stride;
+  return static_cast<double>(pass.sample_count) / other.sample_count * strides * strides;
+}
 
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
 
@@ -58,13 +71,22 @@ SamplerView training_sampler(const SamplerView& image_sampler) {
   return make_sampler(SamplerKind::kSobol, x, 1);
 }
 
-/// Runs a pass. Returns the records of each task in order.
+/// Number of rays that the workers have traced.
+std::uint64_t traced_rays(const Workers& workers) {
+  std::uint64_t rays = 0;
+  for (const Worker& worker : workers) rays += worker.wave.stats.rays.total();
+  return rays;
+}
+
+/// Runs a pass. Returns the records of each task in order. `trial`: output.
 std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
                                                const TrainingPass& pass, std::span<const float> means,
-                                               const GuideTraining& training) {
+                                               const GuideTraining& training, TrialPass& trial) {
   const SampledFrame frame{width};
   const std::vector<std::vector<PixelSamples>> tasks = tasks_of(frame, height, pass);
   std::vector<std::vector<GuideRecord>> records(tasks.size());
+  trial.radiance.resize(tasks.size());
+  const std::uint64_t rays_before = traced_rays(workers);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, tasks.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -78,32 +100,32 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           of_task.record_in(worker.guide);
           run_pass<Wide>(of_task, worker.wave);
           records[i] = worker.guide.records(context.guide(), means);
+          trial.radiance[i] = worker.guide.radiance();
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
       tbb::simple_partitioner());
+  trial.rays = traced_rays(workers) - rays_before;
   return records;
 }
 
 }  // namespace
 
-std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples) {
-  const double pixels = static_cast<double>(width) * height;
-  const int stride =
-      std::max(1, static_cast<int>(std::ceil(std::sqrt(pixels / static_cast<double>(kTrainingPassSamples)))));
-  // Camera samples of a pass with one sample per participating pixel.
-  const double unit = static_cast<double>(strided(width, stride)) * strided(height, stride);
-  const double budget = std::min(kTrainingShare * samples, static_cast<double>(kMaxTraining)) * pixels / unit;
-  const auto longest = static_cast<std::uint32_t>(std::max(1.0, static_cast<double>(kTrainingPassSamples) / unit));
+std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
+  const double pixels = static_cast<double>(width) * height, all = pixels * samples;
+  const double wanted = std::clamp(pixels, kMinTraining, kMaxTraining);
+  if (samples < kMinSamples || (mode == GuidingMode::kAuto && wanted > kAutoShare * all)) return {};
+  const double total = std::min(wanted, kMaxShare * all);
   std::vector<TrainingPass> passes;
-  std::uint32_t first = 0, count = 1;
-  while (first + count <= budget) {
+  std::uint32_t first = 0;
+  for (const double share : kPassShares) {
+    // Sample some of the pixels twice, or all of them more often
+    const double per_pixel = share * total / pixels;
+    const auto stride =
+        static_cast<int>(std::lround(std::sqrt(kPassSamples / std::min(per_pixel, double{kPassSamples}))));
+    const std::uint32_t count = std::max(1u, static_cast<std::uint32_t>(per_pixel / kPassSamples)) * kPassSamples;
     passes.push_back({first, count, stride});
     first += count;
-    if (passes.size() > 1) count = std::min(2 * count, longest);
-    // Extend this pass if the remainder would be too short for a pass of its own.
-    if (first + 2 * count > budget && first + count <= budget && budget - first <= longest)
-      count = static_cast<std::uint32_t>(budget - first);
   }
   return passes;
 }
@@ -117,24 +139,38 @@ std::uint64_t training_samples(int width, int height, std::span<const TrainingPa
 }
 
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuideTraining& training) {
+                       std::span<const TrainingPass> passes, GuidingMode mode, GuideTraining& training) {
   GuideField field;
   StageContext of_passes = context;
   of_passes.sampler = training_sampler(context.sampler);
+  RenderReport::Guiding& report = training.report;
+  report.is_used = true;
+  std::vector<TrialPass> trials;
   for (const TrainingPass& pass : passes) {
     if (training.stopped()) break;
+    // Take the samples
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
-    const auto records = run_pass(of_passes, workers, width, height, pass, field.means(), training);
-    training.report.trace_seconds += seconds_since(start);
+    const auto records =
+        run_pass(of_passes, workers, width, height, pass, field.means(), training, trials.emplace_back());
+    report.trace_seconds += seconds_since(start);
+    report.samples += training_samples(width, height, {&pass, 1});
+    // Train the guide
     start = timestamp();
-    for (const auto& task : records) training.report.records += task.size();
-    field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(pass.sample_count)));
-    training.report.fit_seconds += seconds_since(start);
-    ++training.report.passes;
+    for (const auto& task : records) report.records += task.size();
+    field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(size_ratio(pass, passes[0]))));
+    report.fit_seconds += seconds_since(start);
+    // Decide whether guiding pays
+    ++report.passes;
+    if (trials.size() != 2 || mode != GuidingMode::kAuto || training.stopped()) continue;
+    const GuidingGain gain = guiding_gain(trials[0], trials[1]);
+    report.gain = gain.ratio;
+    report.is_used = gain.is_significant();
+    if (report.is_used) continue;
+    training.on_samples(training_samples(width, height, passes) - report.samples);  // that are not taken
+    break;
   }
-  training.report.samples = training_samples(width, height, passes);
-  training.report.cells = field.cells();
+  report.cells = field.cells();
   // Statistics count only samples of the image.
   for (Worker& worker : workers) worker.wave.stats.samples = 0;
   return field;

@@ -1,9 +1,11 @@
-// Training passes of path guiding: camera samples of the whole frame that only train the guide. Each pass takes twice
-// as many samples as the previous one, and is guided by what the previous ones have learned. Their images are
-// discarded, because the guide must not depend on the samples of the final image that it guides.
+// Training passes of path guiding: camera samples of the whole frame that only train the guide. Each pass is guided by
+// what the previous ones have learned. Their images are discarded, because the guide must not depend on the samples of
+// the final image that it guides. The first two passes also tell whether guiding pays: see guiding_gain().
 #pragma once
 
 #include "kernels/guiding/guide_field.h"
+#include "kernels/passes/guiding_gain.h"
+#include "kernels/passes/guiding_mode.h"
 #include "kernels/passes/render_report.h"
 #include "kernels/passes/worker.h"
 
@@ -18,7 +20,7 @@ struct GuideTraining {
   RenderReport::Guiding report = {};              ///< out
 };
 
-/// One training pass.
+/// One training pass. The pixels of a pass are evenly distributed over the frame.
 struct TrainingPass {
   std::uint32_t first_sample = 0, sample_count = 0;  ///< per participating pixel
   int stride = 1;                                    ///< every `stride`-th pixel in each direction participates
@@ -26,14 +28,16 @@ struct TrainingPass {
   bool operator==(const TrainingPass&) const = default;
 };
 
-/// Passes for a render of `samples` samples per pixel; empty for renders too short to benefit.
-std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples);
+/// Passes for a render of `samples` samples per pixel, whose mode is not kOff; empty for renders too short to benefit.
+/// The first two are equally large.
+std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode);
 
 /// Number of camera samples of all passes.
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes);
 
-/// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass.
+/// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass. With
+/// GuidingMode::kAuto, training ends after two passes if guiding does not pay.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuideTraining& training);
+                       std::span<const TrainingPass> passes, GuidingMode mode, GuideTraining& training);
 
 }  // namespace sheaf

@@ -2,8 +2,9 @@
 //
 // A direction has pdf p = a p_b + (1 - a) p_g, with p_b that of the BSDF, p_g that of the guide, and a the probability
 // of sampling the BSDF. Its weight is f cos / p, whichever of both it was sampled from (one-sample model with the
-// balance heuristic, Veach 1997, section 9.2.4). The MIS weights of next-event estimation use p. The guide cannot
-// sample delta lobes: if the BSDF samples one, its weight is divided by a. Specular closures are not guided. Dispersive
+// balance heuristic, Veach 1997, section 9.2.4). The MIS weights of next-event estimation use p_b in place of p: any
+// weights that add up to 1 are unbiased, and light sampling then need not evaluate the guide. The guide cannot sample
+// delta lobes: if the BSDF samples one, its weight is divided by a. Specular closures are not guided. Dispersive
 // closures are not guided either, as the sampled direction splits their wavelengths.
 //
 // On blends p_b is the pdf of all guided parts, and p_g is weighted by their share, as any of them may have used the
@@ -32,13 +33,14 @@ SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& 
   return evaluate_guide<L>(context.guide(), wave.guide_cells.load<L>(column).row, mask_bits(lanes), direction);
 }
 
-/// Pdf of the guided parts of a blend, and of all of its parts.
+/// Pdf of the guided parts of a blend.
 template <class L> SHEAF_INLINE Float<L> guided_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
   return guide.mixed(blend.mixed_pdf, blend.guided_share);
 }
-template <class L> SHEAF_INLINE Float<L> whole_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
-  return guided_pdf<L>(guide, blend) + (blend.pdf_solid_angle - blend.mixed_pdf);
-}
+
+/// Pdf that MIS weights use for a direction that a guided vertex samples: that of the BSDF, but above 0, which stands
+/// for delta lobes.
+template <class L> SHEAF_INLINE Float<L> mis_pdf(Float<L> bsdf_pdf) { return max(bsdf_pdf, Float<L>(1e-10f)); }
 
 /// BsdfSample::eta_scale of a direction: the squared index of refraction if it crosses the surface, otherwise 1.
 template <class L, template <class> class Bsdf>
@@ -59,7 +61,7 @@ template <class L> SHEAF_INLINE Float<L> guided_pdf_ratio(Float<L> pdf, Float<L>
 
 /// A sampled direction, and the guide's value for it.
 template <class L> struct GuidedSample {
-  BsdfSample<L> bsdf;  ///< of BSDF and guide combined
+  BsdfSample<L> bsdf;  ///< weight of BSDF and guide combined; pdf_solid_angle is mis_pdf(), or 0 for a delta lobe
   Vec3<L> direction;   ///< world space
   GuideValue<L> guide;
   typename L::Float bsdf_pdf;  ///< pdf of BSDF sampling only; 0: delta lobe
@@ -103,16 +105,16 @@ template <class L, template <class> class Bsdf>
   s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),
                        s.weight * (F(1.0f) / out.guide.bsdf_share));
   out.guided_pdf_ratio = select(smooth, guided_pdf_ratio<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
-  s.pdf_solid_angle = select(smooth, pdf, F(0.0f));
+  s.pdf_solid_angle = select(smooth, mis_pdf<L>(out.bsdf_pdf), F(0.0f));
   return out;
 }
 
 /// Russian roulette by expected contribution (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in
 /// Light Transport Simulation", 2016; without splitting). A vertex of throughput b in a cell that scatters the mean
-/// radiance M is expected to contribute b M. Roulette starts where this falls below half of the path's first such
-/// expectation. Unlike roulette by throughput it may terminate paths below depth rr_depth; from there on the survival
-/// probability is below 1. Returns survival probabilities, or `default_value` if the cell has no mean or the path no
-/// reference. `sum`: the lanes of the throughput added up.
+/// radiance M is expected to contribute b M. Roulette starts where this falls below the path's first such expectation.
+/// Unlike roulette by throughput it may terminate paths below depth rr_depth; from there on the survival probability is
+/// below 1. Returns survival probabilities, or `default_value` if the cell has no mean or the path no reference. `sum`:
+/// the lanes of the throughput added up.
 template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> default_value) {
@@ -127,7 +129,7 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
       references[lane] = wave.guide_references[slots[lane]] = expected[lane];
   const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
-  const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
+  const F ratio = sum * mean / select(known, reference, F(1.0f));
   const F max_ratio = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
                              F(kLargestSurvival));
   return select(known, clamp(ratio, F(kMin), max_ratio), default_value);

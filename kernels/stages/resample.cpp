@@ -16,7 +16,7 @@
 // stage receives f and applies w_l.
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_weight.h"
-#include "kernels/stages/guided.h"
+#include "kernels/stages/blend_value.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
@@ -55,10 +55,10 @@ template <class L> SHEAF_INLINE Mask<L> keep_first_of_blend(const BlendValue<L>&
 
 template <class L, template <class> class Bsdf>
 SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& wave, const Slot* slots, int column,
-                                       int count, const VertexItem<L>& item, const LightCandidate<L>& light,
-                                       Spectrum<L> beta, bool mapped, bool parts, int candidates) {
+                                       const VertexItem<L>& item, const LightCandidate<L>& light, Spectrum<L> beta,
+                                       bool mapped, bool parts, int candidates) {
   using F = Float<L>;
-  // Evaluate the BSDF and the guide
+  // Evaluate the BSDF
   const Bsdf<L> bsdf = load_bsdf<L, Bsdf>(context.scene, wave, column);
   const Vec3<L> wi = ShadingFrame<L, Bsdf<L>::kIsAnisotropic>(item).to_local(light.direction);
   BsdfValue<L> value = bsdf.evaluate(item.wo, wi);
@@ -68,20 +68,13 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
   }
   const auto usable = light.pdf_solid_angle > F(0.0f);
   Mask<L> single = loses_wavelengths<L>(bsdf, item.wo, wi);
-  GuideValue<L> guide;
-  if (context.samples_guide()) {
-    const auto queried = usable & (Mask<L>(parts) | !is_black(value.f_cos)) & L::first(count);
-    guide = guide_value<L>(context, wave, column, queried, light.direction);
-  }
-  if (context.samples_guide() && kIsGuided<Bsdf<L>>) value.pdf_solid_angle = guide.mixed(value.pdf_solid_angle);
   // Replace the value by that of the whole blend
   if (parts) {
     const auto lanes = usable & on_part<L>(context.scene, wave, slots);
     if (any(lanes)) {
       const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, light.direction);
       value.f_cos = select<L>(lanes, blend.f_cos, value.f_cos);
-      const F pdf = context.samples_guide() ? whole_pdf<L>(guide, blend) : blend.pdf_solid_angle;
-      value.pdf_solid_angle = select(lanes, pdf, value.pdf_solid_angle);
+      value.pdf_solid_angle = select(lanes, blend.pdf_solid_angle, value.pdf_solid_angle);
       single = single & !lanes;
       if (context.scene.color == ColorMode::kSpectral && context.scene.needs_transmittance) {
         Spectrum<L> first = value.f_cos;
@@ -153,7 +146,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
   const PathState<L> path = wave.paths.gather<L>(slots);
   constexpr bool kInMedium = kIsPhaseFunction<Bsdf<L>>;
   const WeighedCandidate<L> weighed =
-      weigh<L, Bsdf>(context, wave, slots, column, count, item, light, path.beta, mapped, parts, candidate.count);
+      weigh<L, Bsdf>(context, wave, slots, column, item, light, path.beta, mapped, parts, candidate.count);
   if (candidate.count == 1)
     return push_shadow_ray<L>(context.scene, wave, slots, count, item,
                               {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,

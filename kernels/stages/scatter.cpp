@@ -105,7 +105,7 @@ SHEAF_INLINE Mask<L> weigh_as_blend(const StageContext& context, const Wave& wav
   lanes = lanes & s.valid & (s.pdf_solid_angle > F(0.0f)) & on_part<L>(context.scene, wave, slots);
   if (!any(lanes)) return Mask<L>(false);
   const BlendValue<L> blend = evaluate_blends<L>(context, wave, slots, lanes, sample.direction);
-  const F pdf = guides ? whole_pdf<L>(sample.guide, blend) : blend.pdf_solid_angle;
+  const F pdf = guides ? mis_pdf<L>(blend.pdf_solid_angle) : blend.pdf_solid_angle;
   const F mixed_pdf = guides ? guided_pdf<L>(sample.guide, blend) : blend.mixed_pdf;
   lanes = lanes & (pdf > F(0.0f));
   s.pdf_solid_angle = select(lanes, pdf, s.pdf_solid_angle);

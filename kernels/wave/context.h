@@ -65,6 +65,8 @@ class StageContext {
     samples_guide_ = true;
     guide_ = guide;
   }
+  /// Path passes: samples directions from BSDFs only.
+  void sample_bsdfs_only() { samples_guide_ = false; }
   /// Path passes: records samples for the guide in `samples`.
   void record_in(TrainingSamples& samples) {
     trains_guide_ = true;

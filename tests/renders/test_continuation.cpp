@@ -138,7 +138,7 @@ TEST_CASE("continuations that would change bits are refused with the reason") {
   adaptive.noise_target = 1e-4;
   CHECK(contains(problem(sobol, 64, adaptive), "adaptive sampling"));
   RenderOptions guided = options_of(128);
-  guided.guiding = true;
+  guided.guiding = GuidingMode::kOn;
   CHECK(contains(problem(sobol, 64, guided), "path guiding"));
   Description photons = sobol;
   photons.integrator.kind = IntegratorKind::kPhotonMapper;

@@ -47,10 +47,10 @@ Guided both_ways(const Description& d, ColorMode color = ColorMode::kRgb) {
   const auto scene = compile_scene(d, {false, color});
   for (const bool guiding : {false, true}) {
     RenderOptions options;
-    options.guiding = guiding;
+    options.guiding = guiding ? GuidingMode::kOn : GuidingMode::kOff;
     options.seed = guiding ? 6 : 5;
     const RenderResult result = render(*scene, options);
-    CHECK(result.report.guiding.passes == (guiding ? 4 : 0));
+    CHECK(result.report.guiding.passes == (guiding ? 3 : 0));
     const Image image = result.film.to_image();
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) (guiding ? means.on : means.off).add(image.at(x, y, 1));
@@ -251,7 +251,7 @@ TEST_CASE("guiding: training paths and image paths use different random numbers"
     std::vector<std::array<float, 6>> rays;
     NearestRays recorder(rays);
     RenderOptions options;
-    options.guiding = true;
+    options.guiding = GuidingMode::kOn;
     options.threads = 1;
     options.make_recorder = [&] { return &recorder; };
     CHECK(render(*compile_scene(d), options).report.guiding.passes > 0);
@@ -285,7 +285,7 @@ TEST_CASE("guiding: the bits do not depend on threads or wave size or crop") {
   d.camera.medium = add_medium(d, medium);
   const auto scene = compile_scene(d);
   RenderOptions options;
-  options.guiding = true;
+  options.guiding = GuidingMode::kOn;
   options.threads = 1;
   options.wave_size = 256;
   const Image whole = render(*scene, options).film.to_image();
@@ -305,14 +305,14 @@ TEST_CASE("guiding: the bits do not depend on threads or wave size or crop") {
         equal = equal && part.at(x, y, c) == whole.at(x + 7, y + 5, c) && part.at(x, y, c) > 0;
   CHECK(equal);
   options.crop.reset();
-  options.guiding = false;
+  options.guiding = GuidingMode::kOff;
   const Image unguided = render(*scene, options).film.to_image();
   CHECK(std::memcmp(unguided.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) != 0);
 }
 
 TEST_CASE("guiding: integrators without guided paths are a usage error") {
   RenderOptions options;
-  options.guiding = true;
+  options.guiding = GuidingMode::kOn;
   for (const IntegratorKind kind : {IntegratorKind::kPhotonMapper, IntegratorKind::kLightTracer,
                                     IntegratorKind::kNormals, IntegratorKind::kVisibility}) {
     Description d = two_rooms(1);

@@ -54,7 +54,7 @@ std::vector<Case> all_cases() {
   Case& spectral = add("spectral bins");
   spectral.color = ColorMode::kSpectral;
   spectral.options.spectral_bins = 5;
-  add("guiding", 32).options.guiding = true;
+  add("guiding", 32).options.guiding = GuidingMode::kOn;
   Case& light = add("light tracing");
   light.scene.integrator.kind = IntegratorKind::kLightTracer;
   light.options.aovs = {aov_named("variance")};

@@ -128,7 +128,7 @@ TEST_CASE("sample plan: light tracing hands out a photon per sample after the sa
 TEST_CASE("sample plan: training comes first, and only if samples remain") {
   const auto scene = lit_scene(32);
   RenderOptions options;
-  options.guiding = true;
+  options.guiding = GuidingMode::kOn;
   SamplePlan plan = plan_of(*scene, options);
   REQUIRE(plan.begin_round());
   CHECK(plan.round() == RoundKind::kTraining);

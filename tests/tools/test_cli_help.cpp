@@ -116,7 +116,8 @@ TEST_CASE("help: JSON describes the values of options") {
   CHECK(options["--output"]["kind"] == "file");
   CHECK(options["--output"]["repeats"] == true);
   CHECK(options["--crop"]["count"] == 4);
-  CHECK(options["--guiding"]["kind"] == "none");
+  CHECK(options["--light-groups"]["kind"] == "none");
+  CHECK(options["--guiding"]["kind"] == "text");
   CHECK(options["scene"]["argument"] == true);
   CHECK(options["scene"]["required"] == true);
 }

@@ -5,6 +5,7 @@
 #include "tests/tools/cli_scene.h"
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include <cctype>
 #include <set>
@@ -93,6 +94,28 @@ TEST_CASE("options: times have units and shares may be percentages") {
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "--time-limit"));
   }
+}
+
+TEST_CASE("options: guiding has a value, or none and means on") {
+  const Workplace place;
+  const auto mode = [&](const std::string& words) {
+    const Outcome outcome = run(place.folder, "render --spp 16 --quiet --stats a.json " + words);
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["guiding"];
+  };
+  for (const std::string words : {"--guiding on scene.xml -o out.exr", "--guiding scene.xml -o out.exr",
+                                  "scene.xml --guiding -o out.exr", "scene.xml -o out.exr --guiding=on"}) {
+    CAPTURE(words);
+    const nlohmann::json guiding = mode(words);
+    CHECK(guiding["used"] == true);
+    CHECK(guiding["gain"].is_null());
+  }
+  CHECK(mode("scene.xml -o out.exr --guiding auto")["gain"].is_number());
+  CHECK(mode("scene.xml -o out.exr --guiding off")["passes"] == 0);
+  const Outcome unknown = run(place.folder, "render scene.xml --guiding=maybe -o out.exr");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "maybe"));
 }
 
 TEST_CASE("options: frames beyond the limits are rejected") {
@@ -234,7 +257,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"replicates", "2"},
                                                                    {"light-sampler", "uniform"},
                                                                    {"candidates", "2"},
-                                                                   {"guiding", ""},
+                                                                   {"guiding", "on"},
                                                                    {"medium-estimator", "delta"},
                                                                    {"step-size", "0.1"},
                                                                    {"max-depth", "3"},

@@ -1,0 +1,32 @@
+// Estimates from training passes whether path guiding pays.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sheaf {
+
+/// The samples of a training pass with two samples for each of its pixels.
+struct TrialPass {
+  /// Radiance of the samples of each task, all components added up: two of a pixel, then two of the next.
+  std::vector<std::vector<float>> radiance;
+  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
+};
+
+/// How many times the cost of a guided render an unguided one needs for the same error: the ratio of the products of
+/// error and number of rays.
+struct GuidingGain {
+  double ratio = 1;           ///< above 1: guiding pays
+  double standard_error = 0;  ///< of the logarithm of `ratio`
+
+  /// Whether the ratio is above 1 by twice its standard error, and by at least a quarter.
+  bool is_significant() const;
+};
+
+/// Estimates the gain. The error is the geometric mean of the squared error and of the squared error relative to the
+/// brightness of the surroundings, each without the worst 0.1 % of the pixels. It is estimated from half the squared
+/// difference of a pixel's two samples. A guided ray counts as 1.1 rays. The passes consist of the same tasks. The
+/// standard error is that of the jackknife (Efron and Stein 1981). The ratio is 1 if the passes hold no light.
+GuidingGain guiding_gain(const TrialPass& unguided, const TrialPass& guided);
+
+}  // namespace sheaf
