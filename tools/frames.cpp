@@ -86,7 +86,7 @@ void check_frame_options(const RenderArguments& arguments) {
     throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
   if (model_format(arguments.scene))
     throw Error(ExitCode::kUsage, std::string("--frames applies to scenes and animated models (") +
-                                      kSceneModelExtensions + "), not to others");
+                                      kSceneModelExtensions + "), not to models that do not move");
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)
