@@ -91,7 +91,7 @@ std::string find_name(const std::string& what, const std::string& wanted, const 
   std::string known;
   const auto lower = [](unsigned char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : int{c}; };
   for (int i = 0; i < count; ++i) {
-    const std::string name = name_at(i);
+    std::string name = name_at(i);
     if (std::equal(name.begin(), name.end(), wanted.begin(), wanted.end(), [&](char a, char b) {
           return lower(static_cast<unsigned char>(a)) == lower(static_cast<unsigned char>(b));
         }))

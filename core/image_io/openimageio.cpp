@@ -203,7 +203,8 @@ class Library final : public ImageLibrary {
     return "png";
   }
 
-  static OIIO::ImageSpec make_spec(const IntegerPixels& pixels, OIIO::TypeDesc type, const IntegerEncoding& encoding) {
+  static OIIO::ImageSpec make_spec(const IntegerPixels& pixels, const OIIO::TypeDesc& type,
+                                   const IntegerEncoding& encoding) {
     OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels, type);
     spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
     spec.attribute("oiio:UnassociatedAlpha", 1);

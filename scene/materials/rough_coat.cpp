@@ -17,18 +17,18 @@ struct Node {
 };
 
 /// Gauss-Legendre nodes on [0, 1], by Newton's method on the Legendre polynomials.
-template <int n> std::array<Node, n> gauss_legendre() {
-  std::array<Node, n> nodes;
-  for (int i = 0; i < n; ++i) {
-    double x = std::cos(std::numbers::pi * (i + 0.75) / (n + 0.5)), derivative = 1;
+template <int kNodes> std::array<Node, kNodes> gauss_legendre() {
+  std::array<Node, kNodes> nodes;
+  for (int i = 0; i < kNodes; ++i) {
+    double x = std::cos(std::numbers::pi * (i + 0.75) / (kNodes + 0.5)), derivative = 1;
     for (int step = 0; step < 20; ++step) {
       double p = 1, previous = 0;
-      for (int k = 1; k <= n; ++k) {
+      for (int k = 1; k <= kNodes; ++k) {
         const double next = ((2 * k - 1) * x * p - (k - 1) * previous) / k;
         previous = p;
         p = next;
       }
-      derivative = n * (x * p - previous) / (x * x - 1);
+      derivative = kNodes * (x * p - previous) / (x * x - 1);
       x -= p / derivative;
     }
     nodes[static_cast<std::size_t>(i)] = {0.5 * (1 + x), 1 / ((1 - x * x) * derivative * derivative)};

@@ -78,8 +78,8 @@ VolumeInput read_constant(Properties& p, SpectrumRole role, const VolumeDialect&
 
 VolumeInput read_any_grid(Properties& p, SpectrumRole, const VolumeDialect& dialect) { return read_grid(p, dialect); }
 
-template <Grid::Format format> VolumeInput read_grid_of(Properties& p, SpectrumRole, const VolumeDialect& dialect) {
-  return read_grid(p, dialect, format);
+template <Grid::Format kFormat> VolumeInput read_grid_of(Properties& p, SpectrumRole, const VolumeDialect& dialect) {
+  return read_grid(p, dialect, kFormat);
 }
 
 /// Reads the nested volume of a cache.

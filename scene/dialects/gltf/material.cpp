@@ -83,14 +83,13 @@ class MaterialBuilder {
     return add_texture(ProductTextureDescription{SpectrumDescription::constant(factor), std::get<TextureId>(a)});
   }
   ScalarInput times(ScalarInput a, ScalarInput b) {
-    if (const float* constant = std::get_if<float>(&b)) return times(std::move(a), *constant);
-    if (const float* constant = std::get_if<float>(&a)) return times(std::move(b), *constant);
+    if (const float* constant = std::get_if<float>(&b)) return times(a, *constant);
+    if (const float* constant = std::get_if<float>(&a)) return times(b, *constant);
     return add_texture(ProductTextureDescription{std::get<TextureId>(a), std::get<TextureId>(b)});
   }
   ScalarInput one_minus(ScalarInput a) {
     if (const float* constant = std::get_if<float>(&a)) return 1 - *constant;
-    return add_texture(
-        MixTextureDescription{SpectrumDescription::constant(1), SpectrumDescription::constant(0), std::move(a)});
+    return add_texture(MixTextureDescription{SpectrumDescription::constant(1), SpectrumDescription::constant(0), a});
   }
 
   // Textures
@@ -276,10 +275,10 @@ class MaterialBuilder {
       if (const float* constant = std::get_if<float>(&alpha)) {
         alpha = *constant >= m_.alpha_cutoff ? 1.0f : 0.0f;
       } else {
-        alpha = add_texture(ThresholdTextureDescription{std::move(alpha), m_.alpha_cutoff});
+        alpha = add_texture(ThresholdTextureDescription{alpha, m_.alpha_cutoff});
       }
     }
-    return alpha == ScalarInput(1.0f) ? id : add(MaskDescription{std::move(alpha), id});
+    return alpha == ScalarInput(1.0f) ? id : add(MaskDescription{alpha, id});
   }
 
   Materials& owner_;

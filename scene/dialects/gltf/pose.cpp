@@ -70,7 +70,8 @@ struct Keys {
 
 Values evaluate(const Keys& keys, const AnimationChannel& channel, double time) {
   const KeyPair pair = find_keys(keys.times, time);
-  const Values first = keys.at(pair.first, Keys::kValue), second = keys.at(pair.second, Keys::kValue);
+  Values first = keys.at(pair.first, Keys::kValue);
+  const Values second = keys.at(pair.second, Keys::kValue);
   if (channel.interpolation == AnimationChannel::Interpolation::kStep || pair.first == pair.second) return first;
   if (channel.interpolation == AnimationChannel::Interpolation::kLinear) {
     if (channel.path == AnimationChannel::Path::kRotation) return slerp(first, second, pair.t);
