@@ -18,8 +18,6 @@
 #include <cstring>
 #include <vector>
 
-extern char** environ;
-
 namespace sheaf {
 
 namespace fs = std::filesystem;
@@ -172,7 +170,7 @@ std::string import_model(const fs::path& file) {
 fs::path find_model_image(const std::string& name, const fs::path& folder) {
   std::string path = name.starts_with("file://") ? name.substr(7) : name;
   std::replace(path.begin(), path.end(), '\\', '/');
-  const fs::path whole = path, file = whole.filename();
+  fs::path whole = path, file = whole.filename();
   const bool has_drive = path.size() > 1 && path[1] == ':';
   std::error_code failure;
   const auto exists = [&](const fs::path& candidate) { return fs::is_regular_file(folder / candidate, failure); };
