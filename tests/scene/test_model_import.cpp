@@ -115,7 +115,10 @@ TEST_CASE("model import: up axes and units become y upwards and metres") {
   if (!has_importer()) return;
   const std::vector<ColoredTriangle> obj = triangles_of(read_as("cube.obj", cube_obj()));
   CHECK(triangles_of(read_as("cube.3ds", cube_3ds())) == turned(obj, 1));
-  CHECK(triangles_of(read_as("a.dae", cube_dae({.up = "Z_UP", .meter = "0.5"}))) == turned(obj, 0.5f));
+  ColladaParts parts;
+  parts.up = "Z_UP";
+  parts.meter = "0.5";
+  CHECK(triangles_of(read_as("a.dae", cube_dae(parts))) == turned(obj, 0.5f));
   CHECK(triangles_of(read_as("a.fbx", cube_fbx({2, 1, -1, "25"}))) == turned(obj, 0.25f));
 }
 
