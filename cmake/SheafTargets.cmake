@@ -72,6 +72,15 @@ function(sheaf_program name)
   endif()
 endfunction()
 
+# sheaf_helper(<name> SOURCES <pattern>... DEPENDS <target>...): adds a program, at the top of the build folder, that
+# other programs start. It depends on no layer.
+function(sheaf_helper name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
+  sheaf_sources(sources ${arg_SOURCES})
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE ${arg_DEPENDS} sheaf_flags)
+endfunction()
+
 # sheaf_embed(<target> <file> <name>): embeds the text of a file as the constant sheaf::<name>. The target's sources
 # include it as a header with the path of the file and the extension .h.
 function(sheaf_embed target file name)

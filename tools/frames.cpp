@@ -30,7 +30,7 @@ RenderArguments arguments_of(const RenderArguments& arguments, int frame) {
   for (std::string& output : one.outputs) output = frame_name(output).at(frame);
   for (std::string* file : {&one.stats, &one.checkpoint.file})
     if (!file->empty()) *file = frame_name(*file).at(frame);
-  if (is_gltf(one.scene)) {
+  if (reads_as_gltf(one.scene)) {
     one.read.time = static_cast<float>(frame / double(one.fps.value_or(kDefaultRate)));
   } else {
     one.read.definitions.push_back(fmt::format("{}={}", kParameter, frame));
@@ -82,10 +82,11 @@ void check_frame_options(const RenderArguments& arguments) {
   for (const std::string& definition : arguments.read.definitions)
     if (definition.starts_with(std::string(kParameter) + "="))
       throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
-  if (is_gltf(arguments.scene) && arguments.read.time)
+  if (reads_as_gltf(arguments.scene) && arguments.read.time)
     throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
   if (model_format(arguments.scene))
-    throw Error(ExitCode::kUsage, "--frames applies to scenes and glTF files, not to models that do not move");
+    throw Error(ExitCode::kUsage, std::string("--frames applies to scenes and animated models (") +
+                                      kSceneModelExtensions + "), not to models that do not move");
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)

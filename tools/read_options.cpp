@@ -21,15 +21,16 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
 
 /// Throws Error for options that do not apply to a file of this kind.
 void check_model_options(const std::filesystem::path& file, const ReadArguments& arguments) {
-  const bool gltf = is_gltf(file), model = gltf || model_format(file).has_value();
+  const bool gltf = reads_as_gltf(file), model = gltf || model_format(file).has_value();
   const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
   if (viewed && !model && !arguments.lenient)
     throw Error(ExitCode::kUsage,
-                "--view, --up and --fov apply to models (.gltf, .glb, .obj, .ply, .stl, .serialized), not to scenes");
+                std::string("--view, --up and --fov apply to models (") + kModelExtensions + "), not to scenes");
   if ((!arguments.environment.empty() || arguments.no_floor) && !model)
     throw Error(ExitCode::kUsage, "--env and --no-floor apply to models, not to scenes");
   if (!gltf && (arguments.time || !arguments.animation.empty()))
-    throw Error(ExitCode::kUsage, "--time and --animation apply to glTF files (.gltf, .glb)");
+    throw Error(ExitCode::kUsage,
+                std::string("--time and --animation apply to animated models (") + kSceneModelExtensions + ")");
   if (!arguments.animation.empty() && !arguments.time) throw Error(ExitCode::kUsage, "--animation requires --time");
 }
 
@@ -64,15 +65,14 @@ void add_read_options(Command& command, ReadArguments& arguments) {
       .file();
   command.add_flag("--no-floor", arguments.no_floor, "Place no floor below a model");
   command
-      .add_option(
-          "--camera", arguments.camera,
-          "Camera of a Mitsuba scene or glTF file with several: its name or its number, from 0. Default: the first")
+      .add_option("--camera", arguments.camera,
+                  "Camera of a Mitsuba scene or model with several: its name or its number, from 0. Default: the first")
       .placeholder("NAME");
   command.add_option("--time", arguments.time,
-                     "Moment of an animated glTF file, in seconds. Default: the file without its animation");
+                     "Moment of an animated model, in seconds. Default: the model without its animation");
   command
       .add_option("--animation", arguments.animation,
-                  "Animation of a glTF file for --time: its name or its number, from 0. Default: the first")
+                  "Animation of a model for --time: its name or its number, from 0. Default: the first")
       .placeholder("NAME");
 }
 

@@ -342,7 +342,8 @@ struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, Run
 inline Command add_render_options(
     Command& program, RenderArguments& arguments, const std::string& name = "render",
     const std::string& help =
-        "Render a scene file (Mitsuba, Nori, pbrt-v4 or glTF) or a model (.obj, .ply, .stl, .serialized) to images.") {
+        "Render a scene file (Mitsuba, Nori, pbrt-v4 or glTF) or a model (.dae, .fbx, .3ds, .obj, .ply, .stl, .off, "
+        ".serialized) to images.") {
   Command command = program.add_command(name, help);
   for (const char* const title : {kSceneOptions, kImageOptions, kSamplingOptions, kTransportOptions, kOutputOptions,
                                   kPreviewOptions, kResourceOptions, kAdvancedOptions})

@@ -58,10 +58,15 @@ std::string scene_extension(std::string_view bytes) {
   if (bytes.starts_with("\x1f\x8b")) return ".pbrt.gz";
   if (bytes.starts_with("\x1c\x04")) return ".serialized";
   if (bytes.starts_with("glTF")) return ".glb";
+  if (bytes.starts_with("Kaydara FBX Binary")) return ".fbx";
+  if (bytes.starts_with("MM")) return ".3ds";
   const std::string_view word = first_word(bytes);
+  if (word.starts_with('<') && bytes.find("<COLLADA") != bytes.npos) return ".dae";
   if (word.empty() || word.starts_with('<')) return ".xml";
   if (word.starts_with('{')) return ".gltf";
   if (word == "ply" || word == "solid") return word == "ply" ? ".ply" : ".stl";
+  if (word.ends_with("OFF")) return ".off";
+  if (word == ";") return ".fbx";
   const bool is_obj = std::find(std::begin(kObjWords), std::end(kObjWords), word) != std::end(kObjWords);
   return is_obj ? ".obj" : ".pbrt";
 }

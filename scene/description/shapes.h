@@ -31,10 +31,10 @@ struct Mesh {
   std::vector<Attribute> attributes = {};
 };
 
-/// A triangle mesh in a file (.obj, .ply, .serialized, .stl).
+/// A triangle mesh in a file (.obj, .ply, .serialized, .stl, .off).
 struct MeshFileShape {
   std::filesystem::path file;  ///< resolved path
-  enum class Format { kObj, kPly, kSerialized, kStl } format = Format::kObj;
+  enum class Format { kObj, kPly, kSerialized, kStl, kOff } format = Format::kObj;
   bool flip_tex_coords = true;  ///< replace v by 1 - v (Mitsuba's default for OBJ)
   bool smooth_normals = true;   ///< compute smooth normals for vertices without normals
   int shape_index = 0;          ///< kSerialized: index of the mesh in the file

@@ -7,6 +7,7 @@
 #include "scene/dialects/gltf/read_gltf.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/model_import.h"
 #include "scene/formats/smooth_normals.h"
 
 #include <algorithm>
@@ -76,9 +77,9 @@ std::string lower_extension(const std::filesystem::path& file) {
 
 }  // namespace
 
-bool is_gltf(const std::filesystem::path& file) {
+bool reads_as_gltf(const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  return extension == ".gltf" || extension == ".glb";
+  return extension == ".gltf" || extension == ".glb" || is_imported_model(file);
 }
 
 std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
@@ -87,6 +88,7 @@ std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& f
   if (extension == ".ply") return MeshFileShape::Format::kPly;
   if (extension == ".serialized") return MeshFileShape::Format::kSerialized;
   if (extension == ".stl") return MeshFileShape::Format::kStl;
+  if (extension == ".off") return MeshFileShape::Format::kOff;
   return std::nullopt;
 }
 

@@ -89,16 +89,17 @@ std::string conversion(FileUse use) {
 
 /// Throws SceneError for files that are neither scenes nor models.
 void check_format(const std::filesystem::path& file) {
-  if (is_gltf(file) || model_format(file) == MeshFileShape::Format::kStl) return;
+  const auto model = model_format(file);
+  if (reads_as_gltf(file) || model == MeshFileShape::Format::kStl || model == MeshFileShape::Format::kOff) return;
   const FileFormat format = file_format(file);
   if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
   // For empty files with a known extension, the readers report better errors.
-  const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model_format(file);
+  const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model;
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError({file.string(), 0}, "is " + format.name +
                                            ", expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), "
-                                           "or a model (.gltf, .glb, .obj, .ply, .stl, .serialized)" +
-                                           conversion(format.use));
+                                           "or a model (" +
+                                           kModelExtensions + ")" + conversion(format.use));
 }
 
 /// Makes file meshes drop faces that refer to missing vertices.
@@ -113,15 +114,17 @@ void drop_bad_faces(Description& description) {
 
 /// Throws Error for scenes of formats that have one camera.
 void reject_camera_choice(const ReadOptions& options) {
-  if (!options.camera.empty()) throw Error(ExitCode::kUsage, "--camera applies to scenes of Mitsuba and to glTF files");
+  if (!options.camera.empty())
+    throw Error(ExitCode::kUsage,
+                std::string("--camera applies to scenes of Mitsuba and to models (") + kSceneModelExtensions + ")");
 }
 
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
   const auto format = model_format(file);
-  if ((is_gltf(file) || format) && !options.defines.empty())
+  if ((reads_as_gltf(file) || format) && !options.defines.empty())
     throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
-  if (is_gltf(file)) return read_gltf_scene(file, options);
+  if (reads_as_gltf(file)) return read_gltf_scene(file, options);
   if (format) {
     reject_camera_choice(options);
     return read_model(file, *format, options.view, options.surroundings, options.lenient);

@@ -29,8 +29,9 @@ struct ReadOptions {
 };
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
-/// 0.6 to 3 (`sensor`, `version`), chosen by content. glTF (.gltf, .glb) may be a scene or a model. Models (.obj, .ply,
-/// .stl, .serialized) are placed on a floor under a sky. Mesh files are located but not loaded, except for models and
+/// 0.6 to 3 (`sensor`, `version`), chosen by content. glTF (.gltf, .glb) and what is imported as such
+/// (scene/formats/model_import.h) may be a scene or a model. Models (.obj, .ply, .stl, .off, .serialized) are placed on
+/// a floor under a sky. Mesh files are located but not loaded, except for models and
 /// for OBJ files whose materials are used (scene/dialects/common/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 

@@ -3,6 +3,7 @@
 
 #include "scene/formats/little_endian.h"
 #include "scene/formats/mesh_io.h"
+#include "scene/formats/model_import.h"
 
 #include <nlohmann/json.hpp>
 
@@ -99,6 +100,25 @@ void remove_compressed_indices(json& document) {
         const json::json_pointer compression("/extensions/KHR_draco_mesh_compression");
         if (primitive.is_object() && primitive.contains(compression)) primitive.erase("indices");
       }
+}
+
+/// Encodes a path as a URI; see decode_uri().
+std::string encode_uri(const std::string& path) {
+  std::string uri;
+  for (const char c : path) uri += c == '%' ? "%25" : std::string(1, c);
+  return uri;
+}
+
+/// Takes the notes of an imported model, and replaces the names of its images by those of files.
+void take_import(json& document, GltfFile& out) {
+  const json::json_pointer notes("/asset/extras/notes");
+  if (document.contains(notes) && document[notes].is_array())
+    for (const json& note : document[notes])
+      if (note.is_string()) out.notes.push_back(out.file.string() + ": " + note.get<std::string>());
+  if (!document.contains("images") || !document["images"].is_array()) return;
+  for (json& image : document["images"])
+    if (image.is_object() && image.contains("uri") && image["uri"].is_string())
+      image["uri"] = encode_uri(find_model_image(image["uri"].get<std::string>(), out.folder).string());
 }
 
 /// Loads the parts that lie outside of the JSON.
@@ -220,7 +240,7 @@ class ByteLoader {
 }  // namespace
 
 GltfDocument read_gltf_document(const std::filesystem::path& file) {
-  const std::string bytes = read_mesh_bytes(file, "glTF file");
+  const std::string bytes = is_imported_model(file) ? import_model(file) : read_mesh_bytes(file, "glTF file");
   if (bytes.empty()) throw SceneError({file.string(), 0}, "is empty");
   if (bytes.starts_with("glTF")) return split_binary(bytes, file);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
@@ -231,6 +251,7 @@ GltfDocument read_gltf_document(const std::filesystem::path& file) {
 }
 
 void take_bytes(GltfDocument& document, GltfFile& out) {
+  if (is_imported_model(out.file)) take_import(*document.json, out);
   ByteLoader loader(document, out);
   loader.load_buffers();
   loader.load_images();

@@ -19,7 +19,8 @@ struct GltfDocument {
   std::vector<std::uint8_t> chunk;       ///< binary chunk of a .glb file; may be empty
 };
 
-/// Splits a file into its parts and parses the JSON. Throws SceneError, with the line for malformed JSON.
+/// Splits a file into its parts and parses the JSON. Models of other programs are imported (model_import.h). Throws
+/// SceneError, with the line for malformed JSON.
 GltfDocument read_gltf_document(const std::filesystem::path& file);
 
 /// Loads the buffers, and finds the images, of a document; then replaces both in the JSON by short stand-ins, so that

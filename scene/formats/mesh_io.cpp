@@ -4,6 +4,7 @@
 #include "core/byte_order_mark.h"
 #include "core/file_cache.h"
 #include "core/inflate.h"
+#include "scene/formats/off.h"
 #include "scene/formats/serialized.h"
 #include "scene/formats/stl.h"
 
@@ -74,6 +75,8 @@ MeshFile read_mesh_format(const MeshFileShape& shape) {
       return read_serialized(shape.file, shape.shape_index, shape.bad_faces);
     case MeshFileShape::Format::kStl:
       return read_stl(shape.file);
+    case MeshFileShape::Format::kOff:
+      return read_off(shape.file, shape.bad_faces);
     default:
       return read_obj(shape.file, shape.flip_tex_coords, shape.bad_faces);
   }

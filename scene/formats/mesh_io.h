@@ -43,8 +43,8 @@ MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords, BadFa
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = false,
                   BadFaces bad_faces = BadFaces::kError);
 
-/// Calls read_obj(), read_ply(), read_serialized() (scene/formats/serialized.h) or read_stl() (scene/formats/stl.h) by
-/// the shape's format. A FileCache keeps the result.
+/// Calls read_obj(), read_ply(), read_serialized() (scene/formats/serialized.h), read_stl() (scene/formats/stl.h) or
+/// read_off() (scene/formats/off.h) by the shape's format. A FileCache keeps the result.
 MeshFile read_mesh(const MeshFileShape& shape);
 
 /// Returns the bytes of a regular file, uncompressed if its name ends in .gz. Throws SceneError if it cannot be read;

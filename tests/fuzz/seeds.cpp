@@ -10,6 +10,7 @@
 #include "tests/support/exr_files.h"
 #include "tests/support/gltf_samples.h"
 #include "tests/support/image_files.h"
+#include "tests/support/model_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/parts.h"
 
@@ -133,6 +134,19 @@ std::string ply_header(const std::string& encoding) {
          "u\n"
          "property float v\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face 2\n"
          "property list uchar int vertex_indices\nend_header\n";
+}
+
+void add_models(Seeds& seeds) {
+  const std::string off = test::cube_off();
+  seeds.add("off", '\0' + off);
+  seeds.add("off", '\1' + off);
+  seeds.add("off", std::string(1, '\0') +
+                       "STCNOFF\n3 1 3\n0 0 0 0 0 1 255 0 0 1 0 0\n1 0 0 0 0 1 0 128 0 1 1 0\n"
+                       "0 1 0 0 0 1 0 0 0 1 0 1\n3 0 1 2 7\n");
+  seeds.add_words("off", {"scene/formats/off"});
+  seeds.add("import", '\0' + test::cube_dae());
+  seeds.add("import", '\1' + test::cube_fbx());
+  seeds.add("import", '\2' + test::cube_3ds());
 }
 
 void add_ply(Seeds& seeds) {
@@ -355,6 +369,7 @@ void make_seeds(const fs::path& folder) {
   add_meshes(seeds);
   add_ply(seeds);
   add_gltf(seeds);
+  add_models(seeds);
   add_serialized(seeds);
   add_volumes(seeds);
   add_measured(seeds);

@@ -39,7 +39,9 @@ passed "installed with its dependencies"
 levels=()
 for folder in "$root"/usr/lib/sheaf/*; do
   level=${folder##*/}
-  if in_root ldd "/usr/lib/sheaf/$level/sheaf" | grep "not found"; then fail "$level: libraries are missing"; fi
+  for program in sheaf sheaf_import_model; do
+    if in_root ldd "/usr/lib/sheaf/$level/$program" | grep "not found"; then fail "$level: libraries are missing"; fi
+  done
   levels+=("$level")
 done
 [[ ${levels[*]} == "x86-64-v3 x86-64-v4" ]] || fail "builds: ${levels[*]}"

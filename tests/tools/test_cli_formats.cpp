@@ -52,8 +52,8 @@ const std::vector<Foreign>& foreign_files() {
                                              {"a.usda", "#usda 1.0\n", "a USD scene", "Blender"},
                                              {"a.usdc", "PXR-USDC\0\x08"s, "a USD scene", "Blender"},
                                              {"a.usdz", "PK\x03\x04\0"s, "a USD scene", "Blender"},
-                                             {"a.fbx", "Kaydara FBX Binary  \0\x1a"s, "an FBX model", "Blender"},
-                                             {"a.dae", "<?xml version='1.0'?><COLLADA/>", "a COLLADA model", "Blender"},
+                                             {"a.ma", "//Maya ASCII 2024 scene", "a Maya scene", "Blender"},
+                                             {"a.x3d", "<?xml version='1.0'?><X3D/>", "an X3D scene", "Blender"},
                                              {"a.blend", "BLENDER-v404", "a Blender file", "Blender"},
                                              {"a.abc", "Ogawa\xff\0"s, "an Alembic file", "Blender"},
                                              {"a.vdb", " BDV\0\0\0\0\xe0"s, "an OpenVDB file", "vdb_to_nanovdb"},
@@ -95,8 +95,8 @@ TEST_CASE("formats: foreign files are errors that name the format and how to con
   }
   // Every command with one file of each kind, also under another name, and damaged.
   write_bytes(place.folder / "model.xml", foreign_files()[0].bytes);
-  write_bytes(place.folder / "broken.fbx", "nothing of the kind");
-  for (const char* const file : {"a.fbx", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.fbx"}) {
+  write_bytes(place.folder / "broken.ma", "nothing of the kind");
+  for (const char* const file : {"a.ma", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.ma"}) {
     for (const Reader& reader : kSceneReaders) place.check_refused(with_file(reader, file), file, reader.expected);
     for (const Reader& reader : kImageReaders) place.check_refused(with_file(reader, file), file, reader.expected);
   }
@@ -120,7 +120,7 @@ TEST_CASE("formats: images are rejected as scenes and images without layers are 
 
 TEST_CASE("formats: empty and malformed files are errors") {
   const Workplace place;
-  for (const char* const file : {"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized", "e.exr", "e.png", "e.fbx", "e"}) {
+  for (const char* const file : {"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized", "e.exr", "e.png", "e.ma", "e"}) {
     CAPTURE(std::string(file));
     write_bytes(place.folder / file, "");
     for (const Reader& reader : kSceneReaders) {

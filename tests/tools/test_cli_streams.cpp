@@ -1,6 +1,8 @@
 // Scenes from the standard input, images to the standard output, and the JSON of `info`.
 #include "core/exr.h"
+#include "scene/formats/model_import.h"
 #include "tests/support/capture.h"
+#include "tests/support/model_files.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
@@ -60,6 +62,26 @@ TEST_CASE("streams: the content of the standard input determines the dialect") {
     CAPTURE(file.err);
     REQUIRE(file.code == 0);
     const Outcome piped = shell(folder, "cat " + std::string(name) + " | $SHEAF render -" + common + "piped.exr");
+    CAPTURE(piped.err);
+    CHECK(piped.code == 0);
+    CHECK(read_exr(folder / "piped.exr").data == read_exr(folder / "file.exr").data);
+  }
+}
+
+TEST_CASE("streams: models of other programs are recognised by their content") {
+  const TemporaryFolder folder;
+  std::vector<std::array<std::string, 2>> models = {{"cube.off", test::cube_off()}};
+  if (can_import_models())
+    models.insert(models.end(),
+                  {{"cube.dae", test::cube_dae()}, {"cube.fbx", test::cube_fbx()}, {"cube.3ds", test::cube_3ds()}});
+  for (const auto& [name, bytes] : models) {
+    CAPTURE_BINDING(name);
+    write_bytes(folder / name, bytes);
+    const std::string common = " --no-timestamps -q --spp 2 --size 12x8 -o ";
+    const Outcome file = run(folder, "render " + name + common + "file.exr");
+    CAPTURE(file.err);
+    REQUIRE(file.code == 0);
+    const Outcome piped = shell(folder, "cat " + name + " | $SHEAF render -" + common + "piped.exr");
     CAPTURE(piped.err);
     CHECK(piped.code == 0);
     CHECK(read_exr(folder / "piped.exr").data == read_exr(folder / "file.exr").data);
