@@ -60,8 +60,8 @@ def measure(arguments, scene, spp, options, folder):
 def compare(arguments, scene, folder):
     options = [*arguments.arguments.split(), *frame_options(scene, arguments.width)]
     for spp in arguments.spp:
-        off, error, _ = measure(arguments, scene, spp, options, folder)
-        on, guided, guide = measure(arguments, scene, spp, [*options, "--guiding"], folder)
+        off, error, _ = measure(arguments, scene, spp, [*options, "--guiding", "off"], folder)
+        on, guided, guide = measure(arguments, scene, spp, [*options, "--guiding", "on"], folder)
         name = f"{Path(scene).parent.name} {spp} spp"
         print(f"{name:22} {'off':4} {off:7.2f} {error[0]:10.3e} {error[1]:8.4f} {error[2]:9.5f}")
         ratios = guided[:2] * on / (error[:2] * off)

@@ -20,10 +20,11 @@ namespace {
 /// Camera samples of training: one per pixel of the frame, within these bounds. It does not depend on the number of
 /// samples, so that a longer render of the same frame has the same guide.
 constexpr double kMinTraining = 1 << 14, kMaxTraining = 1 << 19;
-/// Maximum share of training in the samples of a render. With kAuto, shorter renders train nothing.
-constexpr double kAutoShare = 0.0625, kMaxShare = 0.125;
-/// Samples per pixel below which no render trains.
-constexpr std::uint32_t kMinSamples = 8;
+/// Maximum share of training in the samples of a render.
+constexpr double kMaxShare = 0.125;
+/// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
+/// than kMinTraining, whose gain two passes would tell badly.
+constexpr std::uint32_t kMinSamples = 8, kMinAutoSamples = 16;
 /// Shares of the passes in these samples.
 constexpr std::array kPassShares = {0.25, 0.25, 0.5};
 /// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
@@ -112,10 +113,10 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 }  // namespace
 
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
-  const double pixels = static_cast<double>(width) * height, all = pixels * samples;
-  const double wanted = std::clamp(pixels, kMinTraining, kMaxTraining);
-  if (samples < kMinSamples || (mode == GuidingMode::kAuto && wanted > kAutoShare * all)) return {};
-  const double total = std::min(wanted, kMaxShare * all);
+  const bool is_auto = mode == GuidingMode::kAuto;
+  const double pixels = static_cast<double>(width) * height;
+  if (samples < (is_auto ? kMinAutoSamples : kMinSamples) || (is_auto && pixels < kMinTraining)) return {};
+  const double total = std::min(std::clamp(pixels, kMinTraining, kMaxTraining), kMaxShare * samples * pixels);
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
   for (const double share : kPassShares) {

@@ -29,8 +29,8 @@ double ratio(const TrialPass& unguided, const TrialPass& guided) { return guidin
 /// A room with a lamp under its ceiling, which light sampling finds, or with one that shines at the ceiling from behind
 /// a screen, whose light comes by way of a small part of the ceiling.
 Description room(bool is_hidden) {
-  Description d = empty_scene(64, 64);
-  d.sampler.sample_count = 64;
+  Description d = empty_scene(128, 128);
+  d.sampler.sample_count = 16;
   d.integrator.max_depth = 6;
   look_at(d, {0, 0, 0.95f}, {0, -0.3f, -1}, {0, 1, 0}, 80);
   const MaterialId wall = add_two_sided(d, add_diffuse(d, 0.6f));
@@ -129,11 +129,12 @@ TEST_CASE("guiding gain: automatic guiding renders as the better of both modes, 
 }
 
 TEST_CASE("guiding gain: automatic guiding trains nothing where it cannot help") {
-  Description direct = room(true), normals = room(true), brief = room(true);
+  Description direct = room(true), normals = room(true), brief = room(true), small = room(true);
+  small.film.width = 127;
   direct.integrator.max_depth = 2;
   normals.integrator.kind = IntegratorKind::kNormals;
   brief.sampler.sample_count = 4;
-  for (const Description* d : {&direct, &normals, &brief}) {
+  for (const Description* d : {&direct, &normals, &brief, &small}) {
     const auto scene = compile_scene(*d);
     const RenderResult automatic = rendered(*scene, GuidingMode::kAuto);
     CHECK(automatic.report.guiding.passes == 0);
