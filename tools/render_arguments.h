@@ -209,7 +209,7 @@ struct TransportArguments {
             "--replicates", replicates,
             "Number of independent sample sets, from which the layers variance.R/G/B are estimated. 4 to 16 give "
             "good estimates, at a slight loss of stratification. Default: 8 with the sampler independent; "
-            "otherwise one per 32 samples per pixel, at most 16 (no variance layers below 32 samples)")
+            "otherwise 1 (no variance layers) below 32 samples per pixel, then one per 32 samples, from 2 to 16")
         .in_range(1, 1024);
   }
 

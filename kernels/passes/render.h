@@ -26,8 +26,8 @@ struct RenderOptions {
   /// Number of sets of samples (replicates) that are independent of each other, so that their spread gives the
   /// variance. More sets estimate it better, but each is stratified less well: the squared error grows by some 5 % with
   /// 2 sets of 16 samples, and by 10 to 20 % with 4. 1: none; the image has variances only if samples are independent
-  /// anyway and contribute to one pixel. 0: 8 if samples are independent, which costs nothing; otherwise one set per 32
-  /// spp, at least 1 and at most 16.
+  /// anyway and contribute to one pixel. 0: 8 if samples are independent, which costs nothing; otherwise 1 below 32
+  /// spp, and then one per 32 spp, at least 2 and at most 16.
   int replicates = 0;
   /// Adaptive sampling: samples every tile until its noise falls below this value (see AdaptiveGoal), or until it has
   /// samples_per_pixel. 0: all pixels get the same number of samples.

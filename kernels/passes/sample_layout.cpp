@@ -149,7 +149,8 @@ SampleRange requested_range(const SampleRange& requested, const SampleLayout& la
 
 std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples) {
   if (kind == SamplerKind::kIndependent) return kFreeReplicates;
-  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / kReplicateSamples, 1, kMaxReplicates));
+  if (samples < kReplicateSamples) return 1;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(samples / kReplicateSamples, 2, kMaxReplicates));
 }
 
 SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options) {

@@ -29,7 +29,7 @@ double ratio(const TrialPass& unguided, const TrialPass& guided) { return guidin
 /// A room with a lamp under its ceiling, which light sampling finds, or with one that shines at the ceiling from behind
 /// a screen, whose light comes by way of a small part of the ceiling.
 Description room(bool is_hidden) {
-  Description d = empty_scene(128, 128);
+  Description d = empty_scene(200, 200);
   d.sampler.sample_count = 16;
   d.integrator.max_depth = 6;
   look_at(d, {0, 0, 0.95f}, {0, -0.3f, -1}, {0, 1, 0}, 80);
@@ -130,7 +130,7 @@ TEST_CASE("guiding gain: automatic guiding renders as the better of both modes, 
 
 TEST_CASE("guiding gain: automatic guiding trains nothing where it cannot help") {
   Description direct = room(true), normals = room(true), brief = room(true), small = room(true);
-  small.film.width = 127;
+  small.film.width = small.film.height = 127;
   direct.integrator.max_depth = 2;
   normals.integrator.kind = IntegratorKind::kNormals;
   brief.sampler.sample_count = 4;
