@@ -39,7 +39,8 @@ PhotonMap trace(const Scene& scene, std::uint32_t seed, std::uint64_t count, Pho
 
 double total_power(const PhotonMap& map) {
   double sum = 0;
-  for (std::size_t i = 0; i < map.size(); ++i) sum += static_cast<double>(map.view().power[1][i]);
+  const PhotonMapView view = map.view();
+  for (std::uint32_t i = 0; i < view.size; ++i) sum += static_cast<double>(view.photon(i).power.c1);
   return sum;
 }
 
@@ -173,9 +174,7 @@ TEST_CASE("photon mapping: small maps have the power of large ones") {
     mapping.prepare(pass, workers, tracing, context);
     const PhotonMapView& map = context.photon_maps().global;
     double sum = 0;
-    // An empty map has no buckets.
-    const std::size_t size = map.empty() ? 0 : map.bucket_begin[map.bucket_mask + 1];
-    for (std::size_t i = 0; i < size; ++i) sum += static_cast<double>(map.power[1][i]);
+    for (std::uint32_t i = 0; i < map.size; ++i) sum += static_cast<double>(map.photon(i).power.c1);
     mean.add(sum);
   }
   // Solid angle of the square seen from above its centre.
