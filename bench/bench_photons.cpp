@@ -60,7 +60,7 @@ class GatheringWave {
     for (auto _ : state) {
       snapshot.restore(wave_);
       const std::uint64_t before = stats.ticks;
-      kStages<Wide>[static_cast<std::size_t>(stage)].run(context_, wave_);
+      run_once(stage);
       state.SetIterationTime(static_cast<double>(stats.ticks - before) * seconds_per_tick());
     }
     const double items = static_cast<double>(stats.items) / static_cast<double>(stats.calls);
@@ -72,6 +72,8 @@ class GatheringWave {
     state.counters["photons"] = found / items;
   }
 
+  void run_once(Stage stage) { kStages<Wide>[static_cast<std::size_t>(stage)].run(context_, wave_); }
+
   Wave& wave() { return wave_; }
 
  private:
@@ -81,16 +83,6 @@ class GatheringWave {
   Wave wave_;
 };
 
-double photons_around(const PhotonMapView& map, Vec3f p) {
-  std::uint32_t buckets[8];
-  const int count = map.buckets_around(p, buckets);
-  double found = 0;
-  for (int b = 0; b < count; ++b)
-    for (std::uint32_t i = map.bucket_begin[buckets[b]]; i < map.bucket_begin[buckets[b] + 1]; ++i)
-      found += length(Vec3f{map.x[i], map.y[i], map.z[i]} - p) < map.radius ? 1 : 0;
-  return found;
-}
-
 void gather_around(benchmark::State& state, float radius, int lookup_size) {
   const FlushDenormals flush;
   const auto scene = load_scene("scenes/cornell/cornell.xml");
@@ -98,11 +90,10 @@ void gather_around(benchmark::State& state, float radius, int lookup_size) {
   const PhotonMaps maps{map.view(), {}, PhotonGathering::kAll};
   GatheringWave gathering(*scene, maps, stage_named("gather"));
   Wave& wave = gathering.wave();
-  double found = 0;
-  for (const VertexRun& run : wave.runs)
-    for (int i = 0; i < run.count; ++i)
-      found += photons_around(maps.global, wave.vertices.load<Scalar>(run.column_begin + i).p);
-  gathering.run(state, stage_named("gather"), found);
+  const WaveSnapshot snapshot(wave);
+  gathering.run_once(stage_named("gather"));
+  snapshot.restore(wave);
+  gathering.run(state, stage_named("gather"), static_cast<double>(wave.stats.gathering.photons));
 }
 
 void gather_along(benchmark::State& state, float radius) {

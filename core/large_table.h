@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <utility>
 #include <vector>
 
 #if defined(__linux__)
@@ -51,5 +52,15 @@ template <class T> struct LargePageAllocator {
 
 /// A table that may be large and that kernels read in random order. It begins at a cache line.
 template <class T> using LargeTable = std::vector<T, LargePageAllocator<T>>;
+
+/// LargePageAllocator for elements that the threads write first: resize() leaves them uninitialized.
+template <class T> struct UninitializedLargePageAllocator : LargePageAllocator<T> {
+  using LargePageAllocator<T>::LargePageAllocator;
+  template <class U> void construct(U* place) { ::new (static_cast<void*>(place)) U; }
+  template <class U, class... Arguments> void construct(U* place, Arguments&&... arguments) {
+    ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  }
+};
+template <class T> using UninitializedLargeTable = std::vector<T, UninitializedLargePageAllocator<T>>;
 
 }  // namespace sheaf

@@ -21,15 +21,21 @@ template <class L> SHEAF_INLINE typename L::Uint encode_octahedral(Vec3<L> n) {
   return quantize(folded_x) | (quantize(folded_y) << 16);
 }
 
-/// Decodes the result of encode_octahedral() to unit length. Any 32 bits give a unit vector.
-template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits) {
+/// Decodes the result of encode_octahedral() without normalizing it: the length lies in [0.57, 1.01]. Any 32 bits give
+/// such a vector.
+template <class L> SHEAF_INLINE Vec3<L> decode_octahedral_direction(typename L::Uint bits) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const auto expand = [](U v) SHEAF_LAMBDA_INLINE { return (to_float(v) - F(32767.0f)) * F(1.0f / 32767.0f); };
   const F x = expand(bits & U(0xffffu)), y = expand(bits >> 16);
   const F z = F(1.0f) - abs(x) - abs(y);
   const F fold = max(-z, F(0.0f));
-  return normalize(Vec3<L>{x - copysign(fold, x), y - copysign(fold, y), z});
+  return {x - copysign(fold, x), y - copysign(fold, y), z};
+}
+
+/// Decodes the result of encode_octahedral() to unit length. Any 32 bits give a unit vector.
+template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits) {
+  return normalize(decode_octahedral_direction<L>(bits));
 }
 
 /// Maps a unit direction to the unit square by the equal-area octahedral map (Clarberg, "Fast Equal-Area Mapping of the

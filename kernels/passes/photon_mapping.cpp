@@ -121,12 +121,28 @@ void PhotonMapping::make(std::uint32_t index, Set& set, Workers& workers, Photon
   set.global = trace(settings_.global, global_emitted_, global_kind());
   if (settings_.caustic.count > 0) set.caustic = trace(settings_.caustic, caustic_emitted_, PhotonKind::kCaustic);
   set.maps = {set.global.view(), set.caustic.view(), settings_.gathering};
-  if (settings_.volume.count == 0) return;
-  set.volume = trace_volume_photons(context, workers,
-                                    {volume_emitted_, radius_of(settings_.volume), PhotonKind::kVolume, index,
-                                     beam_radius(), count_of(settings_.volume)},
-                                    tracing);
-  set.maps.volume = &set.volume;
+  if (settings_.volume.count > 0) {
+    set.volume = trace_volume_photons(context, workers,
+                                      {volume_emitted_, radius_of(settings_.volume), PhotonKind::kVolume, index,
+                                       beam_radius(), count_of(settings_.volume)},
+                                      tracing);
+    set.maps.volume = &set.volume;
+  }
+  report(set, tracing.report);
+}
+
+void PhotonMapping::report(const Set& set, RenderReport::Photons& report) {
+  RenderReport::Photons::Maps maps;
+  if (set.global.size() > 0) maps.global_radius = set.maps.global.radius;
+  if (set.caustic.size() > 0) maps.caustic_radius = set.maps.caustic.radius;
+  const VolumePhotonMap& points = set.volume.points;
+  const PhotonBeamMap& beams = set.volume.beams;
+  if (points.size() > 0) maps.volume_radius = points.radius();
+  if (beams.size() > 0) maps.beam_radius = beams.radius();
+  maps.photons = set.global.size() + set.caustic.size() + points.size() + beams.size();
+  maps.bytes = set.global.bytes() + set.caustic.bytes() + points.bytes() + beams.bytes();
+  if (report.passes++ == 0) report.first = maps;
+  report.last = maps;
 }
 
 void PhotonMapping::prepare(std::uint32_t sample, Workers& workers, PhotonTracing& tracing, StageContext& context) {

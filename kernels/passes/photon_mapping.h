@@ -57,6 +57,8 @@ class PhotonMapping {
   /// Determines how many photons each map emits.
   void plan(Workers& workers, PhotonTracing& tracing, const StageContext& context);
   void make(std::uint32_t index, Set& set, Workers& workers, PhotonTracing& tracing, const StageContext& context);
+  /// Adds the radii and the memory of a set to the report.
+  static void report(const Set& set, RenderReport::Photons& report);
 
   PhotonMappingSettings settings_;
   /// Radius of the scene's bounding sphere, m, and this radius over the number of pixels of the frame's longer side.

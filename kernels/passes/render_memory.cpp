@@ -7,6 +7,7 @@
 #include "kernels/passes/tiles.h"
 #include "kernels/photons/photon.h"
 #include "kernels/photons/photon_beam.h"
+#include "kernels/photons/photon_map.h"
 #include "kernels/wave/wave.h"
 
 #include <algorithm>
@@ -68,23 +69,25 @@ double image_bytes(const FilmSize& film, const RenderOptions& options) {
   return 4 * (ids > 0 ? 2 * channels + ids : channels);
 }
 
-/// Bytes of photons: as traced by the tasks of one map at a time, and of all maps sorted into columns.
+/// Bytes of photons: as traced by the tasks of one map at a time with the keys of their order, and of all maps.
 double photon_bytes(const StageContext& context) {
   if (context.integrator.kind != IntegratorKind::kPhotonMapper) return 0;
   const PhotonMappingSettings& photons = context.integrator.photons;
-  constexpr double kSorted = 9 * sizeof(float);
+  constexpr double kKey = sizeof(std::uint64_t), kSorted = 9 * sizeof(float);
+  constexpr double kInBlocks =
+      sizeof(std::uint32_t) + (photon_block_bytes(4) + 1.1 * sizeof(PhotonBlockGroup) / kPhotonBlock) / kPhotonBlock;
   double traced = 0, sorted = 0;
   const auto add = [&](const PhotonMapSettings& map, double of_traced, double of_sorted) {
     traced = std::max(traced, of_traced * static_cast<double>(map.count));
     sorted += of_sorted * static_cast<double>(map.count);
   };
-  add(photons.global, sizeof(Photon), kSorted);
-  add(photons.caustic, sizeof(Photon), kSorted);
+  add(photons.global, sizeof(Photon) + kKey, kInBlocks);
+  add(photons.caustic, sizeof(Photon) + kKey, kInBlocks);
   if (has_phase_functions(context.scene)) {
     if (photons.uses_beams())
       add(photons.volume, sizeof(PhotonBeam), sizeof(PhotonBeam));
     else
-      add(photons.volume, sizeof(Photon), kSorted);
+      add(photons.volume, sizeof(Photon) + kKey, kSorted);
   }
   return traced + sorted;
 }

@@ -127,6 +127,82 @@ std::string noise_line(const RenderReport& report) {
   return text + "\n";
 }
 
+/// The time of a stage per query of photon maps and per photon, if the render has any.
+struct GatheringTime {
+  double ns_per_query = 0, ns_per_photon = 0, photons_per_query = 0;
+
+  GatheringTime(const RenderReport& report, std::string_view stage, const Stats::Gathering& counts) {
+    double seconds = 0;
+    for (std::size_t i = 0; i < report.stage_names.size(); ++i)
+      if (report.stage_names[i] == stage) seconds = report.stats.stages[i].seconds();
+    const auto queries = static_cast<double>(counts.queries), photons = static_cast<double>(counts.photons);
+    ns_per_query = ratio(seconds * 1e9, queries);
+    ns_per_photon = ratio(seconds * 1e9, photons);
+    photons_per_query = ratio(photons, queries);
+  }
+};
+
+/// Counts and times of the photon maps.
+std::string photons_table(const RenderReport& report) {
+  const RenderReport::Photons& photons = report.photons;
+  if (photons.emitted == 0) return {};
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "{} photons emitted in {}, {} stored in maps in {}\n", photons.emitted,
+                 format_duration(photons.trace_seconds), photons.stored, format_duration(photons.index_seconds));
+  // Describe the first and the last maps
+  const auto maps = [&](const char* name, const RenderReport::Photons::Maps& m) {
+    fmt::format_to(out, "{}: {} photons, {:.1f} MB", name, m.photons, static_cast<double>(m.bytes) * 1e-6);
+    for (const auto& [kind, radius] : {std::pair{"surface", m.global_radius}, std::pair{"caustic", m.caustic_radius},
+                                       std::pair{"volume", m.volume_radius}, std::pair{"beam", m.beam_radius}})
+      if (radius > 0) fmt::format_to(out, ", {} radius {:.4g} m", kind, radius);
+    text += '\n';
+  };
+  if (photons.passes == 1) maps("photon maps", photons.first);
+  if (photons.passes > 1) {
+    maps("photon maps of the first pass", photons.first);
+    maps(fmt::format("photon maps of pass {}", photons.passes).c_str(), photons.last);
+  }
+  // Describe the queries
+  const auto queries = [&](const char* where, const char* stage, const Stats::Gathering& counts) {
+    const GatheringTime time(report, stage, counts);
+    if (counts.queries > 0)
+      fmt::format_to(out, "{} photon queries {}: {:.1f} photons in {:.0f} ns each, {:.2f} ns per photon\n",
+                     counts.queries, where, time.photons_per_query, time.ns_per_query, time.ns_per_photon);
+  };
+  queries("at surfaces", "gather", report.stats.gathering);
+  queries("along rays", "gather_volume", report.stats.volume_gathering);
+  return text;
+}
+
+Json photons_json(const RenderReport& report) {
+  const RenderReport::Photons& photons = report.photons;
+  const auto maps = [](const RenderReport::Photons::Maps& m) -> Json {
+    return {{"global_radius", m.global_radius},
+            {"caustic_radius", m.caustic_radius},
+            {"volume_radius", m.volume_radius},
+            {"beam_radius", m.beam_radius},
+            {"photons", m.photons},
+            {"bytes", m.bytes}};
+  };
+  const auto queries = [&](const char* stage, const Stats::Gathering& counts) -> Json {
+    const GatheringTime time(report, stage, counts);
+    return {{"queries", counts.queries},
+            {"photons", counts.photons},
+            {"ns_per_query", time.ns_per_query},
+            {"ns_per_photon", time.ns_per_photon}};
+  };
+  return {{"emitted", photons.emitted},
+          {"stored", photons.stored},
+          {"trace_seconds", photons.trace_seconds},
+          {"index_seconds", photons.index_seconds},
+          {"passes", photons.passes},
+          {"first_pass", maps(photons.first)},
+          {"last_pass", maps(photons.last)},
+          {"at_surfaces", queries("gather", report.stats.gathering)},
+          {"along_rays", queries("gather_volume", report.stats.volume_gathering)}};
+}
+
 Json stages_json(const RenderReport& report) {
   Json stages = Json::array();
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
@@ -161,11 +237,7 @@ std::string to_json(const RenderReport& report) {
       {"load_seconds", report.load_seconds},
       {"build_seconds", report.build_seconds},
       {"render_seconds", report.render_seconds},
-      {"photons",
-       {{"emitted", report.photons.emitted},
-        {"stored", report.photons.stored},
-        {"trace_seconds", report.photons.trace_seconds},
-        {"index_seconds", report.photons.index_seconds}}},
+      {"photons", photons_json(report)},
       {"guiding",
        {{"passes", report.guiding.passes},
         {"samples", report.guiding.samples},
@@ -206,9 +278,7 @@ std::string to_table(const RenderReport& report) {
   fmt::format_to(out, "load {}, build {}, render {}, peak memory {:.1f} MB\n", format_duration(report.load_seconds),
                  format_duration(report.build_seconds), format_duration(report.render_seconds),
                  static_cast<double>(report.peak_rss_bytes) * 1e-6);
-  if (const RenderReport::Photons& photons = report.photons; photons.emitted > 0)
-    fmt::format_to(out, "{} photons emitted in {}, {} stored in maps in {}\n", photons.emitted,
-                   format_duration(photons.trace_seconds), photons.stored, format_duration(photons.index_seconds));
+  text += photons_table(report);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
     fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",
                    guiding.samples, guiding.passes, format_duration(guiding.trace_seconds), guiding.cells,

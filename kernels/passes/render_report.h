@@ -39,6 +39,14 @@ struct RenderReport {
     std::uint64_t emitted = 0, stored = 0;
     double trace_seconds = 0;  ///< tracing photons from the lights
     double index_seconds = 0;  ///< building the maps
+    /// The maps that some samples use: a pass of progressive photon mapping, or a set of wavelengths.
+    struct Maps {
+      /// Lookup radii, m; 0: no such map.
+      float global_radius = 0, caustic_radius = 0, volume_radius = 0, beam_radius = 0;
+      std::uint64_t photons = 0, bytes = 0;  ///< stored photons and beams, and memory of the maps
+    };
+    std::uint64_t passes = 0;  ///< number of these maps
+    Maps first, last;
   } photons;
   /// Training of the guide, and its time. The times of the stages include its passes.
   struct Guiding {

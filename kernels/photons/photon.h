@@ -31,6 +31,11 @@ inline std::uint32_t photon_surface(std::uint32_t normal, std::uint32_t edges, b
          (edges < kMaxPhotonEdges ? edges : kMaxPhotonEdges);
 }
 
+/// The bits of photon_surface() that hold the normal.
+inline std::uint32_t photon_normal(std::uint32_t surface) {
+  return surface & ~(kMaxPhotonEdges | kPhotonSingleWavelength);
+}
+
 /// Which photons are stored, by the vertices between the light and the surface (S specular, D diffuse). Vertices in
 /// media count as D.
 enum class PhotonKind {

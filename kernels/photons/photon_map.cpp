@@ -1,25 +1,150 @@
-// Construction of photon maps: sorts the photons into buckets and columns, in parallel.
+// Construction of photon maps: sorts the photons, fills the blocks, and builds the tree above them, in parallel.
 #include "kernels/photons/photon_map.h"
+
+#include "core/octahedral.h"
+#include "core/prefetch.h"
+#include "kernels/photons/photon_order.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
+#include <cmath>
 
 namespace sheaf {
 
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14;
+/// Size of the cells of the curve, in lookup radii. Photons closer than that need no order.
+constexpr float kCellOfRadius = 0.125f;
+
+constexpr std::size_t divide_up(std::size_t a, std::size_t b) { return (a + b - 1) / b; }
 
 template <class F> void in_parallel(std::size_t count, F&& f) {
+  constexpr std::size_t kGrain = 32;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
                     });
+}
+
+/// A bounding box; empty at first.
+struct Box {
+  float low[3] = {kInfinity, kInfinity, kInfinity}, high[3] = {-kInfinity, -kInfinity, -kInfinity};
+
+  void add(const Box& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = min(low[axis], box.low[axis]);
+      high[axis] = max(high[axis], box.high[axis]);
+    }
+  }
+  void add(Vec3f p) { add(Box{{p.x, p.y, p.z}, {p.x, p.y, p.z}}); }
+};
+
+/// Sets the boxes of a group.
+void set_boxes(PhotonGroup& group, const Box* nodes, std::size_t count) {
+  Box all;
+  for (std::size_t i = 0; i < count; ++i) all.add(nodes[i]);
+  group.count = static_cast<std::uint32_t>(count);
+  for (int axis = 0; axis < 3; ++axis) {
+    // Rounding must not exclude the upper side
+    const float low = group.low[axis] = all.low[axis];
+    float& step = group.step[axis] = all.high[axis] / kBoxSteps - low / kBoxSteps;
+    while (fma(kBoxSteps, step, low) < all.high[axis]) step = std::nextafter(step, kInfinity);
+    const auto steps_to = [&](float x) { return step > 0.0f ? clamp((x - low) / step, 0.0f, kBoxSteps) : 0.0f; };
+    for (std::size_t i = 0; i < kPhotonBlock; ++i) {
+      float lower = 0, upper = 0;
+      if (i < count) {
+        lower = std::floor(steps_to(nodes[i].low[axis])), upper = std::ceil(steps_to(nodes[i].high[axis]));
+        if (fma(lower, step, low) > nodes[i].low[axis]) lower = max(lower - 1, 0.0f);
+        if (fma(upper, step, low) < nodes[i].high[axis]) upper = min(upper + 1, kBoxSteps);
+      }
+      group.boxes[axis][i] = static_cast<std::uint8_t>(lower);
+      group.boxes[axis + 3][i] = static_cast<std::uint8_t>(upper);
+    }
+  }
+}
+
+/// The box of a group.
+Box box_of(const PhotonGroup& group) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[axis] = group.low[axis];
+    box.high[axis] = fma(kBoxSteps, group.step[axis], group.low[axis]);
+  }
+  return box;
+}
+
+/// The photons of a block, anywhere in memory.
+struct BlockPhotons {
+  const Photon* photons[kPhotonBlock];
+  std::uint32_t count;
+
+  Box box() const {
+    Box box;
+    for (std::uint32_t i = 0; i < count; ++i) box.add(photons[i]->p);
+    return box;
+  }
+};
+
+/// Whether all photons arrive on the side of this normal. `surface`: see photon_surface().
+bool is_one_sided(const BlockPhotons& block, std::uint32_t surface) {
+  const Vec3f n = decode_octahedral<Scalar>(surface);
+  for (std::uint32_t i = 0; i < block.count; ++i)
+    if (!(dot(decode_octahedral<Scalar>(block.photons[i]->direction), n) > kOneSidedCosine)) return false;
+  return true;
+}
+
+/// Sets the surface and the powers of block `node` in its group.
+void describe_block(const BlockPhotons& block, float scale, std::uint32_t node, PhotonBlockGroup& group) {
+  const std::uint32_t normal = photon_normal(block.photons[0]->surface);
+  std::uint32_t edges = 0, mixed = block.count < kPhotonBlock ? kMixedNormals : 0u;
+  float largest = 0, sums[4] = {};
+  for (std::uint32_t i = 0; i < block.count; ++i) {
+    const Photon& photon = *block.photons[i];
+    edges = std::max(edges, photon.surface & kMaxPhotonEdges);
+    if (photon_normal(photon.surface) != normal) mixed = kMixedNormals;
+    const float powers[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
+    for (int k = 0; k < 4; ++k) {
+      sums[k] += powers[k] * scale;
+      largest = max(largest, powers[k] * scale);
+    }
+  }
+  // Lookups ignore the sign of the normal. Choose the one that faces the photons.
+  const std::uint32_t flipped = photon_normal(encode_octahedral<Scalar>(-decode_octahedral<Scalar>(normal)));
+  const bool faces = is_one_sided(block, normal);
+  if (faces || is_one_sided(block, flipped)) group.one_sided |= 1u << node;
+  const bool flips = !faces && (group.one_sided >> node & 1u) != 0;
+  group.surfaces[node] = (flips && mixed == 0 ? flipped : normal) | mixed | edges;
+  group.power_steps[node] = largest / kPhotonSteps;
+  for (int k = 0; k < 4; ++k) group.powers[k][node] = sums[k];
+}
+
+/// `x` in steps, rounded to the nearest.
+std::uint16_t in_steps(float x, float step) {
+  const float steps = step > 0.0f ? x / step + 0.5f : 0.0f;
+  return static_cast<std::uint16_t>(clamp(steps, 0.0f, kPhotonSteps));
+}
+
+/// Writes block `node` of a group. Photons beyond its end have no power.
+void fill_block(const BlockPhotons& block, const PhotonBlockGroup& group, std::uint32_t node, float scale,
+                std::uint32_t powers, std::byte* bytes, std::uint32_t* surfaces) {
+  auto* columns = reinterpret_cast<std::uint16_t*>(bytes);
+  auto* directions = reinterpret_cast<std::uint32_t*>(bytes + photon_directions_offset(powers));
+  for (std::uint32_t i = 0; i < kPhotonBlock; ++i) {
+    const bool valid = i < block.count;
+    const Photon& photon = *block.photons[valid ? i : 0];
+    directions[i] = photon.direction;
+    surfaces[i] = photon.surface;
+    const float p[3] = {photon.p.x, photon.p.y, photon.p.z};
+    for (int axis = 0; axis < 3; ++axis)
+      columns[static_cast<std::uint32_t>(axis) * kPhotonBlock + i] =
+          in_steps(p[axis] - group.low[axis], group.position_step(axis));
+    const float power[4] = {photon.power.c0, photon.power.c1, photon.power.c2, photon.power.c3};
+    for (std::uint32_t k = 0; k < photon_directions_offset(powers) / kPhotonColumnBytes - 3; ++k)
+      columns[(3 + k) * kPhotonBlock + i] =
+          valid && k < powers ? in_steps(power[k] * scale, group.power_steps[node]) : 0;
+  }
 }
 
 }  // namespace
@@ -27,81 +152,95 @@ template <class F> void in_parallel(std::size_t count, F&& f) {
 PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
                      int lookup_size, bool four_lanes)
     : radius_(radius), kernel_(kernel), lookup_size_(lookup_size), four_lanes_(four_lanes) {
-  std::vector<std::size_t> first;
-  for (const std::vector<Photon>& task : tasks) {
-    first.push_back(size_);
-    size_ += task.size();
-  }
-  const auto photon_of = [&](std::size_t i) -> const Photon& {
-    const auto task = static_cast<std::size_t>(std::upper_bound(first.begin(), first.end(), i) - first.begin()) - 1;
-    return tasks[task][i - first[task]];
-  };
-  const std::vector<std::uint32_t> order = sort_into_buckets(photon_of);
-
-  // Columns begin at register boundaries, and a register may be read past the last photon.
-  constexpr std::size_t kLine = kSimdAlignment / sizeof(float);
-  stride_ = (size_ / kLine + 2) * kLine;
-  memory_.assign(columns() * stride_ + kLine, 0.0f);
-  const auto misaligned = reinterpret_cast<std::uintptr_t>(memory_.data()) % kSimdAlignment;
-  first_ = memory_.data() + (misaligned == 0 ? 0 : (kSimdAlignment - misaligned) / sizeof(float));
-  // Fill the columns.
+  const PhotonOrder order(tasks, kCellOfRadius * radius);
+  size_ = order.size();
+  if (size_ == 0) return;
   const float scale = 1.0f / static_cast<float>(emitted);
-  in_parallel(size_, [&](std::size_t i) {
-    const Photon& photon = photon_of(order[i]);
-    const float words[kMaxColumns] = {photon.p.x,
-                                      photon.p.y,
-                                      photon.p.z,
-                                      bits_float(photon.direction),
-                                      bits_float(photon.surface),
-                                      photon.power.c0 * scale,
-                                      photon.power.c1 * scale,
-                                      photon.power.c2 * scale,
-                                      photon.power.c3 * scale};
-    for (std::size_t c = 0; c < columns(); ++c) std::memcpy(first_ + c * stride_ + i, &words[c], sizeof(float));
+  const std::size_t blocks = divide_up(size_, kPhotonBlock), bytes = photon_block_bytes(powers());
+  std::size_t nodes = divide_up(blocks, kPhotonBlock);
+  blocks_.resize(blocks * bytes);
+  surfaces_.resize(blocks * kPhotonBlock);
+  block_groups_.resize(nodes);
+  in_parallel(nodes, [&](std::size_t i) {
+    // Find the photons
+    const std::size_t first = i * kPhotonBlock, count = std::min<std::size_t>(kPhotonBlock, blocks - first);
+    BlockPhotons photons[kPhotonBlock];
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t begin = (first + k) * kPhotonBlock;
+      photons[k].count = static_cast<std::uint32_t>(std::min<std::size_t>(kPhotonBlock, size_ - begin));
+      for (std::uint32_t j = 0; j < photons[k].count; ++j) {
+        photons[k].photons[j] = &order[begin + j];
+        prefetch(photons[k].photons[j]), prefetch(&photons[k].photons[j]->order);
+      }
+    }
+    // Make the group and its blocks
+    PhotonBlockGroup& group = block_groups_[i];
+    group = {};
+    Box boxes[kPhotonBlock];
+    for (std::size_t k = 0; k < count; ++k) boxes[k] = photons[k].box();
+    set_boxes(group, boxes, count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      describe_block(photons[k], scale, k, group);
+      fill_block(photons[k], group, k, scale, powers(), &blocks_[(first + k) * bytes],
+                 &surfaces_[(first + k) * kPhotonBlock]);
+    }
   });
+  // Build the levels above
+  const auto box_below = [&](std::size_t i) {
+    return groups_.empty() ? box_of(block_groups_[i]) : box_of(groups_.back()[i]);
+  };
+  while (nodes > 1) {
+    UninitializedLargeTable<PhotonGroup> level(divide_up(nodes, kPhotonBlock));
+    in_parallel(level.size(), [&](std::size_t i) {
+      const std::size_t first = i * kPhotonBlock, count = std::min<std::size_t>(kPhotonBlock, nodes - first);
+      Box boxes[kPhotonBlock];
+      for (std::size_t k = 0; k < count; ++k) boxes[k] = box_below(first + k);
+      level[i] = {};
+      set_boxes(level[i], boxes, count);
+    });
+    nodes = level.size();
+    groups_.push_back(std::move(level));
+  }
 }
 
-template <class F> std::vector<std::uint32_t> PhotonMap::sort_into_buckets(F&& photon_of) {
-  PhotonMapView grid;
-  grid.inverse_cell = 0.5f / radius_;
-  grid.bucket_mask = std::bit_ceil(static_cast<std::uint32_t>(size_ / 2 + 1)) - 1;
-  // The bucket is in the high bits and the index in the low ones. All keys differ, so the sorted order is unique.
-  std::vector<std::uint64_t> keys(size_);
-  in_parallel(size_, [&](std::size_t i) {
-    const Vec3f p = photon_of(i).p * grid.inverse_cell;
-    const std::uint32_t bucket =
-        grid.bucket(PhotonMapView::cell(p.x), PhotonMapView::cell(p.y), PhotonMapView::cell(p.z));
-    keys[i] = std::uint64_t{bucket} << 32 | i;
-  });
-  tbb::parallel_sort(keys.begin(), keys.end());
-  // Find the beginning of each bucket.
-  bucket_begin_.resize(std::size_t{grid.bucket_mask} + 2);
-  std::size_t i = 0;
-  for (std::size_t bucket = 0; bucket < bucket_begin_.size(); ++bucket) {
-    while (i < size_ && (keys[i] >> 32) < bucket) ++i;
-    bucket_begin_[bucket] = static_cast<std::uint32_t>(i);
-  }
-  // The order takes half the memory of the keys while the columns are filled.
-  std::vector<std::uint32_t> order(size_);
-  in_parallel(size_, [&](std::size_t k) { order[k] = static_cast<std::uint32_t>(keys[k]); });
-  return order;
+std::size_t PhotonMap::bytes() const {
+  std::size_t groups = 0;
+  for (const UninitializedLargeTable<PhotonGroup>& level : groups_) groups += level.size();
+  return blocks_.size() + surfaces_.size() * sizeof(std::uint32_t) + block_groups_.size() * sizeof(PhotonBlockGroup) +
+         groups * sizeof(PhotonGroup);
 }
 
 PhotonMapView PhotonMap::view() const {
   PhotonMapView v;
-  if (size_ == 0) return v;
-  v.x = column(0), v.y = column(1), v.z = column(2);
-  v.direction = reinterpret_cast<const std::uint32_t*>(column(3));
-  v.surface = reinterpret_cast<const std::uint32_t*>(column(4));
-  // Without a fourth lane, paths ignore its value.
-  for (std::size_t k = 0; k < 4; ++k) v.power[k] = column(std::min(5 + k, columns() - 1));
-  v.bucket_begin = bucket_begin_.data();
-  v.bucket_mask = static_cast<std::uint32_t>(bucket_begin_.size() - 2);
+  v.blocks = blocks_.data();
+  v.surfaces = surfaces_.data();
+  v.block_groups = block_groups_.data();
+  for (std::size_t level = 0; level < groups_.size(); ++level) v.groups[level + 1] = groups_[level].data();
+  v.levels = 1 + static_cast<int>(groups_.size());
+  v.size = static_cast<std::uint32_t>(size_);
+  v.powers = powers();
   v.radius = radius_;
-  v.inverse_cell = 0.5f / radius_;
   v.kernel = kernel_;
   v.lookup_size = lookup_size_;
   return v;
+}
+
+Photon PhotonMapView::photon(std::uint32_t i) const {
+  const std::uint32_t block = i / kPhotonBlock, at = i % kPhotonBlock, node = block % kPhotonBlock;
+  const PhotonBlockGroup& group = group_of(block);
+  const auto coordinate = [&](int axis) {
+    const auto steps = static_cast<float>(column(block, static_cast<std::uint32_t>(axis))[at]);
+    return fma(steps, group.position_step(axis), group.low[axis]);
+  };
+  const auto power = [&](std::uint32_t k) {
+    return k < powers ? static_cast<float>(column(block, 3 + k)[at]) * group.power_steps[node] : 0.0f;
+  };
+  Photon photon;
+  photon.p = {coordinate(0), coordinate(1), coordinate(2)};
+  photon.power = {power(0), power(1), power(2), power(3)};
+  photon.direction = directions(block)[at];
+  photon.surface = surfaces[i];
+  return photon;
 }
 
 }  // namespace sheaf

@@ -1,83 +1,122 @@
-// Photon maps: photons sorted into a uniform grid, for lookups around a point.
+// Photon maps: photons in blocks of 16 along a Morton curve, below a tree of bounding boxes, for lookups around a
+// point.
 //
-// Grid cells are cubes as wide as the diameter of the lookup sphere, so a sphere overlaps at most eight of them. Cells
-// are hashed to buckets, and the photons are stored by bucket, in columns (Teschner et al., "Optimized Spatial Hashing
-// for Collision Detection of Deformable Objects", 2003). A lookup visits the buckets of all eight cells, each once, and
-// tests the distance of every photon.
+// Node i of level 0 is block i; node i of level l + 1 encloses nodes 16 i to 16 i + 15 of level l, a group. So the tree
+// needs no pointers, and the boxes of a group are tested in registers.
+//
+// Lookups of final gathering wait for memory, so the map is small. Boxes are stored relative to the box of their group,
+// in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie, Karras and Laine, "Efficient Incoherent Ray
+// Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are stored relative to the box of the group, and
+// powers relative to the largest component in the block, both in 16 bits and rounded to the nearest.
+// kernels/photons/photon_search.h searches maps.
 #pragma once
 
+#include "core/large_table.h"
 #include "kernels/photons/photon.h"
 #include "scene/tables/scene.h"
 
-#include <algorithm>
-#include <cmath>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace sheaf {
 
+/// Photons per block, and nodes per group.
+inline constexpr std::uint32_t kPhotonBlock = 16;
+static_assert(kPhotonBlock % kWidth == 0);
+
+/// Steps of boxes along the sides of a group's box, and of positions and powers. Boxes begin and end at steps of
+/// positions.
+inline constexpr float kBoxSteps = 255, kPhotonSteps = 65535;
+
+/// The boxes of the nodes of a group.
+struct alignas(kSimdAlignment) PhotonGroup {
+  float low[3], step[3];                ///< lower corner of the group's box, and a step along its sides; world space, m
+  std::uint32_t count;                  ///< number of nodes
+  std::uint32_t one_sided;              ///< level 0, bit i: all photons of block i arrive on the side of its normal
+  std::uint8_t boxes[6][kPhotonBlock];  ///< lower and upper corners of the nodes, in steps
+
+  /// One step of positions along an axis, m.
+  SHEAF_INLINE float position_step(int axis) const { return step[axis] * (kBoxSteps / kPhotonSteps); }
+};
+
+/// The nodes of level 0.
+struct PhotonBlockGroup : PhotonGroup {
+  /// The normal of all photons of a block and the longest path, as photon_surface(), with kMixedNormals if normals
+  /// differ or photons are missing.
+  std::uint32_t surfaces[kPhotonBlock];
+  float power_steps[kPhotonBlock];  ///< one step of the powers in a block, W
+  float powers[4][kPhotonBlock];    ///< sums over the photons of a block, W
+};
+inline constexpr std::uint32_t kMixedNormals = kPhotonSingleWavelength;
+
+/// Minimum cosine between directions and the normal of a one-sided block.
+inline constexpr float kOneSidedCosine = 0.02f;
+
+/// The 16-bit columns of a block are x, y, z and three or four powers. The octahedral directions follow, towards the
+/// previous vertex.
+inline constexpr std::uint32_t kPhotonColumnBytes = kPhotonBlock * sizeof(std::uint16_t);
+/// Offset of the directions, in bytes.
+constexpr std::uint32_t photon_directions_offset(std::uint32_t powers) {
+  return ((3 + powers) * kPhotonColumnBytes + 63u) / 64u * 64u;
+}
+constexpr std::uint32_t photon_block_bytes(std::uint32_t powers) {
+  return photon_directions_offset(powers) + kPhotonBlock * static_cast<std::uint32_t>(sizeof(std::uint32_t));
+}
+
+/// Upper bound on the number of levels, for 2^32 photons.
+inline constexpr int kMaxPhotonLevels = 8;
+
 /// A photon map as kernels read it.
 struct PhotonMapView {
-  const float* x = nullptr;
-  const float* y = nullptr;
-  const float* z = nullptr;
-  const float* power[4] = {};  ///< W
-  const std::uint32_t* direction = nullptr;
-  const std::uint32_t* surface = nullptr;       ///< see photon_surface()
-  const std::uint32_t* bucket_begin = nullptr;  ///< first photon of each bucket, then the end
-  std::uint32_t bucket_mask = 0;
-  float radius = 0, inverse_cell = 0;  ///< metres; 1 / metres
+  const std::byte* blocks = nullptr;                             ///< aligned to kSimdAlignment
+  const PhotonBlockGroup* block_groups = nullptr;                ///< level 0
+  std::array<const PhotonGroup*, kMaxPhotonLevels> groups = {};  ///< by level, from level 1 on
+  const std::uint32_t* surfaces = nullptr;                       ///< see photon_surface(); aligned to kSimdAlignment
+  int levels = 0;                                                ///< the last one is a single group
+  std::uint32_t size = 0;                                        ///< photons
+  std::uint32_t powers = 4;                                      ///< columns of powers
+  float radius = 0;                                              ///< metres
   PhotonKernel kernel = PhotonKernel::kDisc;
   int lookup_size = 0;  ///< see PhotonMappingSettings
 
-  bool empty() const { return x == nullptr; }
+  bool empty() const { return size == 0; }
+  const std::byte* block(std::uint32_t i) const { return blocks + std::size_t{i} * photon_block_bytes(powers); }
+  /// Column k of a block: x, y, z, powers.
+  const std::uint16_t* column(std::uint32_t i, std::uint32_t k) const {
+    return reinterpret_cast<const std::uint16_t*>(block(i) + k * kPhotonColumnBytes);
+  }
+  const std::uint32_t* directions(std::uint32_t i) const {
+    return reinterpret_cast<const std::uint32_t*>(block(i) + photon_directions_offset(powers));
+  }
+  const PhotonBlockGroup& group_of(std::uint32_t block) const { return block_groups[block / kPhotonBlock]; }
 
-  /// Bucket of the cell with these coordinates.
-  std::uint32_t bucket(std::int32_t i, std::int32_t j, std::int32_t k) const {
-    return (static_cast<std::uint32_t>(i) * 73856093u ^ static_cast<std::uint32_t>(j) * 19349663u ^
-            static_cast<std::uint32_t>(k) * 83492791u) &
-           bucket_mask;
-  }
-  /// Cell coordinate of `x`, given in units of cells; clamped for points far outside.
-  static std::int32_t cell(float x) {
-    return static_cast<std::int32_t>(std::floor(std::fmin(std::fmax(x, -2.0e9f), 2.0e9f)));
-  }
-  /// Finds the distinct buckets of the cells that the lookup sphere around `p` may overlap; returns their number.
-  int buckets_around(Vec3f p, std::uint32_t (&buckets)[8]) const {
-    const std::int32_t i = cell(p.x * inverse_cell - 0.5f), j = cell(p.y * inverse_cell - 0.5f),
-                       k = cell(p.z * inverse_cell - 0.5f);
-    for (int corner = 0; corner < 8; ++corner)
-      buckets[corner] = bucket(i + (corner & 1), j + (corner >> 1 & 1), k + (corner >> 2));
-    std::sort(std::begin(buckets), std::end(buckets));
-    return static_cast<int>(std::unique(std::begin(buckets), std::end(buckets)) - std::begin(buckets));
-  }
+  /// Photon i as stored, for tests. Its order is 0.
+  Photon photon(std::uint32_t i) const;
 };
 
-/// Owns the columns. Immutable.
+/// Owns the blocks and the tree. Immutable.
 class PhotonMap {
  public:
   PhotonMap() = default;
   /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: in metres, positive;
-  /// `four_lanes`: whether powers have a fourth lane. The map does not depend on the number of threads.
+  /// `four_lanes`: whether powers have a fourth lane. Built by all threads; the map does not depend on their number.
   PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
             int lookup_size = 0, bool four_lanes = true);
 
   PhotonMapView view() const;
   std::size_t size() const { return size_; }
-  std::size_t bytes() const { return memory_.size() * sizeof(float) + bucket_begin_.size() * sizeof(std::uint32_t); }
+  std::size_t bytes() const;
 
  private:
-  static constexpr std::size_t kMaxColumns = 9;
+  std::uint32_t powers() const { return four_lanes_ ? 4 : 3; }
 
-  std::size_t columns() const { return four_lanes_ ? kMaxColumns : kMaxColumns - 1; }
-  const float* column(std::size_t i) const { return first_ + i * stride_; }
-
-  /// Sets bucket_begin_, and returns the photon indices sorted by bucket.
-  template <class F> std::vector<std::uint32_t> sort_into_buckets(F&& photon_of);
-
-  std::size_t size_ = 0, stride_ = 0;
-  std::vector<float> memory_;
-  float* first_ = nullptr;  ///< aligned to kSimdAlignment
-  std::vector<std::uint32_t> bucket_begin_;
+  std::size_t size_ = 0;
+  UninitializedLargeTable<std::byte> blocks_;
+  UninitializedLargeTable<std::uint32_t> surfaces_;
+  UninitializedLargeTable<PhotonBlockGroup> block_groups_;
+  std::vector<UninitializedLargeTable<PhotonGroup>> groups_;  ///< from level 1 on
   float radius_ = 0;
   PhotonKernel kernel_ = PhotonKernel::kDisc;
   int lookup_size_ = 0;

@@ -3,6 +3,8 @@
 // disc of the lookup radius. Vertices are processed one at a time, photons a register at a time. PhotonMaps selects the
 // maps for each vertex.
 //
+// Photons are added in the order of the map, each lane for itself, and then the lanes in their order.
+//
 // In spectral mode the path, the vertex and the photon may each have lost three of four wavelengths, and compensate for
 // it by a factor of 4. Together they must apply it once. The pdf of a path with four wavelengths is the mean over its
 // lanes. If only the first wavelength continues, only its own pdf remains, because the path's distances were sampled by
@@ -10,9 +12,11 @@
 // for each wavelength.
 #include "core/lane_array.h"
 #include "core/octahedral.h"
+#include "core/prefetch.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/photons/photon_search.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stage_list.h"
@@ -22,13 +26,17 @@
 #include "kernels/wave/stage_timer.h"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace sheaf {
 
 namespace {
 
-/// Minimum |cosine| between the normal at the vertex and the normal of a photon's surface.
-constexpr float kSameSide = 0.5f;
+/// Whether a BSDF is constant over the hemisphere around the normal.
+template <class Bsdf> inline constexpr bool kIsLambertian = std::is_same_v<typename Bsdf::Closure, DiffuseClosure>;
+
+/// Maximum squared difference of shading and geometric normal that counts as rounding.
+constexpr float kFlat = 1e-12f;
 
 /// One vertex, broadcast to all lanes.
 template <class L, template <class> class Bsdf> struct GatheringVertex {
@@ -38,9 +46,10 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
   bool mapped;
   Vec3<L> ns_unmapped;
   typename L::Float terminator;
-  typename L::Uint edges_left;  ///< maximum number of segments of a photon's path
-  bool single_wavelength;       ///< the camera path has a single wavelength
-  float first_ratio;            ///< pdf of the camera path over that of only its first wavelength
+  PhotonQuery<L> query;
+  bool is_flat;            ///< shading and geometric normal are the same
+  bool single_wavelength;  ///< the camera path has a single wavelength
+  float first_ratio;       ///< pdf of the camera path over that of only its first wavelength
 
   static GatheringVertex load(const StageContext& context, const Wave& wave, Slot slot, int column, bool mapped) {
     using F = Float<L>;
@@ -61,7 +70,8 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
                         mapped,
                         item.ns,
                         F(0.0f),
-                        Uint<L>(max_depth > depth ? max_depth - depth : 0u),
+                        {item.p, item.ng, Uint<L>(max_depth > depth ? max_depth - depth : 0u)},
+                        !mapped && length_squared(one.ns - one.ng) < kFlat,
                         has_single_wavelength(context, wave, slot),
                         1.0f};
     // Account for lost wavelengths
@@ -77,58 +87,52 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
     return out;
   }
 
-  /// The photons [i, i + L::width) of `lanes` that count, with their squared distances. `within`: squared radius, m^2.
-  struct Near {
-    Mask<L> lanes;
-    typename L::Float squared;
-  };
-  SHEAF_INLINE Near near_photons(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes, Float<L> within) const {
-    Vec3<L> p;
-    load_column(map.x + i, p.x), load_column(map.y + i, p.y), load_column(map.z + i, p.z);
-    const Vec3<L> d = p - item.p;
-    const Float<L> squared = dot(d, d);
-    Mask<L> near = lanes & (squared < within);
-    if (!any(near)) return {near, squared};
-    Uint<L> surface;
-    load_column(map.surface + i, surface);
-    const Vec3<L> n = decode_octahedral<L>(surface);
-    near = near & (abs(dot(n, item.ng)) > Float<L>(kSameSide)) & !(edges_left < (surface & Uint<L>(kMaxPhotonEdges)));
-    return {near, squared};
+  /// Whether the BSDF reflects all photons from the side of the normal alike.
+  bool reflects_evenly() const {
+    return kIsLambertian<Bsdf<L>> && is_flat && !single_wavelength && first_ratio == 1.0f;
   }
 
-  /// Radiance times pi r^2 due to the photons [i, i + L::width), per lane. `within`: r^2, m^2.
-  SHEAF_INLINE Spectrum<L> gather(const PhotonMapView& map, std::uint32_t i, Mask<L> lanes, float within) const {
+  /// Radiance times pi r^2 due to the photons `near`, [at, at + L::width) of a block, per lane. `within`: r^2, m^2.
+  SHEAF_INLINE Spectrum<L> reflected(PhotonKernel kernel, const NearBlock<L>& block, std::uint32_t at,
+                                     const NearPhotons<L>& near, float within) const {
     using F = Float<L>;
-    const Near near = near_photons(map, i, lanes, F(within));
-    if (!any(near.lanes)) return Spectrum<L>(F(0.0f));
-    Uint<L> direction;
-    load_column(map.direction + i, direction);
-    const Vec3<L> wi = decode_octahedral<L>(direction);
-    Spectrum<L> power;
-    load_column(map.power[0] + i, power.c0), load_column(map.power[1] + i, power.c1);
-    load_column(map.power[2] + i, power.c2), load_column(map.power[3] + i, power.c3);
+    const Vec3<L> wi = decode_octahedral<L>(block.direction(at));
     const Vec3<L> local = frame.to_local(wi);
     // The flux of a photon refers to the geometric surface, not to the shading normal.
-    F factor = photon_kernel<L>(map.kernel, near.squared * F(1.0f / within)) / max(abs(dot(wi, item.ng)), F(1e-4f));
+    F factor = photon_kernel<L>(kernel, near.squared * F(1.0f / within)) / max(abs(dot(wi, item.ng)), F(1e-4f));
     if (mapped) factor = factor * shadow_terminator<L>(ns_unmapped, terminator, wi, local.z);
-    if (kDisperses<Bsdf<L>> || single_wavelength || first_ratio != 1.0f) factor = factor * wavelengths(map, i, local);
-    return select<L>(near.lanes, bsdf.evaluate(item.wo, local).f_cos * power * factor, Spectrum<L>(F(0.0f)));
+    if (kDisperses<Bsdf<L>> || single_wavelength || first_ratio != 1.0f)
+      factor = factor * wavelengths(block.surface(at), local);
+    return select<L>(near.lanes,
+                     bsdf.evaluate(item.wo, local).f_cos * block.power(at) * (factor * F(block.power_step())),
+                     Spectrum<L>(F(0.0f)));
+  }
+
+  /// The same over reflected_evenly(), if reflects_evenly(): the cosines of f_cos and flux cancel.
+  SHEAF_INLINE Spectrum<L> arriving(PhotonKernel kernel, const NearBlock<L>& block, std::uint32_t at,
+                                    const NearPhotons<L>& near, float within) const {
+    using F = Float<L>;
+    Mask<L> lanes = near.lanes;
+    if (!block.is_lit()) lanes = lanes & (dot(decode_octahedral_direction<L>(block.direction(at)), item.ng) > F(0.0f));
+    F factor(block.power_step());
+    if (kernel != PhotonKernel::kDisc) factor = factor * photon_kernel<L>(kernel, near.squared * F(1.0f / within));
+    return block.power(at) * select(lanes, factor, F(0.0f));
+  }
+  SHEAF_INLINE Spectrum<L> reflected_evenly() const {
+    using F = Float<L>;
+    return bsdf.evaluate(item.wo, Vec3<L>{F(0.0f), F(0.0f), F(1.0f)}).f_cos;
   }
 
  private:
-  /// Factor on photons [i, i + L::width) where path, vertex or photon have lost wavelengths.
-  SHEAF_INLINE Float<L> wavelengths(const PhotonMapView& map, std::uint32_t i, Vec3<L> local) const {
+  /// Factor on photons where path, vertex or photon have lost wavelengths. `surface`: see photon_surface().
+  SHEAF_INLINE Float<L> wavelengths(Uint<L> surface, Vec3<L> local) const {
     using F = Float<L>;
-    Uint<L> surface;
-    load_column(map.surface + i, surface);
     const auto by_photon = (surface & Uint<L>(kPhotonSingleWavelength)) != Uint<L>(0u);
     const auto by_vertex = loses_wavelengths<L>(bsdf, item.wo, local);
     const auto twice = by_photon & (by_vertex | Mask<L>(single_wavelength));
     const F once = select(by_photon | by_vertex, F(first_ratio), F(1.0f));
     return select(twice, once * F(0.25f), once);
   }
-
-  template <class T, class V> static SHEAF_INLINE void load_column(const T* from, V& to) { sheaf::load(from, to); }
 };
 
 template <class L> float sum_of_lanes(Float<L> value) {
@@ -137,65 +141,167 @@ template <class L> float sum_of_lanes(Float<L> value) {
   return sum;
 }
 
-/// Calls f(i, lanes) for each register of photons, from i on, that may lie within the map's radius of `p`.
-template <class L, class F> SHEAF_INLINE void for_photons_around(const PhotonMapView& map, Vec3f p, F&& f) {
-  constexpr auto kLanes = static_cast<std::uint32_t>(L::width);
-  std::uint32_t buckets[8];
-  const int count = map.buckets_around(p, buckets);
-  for (int b = 0; b < count; ++b) {
-    const std::uint32_t begin = map.bucket_begin[buckets[b]], end = map.bucket_begin[buckets[b] + 1];
-    for (std::uint32_t i = begin / kLanes * kLanes; i < end; i += kLanes) {
-      const Uint<L> index = Uint<L>(i) + L::index();
-      f(i, (!(index < Uint<L>(begin))) & (index < Uint<L>(end)));
+SHEAF_INLINE void prefetch_block(const PhotonMapView& map, std::uint32_t entry) {
+  const std::byte* block = map.block(entry & kBlockIndex);
+  for (std::uint32_t line = 0; line < photon_block_bytes(map.powers); line += 64) prefetch(block + line);
+}
+
+/// Calls f(block, at, near) for each register of photons that may hold some within the distance of the vertex: photons
+/// [at, at + L::width) of the block, with `near` those that match. `within`: squared distance, m^2; f may shrink it.
+/// `sum`: see for_blocks_near().
+template <class L, class F>
+SHEAF_INLINE void for_photons_near(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within,
+                                   bool needs_distances, SummedPhotons<L>* sum, F&& f) {
+  constexpr int kAhead = 4;
+  for_blocks_near<L>(map, query, within, sum, [&](const std::uint32_t* entries, int count) SHEAF_LAMBDA_INLINE {
+    for (int i = 0; i < std::min(count, kAhead); ++i) prefetch_block(map, entries[i]);
+    for (int i = 0; i < count; ++i) {
+      if (i + kAhead < count) prefetch_block(map, entries[i + kAhead]);
+      const NearBlock<L> block(map, entries[i]);
+      for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width))
+        f(block, at, block.near(at, query, within, needs_distances));
     }
+  });
+}
+
+/// The squared distances of the nearest photons.
+class NearestPhotons {
+ public:
+  /// For `size` photons, at most kMaxLookupSize.
+  explicit NearestPhotons(int size) : size_(size) {}
+
+  /// Begins a search of photons nearer than `limit`, a squared distance, m^2.
+  void begin(float limit) {
+    limit_ = limit;
+    count_ = 0;
   }
+  /// Adds the distances of `lanes`, which are less than limit().
+  template <class L> SHEAF_INLINE void add(Float<L> squared, Mask<L> lanes) {
+    const std::uint32_t bits = mask_bits(lanes);
+    compress_store(distances_ + count_, squared, bits);
+    count_ += std::popcount(bits);
+    if (count_ >= 2 * size_ + kSpare) keep_nearest();
+  }
+  /// Farther photons do not count any more.
+  const float& limit() const { return limit_; }
+  bool is_complete() const { return count_ >= size_; }
+  /// The squared distance of the last of `size` photons, if is_complete().
+  float last() const;
+
+ private:
+  static constexpr int kSpare = 256;
+
+  void keep_nearest() {
+    std::nth_element(distances_, distances_ + size_ - 1, distances_ + count_);
+    count_ = size_;
+    limit_ = distances_[size_ - 1];
+  }
+
+  int size_, count_ = 0;
+  float limit_ = 0;
+  float distances_[2 * kMaxLookupSize + kSpare + kWidth];
+};
+
+float NearestPhotons::last() const {
+  // Squared distances of photons on a plane are uniform. Find the bin that holds the last one
+  constexpr int kBins = 64;
+  int bins[kBins] = {};
+  const float scale = limit_ > 1e-30f ? static_cast<float>(kBins) / limit_ : 0.0f;
+  const auto bin_of = [scale](float squared) { return std::min(static_cast<int>(squared * scale), kBins - 1); };
+  for (int i = 0; i < count_; ++i) ++bins[bin_of(distances_[i])];
+  int bin = 0, before = 0;
+  while (before + bins[bin] < size_) before += bins[bin++];
+  // Select it among those in the bin
+  float candidates[2 * kMaxLookupSize + kSpare + kWidth];
+  int count = 0;
+  for (int i = 0; i < count_; ++i) {
+    candidates[count] = distances_[i];
+    count += bin_of(distances_[i]) == bin ? 1 : 0;
+  }
+  float* last = candidates + (size_ - before - 1);
+  std::nth_element(candidates, last, candidates + count);
+  return *last;
 }
 
 /// Squared lookup radius, m^2: that of the map, or less if it contains lookup_size photons or more. The photon that
 /// defines the radius does not count, which makes the density estimate unbiased (Loftsgaarden and Quesenberry, "A
-/// Nonparametric Estimate of a Multivariate Density Function", 1965).
-template <class L, class Vertex> float squared_lookup_radius(const PhotonMapView& map, Vec3f p, const Vertex& vertex) {
-  float within = map.radius * map.radius;
-  if (map.lookup_size == 0) return within;
-  float nearest[kMaxLookupSize];  // heap, farthest first
-  int count = 0;
-  for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) {
-    const auto near = vertex.near_photons(map, i, lanes, Float<L>(within));
-    const LaneArray<Float<L>> squared(near.squared);
-    for_each_lane(mask_bits(near.lanes), [&](int lane) {
-      if (!(squared[lane] < within)) return;
-      if (count == map.lookup_size) std::pop_heap(nearest, nearest + count--);
-      nearest[count++] = squared[lane];
-      std::push_heap(nearest, nearest + count);
-      if (count == map.lookup_size) within = nearest[0];
-    });
-  });
-  return within;
+/// Nonparametric Estimate of a Multivariate Density Function", 1965). `guess`: positive; the search begins with it, but
+/// the result does not depend on it. Receives a guess for a vertex nearby.
+template <class L>
+float squared_lookup_radius(const PhotonMapView& map, const PhotonQuery<L>& query, NearestPhotons& nearest,
+                            float& guess) {
+  const float largest = map.radius * map.radius;
+  if (map.lookup_size == 0) return largest;
+  for (float limit = std::min(guess, largest);; limit = std::min(4 * limit, largest)) {
+    nearest.begin(limit);
+    for_photons_near<L>(map, query, nearest.limit(), true, nullptr,
+                        [&](const NearBlock<L>&, std::uint32_t, const NearPhotons<L>& near)
+                            SHEAF_LAMBDA_INLINE { nearest.add<L>(near.squared, near.lanes); });
+    const bool is_complete = nearest.is_complete();
+    if (!is_complete && limit < largest) continue;
+    const float within = is_complete ? nearest.last() : largest;
+    guess = std::max(1.5f * within, 1e-6f * largest);
+    return within;
+  }
 }
 
+/// Registers that lookups tested, photons that they found in them, and photons of blocks that they did not need to
+/// read.
+struct LookupCounts {
+  std::uint64_t registers = 0, photons = 0, summed = 0;
+};
+
 template <class L, template <class> class Bsdf>
-Spectrum4 gather_at(const PhotonMapView& map, Vec3f p, const GatheringVertex<L, Bsdf>& vertex) {
-  const float within = squared_lookup_radius<L>(map, p, vertex);
+Spectrum4 gather_at(const PhotonMapView& map, const GatheringVertex<L, Bsdf>& vertex, float within,
+                    LookupCounts& counts) {
   if (!(within > 0.0f)) return {};
+  const bool needs_distances = map.kernel != PhotonKernel::kDisc;
   Spectrum<L> sum(Float<L>(0.0f));
-  for_photons_around<L>(map, p, [&](std::uint32_t i, Mask<L> lanes) SHEAF_LAMBDA_INLINE {
-    sum = sum + vertex.gather(map, i, lanes, within);
-  });
+  std::uint32_t registers = 0, photons = 0;
+  const auto count = [&](const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
+    ++registers;
+    photons += static_cast<std::uint32_t>(std::popcount(mask_bits(near.lanes)));
+  };
+  if (vertex.reflects_evenly()) {
+    SummedPhotons<L> summed{Spectrum<L>(Float<L>(0.0f))};
+    for_photons_near<L>(map, vertex.query, within, needs_distances, needs_distances ? nullptr : &summed,
+                        [&](const NearBlock<L>& block, std::uint32_t at, const NearPhotons<L>& near)
+                            SHEAF_LAMBDA_INLINE {
+                              count(near);
+                              sum = sum + vertex.arriving(map.kernel, block, at, near, within);
+                            });
+    sum = (sum + summed.power) * vertex.reflected_evenly();
+    counts.summed += summed.photons;
+  } else {
+    for_photons_near<L>(map, vertex.query, within, needs_distances, nullptr,
+                        [&](const NearBlock<L>& block, std::uint32_t at, const NearPhotons<L>& near)
+                            SHEAF_LAMBDA_INLINE {
+                              count(near);
+                              if (!any(near.lanes)) return;
+                              sum = sum + vertex.reflected(map.kernel, block, at, near, within);
+                            });
+  }
+  counts.registers += registers, counts.photons += photons;
   const float scale = kInvPi / within;
   return {sum_of_lanes<L>(sum.c0) * scale, sum_of_lanes<L>(sum.c1) * scale, sum_of_lanes<L>(sum.c2) * scale,
           sum_of_lanes<L>(sum.c3) * scale};
 }
 
 template <class L, template <class> class Bsdf>
-void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
+void gather_run(const StageContext& context, Wave& wave, const VertexRun& run, LookupCounts& counts) {
   const bool mapped = (context.scene.materials.buckets.kind_flags[static_cast<int>(kKindOf<Bsdf<L>>)] & kMapped) != 0;
+  float guesses[2] = {kInfinity, kInfinity};
   for (int i = 0; i < run.count; ++i) {
     const Slot slot = wave.sorted[run.slot_begin + i];
     const PhotonMaps::SelectedMaps selected = context.photon_maps().maps_at(wave.rays.row(slot).flags);
     for (const PhotonMapView* map : {selected.first, selected.second}) {
       if (map == nullptr || map->empty()) continue;
       const auto vertex = GatheringVertex<L, Bsdf>::load(context, wave, slot, run.column_begin + i, mapped);
-      const Spectrum4 found = gather_at<L, Bsdf>(*map, wave.vertices.load<Scalar>(run.column_begin + i).p, vertex);
+      float& guess = map == &context.photon_maps().caustic ? guesses[1] : guesses[0];
+      NearestPhotons nearest(map->lookup_size);
+      const float within = squared_lookup_radius<L>(*map, vertex.query, nearest, guess);
+      const Spectrum4 found = gather_at<L, Bsdf>(*map, vertex, within, counts);
+      ++wave.stats.gathering.queries;
       const float divisor = context.scene.needs_transmittance
                                 ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                                 : 1.0f;
@@ -208,13 +314,16 @@ void gather_run(const StageContext& context, Wave& wave, const VertexRun& run) {
 
 template <class L> void gather(const StageContext& context, Wave& wave) noexcept {
   StageTimer timer(wave.stats, stage_named<L>("gather"));
+  LookupCounts counts;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
       const VertexRun& run = wave.runs[static_cast<int>(kind)];
-      timer.count(run.count, 1);
-      gather_run<L, Bsdf>(context, wave, run);
+      gather_run<L, Bsdf>(context, wave, run, counts);
+      timer.count_lanes(run.count, 0, 0);
     }
   });
+  timer.count_lanes(0, counts.registers, counts.photons);
+  wave.stats.gathering.photons += counts.photons + counts.summed;
 }
 
 SHEAF_INSTANTIATE_STAGE(gather);

@@ -160,6 +160,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
           ? gather_beams<L>(context, maps.volume->beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
           : gather_points<L>(scene, maps.volume->points, ray, single, wave.beam.photons);
+  wave.stats.volume_gathering += {1, beams ? wave.beam.lines.size() : wave.beam.photons.size()};
   add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
     add_radiance(wave, slot, over * passage.emitted, ray.medium.light);

@@ -15,9 +15,13 @@ class StageTimer {
   /// several registers.
   void count(int items, int width) {
     const int batches = (items + width - 1) / width * (std::max(width, kWidth) / kWidth);
+    count_lanes(items, static_cast<std::uint64_t>(batches), static_cast<std::uint64_t>(items));
+  }
+  /// Counts `items` whose lanes hold something else: `active` of those in `registers`.
+  void count_lanes(int items, std::uint64_t registers, std::uint64_t active) {
     stats_.items += static_cast<std::uint64_t>(items);
-    stats_.batches += static_cast<std::uint64_t>(batches);
-    stats_.active_lanes += static_cast<std::uint64_t>(items);
+    stats_.batches += registers;
+    stats_.active_lanes += active;
   }
 
  private:

@@ -40,9 +40,20 @@ struct alignas(64) Stats {
     std::uint64_t shadow = 0;   ///< visibility towards a light
     std::uint64_t total() const { return camera + light + scatter + shadow; }
   } rays;
-  TrackingCounts collisions;      ///< of paths and shadow rays with media
-  std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
-  std::uint64_t samples = 0;      ///< camera samples that reached the film
+  /// Queries of photon maps, and the photons within the lookup radius that contributed.
+  struct Gathering {
+    std::uint64_t queries = 0, photons = 0;
+
+    Gathering& operator+=(const Gathering& other) {
+      queries += other.queries;
+      photons += other.photons;
+      return *this;
+    }
+  };
+  Gathering gathering, volume_gathering;  ///< at surfaces; along rays in media, beams included
+  TrackingCounts collisions;              ///< of paths and shadow rays with media
+  std::uint64_t trace_ticks = 0;          ///< inside Embree, of timestamp()
+  std::uint64_t samples = 0;              ///< camera samples that reached the film
   struct Dropped {
     std::uint64_t rays = 0;     ///< not finite, not traced
     std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance

@@ -3,6 +3,8 @@
 
 #include "core/octahedral.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/photons/photon_order.h"
+#include "kernels/photons/photon_search.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "tests/support/capture.h"
 #include "tests/support/stages_testing.h"
@@ -36,41 +38,237 @@ std::vector<std::vector<Photon>> random_photons(int tasks, int each, float size,
   return out;
 }
 
-bool same_columns(const PhotonMapView& a, const PhotonMapView& b, std::size_t size) {
-  bool same = true;
-  for (const auto& [x, y] : {std::pair{a.x, b.x}, std::pair{a.y, b.y}, std::pair{a.z, b.z},
-                             std::pair{a.power[0], b.power[0]}, std::pair{a.power[2], b.power[2]}})
-    same = same && std::memcmp(x, y, size * sizeof(float)) == 0;
-  return same && std::memcmp(a.direction, b.direction, size * sizeof(float)) == 0;
+bool same_photons(const PhotonMapView& a, const PhotonMapView& b) {
+  if (a.size != b.size || a.powers != b.powers) return false;
+  const std::size_t blocks = (a.size + kPhotonBlock - 1) / kPhotonBlock;
+  const std::size_t groups = (blocks + kPhotonBlock - 1) / kPhotonBlock;
+  return std::memcmp(a.blocks, b.blocks, blocks * photon_block_bytes(a.powers)) == 0 &&
+         std::memcmp(a.surfaces, b.surfaces, a.size * sizeof(std::uint32_t)) == 0 &&
+         std::memcmp(a.block_groups, b.block_groups, groups * sizeof(PhotonBlockGroup)) == 0;
+}
+
+/// The photons of a map as it stores them.
+std::vector<Photon> photons_of(const PhotonMapView& map) {
+  std::vector<Photon> photons;
+  for (std::uint32_t i = 0; i < map.size; ++i) photons.push_back(map.photon(i));
+  return photons;
+}
+
+/// Calls f(photon) for each photon that a search with registers of L finds around a vertex.
+template <class L, class F>
+void search(const PhotonMapView& map, Vec3f p, Vec3f normal, std::uint32_t edges, bool needs_distances,
+            SummedPhotons<L>* sum, F&& f) {
+  const PhotonQuery<L> query{broadcast<L>(p), broadcast<L>(normal), Uint<L>(edges)};
+  const float within = map.radius * map.radius;
+  std::uint32_t next = 0;
+  for_blocks_near<L>(map, query, within, sum, [&](const std::uint32_t* entries, int count) {
+    for (int i = 0; i < count; ++i) {
+      const NearBlock<L> block(map, entries[i]);
+      CHECK(block.index() >= next);  // ascending, each once
+      next = block.index() + 1;
+      for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width)) {
+        const std::uint32_t first = block.index() * kPhotonBlock + at;
+        for_each_lane(mask_bits(block.near(at, query, within, needs_distances).lanes),
+                      [&](int lane) { f(map.photon(first + static_cast<std::uint32_t>(lane)), block); });
+      }
+    }
+  });
+}
+
+/// Abscissas of the photons that a search finds.
+template <class L> std::multiset<float> found_by(const PhotonMapView& map, Vec3f p, Vec3f normal, bool distances) {
+  std::multiset<float> found;
+  search<L>(map, p, normal, kMaxPhotonEdges, distances, nullptr,
+            [&](const Photon& photon, const NearBlock<L>&) { found.insert(photon.p.x); });
+  return found;
 }
 
 }  // namespace
 
 TEST_CASE("photon map: every photon within the radius of a point is found once") {
-  for (const float radius : {0.1f, 0.3f, 5.0f}) {
-    CAPTURE(radius);
-    const auto tasks = random_photons(7, 301, 1.5f);
-    const PhotonMap map(tasks, 2107, radius, PhotonKernel::kDisc);
-    const PhotonMapView view = map.view();
-    CHECK(map.size() == 2107);
-    std::mt19937 random(9);
-    std::uniform_real_distribution<float> u(-1.7f, 1.7f);
-    std::size_t found_in_all = 0;
-    for (int i = 0; i < 200; ++i) {
-      const Vec3f at{u(random), u(random), u(random)};
-      std::multiset<float> expected, found;
-      for (const auto& task : tasks)
-        for (const Photon& photon : task)
-          if (length(photon.p - at) < radius) expected.insert(photon.p.x);
-      std::uint32_t buckets[8];
-      const int count = view.buckets_around(at, buckets);
-      for (int b = 0; b < count; ++b)
-        for (std::uint32_t k = view.bucket_begin[buckets[b]]; k < view.bucket_begin[buckets[b] + 1]; ++k)
-          if (length(Vec3f{view.x[k], view.y[k], view.z[k]} - at) < radius) found.insert(view.x[k]);
-      CHECK(found == expected);
-      found_in_all += found.size();
+  for (const int each : {1, 301, 4000})
+    for (const float radius : {0.1f, 0.3f, 5.0f}) {
+      CAPTURE(each);
+      CAPTURE(radius);
+      const auto tasks = random_photons(7, each, 1.5f);
+      const PhotonMap map(tasks, 2107, radius, PhotonKernel::kDisc);
+      const PhotonMapView view = map.view();
+      const std::vector<Photon> photons = photons_of(view);
+      REQUIRE(photons.size() == static_cast<std::size_t>(7 * each));
+      std::mt19937 random(9);
+      std::uniform_real_distribution<float> u(-1.7f, 1.7f);
+      std::size_t found_in_all = 0;
+      for (int i = 0; i < (each > 1000 ? 20 : 200); ++i) {
+        const Vec3f at{u(random), u(random), u(random)};
+        std::multiset<float> expected;
+        for (const Photon& photon : photons)
+          if (length_squared(photon.p - at) < radius * radius) expected.insert(photon.p.x);
+        for (const bool needs_distances : {false, true}) {
+          CHECK(found_by<Wide>(view, at, {0, 1, 0}, needs_distances) == expected);
+          CHECK(found_by<Scalar>(view, at, {0, 1, 0}, needs_distances) == expected);
+        }
+        CHECK(found_by<Wide>(view, at, {1, 0, 0}, false).empty());
+        found_in_all += expected.size();
+      }
+      if (each > 1) CHECK(found_in_all > 10);
     }
-    CHECK(found_in_all > 10);
+}
+
+TEST_CASE("photon map: stored photons differ from traced ones by at most half a step") {
+  const auto tasks = random_photons(3, 2000, 2);
+  for (const bool four_lanes : {false, true}) {
+    const PhotonMap map(tasks, 10, 0.1f, PhotonKernel::kDisc, 0, four_lanes);
+    const PhotonOrder order(tasks, 0.0125f);
+    REQUIRE(map.size() == order.size());
+    for (std::uint32_t i = 0; i < map.view().size; ++i) {
+      const Photon stored = map.view().photon(i), &traced = order[i];
+      const PhotonBlockGroup& group = map.view().group_of(i / kPhotonBlock);
+      const Vec3f step{group.position_step(0), group.position_step(1), group.position_step(2)};
+      const Vec3f d = abs(stored.p - traced.p);
+      CHECK(d.x <= 0.51f * step.x + 2e-7f);
+      CHECK(d.y <= 0.51f * step.y + 2e-7f);
+      CHECK(d.z <= 0.51f * step.z + 2e-7f);
+      CHECK(max_component(step) < 1e-4f);
+      const float power_step = 0.51f * group.power_steps[i / kPhotonBlock % kPhotonBlock];
+      CHECK(std::fabs(stored.power.c0 - 0.1f * traced.power.c0) <= power_step);
+      CHECK(std::fabs(stored.power.c2 - 0.1f * traced.power.c2) <= power_step);
+      CHECK(power_step < 1e-5f);
+      CHECK(stored.direction == traced.direction);
+      CHECK(stored.surface == traced.surface);
+    }
+  }
+}
+
+/// Photons on a plane with two normals and, on one half, from both sides.
+std::vector<std::vector<Photon>> photons_on_plane() {
+  const Vec3f tilted = normalize(Vec3f{0.3f, 1, 0}), across = normalize(Vec3f{1, 0.2f, 0});
+  std::vector<std::vector<Photon>> tasks = random_photons(3, 5000, 1);
+  std::mt19937 random(4);
+  for (auto& task : tasks)
+    for (Photon& photon : task) {
+      photon.p.y = 0;
+      const Vec3f wi = decode_octahedral<Scalar>(photon.direction);
+      if (photon.p.x < 0) photon.direction = encode_octahedral<Scalar>(Vec3f{wi.x, std::fabs(wi.y), wi.z});
+      if (photon.p.x < 0 && photon.p.z < -0.5f)
+        photon.direction = encode_octahedral<Scalar>(Vec3f{wi.x, -std::fabs(wi.y), wi.z});
+      if (photon.p.z > 0)
+        photon.surface = photon_surface(encode_octahedral<Scalar>(random() % 3 == 0 ? across : tilted),
+                                        photon.surface & kMaxPhotonEdges);
+    }
+  return tasks;
+}
+
+TEST_CASE("photon map: photons of other normals and longer paths are not found") {
+  const PhotonMap map(photons_on_plane(), 1, 0.8f, PhotonKernel::kDisc);
+  const std::vector<Photon> photons = photons_of(map.view());
+  for (const std::uint32_t edges : {0u, 2u, 5u}) {
+    int expected = 0;
+    double expected_sum = 0;
+    for (const Photon& photon : photons) {
+      const Vec3f n = decode_octahedral<Scalar>(photon.surface);
+      if (length_squared(photon.p) >= 0.64f || std::fabs(n.y) <= kSameSide) continue;
+      if ((photon.surface & kMaxPhotonEdges) > edges) continue;
+      ++expected, expected_sum += static_cast<double>(photon.p.x);
+    }
+    const auto check = [&]<class L>(L) {
+      int found = 0;
+      double sum = 0;
+      search<L>(map.view(), {}, {0, -1, 0}, edges, false, nullptr,
+                [&](const Photon& photon, const NearBlock<L>&) { ++found, sum += static_cast<double>(photon.p.x); });
+      CHECK(found == expected);
+      CHECK(sum == doctest::Approx(expected_sum).epsilon(1e-6));
+    };
+    check(Wide());
+    check(Scalar());
+    CHECK((edges == 0 || expected > 2000));
+  }
+}
+
+TEST_CASE("photon map: sums of blocks inside the sphere and photons on its boundary add up to all photons") {
+  for (const bool four_lanes : {false, true}) {
+    const PhotonMap map(photons_on_plane(), 1, 0.8f, PhotonKernel::kDisc, 0, four_lanes);
+    const std::vector<Photon> photons = photons_of(map.view());
+    for (const Vec3f normal : {Vec3f{0, 1, 0}, Vec3f{0, -1, 0}, normalize(Vec3f{0.3f, 1, 0})})
+      for (const std::uint32_t edges : {3u, kMaxPhotonEdges}) {
+        CAPTURE(normal.y);
+        CAPTURE(edges);
+        int expected = 0;
+        double power = 0, last = 0;
+        for (const Photon& photon : photons) {
+          const Vec3f n = decode_octahedral<Scalar>(photon.surface);
+          if (length_squared(photon.p) >= 0.64f || std::fabs(dot(n, normal)) <= kSameSide) continue;
+          if ((photon.surface & kMaxPhotonEdges) > edges) continue;
+          ++expected;
+          if (dot(decode_octahedral<Scalar>(photon.direction), normal) <= 0) continue;
+          power += static_cast<double>(photon.power.c1), last += static_cast<double>(photon.power.c3);
+        }
+        const auto check = [&]<class L>(L) {
+          SummedPhotons<L> summed{Spectrum<L>(Float<L>(0.0f))};
+          int found = 0, lit = 0;
+          double sum = 0;
+          search<L>(map.view(), {}, normal, edges, false, &summed,
+                    [&](const Photon& photon, const NearBlock<L>& block) {
+                      const bool arrives = dot(decode_octahedral<Scalar>(photon.direction), normal) > 0;
+                      ++found;
+                      if (block.is_lit()) CHECK(arrives);
+                      lit += block.is_lit() ? 1 : 0;
+                      if (arrives) sum += static_cast<double>(photon.power.c1);
+                    });
+          double sums = 0, sums_last = 0;
+          for (const float lane : LaneArray<Float<L>>(summed.power.c1)) sums += static_cast<double>(lane);
+          for (const float lane : LaneArray<Float<L>>(summed.power.c3)) sums_last += static_cast<double>(lane);
+          CHECK(found + static_cast<int>(summed.photons) == expected);
+          CHECK(sum + sums == doctest::Approx(power).epsilon(1e-5));
+          if (edges == kMaxPhotonEdges && normal.x == 0) {
+            CHECK(summed.photons > 1000);
+            CHECK(lit > 10);
+          }
+          if (!four_lanes) CHECK(sums_last == 0);
+        };
+        check(Wide());
+        check(Scalar());
+        CHECK(last == 0);
+      }
+  }
+}
+
+TEST_CASE("photon map: photons follow the curve and keep the order of the tasks within its cells") {
+  const auto tasks = random_photons(5, 20'000, 2);
+  const PhotonOrder order(tasks, 0.5f);  // 8 cells along each axis
+  REQUIRE(order.size() == 100'000);
+  std::vector<const Photon*> expected;
+  for (const auto& task : tasks)
+    for (const Photon& photon : task) expected.push_back(&photon);
+  Vec3f low = expected[0]->p;
+  for (const Photon* photon : expected)
+    low = {min(low.x, photon->p.x), min(low.y, photon->p.y), min(low.z, photon->p.z)};
+  const auto code = [&](const Photon* photon) {
+    unsigned bits = 0;
+    const Vec3f d = photon->p - low;
+    for (int k = 0; k < 3; ++k) {
+      const auto bit = [&](float x) { return static_cast<unsigned>(std::min(7.0f, x * 2)) >> k & 1u; };
+      bits |= (bit(d.x) | bit(d.y) << 1 | bit(d.z) << 2) << 3 * k;
+    }
+    return bits;
+  };
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](const Photon* a, const Photon* b) { return code(a) < code(b); });
+  std::size_t differing = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) differing += &order[i] != expected[i] ? 1 : 0;
+  CHECK(differing == 0);
+}
+
+TEST_CASE("photon map: keys are sorted stably by the bits requested") {
+  std::mt19937_64 random(3);
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{200'001}}) {
+    auto keys = std::make_unique<std::uint64_t[]>(count);
+    for (std::size_t i = 0; i < count; ++i) keys[i] = random();
+    std::vector<std::uint64_t> expected(keys.get(), keys.get() + count);
+    const auto part = [](std::uint64_t key) { return key >> 5 & ((std::uint64_t{1} << 30) - 1); };
+    std::stable_sort(expected.begin(), expected.end(),
+                     [&](std::uint64_t a, std::uint64_t b) { return part(a) < part(b); });
+    radix_sort(keys, count, 5, 35);
+    CHECK(std::equal(expected.begin(), expected.end(), keys.get()));
   }
 }
 
@@ -80,12 +278,12 @@ TEST_CASE("photon map: powers are divided by the number of emitted photons and c
   double expected = 0, found = 0;
   for (const auto& task : tasks)
     for (const Photon& photon : task) expected += static_cast<double>(photon.power.c1) / 400'000;
-  for (std::size_t i = 0; i < map.size(); ++i) found += static_cast<double>(map.view().power[1][i]);
+  for (std::uint32_t i = 0; i < map.view().size; ++i) found += static_cast<double>(map.view().photon(i).power.c1);
   CHECK(found == doctest::Approx(expected).epsilon(1e-5));
   for (const std::size_t threads : {std::size_t{1}, std::size_t{3}}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const PhotonMap again(tasks, 400'000, 0.1f, PhotonKernel::kDisc);
-    CHECK(same_columns(map.view(), again.view(), map.size()));
+    CHECK(same_photons(map.view(), again.view()));
   }
   CHECK(PhotonMap({}, 1, 1, PhotonKernel::kDisc).view().empty());
 }

@@ -23,6 +23,8 @@ Stats make_stats(std::uint64_t factor) {
   stats.trace_ticks = 4 * factor;
   stats.samples = 5 * factor;
   stats.dropped = {6 * factor, 7 * factor};
+  stats.gathering = {8 * factor, 9 * factor};
+  stats.volume_gathering = {10 * factor, 11 * factor};
   return stats;
 }
 
@@ -44,11 +46,41 @@ TEST_CASE("stats of workers add up in every field") {
   CHECK(sum.samples == 55);
   CHECK(sum.dropped.rays == 66);
   CHECK(sum.dropped.samples == 77);
+  CHECK(sum.gathering.queries == 88);
+  CHECK(sum.gathering.photons == 99);
+  CHECK(sum.volume_gathering.queries == 110);
+  CHECK(sum.volume_gathering.photons == 121);
 }
 
 TEST_CASE("an empty report has no rays and no share") {
   CHECK(RenderReport().rays_per_second() == 0);
   CHECK(RenderReport().trace_share() == 0);
+}
+
+TEST_CASE("a report of photon maps has the queries of their stages and the radii of the first and last pass") {
+  RenderReport report;
+  report.stage_names = {"intersect", "gather", "gather_volume"};
+  report.stats.stages[1].ticks = static_cast<std::uint64_t>(2e-3 / seconds_per_tick());
+  report.stats.stages[2].ticks = static_cast<std::uint64_t>(3e-3 / seconds_per_tick());
+  report.stats.gathering = {500, 40'000};
+  report.stats.volume_gathering = {1000, 2000};
+  report.photons = {700, 600, 0.25, 0.5, 16, {0.5f, 0.25f, 0, 0.125f, 60, 5400}, {0.05f, 0.025f, 0, 0.0125f, 61, 5500}};
+  const std::string table = to_table(report), json = to_json(report);
+  CHECK(contains(table, "500 photon queries at surfaces: 80.0 photons in 4000 ns each, 50.00 ns per photon\n"));
+  CHECK(contains(table, "1000 photon queries along rays: 2.0 photons in 3000 ns each, 1500.00 ns per photon\n"));
+  CHECK(contains(table,
+                 "photon maps of the first pass: 60 photons, 0.0 MB, surface radius 0.5 m, caustic radius 0.25 m, beam "
+                 "radius 0.125 m\n"));
+  CHECK(contains(table,
+                 "photon maps of pass 16: 61 photons, 0.0 MB, surface radius 0.05 m, caustic radius 0.025 m, beam "
+                 "radius 0.0125 m\n"));
+  CHECK(contains(json, "\"passes\": 16"));
+  CHECK(contains(json, "\"bytes\": 5500"));
+  CHECK(contains(json, "\"queries\": 500"));
+  report.photons.passes = 1;
+  CHECK(contains(to_table(report), "\nphoton maps: 60 photons"));
+  report.photons = {};
+  CHECK_FALSE(contains(to_table(report), "photon"));
 }
 
 TEST_CASE("a report as JSON and as a table") {
@@ -63,7 +95,7 @@ TEST_CASE("a report as JSON and as a table") {
   report.stats[Stage{1}].items = 0;
   CHECK(report.trace_share() == doctest::Approx(0.75).epsilon(1e-3));
   CHECK(report.rays_per_second() == doctest::Approx(3));
-  report.photons = {700, 600, 0.25, 0.5};
+  report.photons = {700, 600, 0.25, 0.5, 1, {0.25f, 0, 0.125f, 0, 600, 54'000}, {0.25f, 0, 0.125f, 0, 600, 54'000}};
   const std::string json = to_json(report);
   CHECK(contains(json, "\"stored\": 600"));
   CHECK(contains(to_table(report), "700 photons emitted in 0.25 s, 600 stored in maps in 0.50 s"));
