@@ -14,7 +14,6 @@ find_package(Draco MODULE QUIET)  # optional, for compressed meshes in glTF file
 find_package(Meshoptimizer MODULE QUIET)  # likewise
 find_package(OpenVDB MODULE QUIET)  # optional, for the tool vdb_to_nanovdb
 find_package(pugixml CONFIG REQUIRED)
-find_package(tinyobjloader CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(CLI11 CONFIG REQUIRED)
 find_package(Microhttpd MODULE REQUIRED)

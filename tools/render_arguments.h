@@ -5,6 +5,7 @@
 #include "core/spectrum.h"
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/aovs.h"
+#include "scene/compile/compile.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
@@ -37,6 +38,7 @@ struct ImageArguments {
   OutputArguments output;
   std::string denoiser;
   bool watertight = false;
+  std::string bvh = "auto";
   std::optional<std::uint32_t> spp;
   std::optional<float> noise_target;
   std::optional<float> time_limit;
@@ -72,6 +74,12 @@ struct ImageArguments {
         "--watertight", watertight,
         "Watertight intersection: no ray passes between triangles that share an edge. Up to a third slower "
         "in small scenes");
+    command
+        .add_option("--bvh", bvh,
+                    "Memory layout of the acceleration structure: fast, compact (less memory, slower), or auto: "
+                    "compact if fast would exceed the available memory. Default: auto")
+        .one_of(kBvhChoices.names())
+        .only_for_run();
     command.begin_group(kSamplingOptions);
     command.add_option("--spp", spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
     command
