@@ -65,8 +65,10 @@ def write_ply(file, side):
 
 
 def write_scene(file, meshes):
-    shapes = "\n".join(f'<shape type="{mesh.suffix[1:]}"><string name="filename" value="{mesh.name}"/></shape>'
-                       for mesh in meshes)
+    columns = math.isqrt(len(meshes) - 1) + 1
+    shapes = "\n".join(f'<shape type="{mesh.suffix[1:]}"><string name="filename" value="{mesh.name}"/><transform '
+                       f'name="to_world"><translate x="{i % columns}" y="{i // columns}"/></transform></shape>'
+                       for i, mesh in enumerate(meshes))
     file.write_text('<scene version="3.0.0"><integrator type="path"/><sensor type="perspective">'
                     '<transform name="to_world"><lookat origin="0.5, -1, 1" target="0.5, 0.5, 0" up="0, 0, 1"/>'
                     '</transform></sensor><emitter type="constant"/>\n' + shapes + "\n</scene>\n")
