@@ -222,8 +222,11 @@ double bytes_of_render(const Scene& scene, const RenderOptions& options) {
   } catch (const Error&) { return 0; }
 }
 
-/// Adds the times of loading, and the memory of the scene to that of the render.
-void add_loading(RenderReport& report, const RenderJob& job) {
+/// Adds the times of reading the scene file and of compiling the scene, in seconds, and the memory of the scene to that
+/// of the render.
+void add_loading(RenderReport& report, const RenderJob& job, double load_seconds, double build_seconds) {
+  report.load_seconds = load_seconds;
+  report.build_seconds = build_seconds;
   const CompileReport& compiled = job.compiled;
   report.loading = {report.load_seconds + compiled.mesh_seconds, compiled.texture_seconds,
                     report.build_seconds - compiled.mesh_seconds - compiled.texture_seconds - compiled.accel_seconds,
@@ -365,9 +368,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = job.color_name();
-  result.report.load_seconds = build_start - load_start;
-  result.report.build_seconds = build_end - build_start;
-  add_loading(result.report, job);
+  add_loading(result.report, job, build_start - load_start, build_end - build_start);
 
   // Write image and statistics
   const WrittenImage written = write_result(job, result);
