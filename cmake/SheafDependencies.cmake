@@ -15,7 +15,6 @@ find_package(Meshoptimizer MODULE QUIET)  # likewise
 find_package(Assimp MODULE QUIET)  # optional, for .dae, .fbx and .3ds models
 find_package(OpenVDB MODULE QUIET)  # optional, for the tool vdb_to_nanovdb
 find_package(pugixml CONFIG REQUIRED)
-find_package(tinyobjloader CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(CLI11 CONFIG REQUIRED)
 find_package(Microhttpd MODULE REQUIRED)

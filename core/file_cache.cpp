@@ -26,6 +26,7 @@ bool FileCache::version_of(const fs::path& file, Version& version) {
 }
 
 std::shared_ptr<const void> FileCache::find(const fs::path& file, const std::string& key) {
+  const std::lock_guard lock(mutex_);
   const auto found = entries_.find({file, key});
   if (found == entries_.end()) return nullptr;
   Version version;
@@ -39,10 +40,13 @@ std::shared_ptr<const void> FileCache::find(const fs::path& file, const std::str
 
 void FileCache::keep(const fs::path& file, const std::string& key, std::shared_ptr<const void> value) {
   Version version;
-  if (version_of(file, version)) entries_[{file, key}] = {version, std::move(value), true};
+  if (!version_of(file, version)) return;
+  const std::lock_guard lock(mutex_);
+  entries_[{file, key}] = {version, std::move(value), true};
 }
 
 void FileCache::drop_unused() {
+  const std::lock_guard lock(mutex_);
   std::erase_if(entries_, [](const auto& entry) { return !entry.second.used; });
   for (auto& [key, entry] : entries_) entry.used = false;
 }

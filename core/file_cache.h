@@ -5,12 +5,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 
 namespace sheaf {
 
 /// While a FileCache exists, cached() keeps what it reads, until the file changes or is no longer used. At most one may
-/// exist at a time. Not thread-safe: a single thread reads scenes.
+/// exist at a time. find() and keep() may be called from any thread.
 class FileCache {
  public:
   FileCache();
@@ -43,6 +44,7 @@ class FileCache {
   /// The current version of a file. Returns false if it cannot be determined.
   static bool version_of(const std::filesystem::path& file, Version& version);
 
+  std::mutex mutex_;  ///< of the entries
   std::map<std::pair<std::filesystem::path, std::string>, Entry> entries_;
 };
 

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 namespace sheaf {
 
@@ -20,6 +21,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+thread_local double memory_share = 1;  ///< of the calling thread, see MemoryShare
 
 /// The first number in a file; infinite if there is no number, as for a control group whose limit is "max".
 double number_in(const fs::path& file) {
@@ -109,8 +112,12 @@ double available_addresses() {
 }
 
 double available_memory() {
-  return std::max(0.0, std::min({free_in_system(), free_in_groups(), available_addresses()}));
+  return memory_share * std::max(0.0, std::min({free_in_system(), free_in_groups(), available_addresses()}));
 }
+
+MemoryShare::MemoryShare(double share) : previous_(std::exchange(memory_share, share)) {}
+
+MemoryShare::~MemoryShare() { memory_share = previous_; }
 
 double resident_memory() { return pages_in_statm(1); }
 

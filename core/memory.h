@@ -21,6 +21,20 @@ struct MemoryUse {
 /// limits of its control groups, and available_addresses(). Infinite if all are unknown.
 double available_memory();
 
+/// Reduces what available_memory() returns to the calling thread to this share, while the object exists. Threads that
+/// read files at the same time check their memory independently of each other.
+class MemoryShare {
+ public:
+  /// `share`: above 0, at most 1.
+  explicit MemoryShare(double share);
+  ~MemoryShare();
+  MemoryShare(const MemoryShare&) = delete;
+  MemoryShare& operator=(const MemoryShare&) = delete;
+
+ private:
+  double previous_;
+};
+
 /// Bytes that this process can still map under its limit on address space (`ulimit -v`); infinite without a limit.
 double available_addresses();
 

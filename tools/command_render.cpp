@@ -9,6 +9,7 @@
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
+#include "kernels/passes/render_memory.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/native_color.h"
@@ -103,6 +104,7 @@ struct RenderJob {
   OutputSettings output;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
   std::unique_ptr<Scene> scene;
+  CompileReport compiled = {};
 
   const char* color_name() const { return kColorModes.name_of(color); }
 };
@@ -211,9 +213,36 @@ PixelRect read_description(RenderJob& job) {
   return apply_arguments(arguments, job.description, job.details);
 }
 
+/// Estimated memory of the render without the scene, in bytes; 0 for options that render() will reject.
+double bytes_of_render(const Scene& scene, const RenderOptions& options) {
+  try {
+    double bytes = 0;
+    for (const MemoryUse& use : render_memory(scene, options)) bytes += use.bytes;
+    return bytes;
+  } catch (const Error&) { return 0; }
+}
+
+/// Adds the times of reading the scene file and of compiling the scene, in seconds, and the memory of the scene to that
+/// of the render.
+void add_loading(RenderReport& report, const RenderJob& job, double load_seconds, double build_seconds) {
+  report.load_seconds = load_seconds;
+  report.build_seconds = build_seconds;
+  const CompileReport& compiled = job.compiled;
+  report.loading = {report.load_seconds + compiled.mesh_seconds, compiled.texture_seconds,
+                    report.build_seconds - compiled.mesh_seconds - compiled.texture_seconds - compiled.accel_seconds,
+                    compiled.accel_seconds};
+  const std::vector<MemoryUse> scene = job.scene->memory();
+  report.memory.insert(report.memory.begin(), scene.begin(), scene.end());
+  const SceneInfo info = job.scene->info();
+  report.triangles = info.triangles;
+  report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
+}
+
 /// Compiles the scene, with the geometry that earlier frames kept.
-void compile(RenderJob& job, FrameRun* frames) {
-  CompileOptions options{job.arguments.watertight, job.color};
+void compile(RenderJob& job, const RenderOptions& render, FrameRun* frames) {
+  CompileOptions options{job.arguments.watertight, job.color, &job.compiled};
+  options.bvh = kBvhChoices.option("bvh", job.arguments.bvh);
+  options.render_bytes = [&render](const Scene& scene) { return bytes_of_render(scene, render); };
   if (frames != nullptr) options.kept = &frames->geometry;
   job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
                                          : compile_scene(job.description, options);
@@ -324,12 +353,12 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  compile(job, frames);
+  RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
+  compile(job, options, frames);
   const double build_end = Progress::steady_seconds();
   print_start(job, frames);
 
   // Render
-  RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
   if (const std::string note = apply_continuation(*job.scene, options, resumed); !note.empty()) print_note(note);
   options.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
@@ -339,8 +368,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   preview.begin_writing();
   result.report.scene = arguments.scene;
   result.report.color = job.color_name();
-  result.report.load_seconds = build_start - load_start;
-  result.report.build_seconds = build_end - build_start;
+  add_loading(result.report, job, build_start - load_start, build_end - build_start);
 
   // Write image and statistics
   const WrittenImage written = write_result(job, result);

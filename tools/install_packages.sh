@@ -7,7 +7,7 @@ packages=(
   clang g++ cmake ninja-build
   libembree-dev libtbb-dev
   libopenexr-dev libimath-dev libopenimageio-dev libopencolorio-dev zlib1g-dev
-  libpugixml-dev libtinyobjloader-dev libnanovdb-dev
+  libpugixml-dev libnanovdb-dev
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
   libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmicrohttpd-dev
   doctest-dev libbenchmark-dev

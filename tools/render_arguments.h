@@ -6,6 +6,7 @@
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/aovs.h"
 #include "kernels/passes/guiding_mode.h"
+#include "scene/compile/compile.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
 #include "scene/tables/render_settings.h"
@@ -42,6 +43,7 @@ struct ImageArguments {
   OutputArguments output;
   std::string denoiser;
   bool watertight = false;
+  std::string bvh = "auto";
   std::optional<std::uint32_t> spp;
   std::optional<float> noise_target;
   std::optional<float> time_limit;
@@ -84,6 +86,12 @@ struct ImageArguments {
         "--watertight", watertight,
         "Watertight intersection: no ray passes between triangles that share an edge. Up to a third slower "
         "in small scenes");
+    command
+        .add_option("--bvh", bvh,
+                    "Memory layout of the acceleration structure: fast, compact (less memory, slower), or auto: "
+                    "compact if fast would exceed the available memory. Default: auto")
+        .one_of(kBvhChoices.names())
+        .only_for_run();
   }
 
   void add_sampling(Command& command) {

@@ -63,7 +63,9 @@ RenderResult render(const Scene& scene, const RenderOptions& options) {
     ProgressReporter reporter(scene, options, plan.samples_before());
     TaskRunner runner(scene, options, plan, reporter);
     runner.run();
-    return result_of(scene, options, plan, reporter, runner);
+    RenderResult result = result_of(scene, options, plan, reporter, runner);
+    result.report.memory = memory;
+    return result;
   } catch (const std::bad_alloc&) { throw not_enough_memory(task, memory); }
 }
 

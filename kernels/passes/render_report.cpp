@@ -203,6 +203,35 @@ Json photons_json(const RenderReport& report) {
           {"along_rays", queries("gather_volume", report.stats.volume_gathering)}};
 }
 
+/// Memory by cause, largest first, without causes below 0.1 MB.
+std::vector<MemoryUse> largest_uses(const RenderReport& report) {
+  constexpr double kMinBytes = 1e5;
+  std::vector<MemoryUse> uses = report.memory;
+  std::erase_if(uses, [](const MemoryUse& use) { return use.bytes < kMinBytes; });
+  std::stable_sort(uses.begin(), uses.end(), [](const MemoryUse& a, const MemoryUse& b) { return a.bytes > b.bytes; });
+  return uses;
+}
+
+std::string memory_table(const RenderReport& report) {
+  std::string text;
+  const auto triangles = static_cast<double>(report.triangles);
+  for (const MemoryUse& use : largest_uses(report)) {
+    fmt::format_to(std::back_inserter(text), "{:<28}{:>11}", use.what, format_bytes(use.bytes));
+    if (triangles > 0) fmt::format_to(std::back_inserter(text), "{:>18.1f}", use.bytes / triangles);
+    text += "\n";
+  }
+  if (text.empty()) return text;
+  return fmt::format("{:<28}{:>11}{}\n", "memory (BVH: " + report.bvh + ")", "size",
+                     triangles > 0 ? "    bytes/triangle" : "") +
+         text;
+}
+
+Json memory_json(const RenderReport& report) {
+  Json uses = Json::array();
+  for (const MemoryUse& use : report.memory) uses.push_back({{"what", use.what}, {"bytes", use.bytes}});
+  return uses;
+}
+
 Json stages_json(const RenderReport& report) {
   Json stages = Json::array();
   for (std::size_t i = 0; i < report.stage_names.size(); ++i) {
@@ -236,6 +265,11 @@ std::string to_json(const RenderReport& report) {
       {"seed", report.seed},
       {"load_seconds", report.load_seconds},
       {"build_seconds", report.build_seconds},
+      {"loading",
+       {{"reading_seconds", report.loading.reading_seconds},
+        {"texture_seconds", report.loading.texture_seconds},
+        {"compile_seconds", report.loading.compile_seconds},
+        {"accel_seconds", report.loading.accel_seconds}}},
       {"render_seconds", report.render_seconds},
       {"photons", photons_json(report)},
       {"guiding",
@@ -249,6 +283,9 @@ std::string to_json(const RenderReport& report) {
         {"used", report.guiding.is_used}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
+      {"triangles", report.triangles},
+      {"bvh", report.bvh},
+      {"memory", memory_json(report)},
       {"samples", report.stats.samples},
       {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
       {"rays_per_second", report.rays_per_second()},
@@ -278,6 +315,10 @@ std::string to_table(const RenderReport& report) {
   fmt::format_to(out, "load {}, build {}, render {}, peak memory {:.1f} MB\n", format_duration(report.load_seconds),
                  format_duration(report.build_seconds), format_duration(report.render_seconds),
                  static_cast<double>(report.peak_rss_bytes) * 1e-6);
+  if (const RenderReport::Loading& l = report.loading; l.reading_seconds > 0)
+    fmt::format_to(out, "loading: reading {}, textures {}, compiling {}, BVH {}\n", format_duration(l.reading_seconds),
+                   format_duration(l.texture_seconds), format_duration(l.compile_seconds),
+                   format_duration(l.accel_seconds));
   text += photons_table(report);
   if (const RenderReport::Guiding& guiding = report.guiding; guiding.passes > 0)
     fmt::format_to(out, "guide: {} samples in {} passes in {}, {} cells trained with {} directions in {}\n",
@@ -301,6 +342,7 @@ std::string to_table(const RenderReport& report) {
   }
   // Add lights, noise and media
   text += lights_table(report);
+  text += memory_table(report);
   text += adaptive_line(report) + noise_line(report);
   if (const TrackingCounts& c = stats.collisions; c.real + c.null + c.shadow > 0)
     fmt::format_to(out, "medium collisions: {} real, {} null ({:.2f} per real one), {} of shadow rays\n", c.real,

@@ -1,6 +1,7 @@
 // The report of a render: settings, times and statistics, as a table and as JSON.
 #pragma once
 
+#include "core/memory.h"
 #include "kernels/film/adaptive_film.h"
 #include "kernels/wave/wave_stats.h"
 
@@ -30,10 +31,17 @@ struct RenderReport {
   double mean_samples = 0;
   std::uint32_t seed = 0;
   int threads = 0;
-  int wave_size = 0;          ///< paths per wave
-  double load_seconds = 0;    ///< reading files
-  double build_seconds = 0;   ///< compiling the scene, with its acceleration structure
-  double render_seconds = 0;  ///< wall-clock time of rendering only
+  int wave_size = 0;         ///< paths per wave
+  double load_seconds = 0;   ///< reading files
+  double build_seconds = 0;  ///< compiling the scene, with its acceleration structure
+  /// The same time by cause: scene file and meshes, images of textures, tables, and the acceleration structure.
+  struct Loading {
+    double reading_seconds = 0, texture_seconds = 0, compile_seconds = 0, accel_seconds = 0;
+  } loading;
+  std::vector<MemoryUse> memory;  ///< of the scene, measured, and of the render, estimated before it
+  std::uint64_t triangles = 0;    ///< of the scene, without copies by instances
+  std::string bvh;                ///< layout of the acceleration structure, "fast" or "compact"
+  double render_seconds = 0;      ///< wall-clock time of rendering only
   /// Number of photons in photon maps, and the time to make the maps.
   struct Photons {
     std::uint64_t emitted = 0, stored = 0;

@@ -37,9 +37,12 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
   out_->sensor_.filter = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
   if (weighted) out_->sensor_.filter_weights.emplace(in_.film.filter);
-  // Compile textures and materials
-  with_memory_for("textures", "use smaller images",
-                  [&] { out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_); });
+  // Read meshes and textures by all threads; compile textures and materials
+  read_meshes_ahead();
+  with_memory_for("textures", "use smaller images", [&] {
+    const ScopedTimer timer(times_.texture_seconds);
+    out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_);
+  });
   out_->warnings_ = out_->textures_.warnings;
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
@@ -47,11 +50,13 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     out_->warnings_.push_back(std::move(warning));
   // Add shapes, those of groups last, and instances
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
+    const ScopedTimer timer(times_.mesh_seconds);
     for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
     ungrouped_shapes_ = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
     std::vector<GroupContents> groups;
     for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
     add_instances(groups);
+    meshes_.reset();
   });
   for (const OpenBoundaries::Gap& gap : open_boundaries_.gaps())
     out_->warnings_.push_back(
@@ -73,7 +78,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
 }
 
 CompileReport SceneCompiler::report() const {
-  CompileReport report;
+  CompileReport report = times_;
   report.grids = places_of_grids_;
   report.grids.insert(report.grids.end(), places_of_texture_grids_.begin(), places_of_texture_grids_.end());
   report.envmap_width = out_->lights_.envmap.width;
@@ -177,7 +182,7 @@ void SceneCompiler::finish_tables() {
   // Pad the tables of geometry: triangles are loaded four words at a time, and inactive lanes read row zero
   if (geometry.vertices.empty()) geometry.vertices.emplace_back();
   geometry.vertices.shrink_to_fit();
-  geometry.triangles.insert(geometry.triangles.end(), 8, 0u);
+  geometry.triangles.insert(geometry.triangles.end(), kTrianglePadding, 0u);
   geometry.triangles.shrink_to_fit();
   if (geometry.quadrics.empty()) geometry.quadrics.emplace_back();
   if (geometry.shapes.empty()) geometry.shapes.emplace_back();

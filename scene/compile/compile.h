@@ -1,8 +1,11 @@
 // Compiles a description into a scene for kernels.
 #pragma once
 
+#include "core/name_table.h"
 #include "scene/content/description.h"
 #include "scene/tables/scene.h"
+
+#include <functional>
 
 namespace sheaf {
 
@@ -23,7 +26,15 @@ struct CompileReport {
   std::uint32_t envmap_width = 0, envmap_height = 0;
   std::size_t envmap_bytes = 0;
   std::size_t texture_bytes = 0;  ///< texels
+  /// Wall-clock time for images of textures, for meshes, which are read at the same time, and for the acceleration
+  /// structure.
+  double texture_seconds = 0, mesh_seconds = 0, accel_seconds = 0;
 };
+
+/// How the memory layout of the acceleration structure is chosen: by the user, or compact if kFast would not fit.
+enum class BvhChoice { kAuto, kFast, kCompact };
+inline constexpr NameTable<BvhChoice> kBvhChoices{
+    {{"auto", BvhChoice::kAuto}, {"fast", BvhChoice::kFast}, {"compact", BvhChoice::kCompact}}};
 
 struct KeptGeometry;
 
@@ -34,6 +45,10 @@ struct CompileOptions {
   bool watertight = false;
   ColorMode color = ColorMode::kRgb;
   CompileReport* report = nullptr;  ///< receives a report; null: none
+  BvhChoice bvh = BvhChoice::kAuto;
+  /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
+  /// acceleration structure. Empty: none.
+  std::function<double(const Scene&)> render_bytes = {};
   /// Geometry of an earlier scene (scene/compile/kept_geometry.h), used instead of an equal one; null: none.
   KeptGeometry* kept = nullptr;
 };

@@ -1,9 +1,8 @@
 // Compiles shapes, shape groups and instances.
 #include "core/frame.h"
+#include "core/large_pages.h"
 #include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
-#include "scene/formats/mesh_io.h"
-#include "scene/formats/smooth_normals.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/quadric.h"
 
@@ -13,7 +12,16 @@ namespace sheaf {
 
 namespace {
 
+/// Makes room for `count` more elements: a quarter more than needed unless these are the first.
+template <class T> void make_room(std::vector<T>& rows, std::size_t count) {
+  const std::size_t needed = rows.size() + count;
+  if (needed <= rows.capacity()) return;
+  rows.reserve(rows.empty() ? needed : needed + needed / 4);
+  prefer_large_pages(rows.data() + rows.size(), (rows.capacity() - rows.size()) * sizeof(T));
+}
+
 void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
+  make_room(rows, mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3f p = mesh.positions[i];
     const Vec3f n = mesh.normals.empty() ? Vec3f{} : mesh.normals[i];
@@ -47,56 +55,50 @@ Placement place(const CylinderShape& c, const Transform& t) {
   return {ShapeKind::kCylinder, t * Transform(m)};
 }
 
+template <class Shape>
+concept IsQuadric = requires(const Shape& shape, const Transform& t) {
+  place(shape, t);
+};
+
 }  // namespace
 
 void SceneCompiler::add_shape(const ShapeDescription& shape) {
   ShapeRow row;
   row.material = shape.material ? row_of_material_.at(static_cast<std::size_t>(*shape.material)) : default_material_;
   try {
+    if (has_prepared_mesh(shape)) return add_mesh(row, shape, meshes_->take(next_mesh_++));
     std::visit(Overloaded{
-                   [&](const MeshFileShape& s) {
-                     MeshFile file = read_mesh(s);
-                     for (const std::string& w : file.warnings) out_->warnings_.push_back(s.file.string() + ": " + w);
-                     add_mesh(row, shape, std::move(file.mesh), shape.face_normals || file.face_normals, file.is_split);
-                   },
-                   [&](const Mesh& mesh) { add_mesh(row, shape, mesh, shape.face_normals); },
-                   [&](const RectangleShape&) { add_mesh(row, shape, rectangle_mesh(), shape.face_normals); },
-                   [&](const CubeShape&) { add_mesh(row, shape, cube_mesh(), shape.face_normals); },
                    [&](const HeightFieldShape& field) {
-                     add_mesh(row, shape, sample_height_field(field, out_->textures_), shape.face_normals);
+                     Mesh mesh = sample_height_field(field, out_->textures_);
+                     add_mesh(row, shape, prepare_mesh(shape, std::move(mesh), shape.face_normals));
                    },
                    [&](const Curves& curves) { add_curves(row, shape, curves); },
                    [&](const SdfGrid& grid) { add_sdf_grid(row, shape, grid); },
-                   [&](const auto& quadric) {
+                   [&](const IsQuadric auto& quadric) {
                      const Placement placement = place(quadric, shape.to_world);
                      add_quadric(row, shape, make_quadric(placement.kind, placement.to_world, shape.flip_normals));
                    },
+                   [](const auto& /*mesh*/) {},
                },
                shape.geometry);
   } catch (const SceneError& error) { throw at_place(shape.where, error); }
 }
 
-void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split) {
-  // Transform the mesh to world space
-  const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
-  check_mesh(mesh, shape.where);
-  if (face_normals) mesh.normals.clear();
-  transform_mesh(mesh, shape.to_world);
-  // Find open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles
-  const bool should_close = shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry);
-  if (should_close) open_boundaries_.add(mesh, shape.where);
-  const std::size_t dropped = drop_degenerate_triangles(mesh);
-  // Compute missing normals, and flip all
-  if (file && file->smooth_normals && !face_normals && mesh.normals.empty()) {
-    if (is_split) {
-      compute_welded_normals(mesh);
-    } else {
-      compute_vertex_normals(mesh);
-    }
-  }
-  if (shape.flip_normals) flip_mesh(mesh);
+void SceneCompiler::read_meshes_ahead() {
+  std::vector<const ShapeDescription*> shapes;
+  for (const ShapeDescription& shape : in_.shapes) shapes.push_back(&shape);
+  for (const ShapeGroup& group : in_.groups)
+    for (const ShapeDescription& shape : group.shapes) shapes.push_back(&shape);
+  meshes_.emplace(mesh_jobs(shapes), read_ahead_bytes());
+}
+
+void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, PreparedMesh prepared) {
+  const Mesh& mesh = prepared.mesh;
+  for (std::string& warning : prepared.warnings) out_->warnings_.push_back(std::move(warning));
+  open_boundaries_.add(std::move(prepared.open_edges));
   // Report defects
-  if (dropped > 0) warn(shape, std::to_string(dropped) + " degenerate or non-finite triangles left out");
+  if (prepared.dropped > 0)
+    warn(shape, std::to_string(prepared.dropped) + " degenerate or non-finite triangles left out");
   if (mesh.triangles.empty()) {
     warn(shape, shape.radiance ? "shape has no area: neither visible nor emitting" : "shape has no area: left out");
     return;
@@ -112,6 +114,7 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh m
   row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
   append(geometry.vertices, mesh);
+  make_room(geometry.triangles, 3 * mesh.triangles.size() + kTrianglePadding);
   for (const auto& t : mesh.triangles) geometry.triangles.insert(geometry.triangles.end(), t.begin(), t.end());
   // Bound the mesh
   GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};

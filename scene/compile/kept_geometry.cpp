@@ -29,7 +29,9 @@ bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input)
   const auto same_range = [](const ShapeRange& a, const ShapeRange& b) {
     return a.first_shape == b.first_shape && a.shape_count == b.shape_count;
   };
-  if (accel == nullptr || watertight != input.watertight || ungrouped_shapes != input.shape_count) return false;
+  if (accel == nullptr || watertight != input.watertight || layout != input.layout ||
+      ungrouped_shapes != input.shape_count)
+    return false;
   return std::equal(groups.begin(), groups.end(), input.groups, input.groups + input.group_count, same_range) &&
          std::equal(tables.shapes.begin(), tables.shapes.end(), other.shapes.begin(), other.shapes.end(),
                     same_geometry) &&
@@ -41,16 +43,41 @@ bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input)
          same_bytes(tables.instances, other.instances);
 }
 
+BvhLayout SceneCompiler::choose_layout() {
+  if (options_.bvh != BvhChoice::kAuto)
+    return options_.bvh == BvhChoice::kCompact ? BvhLayout::kCompact : BvhLayout::kFast;
+  // Upper estimate of the builder's peak per triangle: 90 bytes on 2 million triangles, more with spatial splits
+  constexpr double kFastBytes = 150;
+  double bytes = kFastBytes * static_cast<double>(out_->counts_.triangles);
+  if (options_.render_bytes) {
+    out_->view_ = out_->make_view();
+    bytes += options_.render_bytes(*out_);
+  }
+  return bytes > available_memory() ? BvhLayout::kCompact : BvhLayout::kFast;
+}
+
 void SceneCompiler::build_accel() {
+  const ScopedTimer timer(times_.accel_seconds);
+  const BvhLayout layout = choose_layout();
+  out_->counts_.bvh = layout;
   GeometryTables& geometry = out_->geometry_;
-  const AccelInput input{geometry.shapes.data(),         ungrouped_shapes_,
-                         geometry.vertices.data(),       geometry.triangles.data(),
-                         geometry.quadrics.data(),       geometry.curve_points.data(),
-                         geometry.curve_segments.data(), geometry.sdf_grids.data(),
-                         geometry.sdf_values.data(),     geometry.sdf_cells.data(),
-                         vertex_counts_.data(),          options_.watertight,
-                         group_ranges_.data(),           static_cast<std::uint32_t>(group_ranges_.size()),
-                         geometry.instances.data(),      static_cast<std::uint32_t>(geometry.instances.size())};
+  const AccelInput input{geometry.shapes.data(),
+                         ungrouped_shapes_,
+                         geometry.vertices.data(),
+                         geometry.triangles.data(),
+                         geometry.quadrics.data(),
+                         geometry.curve_points.data(),
+                         geometry.curve_segments.data(),
+                         geometry.sdf_grids.data(),
+                         geometry.sdf_values.data(),
+                         geometry.sdf_cells.data(),
+                         vertex_counts_.data(),
+                         options_.watertight,
+                         layout,
+                         group_ranges_.data(),
+                         static_cast<std::uint32_t>(group_ranges_.size()),
+                         geometry.instances.data(),
+                         static_cast<std::uint32_t>(geometry.instances.size())};
   KeptGeometry* const kept = options_.kept;
   if (kept != nullptr && kept->vertex_counts.size() == vertex_counts_.size() && kept->matches(geometry, input)) {
     // Embree refers to the kept tables. Shapes may have other materials and lights.
@@ -66,6 +93,7 @@ void SceneCompiler::build_accel() {
   kept->groups = group_ranges_;
   kept->ungrouped_shapes = ungrouped_shapes_;
   kept->watertight = options_.watertight;
+  kept->layout = layout;
 }
 
 void SceneCompiler::keep_geometry(Scene& scene, KeptGeometry& kept) {

@@ -16,6 +16,7 @@ struct KeptGeometry {
   std::vector<ShapeRange> groups;
   std::uint32_t ungrouped_shapes = 0;
   bool watertight = false;
+  BvhLayout layout = BvhLayout::kFast;
   std::unique_ptr<Accel> accel;  ///< null: no geometry is kept
 
   /// Whether an acceleration structure for `input` with these tables would equal the kept one, bit by bit.

@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-void OpenBoundaries::add(const Mesh& mesh, const SourceLocation& where) {
+OpenBoundaries::Boundary OpenBoundaries::find(const Mesh& mesh, const SourceLocation& where) {
   Boundary boundary{where, {}};
   for (const auto& [first, second] : open_edges(mesh)) {
     // -0 becomes 0
@@ -17,6 +17,10 @@ void OpenBoundaries::add(const Mesh& mesh, const SourceLocation& where) {
     if (b < a) std::swap(a, b);
     boundary.edges.push_back({a[0], a[1], a[2], b[0], b[1], b[2]});
   }
+  return boundary;
+}
+
+void OpenBoundaries::add(Boundary boundary) {
   if (!boundary.edges.empty()) boundaries_.push_back(std::move(boundary));
 }
 

@@ -13,8 +13,17 @@ namespace sheaf {
 /// same vertices where they meet.
 class OpenBoundaries {
  public:
-  /// Adds a mesh in world space, which the element at `where` describes.
-  void add(const Mesh& mesh, const SourceLocation& where);
+  using Edge = std::array<float, 6>;  ///< positions of both ends, the smaller first
+  /// The open edges of a mesh.
+  struct Boundary {
+    SourceLocation where;
+    std::vector<Edge> edges;
+  };
+
+  /// The open edges of a mesh in world space, which the element at `where` describes.
+  static Boundary find(const Mesh& mesh, const SourceLocation& where);
+  /// Adds a mesh.
+  void add(Boundary boundary);
 
   struct Gap {
     SourceLocation where;
@@ -24,12 +33,6 @@ class OpenBoundaries {
   std::vector<Gap> gaps() const;
 
  private:
-  using Edge = std::array<float, 6>;  ///< positions of both ends, the smaller first
-  struct Boundary {
-    SourceLocation where;
-    std::vector<Edge> edges;
-  };
-
   std::vector<Boundary> boundaries_;  ///< with open edges
 };
 

@@ -5,6 +5,7 @@
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/kept_geometry.h"
 #include "scene/compile/open_boundaries.h"
+#include "scene/compile/prepare_mesh.h"
 #include "scene/compile/scene_naming.h"
 #include "scene/formats/mesh.h"
 #include "scene/lights/area_light.h"
@@ -12,6 +13,7 @@
 #include "scene/spectra/spectrum_set.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <set>
 
@@ -20,6 +22,19 @@ namespace sheaf {
 /// Overload set for std::visit.
 template <class... F> struct Overloaded : F... { using F::operator()...; };
 template <class... F> Overloaded(F...) -> Overloaded<F...>;
+
+/// Adds the time until its destruction, in seconds.
+class ScopedTimer {
+ public:
+  explicit ScopedTimer(double& seconds) : seconds_(seconds) {}
+  ~ScopedTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  ScopedTimer(const ScopedTimer&) = delete;
+  ScopedTimer& operator=(const ScopedTimer&) = delete;
+
+ private:
+  double& seconds_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 /// Extends the box [lower, upper] to contain another box.
 inline void grow_box(Vec3f& lower, Vec3f& upper, Vec3f to_lower, Vec3f to_upper) {
@@ -49,6 +64,9 @@ class SceneCompiler {
  private:
   /// Maximum number of 32-bit words in a table, so that kernels can address them by 32-bit indices.
   static constexpr std::size_t kMaxWords = std::numeric_limits<std::uint32_t>::max() - 64;
+
+  /// Words at the end of GeometryTables::triangles, which kernels load four at a time.
+  static constexpr std::size_t kTrianglePadding = 8;
 
   /// A shape that emits light.
   struct Emitter {
@@ -84,11 +102,14 @@ class SceneCompiler {
   // kept_geometry.cpp
   /// Builds the acceleration structure, or takes the kept one.
   void build_accel();
+  /// The memory layout of the acceleration structure.
+  BvhLayout choose_layout();
 
   // compile_shapes.cpp
   void add_shape(const ShapeDescription& shape);
-  /// The order of the steps is explained in scene/formats/mesh.h. `is_split`: see MeshFile.
-  void add_mesh(ShapeRow row, const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split = false);
+  /// Starts reading the meshes of all shapes.
+  void read_meshes_ahead();
+  void add_mesh(ShapeRow row, const ShapeDescription& shape, PreparedMesh prepared);
   /// Adds the attributes that textures use of a mesh that becomes the next shape.
   void add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);
@@ -146,6 +167,9 @@ class SceneCompiler {
   std::unique_ptr<Scene> out_;
   SceneNaming naming_;
   OpenBoundaries open_boundaries_;
+  std::optional<ReadAhead<PreparedMesh>> meshes_;  ///< in the order of add_shape()
+  std::size_t next_mesh_ = 0;                      ///< among them
+  CompileReport times_;                            ///< only its times
   std::vector<std::uint32_t> row_of_material_;
   std::uint32_t default_material_ = 0;
   std::optional<SpectrumSet> spectra_;        ///< in spectral mode

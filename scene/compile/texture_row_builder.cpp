@@ -1,5 +1,6 @@
 #include "scene/compile/texture_row_builder.h"
 
+#include "core/image.h"
 #include "core/large_pages.h"
 #include "scene/compile/load_volume.h"
 
@@ -18,6 +19,15 @@ void move_tiles(std::vector<TexelTile>& from, TexelTile* to) {
     release_pages(&from[begin], count * sizeof(TexelTile));
   }
   from = {};
+}
+
+/// Estimated peak memory for reading an image, in bytes. Readers check large images themselves.
+double reading_bytes(const BitmapDescription& bitmap) {
+  constexpr double kPerByte = 60;  // JPEG at 1 bit per pixel: the pixels and their tiles
+  if (bitmap.encoded) return kPerByte * static_cast<double>(bitmap.encoded->bytes.size());
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(bitmap.file, failure);
+  return failure ? 0 : kPerByte * static_cast<double>(size);
 }
 
 }  // namespace
@@ -44,9 +54,12 @@ PlacedImage TextureTableBuilder::image(const BitmapDescription& bitmap, const Te
   return {static_cast<std::uint32_t>(first_tile), image.tiles_per_row, image.width, image.height, image.format};
 }
 
-/// Index in images_. Byte images without a colour transform are shared between linear and decoded use; float images
-/// are not.
-std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
+TextureTableBuilder::TextureTableBuilder(const std::vector<TextureDescription>& textures) : textures_(textures) {
+  out_.rows.resize(textures.size());
+  read_images_ahead();
+}
+
+TextureTableBuilder::ImageKey TextureTableBuilder::key_of(const BitmapDescription& bitmap) {
   ImageKey key{{}, bitmap.made.get(), bitmap.is_linear(), bitmap.channel, bitmap.change};
   if (bitmap.encoded && !bitmap.made) key.memory = bitmap.encoded.get();
   if (key.memory == nullptr) {
@@ -54,9 +67,33 @@ std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, co
     key.file = std::filesystem::weakly_canonical(bitmap.file, ignored);
     if (ignored) key.file = bitmap.file;
   }
+  return key;
+}
+
+void TextureTableBuilder::read_images_ahead() {
+  std::vector<ReadAhead<TiledImage>::Job> jobs;
+  for (const TextureDescription& texture : textures_) {
+    const auto* bitmap = std::get_if<BitmapDescription>(&texture.model);
+    if (bitmap == nullptr || bitmap->made) continue;
+    // Byte images serve linear and decoded use: read one of the two
+    ImageKey key = key_of(*bitmap);
+    key.linear = !key.linear;
+    if (job_of_.count(key) > 0) continue;
+    key.linear = !key.linear;
+    if (job_of_.try_emplace(key, jobs.size()).second)
+      jobs.push_back({[bitmap, &texture] { return load(*bitmap, texture); }, reading_bytes(*bitmap)});
+  }
+  ahead_.emplace(std::move(jobs), read_ahead_bytes());
+}
+
+/// Index in images_. Byte images without a colour transform are shared between linear and decoded use; float images
+/// are not.
+std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
+  ImageKey key = key_of(bitmap);
   const auto known = index_of_.find(key);
   if (known != index_of_.end()) return known->second;
-  const std::size_t index = add_image(load(bitmap, texture));
+  const auto job = job_of_.find(key);
+  const std::size_t index = add_image(job != job_of_.end() ? ahead_->take(job->second) : load(bitmap, texture));
   const bool is_shared = bitmap.made || holds_bytes(images_[index].image.format);
   for (const bool linear : {false, true})
     if (linear == bitmap.is_linear() || is_shared) {

@@ -1,11 +1,13 @@
 // Building of rows of the texture table from the parameters of a texture.
 #pragma once
 
+#include "core/read_ahead.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/texture_image.h"
 #include "scene/textures/list.h"
 
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -23,9 +25,8 @@ struct PlacedImage {
 /// The tables of textures while they are filled. Functions throw SceneError at the texture on whose behalf they act.
 class TextureTableBuilder {
  public:
-  explicit TextureTableBuilder(const std::vector<TextureDescription>& textures) : textures_(textures) {
-    out_.rows.resize(textures.size());
-  }
+  /// Starts reading the images of the textures, which must outlive the object.
+  explicit TextureTableBuilder(const std::vector<TextureDescription>& textures);
 
   static SceneError error(const TextureDescription& texture, const std::string& message);
 
@@ -66,6 +67,9 @@ class TextureTableBuilder {
     const TextureDescription* texture;
   };
 
+  /// The key of an image in a file or in memory.
+  static ImageKey key_of(const BitmapDescription& bitmap);
+  void read_images_ahead();
   std::size_t image_index(const BitmapDescription& bitmap, const TextureDescription& texture);
   static TiledImage load(const BitmapDescription& bitmap, const TextureDescription& texture);
   std::size_t add_image(TiledImage image);
@@ -75,6 +79,8 @@ class TextureTableBuilder {
   std::vector<LoadedImage> images_;
   std::size_t tile_count_ = 0;
   std::map<ImageKey, std::size_t> index_of_;
+  std::map<ImageKey, std::size_t> job_of_;  ///< of the images that are read ahead and not taken yet
+  std::optional<ReadAhead<TiledImage>> ahead_;
   std::vector<Grid> grids_;
   TextureTables out_;
 };

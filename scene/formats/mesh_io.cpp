@@ -4,6 +4,7 @@
 #include "core/byte_order_mark.h"
 #include "core/file_cache.h"
 #include "core/inflate.h"
+#include "core/large_pages.h"
 #include "scene/formats/off.h"
 #include "scene/formats/serialized.h"
 #include "scene/formats/stl.h"
@@ -50,7 +51,10 @@ std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view 
   const std::uintmax_t size = std::filesystem::file_size(file, failure);
   std::ifstream stream(file, std::ios::binary);
   if (failure || !stream) throw SceneError(where, std::string(what) + " cannot be opened for reading");
-  std::string bytes(size, '\0');
+  std::string bytes;
+  bytes.reserve(size + 1);  // for the line feed that text readers append
+  prefer_large_pages(bytes.data(), size);
+  bytes.resize(size);
   stream.read(bytes.data(), static_cast<std::streamsize>(size));
   if (static_cast<std::uintmax_t>(stream.gcount()) != size) {
     throw SceneError(where, std::string(what) + " cannot be read to its end");
@@ -83,6 +87,15 @@ MeshFile read_mesh_format(const MeshFileShape& shape) {
 }
 
 }  // namespace
+
+double mesh_reading_bytes(const MeshFileShape& shape) {
+  constexpr double kPlain = 5;          // text or binary numbers, lists of corners, and the mesh
+  constexpr double kCompressed = 1030;  // the highest ratio of deflate
+  std::error_code failure;
+  const std::uintmax_t size = std::filesystem::file_size(shape.file, failure);
+  const bool is_compressed = shape.file.extension() == ".gz" || shape.format == MeshFileShape::Format::kSerialized;
+  return failure ? 0 : (is_compressed ? kCompressed : kPlain) * static_cast<double>(size);
+}
 
 MeshFile read_mesh(const MeshFileShape& shape) {
   std::string key = "mesh";

@@ -47,6 +47,9 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = fals
 /// read_off() (scene/formats/off.h) by the shape's format. A FileCache keeps the result.
 MeshFile read_mesh(const MeshFileShape& shape);
 
+/// Estimated peak memory of read_mesh(), in bytes; 0 if the file cannot be read.
+double mesh_reading_bytes(const MeshFileShape& shape);
+
 /// Returns the bytes of a regular file, uncompressed if its name ends in .gz. Throws SceneError if it cannot be read;
 /// the message names the expected kind of file, `what` ("OBJ file").
 std::string read_mesh_bytes(const std::filesystem::path& file, std::string_view what);

@@ -1,5 +1,4 @@
-// MTL files consist of lines with a keyword and arguments. This parser replaces tinyobjloader's, which reads malformed
-// numbers as 0, has no line numbers, and does not distinguish missing properties from default values.
+// MTL files consist of lines with a keyword and arguments. Missing properties are distinguished from default values.
 #include "scene/formats/mtl.h"
 
 #include "scene/formats/mesh_io.h"

@@ -1,13 +1,9 @@
-// Wavefront OBJ files: tinyobjloader parses the lines that ObjLines supplies; this file merges face corners into
-// vertices.
+// Wavefront OBJ files: collects the content of the lines that ObjLines parses, and merges face corners into vertices.
 #include "scene/formats/obj.h"
 
 #include "scene/formats/polygon.h"
 #include "scene/formats/text.h"
 
-#include <tiny_obj_loader.h>
-
-#include <istream>
 #include <limits>
 #include <optional>
 #include <unordered_map>
@@ -51,12 +47,12 @@ template <class T> struct AttributeList {
     const int resolved = index > 0 ? index - 1 : count + index;
     if (resolved < 0) {
       if (bad_faces == BadFaces::kError) throw SceneError(lines.where(), out_of_range(index));
-      if (first_bad.empty()) first_bad = at_line(lines.where().line, index);
+      if (first_bad.empty()) first_bad = at_line(lines.line(), index);
       return kOutOfRange;
     }
     if (resolved > highest) {
       highest = resolved;
-      line_of_highest = lines.where().line;
+      line_of_highest = lines.line();
     }
     return resolved;
   }
@@ -113,64 +109,64 @@ struct ObjContent {
   std::unordered_map<std::string, std::uint32_t> ids_;
 };
 
-ObjContent& content_of(void* user) { return *static_cast<ObjContent*>(user); }
-
-void add_position(void* user, float x, float y, float z, float) {
+void add_position(ObjContent& content) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  ObjContent& content = content_of(user);
-  content.positions.values.push_back(content.lines.line_is_non_finite() ? Vec3f{kNan, kNan, kNan} : Vec3f{x, y, z});
+  const ObjLines& lines = content.lines;
+  content.positions.values.push_back(lines.is_non_finite() ? Vec3f{kNan, kNan, kNan} : lines.numbers());
 }
 
-void add_normal(void* user, float x, float y, float z) {
-  ObjContent& content = content_of(user);
-  const Vec3f normal{x, y, z};
-  const bool usable = !content.lines.line_is_non_finite() && is_finite(normal);
-  content.normals.values.push_back(usable ? normal : Vec3f{0, 0, 0});
+void add_normal(ObjContent& content) {
+  const bool usable = !content.lines.is_non_finite() && is_finite(content.lines.numbers());
+  content.normals.values.push_back(usable ? content.lines.numbers() : Vec3f{0, 0, 0});
 }
 
-void add_uv(void* user, float u, float v, float) {
-  ObjContent& content = content_of(user);
-  const bool usable = !content.lines.line_is_non_finite() && is_finite(u) && is_finite(v);
-  content.uvs.values.push_back(usable ? Vec2f{u, v} : Vec2f{0, 0});
+void add_uv(ObjContent& content) {
+  const Vec3f uv = content.lines.numbers();
+  content.uvs.values.push_back(!content.lines.is_non_finite() && is_finite(uv) ? Vec2f{uv.x, uv.y} : Vec2f{0, 0});
 }
 
-void add_face(void* user, tinyobj::index_t* indices, int count) {
-  ObjContent& content = content_of(user);
-  if (count < 3) {
+void add_face(ObjContent& content) {
+  const ObjLines& lines = content.lines;
+  if (lines.corners().size() < 3) {
     ++content.short_faces;
     return;
   }
-  for (int i = 0; i < count; ++i) {
-    content.corners.push_back({content.positions.resolve(indices[i].vertex_index, content.lines, content.bad_faces),
-                               content.uvs.resolve(indices[i].texcoord_index, content.lines, content.bad_faces),
-                               content.normals.resolve(indices[i].normal_index, content.lines, content.bad_faces)});
-  }
+  for (const ObjIndices& corner : lines.corners())
+    content.corners.push_back({content.positions.resolve(corner.position, lines, content.bad_faces),
+                               content.uvs.resolve(corner.uv, lines, content.bad_faces),
+                               content.normals.resolve(corner.normal, lines, content.bad_faces)});
   content.face_ends.push_back(content.corners.size());
   if (!content.material_id) content.material_id = content.id_of_material();
   content.face_materials.push_back(*content.material_id);
-  content.face_smoothing.push_back(content.lines.smoothing_group());
+  content.face_smoothing.push_back(lines.smoothing_group());
 }
 
-void use_material(void* user, const char* name, int) {
-  ObjContent& content = content_of(user);
+void use_material(ObjContent& content) {
   content.material_id.reset();
-  content.material = unquoted(trimmed(name));
-  content.material_line = content.lines.where().line;
+  content.material = content.lines.material();
+  content.material_line = content.lines.line();
 }
 
 void parse(ObjLines& lines, ObjContent& content) {
-  std::istream stream(&lines);
-  stream.exceptions(std::ios::badbit);  // lets errors of ObjLines through
-  tinyobj::callback_t callbacks;
-  callbacks.vertex_cb = add_position;
-  callbacks.normal_cb = add_normal;
-  callbacks.texcoord_cb = add_uv;
-  callbacks.index_cb = add_face;
-  callbacks.usemtl_cb = use_material;
-  std::string warning, error;
-  if (!tinyobj::LoadObjWithCallback(stream, callbacks, &content, nullptr, &warning, &error)) {
-    throw SceneError(lines.where(), "malformed OBJ file: " + error);
-  }
+  for (;;) switch (lines.next()) {
+      case ObjLines::Kind::kPosition:
+        add_position(content);
+        break;
+      case ObjLines::Kind::kNormal:
+        add_normal(content);
+        break;
+      case ObjLines::Kind::kUv:
+        add_uv(content);
+        break;
+      case ObjLines::Kind::kFace:
+        add_face(content);
+        break;
+      case ObjLines::Kind::kMaterial:
+        use_material(content);
+        break;
+      case ObjLines::Kind::kEnd:
+        return;
+    }
 }
 
 /// Merges equal corners into vertices.
@@ -180,31 +176,63 @@ class VertexMerger {
       : content_(content),
         mesh_(mesh),
         has_uvs_(content.uvs.highest != kNone && !content.uvs.values.empty()),
-        has_normals_(content.normals.highest != kNone && !content.normals.values.empty()) {
-    vertices_.reserve(content.positions.values.size());
+        has_normals_(content.normals.highest != kNone && !content.normals.values.empty()),
+        first_(content.positions.values.size(), kMissingVertex) {
+    mesh.positions.reserve(content.positions.values.size());
   }
 
   /// Returns kMissingVertex if the file has no such position.
   std::uint32_t vertex(const Corner& corner) {
     if (!content_.positions.has(corner.position)) return kMissingVertex;
-    const auto next = static_cast<std::uint32_t>(mesh_.positions.size());
-    const auto [found, is_new] = vertices_.try_emplace(corner, next);
-    if (!is_new) return found->second;
-    mesh_.positions.push_back(content_.positions.values[static_cast<std::size_t>(corner.position)]);
-    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs, corner.uv));
-    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals, corner.normal));
-    return next;
+    // Search the first vertices at this position
+    std::uint32_t& first = first_[static_cast<std::size_t>(corner.position)];
+    std::uint32_t last = kMissingVertex;
+    int visited = 0;
+    for (std::uint32_t i = first; i != kMissingVertex; i = vertices_[i].next, ++visited) {
+      if (vertices_[i].uv == corner.uv && vertices_[i].normal == corner.normal) return i;
+      last = i;
+    }
+    if (visited == kMaxVisited) return crowded_vertex(corner);
+    // Append a vertex
+    const std::uint32_t added = add(corner);
+    (last == kMissingVertex ? first : vertices_[last].next) = added;
+    return added;
   }
 
  private:
+  /// The first vertices at the same position form a list; crowded_ holds the others.
+  struct Vertex {
+    int uv, normal;
+    std::uint32_t next;
+  };
+  static constexpr int kMaxVisited = 16;
+
   template <class T> static T value_or_zero(const AttributeList<T>& list, int index) {
     return list.has(index) ? list.values[static_cast<std::size_t>(index)] : T{};
+  }
+
+  std::uint32_t add(const Corner& corner) {
+    const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
+    vertices_.push_back({corner.uv, corner.normal, kMissingVertex});
+    mesh_.positions.push_back(content_.positions.values[static_cast<std::size_t>(corner.position)]);
+    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs, corner.uv));
+    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals, corner.normal));
+    return index;
+  }
+
+  /// A vertex at a position with many others.
+  std::uint32_t crowded_vertex(const Corner& corner) {
+    const auto [found, is_new] = crowded_.try_emplace(corner, 0);
+    if (is_new) found->second = add(corner);
+    return found->second;
   }
 
   const ObjContent& content_;
   Mesh& mesh_;
   bool has_uvs_, has_normals_;
-  std::unordered_map<Corner, std::uint32_t, CornerHash> vertices_;
+  std::vector<std::uint32_t> first_;  ///< per position of the file: its first vertex
+  std::vector<Vertex> vertices_;
+  std::unordered_map<Corner, std::uint32_t, CornerHash> crowded_;
 };
 
 ObjFile build_mesh(ObjContent content) {
@@ -232,10 +260,11 @@ ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex
   const std::string name = file.string();
   std::string text = read_mesh_text(file, "OBJ file");
   if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
-  text.push_back('\n');
+  if (!text.ends_with('\n')) text.push_back('\n');
   ObjLines lines(text, name);
   ObjContent content(lines, bad_faces);
   parse(lines, content);
+  text = {};  // free its memory
   if (content.face_ends.empty()) throw SceneError({name}, "the OBJ file holds no faces");
   content.positions.check_highest(name, bad_faces);
   content.uvs.check_highest(name, bad_faces);

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <tuple>
+#include <type_traits>
 
 namespace sheaf {
 
@@ -113,6 +114,14 @@ class AttributeRows {
   std::vector<Mesh::Attribute> attributes_;
 };
 
+/// Whether all properties are single floats in the byte order of this machine.
+template <class Source> bool has_native_floats(const Source& source, const PlyElement& element) {
+  const auto is_float = [](const PlyProperty& p) { return !p.count_type && p.type == PlyType::kFloat32; };
+  if constexpr (std::is_same_v<Source, BinarySource>)
+    return source.is_native() && std::all_of(element.properties.begin(), element.properties.end(), is_float);
+  return false;
+}
+
 template <class Source>
 void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::vector<std::string>& warnings) {
   // Determine which properties are present
@@ -128,11 +137,19 @@ void read_vertices(Source& source, const PlyElement& element, Mesh& mesh, std::v
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
   AttributeRows attributes(element, 0, warnings, [&](std::size_t k) { return slots[k] != kUnwanted; });
+  const bool copies_rows =
+      has_native_floats(source, element) && std::find(slots.begin(), slots.end(), kUnwanted) == slots.end();
   // Read the rows
   std::array<float, kSlots> values{};
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
-    for (std::size_t k = 0; k < slots.size(); ++k) {
+    if constexpr (std::is_same_v<Source, BinarySource>)
+      if (copies_rows) {
+        const char* const bytes = source.take_bytes(slots.size() * sizeof(float));
+        for (std::size_t k = 0; k < slots.size(); ++k)
+          std::memcpy(&values[static_cast<std::size_t>(slots[k])], bytes + k * sizeof(float), sizeof(float));
+      }
+    for (std::size_t k = 0; !copies_rows && k < slots.size(); ++k) {
       if (slots[k] == kUnwanted) {
         attributes.read(source, k);
       } else {
@@ -187,12 +204,28 @@ void read_strip(Source& source, const PlyProperty& list, const PlyVertices& vert
   }
 }
 
+/// Reads a polygon of 32-bit indices in the byte order of this machine, if all are valid. Otherwise returns false and
+/// leaves the source as it is.
+bool read_native_corners(BinarySource& source, std::uint64_t length, const PlyVertices& vertices,
+                         PolygonList& polygons) {
+  const std::size_t begin = polygons.corners.size();
+  polygons.corners.resize(begin + length);
+  if (source.take_indices({&polygons.corners[begin], length}, vertices.count)) return true;
+  polygons.corners.resize(begin);
+  return false;
+}
+
 /// Reads a polygon; returns whether it has enough corners to be kept.
 template <class Source>
 bool read_polygon(Source& source, const PlyProperty& list, const PlyVertices& vertices, PolygonList& polygons) {
   const std::uint64_t length = list_length(source, list);
   const std::size_t begin = polygons.corners.size();
-  for (std::uint64_t i = 0; i < length; ++i) {
+  bool is_read = false;
+  if constexpr (std::is_same_v<Source, BinarySource>)
+    if (source.is_native() && length > 0 && vertices.count <= std::numeric_limits<std::int32_t>::max() &&
+        (list.type == PlyType::kInt32 || list.type == PlyType::kUint32))
+      is_read = read_native_corners(source, length, vertices, polygons);
+  for (std::uint64_t i = 0; !is_read && i < length; ++i) {
     polygons.corners.push_back(check_index(source, source.number(list.type), vertices, polygons));
   }
   if (length < 3) {
@@ -262,6 +295,8 @@ void read_faces(Source& source, const PlyElement& element, const PlyVertices& ve
                            [&](std::size_t k) { return k == list || k == uv_list; });
   const bool has_uvs = uv_list < element.properties.size();
   std::vector<Vec2f> uvs;
+  content.polygons.corners.reserve(content.polygons.corners.size() + 3 * element.count);
+  content.polygons.ends.reserve(content.polygons.ends.size() + element.count);
   for (std::uint64_t row = 0; row < element.count; ++row) {
     source.enter_row(row);
     // Read a face

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
+#include <utility>
 
 namespace sheaf {
 
@@ -76,6 +78,24 @@ class BinarySource : public Cursor {
   void skip(PlyType type, std::uint64_t count) {
     require(type, count);
     at_ += count * ply_type_size(type);
+  }
+
+  /// Whether the bytes of numbers are in the order of this machine.
+  bool is_native() const { return !swaps_; }
+  /// Returns the next `size` bytes and moves past them.
+  const char* take_bytes(std::uint64_t size) {
+    if (size > bytes_left()) fail("the file is truncated");
+    return std::exchange(at_, at_ + size);
+  }
+
+  /// Reads 32-bit indices in the byte order of this machine into `out`, if all are below `limit`. Otherwise returns
+  /// false and stays at the first of them.
+  bool take_indices(std::span<std::uint32_t> out, std::uint64_t limit) {
+    if (out.size_bytes() > bytes_left()) fail("the file is truncated");
+    std::memcpy(out.data(), at_, out.size_bytes());
+    if (std::any_of(out.begin(), out.end(), [&](std::uint32_t index) { return index >= limit; })) return false;
+    at_ += out.size_bytes();
+    return true;
   }
 
  private:

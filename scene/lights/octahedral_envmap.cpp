@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 namespace sheaf {
 
@@ -16,24 +17,44 @@ namespace {
 /// Lookups along each side of a node's neighbourhood.
 constexpr std::uint32_t kLookups = 4;
 
-/// Direction at (u, v) of a latitude-longitude map; see scene/tables/envmap.h.
-Vec3f direction_of(double u, double v) {
-  const double phi = 2 * std::acos(-1.0) * u, theta = std::acos(-1.0) * v;
-  return {static_cast<float>(std::sin(theta) * std::sin(phi)), static_cast<float>(std::cos(theta)),
-          static_cast<float>(-std::sin(theta) * std::cos(phi))};
+struct SineCosine {
+  double sine, cosine;
+};
+
+/// Sines and cosines of the angles of a latitude-longitude map, kLookups per column and per row.
+struct LookupAngles {
+  std::vector<SineCosine> phi, theta;
+
+  LookupAngles(std::uint32_t width, std::uint32_t height) {
+    for (std::uint32_t i = 0; i < width; ++i)
+      for (std::uint32_t a = 0; a < kLookups; ++a) {
+        const double angle = 2 * std::acos(-1.0) * ((i + (a + 0.5) / kLookups) / width);
+        phi.push_back({std::sin(angle), std::cos(angle)});
+      }
+    for (std::uint32_t j = 0; j < height; ++j)
+      for (std::uint32_t b = 0; b < kLookups; ++b) {
+        const double v = std::clamp((j - 0.5 + (b + 0.5) / kLookups) / (height - 1), 0.0, 1.0);
+        const double angle = std::acos(-1.0) * v;
+        theta.push_back({std::sin(angle), std::cos(angle)});
+      }
+  }
+};
+
+/// Direction of a lookup; see scene/tables/envmap.h.
+Vec3f direction_of(const SineCosine& phi, const SineCosine& theta) {
+  return {static_cast<float>(theta.sine * phi.sine), static_cast<float>(theta.cosine),
+          static_cast<float>(-theta.sine * phi.cosine)};
 }
 
 bool counts(float value) { return value >= 0.0f && std::isfinite(value); }
 
 /// Mean of the texels around node (i, j).
-Vec3f mean_around(const EnvmapImage& square, std::uint32_t i, std::uint32_t j, std::uint32_t width,
-                  std::uint32_t height) {
+Vec3f mean_around(const EnvmapImage& square, std::uint32_t i, std::uint32_t j, const LookupAngles& angles) {
   Vec3f sum{0, 0, 0};
   for (std::uint32_t b = 0; b < kLookups; ++b)
     for (std::uint32_t a = 0; a < kLookups; ++a) {
-      const double u = (i + (a + 0.5) / kLookups) / width;
-      const double v = std::clamp((j - 0.5 + (b + 0.5) / kLookups) / (height - 1), 0.0, 1.0);
-      const Vec2f place = equal_area_octahedral<Scalar>(direction_of(u, v));
+      const SineCosine &phi = angles.phi[kLookups * i + a], &theta = angles.theta[kLookups * j + b];
+      const Vec2f place = equal_area_octahedral<Scalar>(direction_of(phi, theta));
       const auto texel = [&](float coordinate) {
         const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
         return std::min(t, square.width - 1);
@@ -73,9 +94,10 @@ EnvmapImage lat_long_of_octahedral(const EnvmapImage& square, const std::filesys
   map.height = std::max(square.height, 8u);
   map.width = 2 * map.height;
   map.rgb.resize(3 * std::size_t{map.width} * map.height);
+  const LookupAngles angles(map.width, map.height);
   tbb::parallel_for(std::uint32_t{0}, map.height, [&](std::uint32_t j) {
     for (std::uint32_t i = 0; i < map.width; ++i) {
-      const Vec3f rgb = mean_around(square, i, j, map.width, map.height);
+      const Vec3f rgb = mean_around(square, i, j, angles);
       float* out = &map.rgb[3 * (std::size_t{j} * map.width + i)];
       out[0] = rgb.x, out[1] = rgb.y, out[2] = rgb.z;
     }

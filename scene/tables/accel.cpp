@@ -61,7 +61,7 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
                       std::deque<SdfGridView>& grids) {
   std::vector<RTCScene> groups;
   for (std::uint32_t i = 0; i < in.group_count; ++i) {
-    groups.push_back(make_embree_scene(device, in.watertight));
+    groups.push_back(make_embree_scene(device, {in.watertight, in.layout == BvhLayout::kCompact}));
     attach_shapes(device, groups.back(), in, in.groups[i], grids);
     commit_scene(groups.back());
   }
@@ -105,7 +105,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
 }  // namespace
 
 Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
-  impl_->start(input.watertight);
+  impl_->start({input.watertight, input.layout == BvhLayout::kCompact});
   attach_shapes(impl_->device, impl_->scene, input, {0, input.shape_count}, impl_->sdf_grids);
   if (input.instance_count > 0) {
     impl_->instances = input.instances;

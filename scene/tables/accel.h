@@ -43,6 +43,12 @@ struct alignas(64) RayPacket {
   }
 };
 
+/// Memory layout of acceleration structures.
+enum class BvhLayout {
+  kFast,     ///< leaves hold copies of the triangles' vertices
+  kCompact,  ///< leaves refer to the vertex table: less memory, slower
+};
+
 /// The shapes of a group: `shape_count` rows of AccelInput::shapes.
 struct ShapeRange {
   std::uint32_t first_shape, shape_count;
@@ -62,7 +68,8 @@ struct AccelInput {
   const std::uint32_t* sdf_cells;
   const std::uint32_t* vertex_counts;  ///< per shape; curves: number of points
   bool watertight;                     ///< see CompileOptions::watertight
-  const ShapeRange* groups;            ///< none empty
+  BvhLayout layout;
+  const ShapeRange* groups;  ///< none empty
   std::uint32_t group_count;
   const InstanceRow* instances;
   std::uint32_t instance_count;

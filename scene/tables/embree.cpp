@@ -33,12 +33,12 @@ void check_addresses() {
 
 }  // namespace
 
-void EmbreeScene::start(bool watertight) {
+void EmbreeScene::start(EmbreeOptions options) {
   check_addresses();
   device = rtcNewDevice(nullptr);
   if (!device) throw Error(ExitCode::kRuntime, "Embree cannot be started on this machine");
   rtcSetDeviceMemoryMonitorFunction(device, count_memory, &bytes);
-  scene = make_embree_scene(device, watertight);
+  scene = make_embree_scene(device, options);
 }
 
 void EmbreeScene::check() const {
@@ -51,9 +51,11 @@ std::size_t EmbreeScene::allocated() const {
   return static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, bytes.load()));
 }
 
-RTCScene make_embree_scene(RTCDevice device, bool watertight) {
+RTCScene make_embree_scene(RTCDevice device, EmbreeOptions options) {
   RTCScene scene = rtcNewScene(device);
-  if (watertight) rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  const unsigned flags = (options.watertight ? static_cast<unsigned>(RTC_SCENE_FLAG_ROBUST) : 0u) |
+                         (options.compact ? static_cast<unsigned>(RTC_SCENE_FLAG_COMPACT) : 0u);
+  if (flags != 0) rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
   return scene;
 }
 

@@ -14,6 +14,12 @@
 
 namespace sheaf {
 
+/// Options of an Embree scene.
+struct EmbreeOptions {
+  bool watertight = false;  ///< see CompileOptions::watertight
+  bool compact = false;     ///< see BvhLayout::kCompact
+};
+
 /// An Embree device with one scene.
 struct EmbreeScene {
   std::atomic<std::ptrdiff_t> bytes{0};
@@ -29,15 +35,15 @@ struct EmbreeScene {
   }
 
   /// Creates the device and an empty scene. Throws Error (exit code 1) if that fails.
-  void start(bool watertight);
+  void start(EmbreeOptions options);
   /// Throws Error (exit code 1) or std::bad_alloc if an earlier call of Embree failed.
   void check() const;
   /// Bytes that Embree has allocated.
   std::size_t allocated() const;
 };
 
-/// An empty scene. `watertight`: see CompileOptions::watertight.
-RTCScene make_embree_scene(RTCDevice device, bool watertight);
+/// An empty scene.
+RTCScene make_embree_scene(RTCDevice device, EmbreeOptions options);
 
 /// Commits the geometry, attaches it to the scene under this id, and releases it.
 void attach_geometry(RTCScene scene, RTCGeometry geometry, std::uint32_t id);

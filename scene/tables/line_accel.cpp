@@ -95,7 +95,7 @@ LineAccel::LineAccel(const std::vector<AccelLine>& lines, float radius, float pi
     }
   }
   // Build the curves
-  in.start(false);
+  in.start({});
   RTCGeometry geometry = rtcNewGeometry(in.device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, in.ends.data(), 0,
                              sizeof(AccelPoint), in.ends.size());

@@ -42,7 +42,7 @@ PointAccel::PointAccel(std::vector<AccelPoint> points) : points_(std::move(point
   if (points_.empty()) return;
   for (const AccelPoint& point : points_) largest_radius_ = max(largest_radius_, point.radius);
   impl_ = std::make_unique<Impl>();
-  impl_->start(false);
+  impl_->start({});
   RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_DISC_POINT);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, points_.data(), 0,
                              sizeof(AccelPoint), points_.size());

@@ -29,4 +29,23 @@ SceneInfo Scene::info() const {
   return info;
 }
 
+std::vector<MemoryUse> Scene::memory() const {
+  const auto vertices = static_cast<double>(geometry_.vertices.capacity());
+  const auto indices = static_cast<double>(bytes_of(geometry_.triangles));
+  const double rest = static_cast<double>(geometry_.bytes()) - vertices * sizeof(VertexRow) - indices;
+  std::vector<MemoryUse> uses;
+  const auto add = [&](const char* what, double bytes) { uses.push_back({what, bytes, {}}); };
+  add("positions", vertices * sizeof(Vec3f));
+  add("normals", vertices * sizeof(Vec3f));
+  add("texture coordinates", vertices * sizeof(Vec2f));
+  add("vertex indices", indices);
+  add("shapes and instances", rest);
+  add("BVH", accel_ != nullptr ? static_cast<double>(accel_->bytes()) : 0.0);
+  add("textures", static_cast<double>(textures_.bytes()));
+  add("lights", static_cast<double>(lights_.bytes()));
+  add("media", static_cast<double>(media_.bytes()));
+  add("materials and spectra", static_cast<double>(materials_.bytes() + spectra_.bytes()));
+  return uses;
+}
+
 }  // namespace sheaf

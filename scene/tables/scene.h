@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "core/sampler.h"
 #include "scene/tables/accel.h"
 #include "scene/tables/geometry.h"
@@ -47,6 +48,7 @@ struct SceneInfo {
   std::size_t sdf_cells = 0;  ///< SDF grids: cells that contain the surface
   Vec3f bounds_min{}, bounds_max{};
   std::size_t table_bytes = 0, accel_bytes = 0;
+  BvhLayout bvh = BvhLayout::kFast;
 };
 
 /// Owns the tables. Not copyable or movable: Embree holds pointers to them.
@@ -59,6 +61,8 @@ class Scene {
   /// The kernels' view; valid during the scene's lifetime.
   const SceneView& view() const { return view_; }
   SceneInfo info() const;
+  /// The memory of the tables and of the acceleration structure by cause. Without advice.
+  std::vector<MemoryUse> memory() const;
   const FilmSettings& film() const { return film_; }
   const SamplerSettings& sampler() const { return sampler_; }
   /// The sampler that the scene specifies, with its seed and number of samples.

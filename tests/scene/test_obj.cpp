@@ -5,6 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 #include <sstream>
@@ -147,6 +150,38 @@ TEST_CASE("obj: numbers in every notation and vertex colours and homogeneous coo
   const Mesh mesh = read("v -1.5e2 +.25 5. 0.1 0.2 0.3\nv 1E-3 -0 0 1.0\nv 0 1 0\nf 1 2 3\n").mesh;
   CHECK(mesh.positions[0] == Vec3f{-150, 0.25f, 5});
   CHECK(mesh.positions[1].x == doctest::Approx(1e-3f));
+}
+
+TEST_CASE("obj: numbers are rounded as those of the C library") {
+  std::mt19937_64 random(9);
+  for (int round = 0; round < 2000; ++round) {
+    char text[64];
+    const double magnitude = std::ldexp(1.0, static_cast<int>(random() % 90) - 45);
+    const double value = (static_cast<double>(random() >> 11) * 0x1p-52 - 1) * magnitude;
+    std::snprintf(text, sizeof(text), round % 2 == 0 ? "%.*f" : "%.*g", static_cast<int>(random() % 18), value);
+    CAPTURE(std::string(text));
+    const Mesh mesh = read("v " + std::string(text) + " 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").mesh;
+    CHECK(mesh.positions[0].x == static_cast<float>(std::strtod(text, nullptr)));
+  }
+  const Mesh mesh = read("v 1e-9999 -1e-400 0.1234567890123456789\nv 1 -0 0\nv 0 1 0\nf 1 2 3\n").mesh;
+  CHECK(mesh.positions[0] == Vec3f{0, -0.0f, 0.12345679f});
+  CHECK(std::signbit(mesh.positions[1].y));
+  CHECK(read("v -1e400 1e9999 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").mesh.positions[0].x == -INFINITY);
+}
+
+TEST_CASE("obj: vertices are shared at positions with many normals") {
+  constexpr int kNormals = 50;
+  std::string text = std::string(kSquare);
+  for (int i = 0; i < kNormals; ++i) text += "vn 0 " + std::to_string(i) + " 1\n";
+  std::string faces;
+  for (int i = 1; i <= kNormals; ++i) faces += "f 1//" + std::to_string(i) + " 2//1 3//1\n";
+  const Mesh mesh = read(text + faces + faces).mesh;
+  CHECK(mesh.positions.size() == kNormals + 2);
+  REQUIRE(mesh.triangles.size() == 2 * kNormals);
+  for (std::size_t i = 0; i < kNormals; ++i) {
+    CHECK(mesh.triangles[i] == mesh.triangles[i + kNormals]);
+    CHECK(mesh.normals[mesh.triangles[i][0]].y == static_cast<float>(i));
+  }
 }
 
 TEST_CASE("obj: convex polygons are triangulated") {

@@ -1,6 +1,7 @@
 // Memory on the command line: the estimate of `info`, the peak of a render, and out-of-memory errors.
 #include "core/exr.h"
 #include "core/rng.h"
+#include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
 
 #include <doctest/doctest.h>
@@ -106,6 +107,46 @@ TEST_CASE("memory: info lists the memory of grids") {
   CHECK(contains(info, "grid        smoke.vol: (10, 0, 0) to (12, 3, 4), 3 x 2 x 5 voxels, "));
   CHECK(contains(info, "grid        smoke.vol: (0, 0, 0) to (1, 1, 1), 3 x 2 x 5 voxels, "));
   CHECK_FALSE(contains(info, "environment "));
+}
+
+TEST_CASE("memory: -v lists the times of loading and the memory by cause, and --bvh keeps the image") {
+  const TemporaryFolder folder;
+  std::string mesh;
+  constexpr int kSide = 60;
+  for (int i = 0; i <= kSide; ++i)
+    for (int k = 0; k <= kSide; ++k)
+      mesh += "v " + std::to_string(i / 30.0 - 1) + " " + std::to_string(k / 30.0 - 1) + " " +
+              std::to_string(3 + 0.1 * ((i * k) % 7)) + "\n";
+  for (int i = 0; i < kSide; ++i)
+    for (int k = 1; k <= kSide; ++k) {
+      const int a = i * (kSide + 1) + k, b = a + kSide + 1;
+      for (const int corner : {a, a + 1, b}) mesh += (corner == a ? "f " : " ") + std::to_string(corner);
+      for (const int corner : {a + 1, b + 1, b}) mesh += (corner == a + 1 ? "\nf " : " ") + std::to_string(corner);
+      mesh += "\n";
+    }
+  write_bytes(folder / "mesh.obj", mesh);
+  write_bytes(folder / "scene.xml",
+              scene(64, 48,
+                    "<emitter type='constant'/><shape type='obj'><string name='filename' value='mesh.obj'/>"
+                    "</shape>"));
+  const auto render = [&](const std::string& options) {
+    const Outcome outcome = run(folder, "render scene.xml -v --no-timestamps -o out.exr --stats s.json " + options);
+    REQUIRE(outcome.code == 0);
+    return std::pair(outcome.err, read_bytes(folder / "out.exr"));
+  };
+  const auto [fast, fast_image] = render("--bvh fast");
+  CAPTURE_BINDING(fast);
+  CHECK(std::regex_search(fast, std::regex("loading: reading .*, textures .*, compiling .*, BVH .*\n")));
+  CHECK(contains(fast, "memory (BVH: fast)"));
+  CHECK(contains(fast, "bytes/triangle"));
+  CHECK(std::regex_search(fast, std::regex("BVH +[0-9.]+ MB +[0-9.]+\n")));
+  CHECK(std::regex_search(fast, std::regex("rays +[0-9.]+ MB")));
+  CHECK(contains(read_bytes(folder / "s.json"), "\"triangles\": 7200"));
+  const auto [compact, compact_image] = render("--bvh compact");
+  CHECK(contains(compact, "memory (BVH: compact)"));
+  CHECK(compact_image == fast_image);
+  CHECK(contains(render("").first, "memory (BVH: fast)"));
+  CHECK(run(folder, "render scene.xml --bvh small").code == 2);
 }
 
 TEST_CASE("memory: renders beyond the available memory have exit code 1 and leave no files") {

@@ -290,11 +290,11 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
 
 /// Options of the run, with which the same image comes out.
 const std::vector<std::pair<std::string, std::string>> kRuns = {
-    {"threads", "1"},    {"wave-size", "256"},   {"no-timestamps", ""}, {"stats", "s.json"}, {"checkpoint-every", "5"},
-    {"output", "b.exr"}, {"time-limit", ""},     {"quiet", ""},         {"resume", ""},      {"checkpoint", ""},
-    {"format", "exr"},   {"verbose", ""},        {"version", ""},       {"serve", ""},       {"tev", ""},
-    {"help", ""},        {"exposure", "-1"},     {"tone-map", "agx"},   {"ocio-config", ""}, {"ocio-display", ""},
-    {"ocio-view", ""},   {"compression", "piz"}, {"jpeg-quality", "90"}};
+    {"threads", "1"},    {"wave-size", "256"},   {"no-timestamps", ""},  {"stats", "s.json"}, {"checkpoint-every", "5"},
+    {"output", "b.exr"}, {"time-limit", ""},     {"quiet", ""},          {"resume", ""},      {"checkpoint", ""},
+    {"format", "exr"},   {"verbose", ""},        {"version", ""},        {"serve", ""},       {"tev", ""},
+    {"help", ""},        {"exposure", "-1"},     {"tone-map", "agx"},    {"ocio-config", ""}, {"ocio-display", ""},
+    {"ocio-view", ""},   {"compression", "piz"}, {"jpeg-quality", "90"}, {"bvh", "compact"}};
 
 }  // namespace
 

@@ -71,7 +71,6 @@ const std::vector<Wrapped> kWrapped = {
     {"Embree", {"embree3/", "embree4/"}, "scene/tables/embree"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
     {"OpenImageIO", {"OpenImageIO/"}, "core/image_io/openimageio"},
-    {"tinyobjloader", {"tiny_obj_loader.h"}, ""},
     {"pugixml", {"pugixml.hpp"}, ""},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
     {"zlib", {"zlib.h"}, ""},

@@ -1,6 +1,7 @@
 // Conversion of MTL materials, and splitting of OBJ meshes by material.
 #include "scene/dialects/common/obj_materials.h"
 
+#include "core/read_ahead.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/obj.h"
 #include "scene/formats/smooth_normals.h"
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -169,10 +171,27 @@ class MaterialBuilder {
 /// Quick test whether an OBJ file may use materials. False for unreadable files; reading the mesh later reports the
 /// error.
 bool may_use_materials(const std::filesystem::path& file) {
-  try {
-    const std::string bytes = read_mesh_text(file, "OBJ file");
-    return bytes.find("mtllib") != bytes.npos && bytes.find("usemtl") != bytes.npos;
-  } catch (const SceneError&) { return false; }
+  constexpr std::string_view kWords[] = {"mtllib", "usemtl"};
+  if (file.extension() == ".gz") {
+    try {
+      const std::string bytes = read_mesh_text(file, "OBJ file");
+      return bytes.find(kWords[0]) != bytes.npos && bytes.find(kWords[1]) != bytes.npos;
+    } catch (const SceneError&) { return false; }
+  }
+  // Read blocks that overlap by one word less a letter
+  constexpr std::size_t kBlock = std::size_t{1} << 18, kOverlap = 5;
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(file, failure)) return false;
+  std::ifstream stream(file, std::ios::binary);
+  std::string block(kBlock, ' ');
+  bool found[] = {false, false};
+  while (stream && !(found[0] && found[1])) {
+    std::copy(block.end() - kOverlap, block.end(), block.begin());
+    stream.read(&block[kOverlap], kBlock - kOverlap);
+    const std::string_view read(block.data(), kOverlap + static_cast<std::size_t>(stream.gcount()));
+    for (std::size_t i = 0; i < 2; ++i) found[i] = found[i] || read.find(kWords[i]) != read.npos;
+  }
+  return found[0] && found[1];
 }
 
 /// Materials of MTL libraries. Each is read and added once.
@@ -316,9 +335,9 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
 }
 
 /// Splits `shape` by material. Returns nothing if the shape stays as it is.
-std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibraries& libraries, bool creased) {
+std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, MaterialLibraries& libraries,
+                                  bool creased) {
   const auto& geometry = std::get<MeshFileShape>(shape.geometry);
-  ObjFile obj = read_obj_with_materials(geometry.file, geometry.flip_tex_coords, geometry.bad_faces);
   const std::vector<const MtlMaterial*> materials = find_materials(obj, geometry.file.string(), libraries);
   std::vector<ShapeDescription> parts;
   const bool plain = std::all_of(materials.begin(), materials.end(), [](const MtlMaterial* m) { return m == nullptr; });
@@ -346,17 +365,40 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, MaterialLibrari
   return parts;
 }
 
+/// Whether a shape is an OBJ file whose materials count.
+bool takes_materials(const ShapeDescription& shape) {
+  const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
+  return file != nullptr && file->format == MeshFileShape::Format::kObj && !shape.material;
+}
+
+/// The jobs that read the OBJ files of shapes in order. Files without materials are not read; all are if `creased`.
+std::vector<ReadAhead<std::optional<ObjFile>>::Job> obj_jobs(const std::vector<ShapeDescription>& shapes,
+                                                             bool creased) {
+  std::vector<ReadAhead<std::optional<ObjFile>>::Job> jobs;
+  for (const ShapeDescription& shape : shapes) {
+    if (!takes_materials(shape)) continue;
+    const MeshFileShape file = std::get<MeshFileShape>(shape.geometry);
+    const auto read = [file, creased]() -> std::optional<ObjFile> {
+      if (!creased && !may_use_materials(file.file)) return std::nullopt;
+      return read_obj_with_materials(file.file, file.flip_tex_coords, file.bad_faces);
+    };
+    jobs.push_back({read, mesh_reading_bytes(file)});
+  }
+  return jobs;
+}
+
 void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, std::vector<std::string>* left_out,
             bool creased) {
   std::vector<ShapeDescription> expanded;
   expanded.reserve(shapes.size());
+  ReadAhead<std::optional<ObjFile>> files(obj_jobs(shapes, creased), read_ahead_bytes());
+  std::size_t next_file = 0;
   for (ShapeDescription& shape : shapes) {
-    const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
     std::vector<ShapeDescription> parts;
-    if (file != nullptr && file->format == MeshFileShape::Format::kObj && !shape.material &&
-        (creased || may_use_materials(file->file))) {
+    if (takes_materials(shape)) {
       try {
-        parts = cut(shape, libraries, creased);
+        if (std::optional<ObjFile> obj = files.take(next_file++))
+          parts = cut(shape, std::move(*obj), libraries, creased);
       } catch (const SceneError& error) {
         // A model without a scene file has no line; the error already names the file.
         const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;

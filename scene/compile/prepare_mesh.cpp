@@ -1,0 +1,75 @@
+#include "scene/compile/prepare_mesh.h"
+
+#include "scene/formats/mesh_io.h"
+#include "scene/formats/smooth_normals.h"
+#include "scene/tables/shape_rows.h"
+
+#include <utility>
+
+namespace sheaf {
+
+namespace {
+
+double copy_bytes(const Mesh& mesh) {
+  return static_cast<double>(mesh.positions.size() * sizeof(VertexRow) +
+                             mesh.triangles.size() * sizeof(mesh.triangles[0]));
+}
+
+double job_bytes(const ShapeDescription& shape) {
+  if (const auto* file = std::get_if<MeshFileShape>(&shape.geometry)) return mesh_reading_bytes(*file);
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  return mesh != nullptr ? copy_bytes(*mesh) : 0;
+}
+
+}  // namespace
+
+bool has_prepared_mesh(const ShapeDescription& shape) {
+  return std::holds_alternative<MeshFileShape>(shape.geometry) || std::holds_alternative<Mesh>(shape.geometry) ||
+         std::holds_alternative<RectangleShape>(shape.geometry) || std::holds_alternative<CubeShape>(shape.geometry);
+}
+
+PreparedMesh prepare_mesh(const ShapeDescription& shape) {
+  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) return prepare_mesh(shape, *mesh, shape.face_normals);
+  if (std::holds_alternative<RectangleShape>(shape.geometry))
+    return prepare_mesh(shape, rectangle_mesh(), shape.face_normals);
+  if (std::holds_alternative<CubeShape>(shape.geometry)) return prepare_mesh(shape, cube_mesh(), shape.face_normals);
+  const auto& from = std::get<MeshFileShape>(shape.geometry);
+  MeshFile file = read_mesh(from);
+  PreparedMesh prepared =
+      prepare_mesh(shape, std::move(file.mesh), shape.face_normals || file.face_normals, file.is_split);
+  for (const std::string& warning : file.warnings) prepared.warnings.push_back(from.file.string() + ": " + warning);
+  return prepared;
+}
+
+PreparedMesh prepare_mesh(const ShapeDescription& shape, Mesh mesh, bool face_normals, bool is_split) {
+  PreparedMesh prepared{std::move(mesh), {}};
+  Mesh& out = prepared.mesh;
+  // Transform the mesh to world space
+  check_mesh(out, shape.where);
+  if (face_normals) out.normals.clear();
+  transform_mesh(out, shape.to_world);
+  // Find open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles
+  if (shape.interior != shape.exterior && !std::holds_alternative<RectangleShape>(shape.geometry))
+    prepared.open_edges = OpenBoundaries::find(out, shape.where);
+  prepared.dropped = drop_degenerate_triangles(out);
+  // Compute missing normals, and flip all
+  const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
+  if (file != nullptr && file->smooth_normals && !face_normals && out.normals.empty()) {
+    if (is_split) {
+      compute_welded_normals(out);
+    } else {
+      compute_vertex_normals(out);
+    }
+  }
+  if (shape.flip_normals) flip_mesh(out);
+  return prepared;
+}
+
+std::vector<ReadAhead<PreparedMesh>::Job> mesh_jobs(const std::vector<const ShapeDescription*>& shapes) {
+  std::vector<ReadAhead<PreparedMesh>::Job> jobs;
+  for (const ShapeDescription* shape : shapes)
+    if (has_prepared_mesh(*shape)) jobs.push_back({[shape] { return prepare_mesh(*shape); }, job_bytes(*shape)});
+  return jobs;
+}
+
+}  // namespace sheaf

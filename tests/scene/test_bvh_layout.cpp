@@ -1,0 +1,124 @@
+// Memory layouts of the acceleration structure: the compact one takes less memory and gives the same hits.
+#include "scene/compile/compile.h"
+#include "scene/compile/kept_geometry.h"
+#include "tests/support/tiny_scenes.h"
+#include "tests/support/trace_testing.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+namespace sheaf::test_bvh_layout {
+
+namespace {
+
+/// Random triangles in a cube: large and small ones for spatial splits, in one mesh and in an instance.
+Description triangles() {
+  Description d = empty_scene(8, 8);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    const float size = i % 100 == 0 ? 1.0f : 0.05f;
+    const Vec3f center{uniform(random), uniform(random), uniform(random)};
+    for (int k = 0; k < 3; ++k)
+      mesh.positions.push_back(center + Vec3f{uniform(random), uniform(random), uniform(random)} * size);
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  add_shape(d, mesh, Transform());
+  d.groups.emplace_back();
+  ShapeDescription part;
+  part.geometry = mesh;
+  d.groups.back().shapes.push_back(part);
+  InstanceDescription instance;
+  instance.to_world[3] = 1.5f;
+  d.instances.push_back(instance);
+  return d;
+}
+
+std::unique_ptr<Scene> compile(const Description& d, BvhChoice bvh, bool watertight = false) {
+  CompileOptions options;
+  options.bvh = bvh;
+  options.watertight = watertight;
+  return compile_scene(d, options);
+}
+
+}  // namespace
+
+TEST_CASE("bvh: the compact layout gives the same hits in less memory") {
+  const Description d = triangles();
+  for (const bool watertight : {false, true}) {
+    CAPTURE(watertight);
+    const auto fast = compile(d, BvhChoice::kFast, watertight), compact = compile(d, BvhChoice::kCompact, watertight);
+    CHECK(fast->info().bvh == BvhLayout::kFast);
+    CHECK(compact->info().bvh == BvhLayout::kCompact);
+    CHECK(compact->info().table_bytes == fast->info().table_bytes);
+    CHECK(static_cast<double>(compact->info().accel_bytes) < 0.8 * static_cast<double>(fast->info().accel_bytes));
+    std::mt19937 random(11);
+    std::normal_distribution<float> normal;
+    int hits = 0, different = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3f origin{normal(random), normal(random), normal(random)};
+      const Vec3f direction = normalize_any(Vec3f{normal(random), normal(random), normal(random)});
+      const auto a = trace_ray(fast->view(), origin, direction), b = trace_ray(compact->view(), origin, direction);
+      hits += a.has_value() ? 1 : 0;
+      const bool same = a.has_value() == b.has_value() &&
+                        (!a || (a->t == b->t && a->u == b->u && a->v == b->v && a->primitive == b->primitive &&
+                                a->shape == b->shape && a->instance == b->instance));
+      different += same ? 0 : 1;
+    }
+    CHECK(hits > 10000);
+    CHECK(different == 0);
+  }
+}
+
+TEST_CASE("bvh: the layout is compact by itself if the render leaves too little memory") {
+  const Description d = triangles();
+  const auto layout_with = [&](double bytes, BvhChoice bvh) {
+    CompileOptions options;
+    options.bvh = bvh;
+    bool has_accel = true;
+    options.render_bytes = [&](const Scene& scene) {
+      has_accel = scene.view().accel != nullptr;
+      CHECK(scene.view().geometry.shape_count == 2);
+      return bytes;
+    };
+    const BvhLayout layout = compile_scene(d, options)->info().bvh;
+    CHECK(has_accel == (bvh != BvhChoice::kAuto));
+    return layout;
+  };
+  CHECK(layout_with(0, BvhChoice::kAuto) == BvhLayout::kFast);
+  CHECK(layout_with(available_memory(), BvhChoice::kAuto) == BvhLayout::kCompact);
+  CHECK(layout_with(available_memory(), BvhChoice::kFast) == BvhLayout::kFast);
+  CHECK(layout_with(0, BvhChoice::kCompact) == BvhLayout::kCompact);
+}
+
+TEST_CASE("bvh: kept geometry is not reused with another layout") {
+  const Description d = triangles();
+  KeptGeometry kept;
+  CompileOptions options;
+  options.kept = &kept;
+  options.bvh = BvhChoice::kFast;
+  keep_geometry(compile_scene(d, options), kept);
+  options.bvh = BvhChoice::kCompact;
+  auto scene = compile_scene(d, options);
+  CHECK(scene->info().bvh == BvhLayout::kCompact);
+  const std::size_t bytes = scene->info().accel_bytes;
+  keep_geometry(std::move(scene), kept);
+  scene = compile_scene(d, options);
+  CHECK(scene->info().bvh == BvhLayout::kCompact);
+  CHECK(scene->info().accel_bytes == bytes);
+}
+
+TEST_CASE("bvh: the memory by cause adds up to the tables and the acceleration structure") {
+  const auto scene = compile(triangles(), BvhChoice::kFast);
+  double sum = 0;
+  for (const MemoryUse& use : scene->memory()) sum += use.bytes;
+  const SceneInfo info = scene->info();
+  CHECK(sum == doctest::Approx(static_cast<double>(info.table_bytes + info.accel_bytes)));
+  CHECK(scene->memory()[0].what == "positions");
+  CHECK(scene->memory()[0].bytes >= 12.0 * static_cast<double>(info.vertices));
+}
+
+}  // namespace sheaf::test_bvh_layout
