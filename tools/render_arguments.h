@@ -46,6 +46,13 @@ struct ImageArguments {
   int spectral_bins = 0;
 
   void add_to(Command& command) {
+    add_files(command);
+    add_sampling(command);
+    add_resources_and_color(command);
+  }
+
+ private:
+  void add_files(Command& command) {
     command.add_option("scene", scene, "Scene file; - reads the standard input").required().file().only_for_run();
     command.begin_group(kOutputOptions);
     command
@@ -72,6 +79,9 @@ struct ImageArguments {
         "--watertight", watertight,
         "Watertight intersection: no ray passes between triangles that share an edge. Up to a third slower "
         "in small scenes");
+  }
+
+  void add_sampling(Command& command) {
     command.begin_group(kSamplingOptions);
     command.add_option("--spp", spp, "Samples per pixel. Default: the scene's").in_range(1u, 1u << 24);
     command
@@ -91,6 +101,9 @@ struct ImageArguments {
         .only_for_run();
     command.add_option("--seed", seed, "Seed of the random numbers. Default: the scene's")
         .in_range(0u, std::numeric_limits<std::uint32_t>::max());
+  }
+
+  void add_resources_and_color(Command& command) {
     command.begin_group(kResourceOptions);
     command.add_option("--threads", threads, "Worker threads. Default: 0, one per logical core")
         .in_range(0, 4096)
@@ -153,6 +166,13 @@ struct TransportArguments {
   std::optional<int> rr_depth;
 
   void add_to(Command& command) {
+    add_integrator(command);
+    add_sampling(command);
+    add_transport(command);
+  }
+
+ private:
+  void add_integrator(Command& command) {
     command.begin_group(kTransportOptions);
     command
         .add_option("--integrator", integrator,
@@ -161,6 +181,9 @@ struct TransportArguments {
         .placeholder("NAME")
         .suggest({"path", "direct", "path_mats", "path_ems", "path_ris", "whitted", "ptracer", "photonmapper", "sppm",
                   "ao", "av", "normals", "depth"});
+  }
+
+  void add_sampling(Command& command) {
     command.begin_group(kSamplingOptions);
     command
         .add_option("--sampler", sampler,
@@ -183,6 +206,9 @@ struct TransportArguments {
             "good estimates, at a slight loss of stratification. Default: 8 with the sampler independent; "
             "otherwise one per 32 samples per pixel, at most 16 (no variance layers below 32 samples)")
         .in_range(1, 1024);
+  }
+
+  void add_transport(Command& command) {
     command.begin_group(kTransportOptions);
     command
         .add_option("--light-sampler", light_sampler,

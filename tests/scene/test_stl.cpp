@@ -26,7 +26,7 @@ std::string binary(const std::vector<float>& corners, std::uint32_t triangles) {
   for (std::size_t i = 0; i + 9 <= corners.size(); i += 9) {
     append(normal, 12);
     append(corners.data() + i, 36);
-    append("\0\0", 2);
+    bytes.append(2, '\0');
   }
   return bytes;
 }

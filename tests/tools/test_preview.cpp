@@ -207,7 +207,7 @@ TEST_CASE("watch renders again when the scene changes, and survives errors in it
   REQUIRE(port > 0);
   const auto wait_for_state = [&](const std::string& state, const std::string& other_than) {
     for (int i = 0; i < 600; ++i, pause_for(0.05)) {
-      const nlohmann::json now = status(port);
+      nlohmann::json now = status(port);
       if (now.is_object() && now["state"] == state && now["run"] != other_than) return now;
     }
     return nlohmann::json();
