@@ -91,8 +91,6 @@ class MaterialConverter {
       to_.anisotropy = factor(*e, "anisotropyStrength");
       to_.anisotropy_rotation = from_.number(*e, "anisotropyRotation", 0, part_);
       to_.anisotropy_texture = texture(*e, "anisotropyTexture");
-      if (to_.anisotropy_texture)
-        note("the directions in 'anisotropyTexture' are not supported (only its strength is used)");
     }
   }
 

@@ -5,6 +5,7 @@
 #include "scene/textures/bitmap.h"
 #include "scene/textures/checkerboard.h"
 #include "scene/textures/constant.h"
+#include "scene/textures/direction.h"
 #include "scene/textures/grid.h"
 #include "scene/textures/mesh_attribute.h"
 #include "scene/textures/mix.h"
@@ -47,6 +48,7 @@ using TextureKinds = TextureKindList<ConstantTextureDescription,   //
                                      WireframeDescription,         //
                                      ProductTextureDescription,    //
                                      ThresholdTextureDescription,  //
+                                     DirectionTextureDescription,  //
                                      UvSetTextureDescription>;
 
 /// The TextureKind of a kind, such as kTextureKind<BitmapDescription>.

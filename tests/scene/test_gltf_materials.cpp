@@ -222,6 +222,26 @@ TEST_CASE("gltf: layers, normal maps and their textures are read") {
   CHECK(std::get<float>(m.anisotropy_rotation) == 1.5f);
 }
 
+TEST_CASE("gltf: the texture of anisotropy gives strength and direction") {
+  const Read read = read_material(
+      {{"extensions",
+        {{"KHR_materials_anisotropy",
+          {{"anisotropyStrength", 0.5}, {"anisotropyRotation", 1.5}, {"anisotropyTexture", {{"index", 0}}}}}}}});
+  CHECK(read.d.notes.empty());
+  const MetallicRoughnessDescription& m = read.opaque();
+  const auto& direction = std::get<DirectionTextureDescription>(read.texture(m.anisotropy_rotation).model);
+  CHECK(direction.offset == 1.5f);
+  const auto channel = [&](const ScalarInput& input) {
+    const auto& image = std::get<BitmapDescription>(read.texture(input).model);
+    CHECK(image.raw);
+    return image.channel;
+  };
+  CHECK(channel(direction.x) == Channel::kRed);
+  CHECK(channel(direction.y) == Channel::kGreen);
+  const auto& strength = std::get<ProductTextureDescription>(read.texture(m.anisotropy).model);
+  CHECK(channel(ScalarInput(std::get<TextureId>(strength.b))) == Channel::kBlue);
+}
+
 TEST_CASE("gltf: values out of range and unsupported parts are noted") {
   const Read read = read_material(
       {{"name", "odd"},

@@ -1,4 +1,4 @@
-// Products, thresholds and textures at other coordinates.
+// Products, thresholds, directions and textures at other coordinates.
 #include "core/error.h"
 #include "core/exr.h"
 #include "scene/compile/compile.h"
@@ -12,6 +12,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace sheaf::test_texture_composition {
 
@@ -122,6 +123,32 @@ TEST_CASE("threshold textures: 1 from the threshold on and 0 below") {
   CHECK(lanes_agree(view, 1, [](int k) { return random_query(static_cast<std::uint32_t>(k)); }));
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   CHECK_THROWS_AS(compile_textures({texture(ThresholdTextureDescription{1.0f, kNan})}), SceneError);
+}
+
+TEST_CASE("direction textures: the angle of the vector in two channels, with an offset") {
+  const TemporaryFolder folder;
+  // East, north, west and south-east.
+  constexpr float kDiagonal = 0.35355339f;
+  TextureDescription x = image_texture(folder / "x.exr", 4, 1, 1, {1, 0.5f, 0, 0.5f + kDiagonal});
+  TextureDescription y = image_texture(folder / "y.exr", 4, 1, 1, {0.5f, 1, 0.5f, 0.5f - kDiagonal});
+  for (TextureDescription* t : {&x, &y}) std::get<BitmapDescription>(t->model).filter = TextureFilter::kNearest;
+  const DirectionTextureDescription plain{TextureId{0}, TextureId{1}};
+  const DirectionTextureDescription turned{TextureId{0}, TextureId{1}, 0.25f};
+  const TextureModel scaled = scaled_texture(turned, 2, [](const SpectrumInput& color) { return color; });
+  const TextureTables textures = compile_textures(
+      {x, y, texture(plain), texture(turned), texture(scaled), texture(DirectionTextureDescription{})});
+  const TextureView view = view_of(textures);
+  const double angles[4] = {0, 0.5 * std::numbers::pi, std::numbers::pi, -0.25 * std::numbers::pi};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const TextureQuery<Scalar> query = query_at((static_cast<float>(i) + 0.5f) / 4, 0.5f);
+    CHECK(double{lookup_scalar<Scalar>(view, 2, query)} == doctest::Approx(angles[i]));
+    CHECK(double{lookup_scalar<Scalar>(view, 3, query)} == doctest::Approx(angles[i] + 0.25));
+    CHECK(double{lookup_scalar<Scalar>(view, 4, query)} == doctest::Approx(2 * angles[i] + 0.5));
+    CHECK(double{lookup_texture<Scalar>(view, 3, query).c1} == doctest::Approx(angles[i] + 0.25));
+  }
+  CHECK(lookup_scalar<Scalar>(view, 5, query_at(0, 0)) == 0.0f);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_AS(compile_textures({texture(DirectionTextureDescription{1.0f, 0.5f, kNan})}), SceneError);
 }
 
 TEST_CASE("uv sets: the input is looked up at the coordinates in the attribute") {

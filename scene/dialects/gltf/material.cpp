@@ -142,6 +142,13 @@ class MaterialBuilder {
 
   TextureId attribute(const char* name) { return add_texture(MeshAttributeDescription{name}); }
 
+  ScalarInput anisotropy_rotation() {
+    const GltfTexture& texture = m_.anisotropy_texture;
+    if (!texture || m_.anisotropy == 0) return m_.anisotropy_rotation;
+    const ScalarInput x = image(*texture, Channel::kRed, true), y = image(*texture, Channel::kGreen, true);
+    return add_texture(DirectionTextureDescription{x, y, m_.anisotropy_rotation});
+  }
+
   SpectrumInput base_color() {
     const bool glossy = m_.specular_glossiness.has_value();
     SpectrumInput out = glossy ? color(m_.specular_glossiness->diffuse, m_.specular_glossiness->diffuse_texture)
@@ -202,7 +209,7 @@ class MaterialBuilder {
       out.specular_color = color(m_.specular_color, m_.specular_color_texture);
     }
     out.anisotropy = number(m_.anisotropy, m_.anisotropy_texture, Channel::kBlue);
-    out.anisotropy_rotation = m_.anisotropy_rotation;
+    out.anisotropy_rotation = anisotropy_rotation();
     out.sheen_color = color(m_.sheen_color, m_.sheen_color_texture);
     if (!is_zero(m_.sheen_color))
       out.sheen_roughness = number(m_.sheen_roughness, m_.sheen_roughness_texture, Channel::kAlpha);
