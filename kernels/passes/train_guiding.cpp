@@ -28,7 +28,7 @@ constexpr std::uint32_t kMinSamples = 8, kMinAutoSamples = 16;
 /// Shares of the passes in these samples.
 constexpr std::array kPassShares = {0.25, 0.25, 0.5};
 /// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
-constexpr std::uint32_t kPassSamples = 2;
+constexpr std::uint32_t kTrainingPixelSamples = 2;
 /// Camera samples per task.
 constexpr int kTrainingTaskSamples = 1024;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
@@ -122,9 +122,10 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   for (const double share : kPassShares) {
     // Sample some of the pixels twice, or all of them more often
     const double per_pixel = share * total / pixels;
-    const auto stride =
-        static_cast<int>(std::lround(std::sqrt(kPassSamples / std::min(per_pixel, double{kPassSamples}))));
-    const std::uint32_t count = std::max(1u, static_cast<std::uint32_t>(per_pixel / kPassSamples)) * kPassSamples;
+    const auto stride = static_cast<int>(
+        std::lround(std::sqrt(kTrainingPixelSamples / std::min(per_pixel, double{kTrainingPixelSamples}))));
+    const std::uint32_t count =
+        std::max(1u, static_cast<std::uint32_t>(per_pixel / kTrainingPixelSamples)) * kTrainingPixelSamples;
     passes.push_back({first, count, stride});
     first += count;
   }
