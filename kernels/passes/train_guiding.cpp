@@ -24,7 +24,7 @@ constexpr double kMinTraining = 1 << 14, kMaxTraining = 1 << 19;
 constexpr double kMaxShare = 0.125;
 /// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
 /// than kMinTraining, whose gain two passes would tell badly.
-constexpr std::uint32_t kMinSamples = 8, kMinAutoSamples = 16;
+constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
 /// Shares of the passes in these samples.
 constexpr std::array kPassShares = {0.25, 0.25, 0.5};
 /// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
@@ -115,7 +115,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
   const bool is_auto = mode == GuidingMode::kAuto;
   const double pixels = static_cast<double>(width) * height;
-  if (samples < (is_auto ? kMinAutoSamples : kMinSamples) || (is_auto && pixels < kMinTraining)) return {};
+  if (samples < (is_auto ? kMinAutoTrained : kMinTrained) || (is_auto && pixels < kMinTraining)) return {};
   const double total = std::min(std::clamp(pixels, kMinTraining, kMaxTraining), kMaxShare * samples * pixels);
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
