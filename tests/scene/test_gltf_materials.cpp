@@ -236,6 +236,7 @@ TEST_CASE("gltf: the texture of anisotropy gives strength and direction") {
     CHECK(image.raw);
     return image.channel;
   };
+  using Channel = BitmapDescription::Channel;
   CHECK(channel(direction.x) == Channel::kRed);
   CHECK(channel(direction.y) == Channel::kGreen);
   const auto& strength = std::get<ProductTextureDescription>(read.texture(m.anisotropy).model);
