@@ -80,7 +80,7 @@ Image DisplayTransform::apply(const Image& image) const {
   const DisplayChannels channels = display_channels(image);
   Image out = prepare_display(image, channels);
   expose(image, channels, exposure_of(image), out);
-  if (settings_.tone_map == ToneMap::kNone && !settings_.display_view) return out;
+  if (settings_.tone_map == ToneMap::kClamp && !settings_.display_view) return out;
 
   const DisplayChannels own = display_channels(out);
   const std::size_t stride = out.channels.size();
@@ -112,7 +112,7 @@ void DisplayTransform::map_colors(std::vector<Vec3f>& colors) const {
   }
   for (Vec3f& color : colors) color = {finite(color.x), finite(color.y), finite(color.z)};
   settings_.display_view->apply(&colors[0].x, colors.size());
-  for (Vec3f& color : colors) color = srgb_to_linear(tone_mapped(ToneMap::kNone, color));
+  for (Vec3f& color : colors) color = srgb_to_linear(tone_mapped(ToneMap::kClamp, color));
 }
 
 }  // namespace sheaf

@@ -19,7 +19,7 @@ double auto_exposure(const Image& image);
 /// Settings of a DisplayTransform. If `display_view` is set, `tone_map` is kNone.
 struct DisplaySettings {
   std::optional<double> exposure = 0.0;  ///< stops; nothing: auto_exposure()
-  ToneMap tone_map = ToneMap::kNone;
+  ToneMap tone_map = ToneMap::kClamp;
   std::shared_ptr<const ColorProcessor> display_view;  ///< from linear Rec.709 to values of the display; may be null
 };
 
@@ -30,7 +30,7 @@ class DisplayTransform {
 
   /// Whether images stay unchanged.
   bool is_identity() const {
-    return settings_.exposure == 0.0 && settings_.tone_map == ToneMap::kNone && !settings_.display_view;
+    return settings_.exposure == 0.0 && settings_.tone_map == ToneMap::kClamp && !settings_.display_view;
   }
   /// Whether exposure_of() depends on the image.
   bool is_automatic() const { return !settings_.exposure; }

@@ -45,7 +45,7 @@ Imath::V2f to_imath(Vec2f v) { return {v.x, v.y}; }
 
 Imf::Compression imf_compression(ExrCompression compression) {
   switch (compression) {
-    case ExrCompression::kNone:
+    case ExrCompression::kUncompressed:
       return Imf::NO_COMPRESSION;
     case ExrCompression::kRle:
       return Imf::RLE_COMPRESSION;

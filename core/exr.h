@@ -17,7 +17,7 @@ namespace sheaf {
 
 /// Compression of EXR files. kDwaa and kDwab are lossy for channels named R, G, B or Y in any
 /// layer.
-enum class ExrCompression { kNone, kRle, kZips, kZip, kPiz, kDwaa, kDwab };
+enum class ExrCompression { kUncompressed, kRle, kZips, kZip, kPiz, kDwaa, kDwab };
 
 /// Metadata of an EXR file, and how it is stored.
 struct ExrMetadata {

@@ -72,7 +72,7 @@ Vec3f tone_mapped(ToneMap map, Vec3f rgb) {
   };
   Color color{finite(rgb.x), finite(rgb.y), finite(rgb.z)};
   switch (map) {
-    case ToneMap::kNone:
+    case ToneMap::kClamp:
       break;
     case ToneMap::kFilmic:
       color = filmic(color);

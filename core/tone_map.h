@@ -11,12 +11,12 @@
 
 namespace sheaf {
 
-enum class ToneMap { kNone, kFilmic, kAces, kAgx };
+enum class ToneMap { kClamp, kFilmic, kAces, kAgx };
 inline constexpr NameTable<ToneMap> kToneMaps{
-    {{"none", ToneMap::kNone}, {"filmic", ToneMap::kFilmic}, {"aces", ToneMap::kAces}, {"agx", ToneMap::kAgx}}};
+    {{"none", ToneMap::kClamp}, {"filmic", ToneMap::kFilmic}, {"aces", ToneMap::kAces}, {"agx", ToneMap::kAgx}}};
 
-/// The displayed colour in [0, 1] of a colour of the scene. kNone clamps. Negative components become 0, NaN becomes 0,
-/// and infinity the largest float. Black maps to black, and greys to greys but for 0.001.
+/// The displayed colour in [0, 1] of a colour of the scene. kClamp only clamps. Negative components become 0, NaN
+/// becomes 0, and infinity the largest float. Black maps to black, and greys to greys but for 0.001.
 Vec3f tone_mapped(ToneMap map, Vec3f rgb);
 
 }  // namespace sheaf

@@ -53,7 +53,7 @@ std::string short_text(const OptionHelp& option) {
 
 /// The command in bash that completes the value of an option; empty if it has no value.
 std::string bash_value(const OptionHelp& option) {
-  if (option.kind == ValueKind::kNone) return "";
+  if (option.kind == ValueKind::kFlag) return "";
   if (!option.words.empty())
     return fmt::format("{} \"{}\"", option.is_list ? "_sheaf_list" : "_sheaf_words", joined(option.words, " "));
   if (option.kind == ValueKind::kFolder) return "_sheaf_folders";
@@ -78,7 +78,7 @@ std::string bash_command(const CommandHelp& command) {
 
 /// The part of a specification of _arguments after the description: ":value:action"; empty if there is no value.
 std::string zsh_value(const OptionHelp& option) {
-  if (option.kind == ValueKind::kNone) return "";
+  if (option.kind == ValueKind::kFlag) return "";
   std::string action;
   if (!option.words.empty())
     action =
@@ -96,7 +96,7 @@ std::string zsh_option(const OptionHelp& option) {
   const std::string others = option.repeats ? "*" : "(" + joined(option.names, " ") + ")";
   std::string text;
   for (const std::string& name : option.names) {
-    const char* const separator = option.kind == ValueKind::kNone ? "" : name.size() == 2 ? "+" : "=";
+    const char* const separator = option.kind == ValueKind::kFlag ? "" : name.size() == 2 ? "+" : "=";
     text += "            " +
             quoted(others + name + separator + "[" + escaped(short_text(option), "[]:\\") + "]" + zsh_value(option),
                    "'\\''") +
@@ -107,7 +107,7 @@ std::string zsh_option(const OptionHelp& option) {
 
 /// The arguments of `complete` in fish for the value of an option; empty if it has no value.
 std::string fish_value(const OptionHelp& option) {
-  if (option.kind == ValueKind::kNone) return "";
+  if (option.kind == ValueKind::kFlag) return "";
   if (!option.words.empty()) {
     const std::string words = joined(option.words, " ");
     return " -x -a " + quoted(option.is_list ? "(__fish_append , " + words + ")" : words, "\\'");

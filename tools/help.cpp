@@ -117,7 +117,7 @@ const CommandHelp* CommandHelp::find(const std::string& command) const {
 }
 
 std::string placeholder_of(const OptionHelp& option) {
-  if (option.kind == ValueKind::kNone) return "";
+  if (option.kind == ValueKind::kFlag) return "";
   if (!option.placeholder.empty()) return option.placeholder;
   if (option.only_words) return joined(option.words, "|");
   std::string text = kPlaceholders[static_cast<int>(option.kind)];

@@ -9,15 +9,15 @@
 
 namespace sheaf {
 
-/// The kind of an option's value.
-enum class ValueKind { kNone, kInteger, kNumber, kTime, kText, kFile, kFolder };
+/// The kind of an option's value; kFlag: it takes none.
+enum class ValueKind { kFlag, kInteger, kNumber, kTime, kText, kFile, kFolder };
 
 /// An option or a positional argument.
 struct OptionHelp {
   std::vector<std::string> names;  ///< "-o", "--output"; or the name of the argument
   std::string text;                ///< lines after the first are a list
   std::string group;               ///< title in the help; empty: none
-  ValueKind kind = ValueKind::kNone;
+  ValueKind kind = ValueKind::kFlag;
   std::string placeholder;              ///< of the value in the help, "WxH"; empty: by kind
   std::vector<std::string> words = {};  ///< values to complete
   bool only_words = false;              ///< other values are errors

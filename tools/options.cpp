@@ -326,11 +326,11 @@ Option Command::add_arguments(const std::string& name, std::vector<std::string>&
 }
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
-  return describe(*command_->add_flag(names, value, help), names, ValueKind::kNone, help);
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help);
 }
 
 Option Command::add_counter(const std::string& names, int& value, const std::string& help) {
-  return describe(*command_->add_flag(names, value, help), names, ValueKind::kNone, help).repeated();
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help).repeated();
 }
 
 Command Command::add_command(const std::string& name, const std::string& help) {

@@ -23,7 +23,7 @@ constexpr NameTable<ExrCompression> kCompressions{{{"zip", ExrCompression::kZip}
                                                    {"dwaa", ExrCompression::kDwaa},
                                                    {"dwab", ExrCompression::kDwab},
                                                    {"rle", ExrCompression::kRle},
-                                                   {"none", ExrCompression::kNone}}};
+                                                   {"none", ExrCompression::kUncompressed}}};
 
 /// A decimal number; nothing if the text is anything else.
 std::optional<double> number_in(std::string_view text) {

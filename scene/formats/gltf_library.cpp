@@ -50,7 +50,7 @@ std::string at(const char* list, std::size_t i) { return std::string(list) + "["
 /// Converts a parsed document.
 class Converter : GltfChecker {
  public:
-  Converter(const tinygltf::Model& model, GltfFile& out) : GltfChecker(model, out) {}
+  Converter(const tinygltf::Model& from, GltfFile& to) : GltfChecker(from, to) {}
 
   void convert() {
     out.generator = model.asset.generator;

@@ -16,7 +16,7 @@ namespace sheaf {
 /// Reads numbers and references of the parsed document and checks them.
 class GltfChecker {
  public:
-  GltfChecker(const tinygltf::Model& model, GltfFile& out) : model(model), out(out) {}
+  GltfChecker(const tinygltf::Model& from, GltfFile& to) : model(from), out(to) {}
 
   /// Throws SceneError unless `value` is kNoIndex or an index into `count` elements.
   int index(int value, std::size_t count, const std::string& part, const char* name) const {

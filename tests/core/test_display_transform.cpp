@@ -22,7 +22,7 @@ Image image_of(std::vector<std::string> channels, std::vector<float> pixels) {
   return image;
 }
 
-DisplayTransform transform(std::optional<double> exposure, ToneMap map = ToneMap::kNone) {
+DisplayTransform transform(std::optional<double> exposure, ToneMap map = ToneMap::kClamp) {
   DisplaySettings settings;
   settings.exposure = exposure;
   settings.tone_map = map;

@@ -123,8 +123,8 @@ TEST_CASE("every compression is read back; only DWA changes values, and only tho
   const Image image = make_noise(70, 50, {"CryptoObject00.r", "R", "Z"});
   std::vector<std::size_t> sizes;
   for (const ExrCompression compression :
-       {ExrCompression::kNone, ExrCompression::kRle, ExrCompression::kZips, ExrCompression::kZip, ExrCompression::kPiz,
-        ExrCompression::kDwaa, ExrCompression::kDwab}) {
+       {ExrCompression::kUncompressed, ExrCompression::kRle, ExrCompression::kZips, ExrCompression::kZip,
+        ExrCompression::kPiz, ExrCompression::kDwaa, ExrCompression::kDwab}) {
     CAPTURE(static_cast<int>(compression));
     ExrMetadata metadata;
     metadata.compression = compression;

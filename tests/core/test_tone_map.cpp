@@ -67,7 +67,7 @@ TEST_CASE("tone maps: any input gives values in [0, 1]") {
   const float values[] = {-inf, -1e30f, -1, -0.0f, 0, 1e-30f, 0.5f, 1, 100, 3e38f, inf, nan};
   std::mt19937 random(1);
   std::uniform_int_distribution<std::size_t> any(0, std::size(values) - 1);
-  for (const ToneMap curve : {ToneMap::kNone, ToneMap::kFilmic, ToneMap::kAces, ToneMap::kAgx})
+  for (const ToneMap curve : {ToneMap::kClamp, ToneMap::kFilmic, ToneMap::kAces, ToneMap::kAgx})
     for (int i = 0; i < 2000; ++i) {
       const Vec3f in{values[any(random)], values[any(random)], values[any(random)]};
       const Vec3f out = tone_mapped(curve, in);
@@ -76,7 +76,7 @@ TEST_CASE("tone maps: any input gives values in [0, 1]") {
   // Colours outside of Rec.709 are clipped to it before the curve.
   for (const ToneMap curve : kCurves)
     CHECK(tone_mapped(curve, {0.5f, -0.3f, 0.2f}) == tone_mapped(curve, {0.5f, 0, 0.2f}));
-  CHECK(tone_mapped(ToneMap::kNone, {0.25f, 2, nan}) == Vec3f{0.25f, 1, 0});
+  CHECK(tone_mapped(ToneMap::kClamp, {0.25f, 2, nan}) == Vec3f{0.25f, 1, 0});
 }
 
 }  // namespace sheaf::test_tone_map
