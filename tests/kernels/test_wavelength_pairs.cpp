@@ -19,7 +19,7 @@ namespace sheaf::test_wavelength_pairs {
 
 namespace {
 
-constexpr CompileOptions kSpectral{.color = ColorMode::kSpectral};
+const CompileOptions kSpectral{.color = ColorMode::kSpectral};
 
 /// Rescaled path pdfs that differ between lanes.
 const Spectrum4 kUnequal{2, 1, 0.5f, 3.5f};
