@@ -18,7 +18,7 @@ namespace sheaf::test_spectral_render {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-constexpr CompileOptions kSpectralOptions{false, ColorMode::kSpectral};
+const CompileOptions kSpectralOptions{false, ColorMode::kSpectral};
 
 Image render_image(const Description& d, ColorMode color, std::uint32_t spp, std::uint32_t seed) {
   RenderOptions options;
