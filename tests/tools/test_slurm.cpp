@@ -88,7 +88,8 @@ TEST_SUITE("slow") {
     CHECK(contains(timed_out, "was ended by signal 15"));
     for (const std::string frame : {"1", "2"}) {
       CAPTURE(frame);
-      REQUIRE(run(folder, "render 'a scene.xml' -D frame=" + frame + " --replicates 8 --quiet -o whole.exr").code == 0);
+      REQUIRE(run(folder, "render 'a scene.xml' -D frame=" + frame + " --replicates 16 --quiet -o whole.exr").code ==
+              0);
       check_near(read_exr(folder / ("out_000" + frame + ".exr")), read_exr(folder / "whole.exr"));
     }
   }
