@@ -111,8 +111,8 @@ TEST_CASE("options: guiding has a value, or none and means on") {
     CHECK(guiding["used"] == true);
     CHECK(guiding["gain"].is_null());
   }
-  CHECK(mode("scene.xml -o out.exr --guiding auto")["gain"].is_number());
-  CHECK(mode("scene.xml -o out.exr --guiding off")["passes"] == 0);
+  CHECK(mode("scene.xml --size 128x128 -o out.exr --guiding auto")["gain"].is_number());
+  CHECK(mode("scene.xml --size 128x128 -o out.exr --guiding off")["passes"] == 0);
   const Outcome unknown = run(place.folder, "render scene.xml --guiding=maybe -o out.exr");
   CHECK(unknown.code == 2);
   CHECK(contains(unknown.err, "maybe"));
