@@ -17,16 +17,18 @@ namespace sheaf {
 
 namespace {
 
-/// Camera samples of training: one per pixel of the frame, within these bounds. It does not depend on the number of
+/// Camera samples of training: two per pixel of the frame, within these bounds. It does not depend on the number of
 /// samples, so that a longer render of the same frame has the same guide.
-constexpr double kMinTraining = 1 << 14, kMaxTraining = 1 << 19;
+constexpr double kPerPixel = 2, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
+/// Samples of the first pass: one per eight pixels, within these bounds. The second is equally large, and every further
+/// one twice as large as the one before.
+constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 15;
 /// Maximum share of training in the samples of a render.
 constexpr double kMaxShare = 0.125;
 /// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
-/// than kMinTraining, whose gain two passes would tell badly.
+/// than kMinAutoPixels, whose gain two passes would tell badly.
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
-/// Shares of the passes in these samples.
-constexpr std::array kPassShares = {0.25, 0.25, 0.5};
+constexpr double kMinAutoPixels = 1 << 14;
 /// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
 constexpr std::uint32_t kTrainingPixelSamples = 2;
 /// Camera samples per task.
@@ -115,13 +117,16 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
   const bool is_auto = mode == GuidingMode::kAuto;
   const double pixels = static_cast<double>(width) * height;
-  if (samples < (is_auto ? kMinAutoTrained : kMinTrained) || (is_auto && pixels < kMinTraining)) return {};
-  const double total = std::min(std::clamp(pixels, kMinTraining, kMaxTraining), kMaxShare * samples * pixels);
+  if (samples < (is_auto ? kMinAutoTrained : kMinTrained) || (is_auto && pixels < kMinAutoPixels)) return {};
+  const double wanted = std::clamp(kPerPixel * pixels, kMinTraining, kMaxTraining);
+  const double total = std::min(wanted, kMaxShare * samples * pixels);
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
-  for (const double share : kPassShares) {
+  double size = std::min(std::clamp(pixels / 8, kMinPass, kMaxPass), total / 4);
+  for (double sum = 0; sum < 0.99 * total; sum += size) {
+    if (passes.size() > 1) size *= 2;
     // Sample some of the pixels twice, or all of them more often
-    const double per_pixel = share * total / pixels;
+    const double per_pixel = size / pixels;
     const auto stride = static_cast<int>(
         std::lround(std::sqrt(kTrainingPixelSamples / std::min(per_pixel, double{kTrainingPixelSamples}))));
     const std::uint32_t count =
