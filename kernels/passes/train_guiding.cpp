@@ -17,9 +17,10 @@ namespace sheaf {
 
 namespace {
 
-/// Camera samples of training: two per pixel of the frame, within these bounds. It does not depend on the number of
-/// samples, so that a longer render of the same frame has the same guide.
-constexpr double kPerPixel = 2, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
+/// Camera samples of training: two per pixel of the frame, within these bounds. With kAuto it does not depend on the
+/// number of samples, so that a longer render of the same frame has the same guide; otherwise training takes a larger
+/// share of the samples, if that is more.
+constexpr double kPerPixel = 2, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
 /// Samples of the first pass: one per eight pixels, within these bounds. The second is equally large, and every further
 /// one twice as large as the one before.
 constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 15;
@@ -118,7 +119,8 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   const bool is_auto = mode == GuidingMode::kAuto;
   const double pixels = static_cast<double>(width) * height;
   if (samples < (is_auto ? kMinAutoTrained : kMinTrained) || (is_auto && pixels < kMinAutoPixels)) return {};
-  const double wanted = std::clamp(kPerPixel * pixels, kMinTraining, kMaxTraining);
+  const double share = is_auto ? 0 : kShare * samples;
+  const double wanted = std::clamp(std::max(kPerPixel, share) * pixels, kMinTraining, kMaxTraining);
   const double total = std::min(wanted, kMaxShare * samples * pixels);
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
