@@ -19,6 +19,9 @@ constexpr double kDarkest = 0.01;
 /// reduces the error of unguided paths more.
 constexpr double kMinGain = 1.25;
 
+/// Number of groups of pixels, each of which the jackknife leaves out once.
+constexpr std::size_t kGroups = 16;
+
 struct Mean {
   double sum = 0, count = 0;
 
@@ -28,9 +31,6 @@ struct Mean {
   }
   double value() const { return count > 0 ? sum / count : 0; }
 };
-
-/// Number of groups of pixels, each of which the jackknife leaves out once.
-constexpr std::size_t kGroups = 16;
 
 /// Mean without the largest values. Reorders `values`.
 double trimmed_mean(std::vector<float>& values) {

@@ -144,7 +144,7 @@ PhotonMap trace_photons(const StageContext& context, Workers& workers, const Pho
   TracedPhotons traced = trace(context, workers, request, tracing);
   const std::uint64_t start = timestamp();
   const PhotonMappingSettings& settings = context.integrator.photons;
-  PhotonMap map(std::move(traced.tasks), traced.emitted, request.radius, settings.kernel, settings.lookup_size,
+  PhotonMap map(traced.tasks, traced.emitted, request.radius, settings.kernel, settings.lookup_size,
                 context.scene.color == ColorMode::kSpectral);
   tracing.report.index_seconds += seconds_since(start);
   return map;
@@ -155,7 +155,7 @@ VolumePhotonMaps trace_volume_photons(const StageContext& context, Workers& work
   TracedPhotons traced = trace(context, workers, request, tracing);
   const std::uint64_t start = timestamp();
   const PhotonKernel kernel = context.integrator.photons.kernel;
-  VolumePhotonMaps map{{std::move(traced.tasks), traced.emitted, request.radius, kernel}, {}};
+  VolumePhotonMaps map{{traced.tasks, traced.emitted, request.radius, kernel}, {}};
   if (context.integrator.photons.uses_beams())
     map.beams = {traced.beams, traced.emitted, request.beam_radius, kPieceOfScene * context.scene.radius, kernel};
   tracing.report.index_seconds += seconds_since(start);

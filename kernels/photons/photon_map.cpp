@@ -149,8 +149,8 @@ void fill_block(const BlockPhotons& block, const PhotonBlockGroup& group, std::u
 
 }  // namespace
 
-PhotonMap::PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
-                     int lookup_size, bool four_lanes)
+PhotonMap::PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius,
+                     PhotonKernel kernel, int lookup_size, bool four_lanes)
     : radius_(radius), kernel_(kernel), lookup_size_(lookup_size), four_lanes_(four_lanes) {
   const PhotonOrder order(tasks, kCellOfRadius * radius);
   size_ = order.size();

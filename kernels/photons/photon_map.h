@@ -102,7 +102,7 @@ class PhotonMap {
   PhotonMap() = default;
   /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: in metres, positive;
   /// `four_lanes`: whether powers have a fourth lane. Built by all threads; the map does not depend on their number.
-  PhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
+  PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
             int lookup_size = 0, bool four_lanes = true);
 
   PhotonMapView view() const;

@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-VolumePhotonMap::VolumePhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius,
+VolumePhotonMap::VolumePhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius,
                                  PhotonKernel kernel)
     : radius_(radius), kernel_(kernel) {
   const PhotonOrder photons(tasks, 0.125f * radius);

@@ -16,7 +16,8 @@ class VolumePhotonMap {
   VolumePhotonMap() = default;
   /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the discs, in metres,
   /// positive.
-  VolumePhotonMap(std::vector<std::vector<Photon>> tasks, std::uint64_t emitted, float radius, PhotonKernel kernel);
+  VolumePhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius,
+                  PhotonKernel kernel);
 
   /// Data of a photon that a ray has found.
   struct Record {

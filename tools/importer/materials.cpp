@@ -98,7 +98,7 @@ class MaterialConverter {
 
   void note(const std::string& message) { to_.notes.push_back("material '" + name_ + "': " + message); }
 
-  /// The first texture of these types as a texture of glTF; null if there is none.
+  /// Returns the first texture of these types as a glTF texture, or null.
   json texture(std::initializer_list<aiTextureType> types) {
     for (const aiTextureType type : types) {
       aiString path;
@@ -112,7 +112,7 @@ class MaterialConverter {
     return nullptr;
   }
 
-  /// The image of a texture type, as text; empty if there is none.
+  /// Returns the file name of the image of a texture type, or an empty string.
   std::string path(aiTextureType type) const {
     aiString path;
     return from_.GetTexture(type, 0, &path) == aiReturn_SUCCESS ? text(path) : std::string();
