@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kAbsent = -1;        ///< attribute absent
+constexpr int kAbsent = -1;      ///< attribute absent
 constexpr int kOutOfRange = -2;  ///< index without a value in the file
 
 /// One corner of a face: 0-based indices into the file's lists, or kAbsent.
@@ -39,8 +39,8 @@ template <class T> struct AttributeList {
   int highest = kAbsent;
   int line_of_highest = 0;
 
-  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kAbsent. Indices before
-  /// the first value are errors, or become kOutOfRange.
+  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kAbsent. Indices
+  /// before the first value are errors, or become kOutOfRange.
   int resolve(int index, const ObjLines& lines, BadFaces bad_faces) {
     if (index == 0) return kAbsent;
     const auto count = static_cast<int>(values.size());
