@@ -9,6 +9,7 @@
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -81,10 +82,11 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
+  const F time = path_times<L>(scene, wave, slots);
   const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
   for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light) {
     if (!surrounds_scene(scene, light)) continue;
-    const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, lambda);
+    const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, time, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
     const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf,
                                         probability * arriving.pdf_solid_angle * from.light_ratio) /
@@ -103,8 +105,9 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const PathState<L> path = wave.paths.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
+  const F time = path_times<L>(context.scene, wave, slots);
   const auto y = surface_point<L, kTextured>(context.scene, shape, hit.primitive, hit.u, hit.v,
-                                             ray.origin + ray.direction * hit.t, hit.instance);
+                                             ray.origin + ray.direction * hit.t, hit.instance, time);
   // Evaluate the emitted radiance
   LightRecord<L> light = load_lights<L>(context.scene, hit.light);
   const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
@@ -121,9 +124,10 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
       faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   // Add the radiance, weighted by MIS
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
-  const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
-                light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,
-                                         hit.t + from.distance_since_vertex, y.ng);
+  const F pdf =
+      choice_probability<L>(context.scene, from.receiver, hit.light) *
+      light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
+                               {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng}, time);
   const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
   add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
   // Continue camera rays behind hidden lights

@@ -6,6 +6,7 @@
 #include "kernels/stages/blend_value.h"
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -58,7 +59,8 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
                                  const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
   using F = Float<L>;
   const LightSample<L> light = sample_light<L, kMode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
-                                                      tile.u, shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
+                                                      tile.u, path_times<L>(context.scene, wave, tile.slots),
+                                                      shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;

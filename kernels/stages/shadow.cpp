@@ -31,7 +31,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kAny,
       [&](int first, int count, RayPacket& packet) {
-        for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(wave, first + at, packet, at); });
+        for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(context.scene, wave, first + at, packet, at); });
       },
       [&](int first, int count, const RayPacket& packet) {
         std::uint32_t arrived = 0;

@@ -101,8 +101,9 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;
   const float u = packet.u[at], v = packet.v[at];
-  const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
-                                             ray.item.origin + d * packet.t_far[at], packet.instance[at]);
+  const auto y =
+      surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v, ray.item.origin + d * packet.t_far[at],
+                                  packet.instance[at], packet.time[at]);
   StraightTransmission<Scalar> passage;
   // Find the pass-through probability
   if (hidden) {
@@ -238,7 +239,7 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
       context.scene, wave, rays, RayRecorder::Query::kNearest,
       [&](int first, int count, RayPacket& packet) {
         for_tiles<L>(count, [&](int at, int) {
-          pack_shadow_rays<L>(wave, first + at, packet, at);
+          pack_shadow_rays<L>(context.scene, wave, first + at, packet, at);
           store(packet.shape + at, Uint<L>(kNone));
         });
       },

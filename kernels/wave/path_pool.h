@@ -43,6 +43,7 @@ struct PathPool {
   /// Spectral mode: the number from which the wavelengths of a path are derived, one word per slot; see
   /// kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
+  float* times = nullptr;  ///< WaveNeeds::times: see kernels/wave/path_time.h
   /// WaveNeeds::distance: distance from the last vertex to the ray's origin, m.
   float* distance_since_vertex = nullptr;
   /// WaveNeeds::guides: expected contribution of the path's first guided vertex, lanes added up; 0: none yet.
@@ -72,6 +73,7 @@ struct PathPool {
     f(pool.radiance, true);
     f(pool.rescaled_pdfs, needs.transparency);
     f(pool.wavelength_samples, needs.spectral);
+    f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);
     f(pool.guide_references, needs.guides);
   }

@@ -57,6 +57,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   const SceneView& scene = context.scene;
   WaveNeeds needs;
   needs.spectral = scene.color == ColorMode::kSpectral;
+  needs.times = scene.motion.any();
   needs.transparency = scene.needs_transmittance;
   needs.distance = needs.transparency || context.integrator.hide_emitters;
   needs.textures = false;

@@ -8,6 +8,7 @@ namespace sheaf {
 /// Columns that not every scene needs. The default needs all of them.
 struct WaveNeeds {
   bool spectral = true;                  ///< wavelengths
+  bool times = true;                     ///< times of paths
   bool transparency = true;              ///< RescaledPdfs and TransmittanceItem
   bool distance = true;                  ///< distance from the last vertex, for rays that continue behind a surface
   bool textures = true;                  ///< inputs of textures and normal maps
