@@ -16,8 +16,7 @@ namespace {
 double largest_difference(const Transform& a, const Transform& b) {
   double largest = 0;
   for (std::size_t r = 0; r < 4; ++r)
-    for (std::size_t c = 0; c < 4; ++c)
-      largest = std::max(largest, std::fabs(a.matrix().m[r][c] - b.matrix().m[r][c]));
+    for (std::size_t c = 0; c < 4; ++c) largest = std::max(largest, std::fabs(a.matrix().m[r][c] - b.matrix().m[r][c]));
   return largest;
 }
 
@@ -41,8 +40,7 @@ TEST_CASE("animated transforms: the factors multiply to the matrix, and the rota
     const Quaternion& q = parts.rotation;
     CHECK(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w == doctest::Approx(1));
     for (std::size_t r = 0; r < 3; ++r)
-      for (std::size_t c = 0; c < r; ++c)
-        CHECK(std::fabs(parts.stretch[r][c] - parts.stretch[c][r]) < 1e-9);
+      for (std::size_t c = 0; c < r; ++c) CHECK(std::fabs(parts.stretch[r][c] - parts.stretch[c][r]) < 1e-9);
   }
 }
 
@@ -91,8 +89,9 @@ TEST_CASE("animated transforms: a product interpolates each factor by itself") {
 
 TEST_CASE("animated transforms: a transform without keys does not move") {
   const Transform shift = Transform::translate({1, 2, 3});
-  const AnimatedTransform still = AnimatedTransform(shift) * AnimatedTransform(std::vector<AnimatedTransform::Key>{
-                                                                 {7, Transform::scale({2, 2, 2})}});
+  const AnimatedTransform still =
+      AnimatedTransform(shift) *
+      AnimatedTransform(std::vector<AnimatedTransform::Key>{{7, Transform::scale({2, 2, 2})}});
   CHECK_FALSE(still.moves());
   CHECK(still.key_times().empty());
   CHECK(largest_difference(still.at(5), shift * Transform::scale({2, 2, 2})) < 1e-12);
