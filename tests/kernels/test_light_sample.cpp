@@ -58,8 +58,8 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
   const auto light = load_lights<Scalar>(scene, shape.light);
   const float choice = choice_probability<Scalar>(scene, {from, {}}, shape.light);
   return {true, hit->t,
-          lit ? choice *
-                    light_pdf_solid_angle<Scalar>(scene, shape.light, light, true, {from, direction, hit->t, y.ng}, 0.0f)
+          lit ? choice * light_pdf_solid_angle<Scalar>(scene, shape.light, light, true, {from, direction, hit->t, y.ng},
+                                                       0.0f)
               : 0};
 }
 

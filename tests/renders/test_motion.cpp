@@ -1,10 +1,10 @@
 // Motion blur: closed forms of moving edges, lights and cameras, and agreement of estimators on moving scenes.
 #include "kernels/wave/wave_needs.h"
+#include "tests/support/envmap_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/render_testing.h"
-
-#include <functional>
+#include "tests/support/temporary_folder.h"
 
 namespace sheaf::test_motion {
 
@@ -211,6 +211,77 @@ TEST_CASE("motion: a blocker casts its shadow for part of the time") {
   move(d, add_rectangle(d, {}, {}), {{0, shift(-1.6f, 0, 2)}, {1, shift(0.4f, 0, 2)}});
   expose(d, 0, 1);
   check_mean(green(d), 0.3 * 0.5 / double(kPi) / 16, kSignificance, 1e-5);
+}
+
+TEST_CASE("motion: a directional light that turns gives the mean of its cosine") {
+  Description d = floor_scene(64);
+  d.lights.push_back({DirectionalLightDescription{{0, 0, -1}}, {}});
+  d.lights.back().motion = add_motion(d, {{0, {}}, {1, Transform::rotate({1, 0, 0}, 60)}});
+  expose(d, 0, 1);
+  const double mean_cosine = std::sin(double(kPi) / 3) / (double(kPi) / 3);
+  check_mean(green(d), 0.5 / double(kPi) * mean_cosine, kSignificance, 2e-5);
+}
+
+TEST_CASE("motion: a spot light that turns lights a point for part of the time") {
+  Description d = floor_scene(64);
+  SpotLightDescription spot;
+  spot.to_world = shift(0, 0, 2) * Transform::rotate({1, 0, 0}, 180);
+  spot.cutoff_angle = spot.beam_width = 30;
+  d.lights.push_back({spot, {}});
+  const MotionId id = add_motion(d, {{0, {}}, {1, Transform::rotate({1, 0, 0}, 90)}});
+  d.lights.back().motion = id;
+  d.motions.back() =
+      AnimatedTransform(shift(0, 0, 2)) * d.motions.back() * AnimatedTransform(Transform::rotate({1, 0, 0}, 180));
+  // A second light, so that the choice depends on the bounds over time
+  add_point_light(d, {0, 0, 2}, 1);
+  expose(d, 0, 1);
+  check_mean(green(d), (1 + 1.0 / 3) * 0.5 / double(kPi) / 4, kSignificance, 2e-5);
+}
+
+TEST_CASE("motion: an environment map that turns is sampled where it is") {
+  const TemporaryFolder folder;
+  test::write_map(folder / "map.exr", test::uneven_image());
+  Description d = floor_scene(256);
+  const Transform up = Transform::rotate({1, 0, 0}, 90);
+  d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, up}, {}});
+  d.lights.back().motion = add_motion(d, {{0, up}, {1, Transform::rotate({0, 1, 1}, 100) * up}});
+  expose(d, 0, 1);
+  check_strategies_agree(d, significance_of_each(9));
+}
+
+TEST_CASE("motion: an environment map that turns about the vertical gives the mean over its turns") {
+  const TemporaryFolder folder;
+  test::write_map(folder / "map.exr", test::uneven_image());
+  const auto image = [&](bool moves, double degrees) {
+    Description d = floor_scene(512);
+    const Transform up = Transform::rotate({1, 0, 0}, 90);
+    const auto turned = [&](double angle) { return Transform::rotate({0, 1, 0}, angle) * up; };
+    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turned(degrees)}, {}});
+    if (moves) {
+      d.lights.back().motion = add_motion(d, {{0, up}, {0.5, turned(60)}, {1, turned(120)}});
+      std::get<EnvmapDescription>(d.lights.back().model).to_world = up;
+      expose(d, 0, 1);
+    }
+    return green(d);
+  };
+  // Means over the angle by Gauss's rule with three points
+  const MeanVariance first = image(false, 60 * (1 - std::sqrt(0.6))), middle = image(false, 60),
+                     last = image(false, 60 * (1 + std::sqrt(0.6)));
+  const double expected = (5 * first.mean() + 8 * middle.mean() + 5 * last.mean()) / 18;
+  CHECK(std::fabs(first.mean() - last.mean()) > 0.1 * expected);
+  CHECK(image(true, 0).mean() == doctest::Approx(expected).epsilon(0.05));
+}
+
+TEST_CASE("motion: shadows reach blockers that leave the bounds of the first moment") {
+  Description d = one_point_scene(64);
+  look_at_point(d, {0, -0.4f, 0.4f}, {0, 0, 0});
+  d.integrator.max_depth = 2;
+  add_rectangle(d, Transform::scale({0.5f, 0.5f, 1}), add_diffuse(d, 0.5f));
+  d.lights.push_back({DirectionalLightDescription{{0, 0, -1}}, {}});
+  // Blocks the light for the last 0.4 of the time, from high above
+  move(d, add_rectangle(d, {}), {{0, shift(-1.6f, 0, 1)}, {0.6, shift(-1, 0, 40)}, {1, shift(-0.6f, 0, 40)}});
+  expose(d, 0, 1);
+  check_mean(green(d), 0.6 * 0.5 / double(kPi), kSignificance, 1e-4);
 }
 
 TEST_CASE("motion: light and BSDF sampling agree on lights that move, turn and stretch") {
