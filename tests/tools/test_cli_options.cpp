@@ -272,6 +272,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"denoise", "nlm"},
                                                                    {"watertight", ""},
                                                                    {"noise-target", "0.5"},
+                                                                   {"shutter", "0:1"},
                                                                    {"lenient", ""},
                                                                    {"nori-camera", "upstream"},
                                                                    {"float", ""},
@@ -297,6 +298,31 @@ const std::vector<std::pair<std::string, std::string>> kRuns = {
     {"ocio-view", ""},   {"compression", "piz"}, {"jpeg-quality", "90"}, {"bvh", "compact"}};
 
 }  // namespace
+
+TEST_CASE("options: --shutter takes two times and a ramp") {
+  const Workplace place;
+  for (const char* const shutter : {"0:0", "0:0.02", "1:2:0.5", "1e-3:2e-3:0"}) {
+    CAPTURE(std::string(shutter));
+    CHECK(place.render("--quiet --shutter " + std::string(shutter)).code == 0);
+  }
+  CHECK(place.render("--quiet --shutter=-1:1").code == 0);
+  for (const auto& [shutter, message] : {std::pair{"1", "expected OPEN:CLOSE or OPEN:CLOSE:RAMP"},
+                                         {"0:", "expected OPEN:CLOSE"},
+                                         {"0:1:", "expected OPEN:CLOSE"},
+                                         {"0:1:0.1:2", "expected OPEN:CLOSE"},
+                                         {"0:inf", "expected OPEN:CLOSE"},
+                                         {"0:1s", "expected OPEN:CLOSE"},
+                                         {"2:1", "expected a shutter that opens before it closes"},
+                                         {"0:1:0.6", "expected a ramp from 0 to 0.5"},
+                                         {"0:1:nan", "expected OPEN:CLOSE"}}) {
+    const Outcome outcome = place.render("--shutter '" + std::string(shutter) + "'");
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "--shutter '" + std::string(shutter) + "': " + message));
+  }
+  write_bytes(place.folder / "model.stl", "");
+  CHECK(contains(run(place.folder, "render model.stl --shutter 0:1").err, "--shutter applies to scenes"));
+}
 
 TEST_CASE("options: a render resumes from its checkpoint only with its original options") {
   const Workplace place;

@@ -17,8 +17,9 @@ void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
 ShutterDescription read_shutter(Properties& p) {
   const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
   if (close < open)
-    p.fail_at("shutter_close",
-              "is " + number_text(double{close}) + ", expected at least 'shutter_open', " + number_text(double{open}));
+    p.fail_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
+              "makes the shutter open at " + number_text(double{open}) + " and close at " + number_text(double{close}) +
+                  ", expected it to close later");
   return {double{open}, double{close}, p.number("shutter_ramp", 0, {0, 0.5, false})};
 }
 
