@@ -184,6 +184,16 @@ TEST_CASE("motion: instances move, and shapes within groups") {
   // The resting instance
   CHECK_FALSE(d.instances[2].motion.has_value());
   CHECK(difference(motion(3).at(2), Transform::translate({0, 5, 0}) * half_way()) < kTolerance);
+  // A product that is too extreme
+  const std::string tiny = "<transform name='to_world'><scale value='1e-8'/></transform>";
+  const std::string extreme = mitsuba_scene(
+      "<shape type='shapegroup' id='g'><shape type='cube'><animation name='to_world'><transform time='0'/><transform "
+      "time='1'><scale value='1e-8'/></transform></animation></shape></shape><shape type='instance'><ref id='g'/>" +
+      tiny + "</shape>");
+  CHECK(contains(error_of_text(extreme), "scene.xml:4: an instance of a shape that moves has a transform that is"));
+  ReadOptions lenient;
+  lenient.lenient = true;
+  CHECK(read_text(extreme, lenient).instances.empty());
   // A group whose shapes all move has no instances
   const Description all = read_text(mitsuba_scene("<shape type='shapegroup' id='g'><shape type='cube'>" + animation() +
                                                   "</shape></shape><shape type='instance'><ref id='g'/></shape>"));
@@ -297,6 +307,10 @@ TransformBegin ActiveTransform EndTime TransformEnd Translate 1 0 0 Shape "spher
   CHECK_FALSE(d.shapes[0].motion.has_value());
   CHECK(difference(motion_of(d, d.shapes[1].motion, Transform()).at(0.5), half_way()) < kTolerance);
   CHECK_FALSE(d.shapes[2].motion.has_value());
+  const Description start = read_pbrt_world("ActiveTransform StartTime Translate 6 0 0 Shape \"sphere\"");
+  const AnimatedTransform& arrives = motion_of(start, start.shapes.at(0).motion, Transform::translate({6, 0, 0}));
+  CHECK(difference(arrives.at(0.5), Transform::translate({3, 0, 0})) < kTolerance);
+  CHECK(difference(arrives.at(1), Transform()) < kTolerance);
 }
 
 TEST_CASE("motion: shapes of pbrt with transforms of their own") {

@@ -45,6 +45,17 @@ Placement placement_of(const InstanceDescription& instance, const std::vector<An
   return Placement(Transform(matrix));
 }
 
+/// The placement of a shape that moves by `inner` within an instance; empty if it is singular or too extreme.
+std::optional<Placement> moving_placement(const Placement& outer, const AnimatedTransform& inner) {
+  try {
+    Placement placed(outer.motion.value_or(AnimatedTransform(outer.to_world)) * inner);
+    if (is_usable_placement(placed)) return placed;
+  } catch (const SceneError&) {
+    // Too extreme for double precision
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::array<float, 12> rows_of(const Transform& transform) {
@@ -60,7 +71,7 @@ bool is_usable_placement(const Placement& placement) {
                      [&](double time) { return is_usable_instance(rows_of(placement.motion->at(time))); });
 }
 
-void separate_moving_shapes(Description& description) {
+void separate_moving_shapes(Description& description, bool lenient) {
   // Split the groups
   std::map<std::uint32_t, std::vector<MovingGroup>> split;
   const auto count = static_cast<std::uint32_t>(description.groups.size());
@@ -79,8 +90,15 @@ void separate_moving_shapes(Description& description) {
     const Placement outer = placement_of(instance, description.motions);
     for (const MovingGroup& moving : found->second) {
       const AnimatedTransform& inner = description.motions[static_cast<std::size_t>(moving.motion)];
-      const Placement placed(outer.motion.value_or(AnimatedTransform(outer.to_world)) * inner);
-      instances.push_back({rows_of(placed.to_world), moving.group, add_motion(description.motions, placed)});
+      const std::optional<Placement> placed = moving_placement(outer, inner);
+      if (!placed) {
+        const SceneError error(description.groups[moving.group].where,
+                               "an instance of a shape that moves has a transform that is singular or too extreme");
+        if (!lenient) throw error;
+        description.stand_ins.push_back(std::string(error.what()) + " (instance ignored)");
+        continue;
+      }
+      instances.push_back({rows_of(placed->to_world), moving.group, add_motion(description.motions, *placed)});
     }
   }
   description.instances = std::move(instances);

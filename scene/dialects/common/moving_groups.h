@@ -13,7 +13,8 @@ std::array<float, 12> rows_of(const Transform& transform);
 bool is_usable_placement(const Placement& placement);
 
 /// Moves shapes with a motion from their groups to groups of their own, whose instances have that motion first. So the
-/// shapes of all groups are at rest.
-void separate_moving_shapes(Description& description);
+/// shapes of all groups are at rest. Throws SceneError if the product of both is singular or too extreme; if `lenient`,
+/// drops such instances and reports it.
+void separate_moving_shapes(Description& description, bool lenient);
 
 }  // namespace sheaf

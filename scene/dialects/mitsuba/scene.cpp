@@ -113,7 +113,7 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
-  separate_moving_shapes(context.description);
+  separate_moving_shapes(context.description, context.lenient);
   // Read the camera, then the integrator
   read_camera(reader, last.sensors);
   if (last.integrator != nullptr) {

@@ -191,7 +191,7 @@ void SceneBuilder::finish() {
     for (InstanceDescription& instance : object.instances) instance.group = group;
     std::move(object.instances.begin(), object.instances.end(), std::back_inserter(description.instances));
   }
-  separate_moving_shapes(description);
+  separate_moving_shapes(description, reader_.lenient);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
   if (reader_.visibility)
     apply_visibility_integrator(reader_.visibility->kind, reader_.visibility->length, true, description);
