@@ -24,6 +24,7 @@ Description lamps(int side) {
   d.sampler.kind = SamplerKind::kIndependent;
   d.sampler.sample_count = 16;
   d.integrator.max_depth = 4;
+  d.integrator.hide_emitters = true;  // whose squared radiance would hide that of surfaces
   d.integrator.light_selector = LightSelector::kUniform;
   look_at(d, {0, 0, 0.95f}, {0, -0.3f, -1}, {0, 1, 0}, 80);
   add_shape(d, CubeShape{}, Transform::scale({1, 1, 1}), add_two_sided(d, add_diffuse(d, 0.5f)));
