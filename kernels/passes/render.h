@@ -41,7 +41,11 @@ struct RenderOptions {
   AovSet aovs;                              ///< further layers; "variance" and "half" need two replicates or more
   bool light_groups = false;                ///< layers with the contribution of each of SceneNames::lights
   GuidingMode guiding = GuidingMode::kOff;  ///< path guiding, with training passes before the image is rendered
-  std::optional<PixelRect> crop;            ///< default: that of the scene, otherwise the whole frame
+  /// Chooses the number of light candidates in the first training passes, unless the scene sets it; see
+  /// choose_candidates(). Renders without training passes, shorter than 16 samples per pixel or smaller than 128 x 128
+  /// pixels have one candidate.
+  bool chooses_candidates = false;
+  std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame
   /// Called concurrently by workers after each task, with the number of samples done and in total.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
   /// Called concurrently, once per worker, to create its Wave::recorder; for benchmarks.
@@ -57,6 +61,11 @@ struct RenderOptions {
   /// Called before on_pause, with the statistics since the render was started or resumed. The report does not include
   /// the noise, which takes longer to compute.
   std::function<void(const RenderReport&)> on_report;
+
+  /// Whether training passes, if there are any, may choose the number of light candidates.
+  bool may_choose_candidates(const IntegratorSettings& integrator) const {
+    return chooses_candidates && !integrator.sets_candidates && integrator.strategy != LightStrategy::kBsdfOnly;
+  }
 };
 
 /// Noise of the image: Film::noise(), or image_noise() of the image with splats. Empty if there are splats but no

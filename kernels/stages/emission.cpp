@@ -4,6 +4,7 @@
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stage_list.h"
@@ -17,16 +18,33 @@ namespace sheaf {
 
 namespace {
 
-/// MIS weight of emission found by BSDF sampling. `scatter_pdf`: solid-angle pdf, 1/sr; 0 (delta lobe or camera ray)
-/// gives weight 1.
+/// MIS weight of emission found by BSDF sampling, against that many light candidates. `scatter_pdf`: solid-angle pdf,
+/// 1/sr; 0 (delta lobe or camera ray) gives weight 1.
 template <class L>
-SHEAF_INLINE Float<L> emission_weight(const IntegratorSettings& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
+SHEAF_INLINE Float<L> emission_weight(LightStrategy strategy, int candidates, Float<L> scatter_pdf,
+                                      Float<L> light_pdf) {
   using F = Float<L>;
   const auto specular = scatter_pdf == F(0.0f);
-  if (settings.strategy == LightStrategy::kBsdfOnly) return F(1.0f);
-  if (settings.strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
-  const F mis_weight = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), settings.candidates);
+  if (strategy == LightStrategy::kBsdfOnly) return F(1.0f);
+  if (strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
+  const F mis_weight = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), candidates);
   return select(specular, F(1.0f), mis_weight);
+}
+
+/// Adds emission to paths, weighted by MIS. `emitted`: times the throughput. `divisor`: see LightPath.
+template <class L>
+SHEAF_INLINE void add_emission(const StageContext& context, Wave& wave, const Slot* slots, std::uint32_t lanes,
+                               const Spectrum<L>& emitted, Float<L> divisor, Float<L> scatter_pdf, Float<L> light_pdf,
+                               typename L::Uint light) {
+  const LightStrategy strategy = context.integrator.strategy;
+  const Float<L> weight = emission_weight<L>(strategy, context.integrator.candidates, scatter_pdf, light_pdf) / divisor;
+  add_radiance<L>(wave, slots, lanes, emitted * weight, light);
+  if (!context.tries_candidates()) [[likely]]
+    return;
+  const auto found = [&](int i) {
+    return total(emitted) * (emission_weight<L>(strategy, kCandidateCounts[i], scatter_pdf, light_pdf) / divisor);
+  };
+  find_in_trial<L>(wave, slots, lanes, {found(0), found(1), found(2), found(3)});
 }
 
 /// The previous vertex as light_candidates saw it, and the pdfs of the path since then.
@@ -88,10 +106,8 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
     if (!surrounds_scene(scene, light)) continue;
     const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, time, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
-    const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf,
-                                        probability * arriving.pdf_solid_angle * from.light_ratio) /
-                     from.divisor;
-    add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight, U(light));
+    add_emission<L>(context, wave, slots, mask_bits(counts), path.beta * arriving.radiance, from.divisor,
+                    radiance.scatter_pdf, probability * arriving.pdf_solid_angle * from.light_ratio, U(light));
   }
 }
 
@@ -128,8 +144,8 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
       choice_probability<L>(context.scene, from.receiver, hit.light) *
       light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
                                {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng}, time);
-  const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
-  add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
+  add_emission<L>(context, wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance, from.divisor,
+                  radiance.scatter_pdf, pdf * from.light_ratio, hit.light);
   // Continue camera rays behind hidden lights
   continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
 }

@@ -34,6 +34,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   LightSampleContext<L> at[kTogether];
   LightTreeCut<L> tops[kTogether];
   Float<L> u[kTogether];
+  const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
   for (int i = 0; i < kTogether; ++i) {
     u[i] = tiles[i].u.x;
     if (!chooses_by_place(context.scene)) continue;
@@ -42,7 +43,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
     const Vec3<L> ns =
         mapped_parts ? receiver_normal<L>(context.scene, wave, tiles[i].slots, column, item.ns) : item.ns;
     at[i] = in_medium ? LightSampleContext<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
-    if (!wave.needs.light_tops) continue;
+    if (!shares_tops) continue;
     if (!is_first) {
       tops[i] = wave.light_tops.load<L>(column);
     } else {
@@ -50,7 +51,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
       wave.light_tops.store<L>(column, tops[i]);
     }
   }
-  choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
+  choose_lights<L>(context.scene, at, u, shares_tops ? tops : nullptr, choices);
 }
 
 /// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.

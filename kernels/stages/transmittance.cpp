@@ -9,6 +9,7 @@
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/pass_through_probability.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
@@ -147,6 +148,7 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
+  if (context.tries_candidates()) arrive_in_trial(wave, static_cast<Slot>(ray.item.slot), total(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 

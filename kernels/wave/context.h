@@ -1,6 +1,7 @@
 // The context of a stage: all that it reads besides its wave.
 #pragma once
 
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
 #include "scene/tables/scene.h"
 
@@ -52,6 +53,8 @@ class StageContext {
   bool samples_guide() const { return samples_guide_; }
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
+  /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
+  bool tries_candidates() const { return tries_candidates_; }
 
   /// Passes from the camera: sets the samples to take.
   void set_camera_task(CameraTask& task) { camera_task_ = &task; }
@@ -72,11 +75,17 @@ class StageContext {
     trains_guide_ = true;
     training_samples_ = &samples;
   }
+  /// Path passes that record training samples: also compares numbers of light candidates, with kTrialCandidates of
+  /// them.
+  void try_candidates() {
+    tries_candidates_ = true;
+    integrator.candidates = kTrialCandidates;
+  }
   /// Turns the pass into one from the lights, kLight or kPhoton, which emits the photons of `task`.
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
-    gathers_photons_ = samples_guide_ = trains_guide_ = false;
+    gathers_photons_ = samples_guide_ = trains_guide_ = tries_candidates_ = false;
   }
 
   /// Passes from the camera: the samples to take, and their results.
@@ -107,7 +116,7 @@ class StageContext {
 
  private:
   PassKind pass_;
-  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, tries_candidates_ = false;
   CameraTask* camera_task_ = nullptr;
   LightTask* light_task_ = nullptr;
   const PhotonMaps* photon_maps_ = nullptr;
@@ -118,6 +127,15 @@ class StageContext {
 /// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
   return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
+}
+
+/// Whether the candidates of a vertex share a cut of the light tree. From these numbers on, it saves more time than
+/// computing the cut takes.
+inline bool shares_light_tops(const StageContext& context) {
+  constexpr int kMinCandidates = 4;
+  constexpr std::uint32_t kMinLights = 32;
+  return context.integrator.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&
+         context.scene.lights.bounded_count >= kMinLights;
 }
 
 }  // namespace sheaf

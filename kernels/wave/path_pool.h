@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/slot_list.h"
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/wave_needs.h"
 
@@ -48,6 +49,7 @@ struct PathPool {
   float* distance_since_vertex = nullptr;
   /// WaveNeeds::guides: expected contribution of the path's first guided vertex, lanes added up; 0: none yet.
   float* guide_references = nullptr;
+  SlotTable<PathMoments> moments;  ///< WaveNeeds::candidate_trial
 
   // In the order of Queue.
   SlotList free;       ///< unused slots
@@ -76,6 +78,7 @@ struct PathPool {
     f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);
     f(pool.guide_references, needs.guides);
+    f(pool.moments, needs.candidate_trial);
   }
 };
 static_assert(std::size(PathPool::kLists) == kSlotLists);

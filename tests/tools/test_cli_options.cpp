@@ -96,6 +96,28 @@ TEST_CASE("options: times have units and shares may be percentages") {
   }
 }
 
+TEST_CASE("options: candidates are a number or chosen, and a scene's number stays unless auto is given") {
+  const Workplace place;
+  const auto candidates = [&](const std::string& words) {
+    REQUIRE(run(place.folder, "render scene.xml --size 128x128 --spp 16 -o a.exr --stats a.json " + words).code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["candidates"];
+  };
+  for (const std::string words : {"", "--candidates auto", "--integrator path_ris --candidates auto"}) {
+    CAPTURE(words);
+    CHECK(candidates(words)["gains"].size() == 4);
+  }
+  CHECK(candidates("--candidates 3")["count"] == 3);
+  CHECK(candidates("--candidates 3")["gains"].empty());
+  CHECK(candidates("--integrator path_ris")["count"] == 8);
+  CHECK(candidates("--guiding off")["gains"].empty());
+  for (const std::string bad : {"0", "1025", "many", "2x"}) {
+    CAPTURE(bad);
+    const Outcome outcome = run(place.folder, "render scene.xml -o a.exr --candidates " + bad);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "expected auto or a number from 1 to 1024"));
+  }
+}
+
 TEST_CASE("options: guiding has a value, or none and means on") {
   const Workplace place;
   const auto mode = [&](const std::string& words) {
