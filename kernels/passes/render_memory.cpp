@@ -120,6 +120,7 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
   const StageContext context(scene);
   WaveNeeds needs = WaveNeeds::of(context);
+  needs.chains = options.caustics == CausticMode::kManifold;
   needs.guides = trains_guide(options.guiding, context.integrator);
   const FilmSize film = film_size(layout, options);
   const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;

@@ -10,6 +10,7 @@ namespace sheaf {
 
 class CameraTask;
 class LightTask;
+class CausticCasters;
 class TrainingSamples;
 struct PhotonMaps;
 
@@ -52,6 +53,8 @@ class StageContext {
   bool samples_guide() const { return samples_guide_; }
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
+  /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
+  bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
   /// Passes from the camera: sets the samples to take.
   void set_camera_task(CameraTask& task) { camera_task_ = &task; }
@@ -72,11 +75,17 @@ class StageContext {
     trains_guide_ = true;
     training_samples_ = &samples;
   }
+  /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
+  void connect_caustics(const CausticCasters& casters) {
+    assert(!scene.needs_transmittance && !gathers_photons_);
+    caustic_casters_ = &casters;
+  }
   /// Turns the pass into one from the lights, kLight or kPhoton, which emits the photons of `task`.
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
     gathers_photons_ = samples_guide_ = trains_guide_ = false;
+    caustic_casters_ = nullptr;
   }
 
   /// Passes from the camera: the samples to take, and their results.
@@ -104,6 +113,11 @@ class StageContext {
     assert(trains_guide_);
     return *training_samples_;
   }
+  /// The surfaces that cast caustics. Requires connects_caustics().
+  const CausticCasters& caustic_casters() const {
+    assert(connects_caustics());
+    return *caustic_casters_;
+  }
 
  private:
   PassKind pass_;
@@ -113,6 +127,7 @@ class StageContext {
   const PhotonMaps* photon_maps_ = nullptr;
   GuideView guide_;
   TrainingSamples* training_samples_ = nullptr;
+  const CausticCasters* caustic_casters_ = nullptr;
 };
 
 /// Whether next-event estimation is used.

@@ -69,6 +69,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
                      scene.light_selector == LightSelector::kBvh && scene.lights.bounded_count >= kMinLights;
   needs.raster_positions = !needs.candidates;
   needs.guides = context.samples_guide();
+  needs.chains = context.connects_caustics();
   for (const std::uint32_t flags : scene.materials.buckets.kind_flags)
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
   needs.counted_lights = std::min(scene.lights.count, kMaxReportedLights);
