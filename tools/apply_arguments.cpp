@@ -175,6 +175,7 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerSett
   options.guiding =
       arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
   options.chooses_candidates = true;
+  if (!arguments.caustics.empty()) options.caustics = kCausticModes.option("caustics", arguments.caustics);
   options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
   options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
   options.aovs = aovs;

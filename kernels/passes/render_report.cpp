@@ -283,6 +283,12 @@ std::string to_json(const RenderReport& report) {
         {"gain", report.guiding.gain ? nlohmann::ordered_json(*report.guiding.gain) : nlohmann::ordered_json()},
         {"used", report.guiding.is_used}}},
       {"candidates", {{"count", report.candidates.count}, {"gains", report.candidates.gains}}},
+      {"caustics",
+       {{"attempts", report.stats.chains.attempts},
+        {"solutions", report.stats.chains.solutions},
+        {"trials", report.stats.chains.trials},
+        {"capped", report.stats.chains.capped},
+        {"rays", report.stats.chains.rays}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
       {"triangles", report.triangles},
@@ -335,6 +341,9 @@ std::string to_table(const RenderReport& report) {
       fmt::format_to(out, "{} {:.2f} with {}", i > 1 ? "," : "", 1 / gains[i], kCandidateCounts[i]);
     text += " times that with 1\n";
   }
+  if (const Stats::Chains& chains = stats.chains; chains.attempts > 0)
+    fmt::format_to(out, "caustics: {} chains in {} attempts, {} trials, {} at the limit of trials, {} rays\n",
+                   chains.solutions, chains.attempts, chains.trials, chains.capped, chains.rays);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

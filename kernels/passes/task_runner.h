@@ -1,6 +1,7 @@
 // Runs the tasks of a sample plan on the threads of a render.
 #pragma once
 
+#include "kernels/caustics/casters.h"
 #include "kernels/passes/precomputed_light.h"
 #include "kernels/passes/progress_reporter.h"
 #include "kernels/passes/sample_plan.h"
@@ -35,7 +36,8 @@ class TaskRunner {
   const RenderOptions& options_;
   SamplePlan& plan_;
   ProgressReporter& reporter_;
-  StageContext context_;  ///< of camera rounds
+  std::optional<CausticCasters> casters_;  ///< CausticMode::kManifold, if there are any
+  StageContext context_;                   ///< of camera rounds
   PrecomputedLight light_;
   int threads_, wave_size_;
   Workers workers_;

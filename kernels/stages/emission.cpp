@@ -1,10 +1,12 @@
 // Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
 // hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
 #include "core/lane_array.h"
+#include "kernels/caustics/chain_light.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/candidate_trial.h"
+#include "kernels/stages/chain_state.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stage_list.h"
@@ -111,6 +113,33 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   }
 }
 
+/// The weight of BSDF sampling for a path that has hit an area light with normal `ng` through a connected chain.
+/// Follows the chain again, with the derivatives of its rays.
+float chain_weight(const StageContext& context, const Wave& wave, Slot slot, Vec3f ng) {
+  const SceneView& scene = context.scene;
+  const ChainStartState<Scalar>& start = wave.chain_starts.row(slot);
+  const RayState<Scalar>& ray = wave.rays.row(slot);
+  const HitState<Scalar>& hit = wave.hits.row(slot);
+  ChainTracer tracer(scene, context.caustic_casters());
+  if (scene.color == ColorMode::kSpectral) tracer.set_wavelengths(path_wavelengths<Scalar>(wave, &slot));
+  DifferentialRay last = start_ray(start.origin, start.direction);
+  const auto length = static_cast<int>(chain_state<Scalar>(ray.flags)) - 1;
+  // Rounding may lose a chain at an edge. Walks can find it neither.
+  if (!tracer.follow({length, start.refracted}, last)) return 1;
+  return chain_bsdf_weight(scene, context.caustic_casters(), {ray.origin, ray.direction, hit.t, ng, hit.light},
+                           solid_angle_ratio_at(last, hit.t), start.cosine);
+}
+
+/// chain_weight() for the paths of `lanes`, 1 for others.
+template <class L>
+[[gnu::noinline]] Float<L> chain_weights(const StageContext& context, const Wave& wave, const Slot* slots,
+                                         std::uint32_t lanes, Vec3<L> ng) {
+  const LaneRows<L, Vec3> normals(ng);
+  LaneArray<Float<L>> weights(Float<L>(1.0f));
+  for_each_lane(lanes, [&](int lane) { weights[lane] = chain_weight(context, wave, slots[lane], normals[lane]); });
+  return weights.load();
+}
+
 /// Adds area lights. `kTextured`: some light may have a texture.
 template <class L, ColorMode kMode, bool kTextured>
 SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const Slot* slots, int count) {
@@ -144,8 +173,11 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
       choice_probability<L>(context.scene, from.receiver, hit.light) *
       light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
                                {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng}, time);
-  add_emission<L>(context, wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance, from.divisor,
-                  radiance.scatter_pdf, pdf * from.light_ratio, hit.light);
+  Spectrum<L> emitted = path.beta * light.radiance;
+  const std::uint32_t chained = mask_bits(lit & is_connected_chain<L>(context, ray.flags) & L::first(count));
+  if (chained != 0) emitted = emitted * chain_weights<L>(context, wave, slots, chained, y.ng);
+  add_emission<L>(context, wave, slots, mask_bits(lit & L::first(count)), emitted, from.divisor, radiance.scatter_pdf,
+                  pdf * from.light_ratio, hit.light);
   // Continue camera rays behind hidden lights
   continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
 }

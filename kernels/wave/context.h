@@ -11,6 +11,7 @@ namespace sheaf {
 
 class CameraTask;
 class LightTask;
+class CausticCasters;
 class TrainingSamples;
 struct PhotonMaps;
 
@@ -55,6 +56,8 @@ class StageContext {
   bool trains_guide() const { return trains_guide_; }
   /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
   bool tries_candidates() const { return tries_candidates_; }
+  /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
+  bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
   /// Passes from the camera: sets the samples to take.
   void set_camera_task(CameraTask& task) { camera_task_ = &task; }
@@ -81,11 +84,17 @@ class StageContext {
     tries_candidates_ = true;
     integrator.candidates = kTrialCandidates;
   }
+  /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
+  void connect_caustics(const CausticCasters& casters) {
+    assert(!scene.needs_transmittance && !gathers_photons_);
+    caustic_casters_ = &casters;
+  }
   /// Turns the pass into one from the lights, kLight or kPhoton, which emits the photons of `task`.
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
     gathers_photons_ = samples_guide_ = trains_guide_ = tries_candidates_ = false;
+    caustic_casters_ = nullptr;
   }
 
   /// Passes from the camera: the samples to take, and their results.
@@ -113,6 +122,11 @@ class StageContext {
     assert(trains_guide_);
     return *training_samples_;
   }
+  /// The surfaces that cast caustics. Requires connects_caustics().
+  const CausticCasters& caustic_casters() const {
+    assert(connects_caustics());
+    return *caustic_casters_;
+  }
 
  private:
   PassKind pass_;
@@ -122,6 +136,7 @@ class StageContext {
   const PhotonMaps* photon_maps_ = nullptr;
   GuideView guide_;
   TrainingSamples* training_samples_ = nullptr;
+  const CausticCasters* caustic_casters_ = nullptr;
 };
 
 /// Whether next-event estimation is used.

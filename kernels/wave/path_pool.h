@@ -40,7 +40,8 @@ struct PathPool {
   SlotTable<HitState> hits;
   SlotTable<PathState> paths;
   SlotTable<RadianceState> radiance;
-  SlotTable<RescaledPdfs> rescaled_pdfs;  ///< WaveNeeds::transparency
+  SlotTable<RescaledPdfs> rescaled_pdfs;    ///< WaveNeeds::transparency
+  SlotTable<ChainStartState> chain_starts;  ///< WaveNeeds::chains
   /// Spectral mode: the number from which the wavelengths of a path are derived, one word per slot; see
   /// kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
@@ -74,6 +75,7 @@ struct PathPool {
     f(pool.paths, true);
     f(pool.radiance, true);
     f(pool.rescaled_pdfs, needs.transparency);
+    f(pool.chain_starts, needs.chains);
     f(pool.wavelength_samples, needs.spectral);
     f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);

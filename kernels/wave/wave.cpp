@@ -67,6 +67,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.candidate_trial = false;
   needs.raster_positions = !needs.candidates;
   needs.guides = context.samples_guide();
+  needs.chains = context.connects_caustics();
   for (const std::uint32_t flags : scene.materials.buckets.kind_flags)
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
   needs.counted_lights = std::min(scene.lights.count, kMaxReportedLights);

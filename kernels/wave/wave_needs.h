@@ -19,6 +19,7 @@ struct WaveNeeds {
   bool raster_positions = true;          ///< film positions of photons' vertices
   std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
   bool guides = true;                    ///< guide cells
+  bool chains = true;                    ///< starts of specular chains
   int closure_words = kMaxClosureWords;  ///< words of the longest closure
 
   static WaveNeeds of(const StageContext& context);

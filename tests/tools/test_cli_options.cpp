@@ -140,6 +140,25 @@ TEST_CASE("options: guiding has a value, or none and means on") {
   CHECK(contains(unknown.err, "maybe"));
 }
 
+TEST_CASE("options: caustics are found by BSDF sampling or by manifold next-event estimation") {
+  const Workplace place;
+  const auto attempts = [&](const std::string& words) {
+    const Outcome outcome = run(place.folder, "render scene.xml -o out.exr --quiet --stats a.json " + words);
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["caustics"]["attempts"].get<int>();
+  };
+  // Nothing in the scene casts caustics.
+  for (const char* words : {"", "--caustics none", "--caustics mnee"}) CHECK(attempts(words) == 0);
+  const Outcome unknown = run(place.folder, "render scene.xml --caustics photons -o out.exr");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "photons"));
+  const Outcome without_lights =
+      run(place.folder, "render scene.xml --caustics mnee --integrator path_mats -o out.exr");
+  CHECK(without_lights.code == 2);
+  CHECK(contains(without_lights.err, "samples lights"));
+}
+
 TEST_CASE("options: frames beyond the limits are rejected") {
   const Workplace place;
   for (const auto& [options, message] :
@@ -280,6 +299,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"light-sampler", "uniform"},
                                                                    {"candidates", "2"},
                                                                    {"guiding", "on"},
+                                                                   {"caustics", "mnee"},
                                                                    {"medium-estimator", "delta"},
                                                                    {"step-size", "0.1"},
                                                                    {"max-depth", "3"},
