@@ -204,6 +204,16 @@ TEST_CASE("motion: a sphere that emits on a line gives the integral of its irrad
   }
 }
 
+TEST_CASE("motion: a surface that approaches a light is lit where it is") {
+  Description d = view_of(0.2f, 0, 64);
+  d.integrator.max_depth = 2;
+  move(d, add_rectangle(d, {}, add_diffuse(d, 0.5f)), {{0, {}}, {1, shift(0, 0, 1)}});
+  add_point_light(d, {0.2f, 0, 2}, 1);
+  expose(d, 0, 1);
+  // The mean of 1 / (2 - z)^2 for z in [0, 1] is 1 / 2
+  check_mean(green(d), 0.5 / double(kPi) * 0.5, kSignificance, 1e-3);
+}
+
 TEST_CASE("motion: a blocker casts its shadow for part of the time") {
   Description d = floor_scene(64);
   add_point_light(d, {0, 0, 4}, 1);
@@ -225,10 +235,11 @@ TEST_CASE("motion: a directional light that turns gives the mean of its cosine")
 TEST_CASE("motion: a spot light that turns lights a point for part of the time") {
   Description d = floor_scene(64);
   SpotLightDescription spot;
-  spot.to_world = shift(0, 0, 2) * Transform::rotate({1, 0, 0}, 180);
+  // From horizontal at rest to straight down
+  spot.to_world = shift(0, 0, 2) * Transform::rotate({1, 0, 0}, 270);
   spot.cutoff_angle = spot.beam_width = 30;
   d.lights.push_back({spot, {}});
-  const MotionId id = add_motion(d, {{0, {}}, {1, Transform::rotate({1, 0, 0}, 90)}});
+  const MotionId id = add_motion(d, {{0, Transform::rotate({1, 0, 0}, 90)}, {1, {}}});
   d.lights.back().motion = id;
   d.motions.back() =
       AnimatedTransform(shift(0, 0, 2)) * d.motions.back() * AnimatedTransform(Transform::rotate({1, 0, 0}, 180));
@@ -333,15 +344,16 @@ TEST_CASE("motion: lights on moving instances are sampled where they are") {
 TEST_CASE("motion: light tracing and path tracing agree on a moving scene") {
   Description d = busy_scene(512);
   d.camera.motion =
-      add_motion(d, {{0, d.camera.to_world}, {1, shift(0.5f) * Transform::rotate({0, 0, 1}, 5) * d.camera.to_world}});
+      add_motion(d, {{0, d.camera.to_world}, {1, shift(1) * Transform::rotate({0, 0, 1}, 20) * d.camera.to_world}});
   d.integrator.hide_emitters = false;
   const auto mean = [&](IntegratorKind kind, std::uint32_t seed) {
     d.integrator.kind = kind;
     d.sampler.seed = seed;
     const Image image = render(*compile_scene(d), {}).to_image();
+    // Of the left half, so that a camera in the wrong place shows
     MeanVariance sum;
     for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x) sum.add(image.at(x, y, 1));
+      for (int x = 0; x < image.width / 2; ++x) sum.add(image.at(x, y, 1));
     return sum.mean();
   };
   MeanVariance paths, photons;
