@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Compares path tracing, light tracing and variants of photon mapping on caustics: time and error. Needs Python with
-numpy, a build, and the meshes of tools/make_caustic_scenes.py.
+"""Compares path tracing, guiding, manifold next-event estimation, light tracing and variants of photon mapping on
+caustics: time and error. Needs Python with numpy, a build, and the meshes of tools/make_caustic_scenes.py.
 
   bench/compare_photons.py [--scenes scenes/caustics/ring.xml ...] [--seconds 20] [--width 160] [--reference-spp 8192]
 
@@ -10,7 +10,7 @@ gain is the time that path tracing needs for the same mean squared error (invers
 taken. It is omitted if light tracing misses some of the light. Methods without samples per pixel in METHODS take as
 many as fit into --seconds of CPU time.
 
-References are two renders by path tracing; for the part, by light tracing if the camera sees only diffuse surfaces
+References are two renders by path tracing with --caustics mnee; for the part, by light tracing if the camera sees only diffuse surfaces
 there. Errors exclude the noise of the references: they are means of (x - a) (x - b) for an image x and renders a and
 b. "<" marks an error below twice its own uncertainty.
 """
@@ -39,16 +39,23 @@ ALL_IN_RADIUS = {"lookupSize": 0}
 GLOBAL_MAP = ALL_IN_RADIUS | {"photonCount": 250000, "photonRadius": "radius"}
 CAUSTIC_MAP = {"causticPhotonCount": 500000, "causticRadius": "caustic_radius"}
 
-# Name, integrator, properties, samples per pixel. A string value names an entry of the scene in SCENES.
+# Name, integrator, properties, samples per pixel, options of sheaf render. A string value of a property names an entry
+# of the scene in SCENES.
 METHODS = [
-    ("path", "path", {}, None),
-    ("ptracer", "ptracer", {}, None),
+    ("path", "path", {}, None, "--guiding off"),
+    ("path, guiding", "path", {}, None, "--guiding on"),
+    ("path, mnee", "path", {}, None, "--guiding off --caustics mnee"),
+    ("mnee, guiding", "path", {}, None, "--guiding on --caustics mnee"),
+    ("ptracer", "ptracer", {}, None, ""),
     ("map, 1M photons", "photonmapper",
-     ALL_IN_RADIUS | {"photonCount": 1000000, "photonRadius": "caustic_radius", "sampleDirect": False}, 64),
-    ("gather", "photonmapper", GLOBAL_MAP | {"finalGather": True, "causticPhotonCount": 0}, 64),
-    ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTIC_MAP, 64),
-    ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None),
+     ALL_IN_RADIUS | {"photonCount": 1000000, "photonRadius": "caustic_radius", "sampleDirect": False}, 64, ""),
+    ("gather", "photonmapper", GLOBAL_MAP | {"finalGather": True, "causticPhotonCount": 0}, 64, ""),
+    ("gather, caustics", "photonmapper", GLOBAL_MAP | {"finalGather": True} | CAUSTIC_MAP, 64, ""),
+    ("sppm", "sppm", {"photonCount": 250000, "initialRadius": "caustic_radius", "alpha": 0.7}, None, ""),
 ]
+
+# Options of references by path tracing.
+PATH_REFERENCE = "--guiding off --caustics mnee"
 
 # Properties of a scene's integrator that are kept for the other integrators.
 KEPT = r'<\w+ name="(?:max_?depth|rr_?depth|hide_?emitters)"[^>]*/>'
@@ -95,10 +102,10 @@ class Scene:
                               capture_output=True)
         return None if done.returncode == 0 else done.stderr.strip().split(" (known")[0]
 
-    def render(self, kind, properties, spp, seed):
+    def render(self, kind, properties, spp, seed, options=""):
         """Returns the statistics report and the image."""
         image = self.folder / "image.exr"
-        report = render(self.sheaf, self.write(kind, properties), image, spp, seed, *self.defines)
+        report = render(self.sheaf, self.write(kind, properties), image, spp, seed, *self.defines, *options.split())
         return report, read_colors(image)
 
     def part(self, image):
@@ -158,11 +165,11 @@ def columns(measured, paths_cost, seconds):
     return f"{f'{sign}{error:.3g}':>9} {max(relative, 0):9.3g} {mean:6.3f} {gain:>7}"
 
 
-def samples_in(arguments, scene, kind, properties):
+def samples_in(arguments, scene, kind, properties, options):
     """Returns the samples per pixel that fit into --seconds of CPU time."""
     spp = 4
     while True:
-        seconds = scene.render(kind, properties, spp, 1)[0]["cpu_seconds"]
+        seconds = scene.render(kind, properties, spp, 1, options)[0]["cpu_seconds"]
         if seconds > 0.2 * arguments.seconds:
             return max(1, round(spp * arguments.seconds / seconds))
         spp *= 4
@@ -171,18 +178,19 @@ def samples_in(arguments, scene, kind, properties):
 def compare(arguments, scene):
     settings = scene.settings
     print(f"{scene.file.stem}, {scene.size[0]} x {scene.size[1]} pixels", flush=True)
-    references = {kind: [scene.render(kind, {}, arguments.reference_spp, seed)[1] for seed in (1001, 1002)]
+    references = {kind: [scene.render(kind, {}, arguments.reference_spp, seed,
+                                      PATH_REFERENCE if kind == "path" else "")[1] for seed in (1001, 1002)]
                   for kind in {"path", settings["part_reference"]}}
     print(f"{'method':16} {'spp':>7} {'cpu s':>7} {'MB':>5} {'MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7} |"
           f"{'part: MSE':>9} {'relMSE':>9} {'mean':>6} {'gain':>7}")
     paths_cost = None
-    for name, kind, properties, spp in METHODS:
+    for name, kind, properties, spp, options in METHODS:
         objection = scene.objection(kind, properties)
         if objection:
             print(f"{name:16} skipped: {objection}", flush=True)
             continue
-        spp = spp or samples_in(arguments, scene, kind, properties)
-        renders = [scene.render(kind, properties, spp, seed) for seed in range(2, 2 + arguments.seeds)]
+        spp = spp or samples_in(arguments, scene, kind, properties, options)
+        renders = [scene.render(kind, properties, spp, seed, options) for seed in range(2, 2 + arguments.seeds)]
         seconds = np.mean([report["cpu_seconds"] for report, _ in renders])
         memory = max(report["peak_rss_bytes"] for report, _ in renders) / 1e6
         whole = errors([image for _, image in renders], references["path"])

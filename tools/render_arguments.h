@@ -5,6 +5,7 @@
 #include "core/spectrum.h"
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/aovs.h"
+#include "kernels/passes/caustic_mode.h"
 #include "kernels/passes/guiding_mode.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/light_selector_name.h"
@@ -34,6 +35,9 @@ inline constexpr NameTable<FilterMode> kFilterModes{
 /// Values of --guiding.
 inline constexpr NameTable<GuidingMode> kGuidingModes{
     {{"on", GuidingMode::kOn}, {"off", GuidingMode::kOff}, {"auto", GuidingMode::kAuto}}};
+
+/// Values of --caustics.
+inline constexpr NameTable<CausticMode> kCausticModes{{{"none", CausticMode::kNone}, {"mnee", CausticMode::kManifold}}};
 
 /// Inputs, outputs and image quality.
 struct ImageArguments {
@@ -171,8 +175,9 @@ struct TransportArguments {
   std::string filter_mode;
   int replicates = 0;
   std::string light_sampler;
-  std::optional<int> candidates;
+  std::string candidates;
   std::string guiding;
+  std::string caustics;
   std::string medium_estimator;
   std::optional<float> step_size;
   std::optional<int> max_depth;
@@ -232,8 +237,10 @@ struct TransportArguments {
     command
         .add_option("--candidates", candidates,
                     "Light samples per vertex, of which resampled importance sampling (RIS) keeps one for the shadow "
-                    "ray. Default: the scene's, else 1; 8 for path_ris")
-        .in_range(1, kMaxCandidates);
+                    "ray: a number, or auto: 1, 2, 4 or 8, as the training passes of guiding recommend, and 1 without "
+                    "training. Default: the scene's, else auto; 8 for path_ris")
+        .placeholder("N")
+        .suggest({"auto"});
     command
         .add_option(
             "--guiding", guiding,
@@ -243,6 +250,13 @@ struct TransportArguments {
             "tracing integrators. Default: auto; without a value: on")
         .one_of(kGuidingModes.names())
         .implies("on");
+    command
+        .add_option("--caustics", caustics,
+                    "Caustics of mirrors and smooth glass. none: by sampling BSDFs and the guide. mnee: by manifold "
+                    "next-event estimation, which connects surfaces to lights through up to 4 specular vertices; also "
+                    "from lights at a point or in a direction, whose caustics are missing otherwise. For path and the "
+                    "other path tracing integrators, without media and masks. Default: none")
+        .one_of(kCausticModes.names());
     command
         .add_option("--medium-estimator", medium_estimator,
                     "Estimator for media: null_mis (spectral MIS over all wavelengths), delta or ratio (tracking by "

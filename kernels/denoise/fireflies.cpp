@@ -30,7 +30,7 @@ float second_brightest(const Plane& plane, int x, int y) {
 }
 
 /// A pixel's neighbors, sorted by luminance.
-struct Neighbours {
+struct NeighbourPixels {
   struct Pixel {
     float luminance;
     int x, y;
@@ -38,7 +38,7 @@ struct Neighbours {
   Pixel pixels[8];
   int count = 0;
 
-  Neighbours(const Plane& plane, int x, int y) {
+  NeighbourPixels(const Plane& plane, int x, int y) {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i)
         if (i != x || j != y) pixels[count++] = {plane.at(i, j), i, j};
@@ -56,9 +56,9 @@ void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other) {
     for (int x = 0; x < light.width(); ++x) {
       // Find pixels that are much brighter than their second brightest neighbor.
       if (!(light.at(x, y) > kExcess * second_brightest(light, x, y))) continue;
-      const Neighbours near(light, x, y);
+      const NeighbourPixels near(light, x, y);
       if (near.count < 2) continue;
-      const Neighbours::Pixel& median = near.pixels[near.count / 2];
+      const NeighbourPixels::Pixel& median = near.pixels[near.count / 2];
       // Keep pixels whose excess is confirmed; replace the others by the median neighbor.
       const float excess = light.at(x, y) - median.luminance;
       const bool certain = other != nullptr ? other_light.at(x, y) - median.luminance > kConfirmed * excess

@@ -3,6 +3,7 @@
 
 #include "kernels/film/aovs.h"
 #include "kernels/film/sample_range.h"
+#include "kernels/passes/caustic_mode.h"
 #include "kernels/passes/guiding_mode.h"
 #include "kernels/passes/render_report.h"
 #include "kernels/passes/render_state.h"
@@ -41,7 +42,14 @@ struct RenderOptions {
   AovSet aovs;                              ///< further layers; "variance" and "half" need two replicates or more
   bool light_groups = false;                ///< layers with the contribution of each of SceneNames::lights
   GuidingMode guiding = GuidingMode::kOff;  ///< path guiding, with training passes before the image is rendered
-  std::optional<PixelRect> crop;            ///< default: that of the scene, otherwise the whole frame
+  /// Chooses the number of light candidates in the first training passes, unless the scene sets it; see
+  /// choose_candidates(). Renders without training passes, shorter than 16 samples per pixel or smaller than 128 x 128
+  /// pixels have one candidate.
+  bool chooses_candidates = false;
+  /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
+  /// participating media and transparent surfaces.
+  CausticMode caustics = CausticMode::kNone;
+  std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame
   /// Called concurrently by workers after each task, with the number of samples done and in total.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;
   /// Called concurrently, once per worker, to create its Wave::recorder; for benchmarks.
@@ -57,6 +65,11 @@ struct RenderOptions {
   /// Called before on_pause, with the statistics since the render was started or resumed. The report does not include
   /// the noise, which takes longer to compute.
   std::function<void(const RenderReport&)> on_report;
+
+  /// Whether training passes, if there are any, may choose the number of light candidates.
+  bool may_choose_candidates(const IntegratorSettings& integrator) const {
+    return chooses_candidates && !integrator.sets_candidates && integrator.strategy != LightStrategy::kBsdfOnly;
+  }
 };
 
 /// Noise of the image: Film::noise(), or image_noise() of the image with splats. Empty if there are splats but no
@@ -90,8 +103,8 @@ std::uint32_t default_replicates(SamplerKind kind, std::uint64_t samples);
 
 /// Renders the scene. The bits of the image depend only on scene, seed and sample count, not on threads, wave size or
 /// crop. Throws Error (usage) if the crop exceeds the frame or a number is out of range. Also if spectral bins are
-/// requested in RGB mode, guiding without an integrator that can be guided, or layers that the integrator cannot
-/// render. Throws the error of check_memory() if the render does not fit into memory.
+/// requested in RGB mode, guiding or caustics that the integrator or the scene does not allow, or layers that the
+/// integrator cannot render. Throws the error of check_memory() if the render does not fit into memory.
 RenderResult render(const Scene& scene, const RenderOptions& options);
 
 }  // namespace sheaf

@@ -1,6 +1,7 @@
 #include "kernels/passes/render_report.h"
 
 #include "core/duration.h"
+#include "kernels/guiding/candidate_trial.h"
 #include "scene/tables/scene.h"
 
 #include <fmt/format.h>
@@ -281,6 +282,13 @@ std::string to_json(const RenderReport& report) {
         {"fit_seconds", report.guiding.fit_seconds},
         {"gain", report.guiding.gain ? nlohmann::ordered_json(*report.guiding.gain) : nlohmann::ordered_json()},
         {"used", report.guiding.is_used}}},
+      {"candidates", {{"count", report.candidates.count}, {"gains", report.candidates.gains}}},
+      {"caustics",
+       {{"attempts", report.stats.chains.attempts},
+        {"solutions", report.stats.chains.solutions},
+        {"trials", report.stats.chains.trials},
+        {"capped", report.stats.chains.capped},
+        {"rays", report.stats.chains.rays}}},
       {"peak_rss_bytes", report.peak_rss_bytes},
       {"peak_private_bytes", report.peak_private_bytes},
       {"triangles", report.triangles},
@@ -327,6 +335,15 @@ std::string to_table(const RenderReport& report) {
   if (const std::optional<double>& gain = report.guiding.gain)
     fmt::format_to(out, "guide: {}, error x cost is {:.2f} times as high without it\n",
                    report.guiding.is_used ? "used" : "not used", *gain);
+  if (const std::vector<double>& gains = report.candidates.gains; !gains.empty()) {
+    fmt::format_to(out, "light candidates: {} per vertex; error x cost is", report.candidates.count);
+    for (std::size_t i = 1; i < gains.size(); ++i)
+      fmt::format_to(out, "{} {:.2f} with {}", i > 1 ? "," : "", 1 / gains[i], kCandidateCounts[i]);
+    text += " times that with 1\n";
+  }
+  if (const Stats::Chains& chains = stats.chains; chains.attempts > 0)
+    fmt::format_to(out, "caustics: {} chains in {} attempts, {} trials, {} at the limit of trials, {} rays\n",
+                   chains.solutions, chains.attempts, chains.trials, chains.capped, chains.rays);
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,

@@ -94,6 +94,20 @@ void check_guiding(const IntegratorSettings& integrator) {
          integrator_name(integrator) + "')");
 }
 
+/// Manifold next-event estimation replaces BSDF sampling of specular chains behind vertices that sample lights.
+void check_caustics(const SceneView& scene, const IntegratorSettings& integrator) {
+  if (!can_guide(integrator) || integrator.strategy == LightStrategy::kBsdfOnly)
+    refuse(
+        "caustics by mnee need an integrator that traces paths from the camera and samples lights, such as path "
+        "(got '" +
+        integrator_name(integrator) + "')");
+  if (scene.needs_transmittance)
+    refuse(
+        "caustics by mnee are not supported in scenes with participating media, masks or thin dielectrics that "
+        "shadow rays pass");
+  if (scene.motion.any()) refuse("caustics by mnee are not supported in scenes where something moves");
+}
+
 /// Sets the light groups with layers.
 void add_light_groups(const SceneNames& names, const IntegratorSettings& transport, SampleLayout& layout) {
   std::vector<std::string>& groups = layout.light_groups;
@@ -188,6 +202,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   layout.max_pass_samples = has_map_sets ? 1 : kPassSamples;
   if (options.light_groups) add_light_groups(scene.names(), transport, layout);
   if (options.guiding == GuidingMode::kOn) check_guiding(transport);
+  if (options.caustics == CausticMode::kManifold) check_caustics(scene.view(), transport);
   if (options.wave_size > kMaxWaveSize) refuse("the wave size must not exceed " + std::to_string(kMaxWaveSize));
   return layout;
 }

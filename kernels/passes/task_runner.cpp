@@ -16,13 +16,23 @@ namespace sheaf {
 
 namespace {
 
+/// The surfaces that cast caustics, if paths are connected to lights by them.
+std::optional<CausticCasters> casters_of(const Scene& scene, const RenderOptions& options) {
+  if (options.caustics != CausticMode::kManifold) return std::nullopt;
+  CausticCasters casters(scene.view());
+  if (casters.empty()) return std::nullopt;
+  return casters;
+}
+
 /// The context of camera rounds.
-StageContext camera_context(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
+StageContext camera_context(const Scene& scene, const RenderOptions& options, const SampleLayout& layout,
+                            const std::optional<CausticCasters>& casters) {
   StageContext context(scene);
   context.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                  layout.replicate_samples, static_cast<std::uint32_t>(layout.frame.row_length()));
   // Photons do not find light that reaches the camera unscattered, so the camera takes only that.
   if (context.integrator.kind == IntegratorKind::kLightTracer) context.max_depth = 1;
+  if (casters) context.connect_caustics(*casters);
   return context;
 }
 
@@ -42,11 +52,13 @@ TaskRunner::TaskRunner(const Scene& scene, const RenderOptions& options, SampleP
     : options_(options),
       plan_(plan),
       reporter_(reporter),
-      context_(camera_context(scene, options, plan.layout())),
+      casters_(casters_of(scene, options)),
+      context_(camera_context(scene, options, plan.layout(), casters_)),
       light_(context_, plan, options.guiding, reporter),
       threads_(threads_of(options)),
       wave_size_(wave_size_of(options, WaveNeeds::of(context_))),
-      workers_([this, needs = WaveNeeds::of(context_)] {
+      workers_([this,
+                needs = plan.tries_candidates() ? WaveNeeds::with_candidate_trial(context_) : WaveNeeds::of(context_)] {
         return Worker(wave_size_, needs, options_.make_recorder ? options_.make_recorder() : nullptr);
       }) {}
 

@@ -1,6 +1,7 @@
 // Runs the tasks of a sample plan on the threads of a render.
 #pragma once
 
+#include "kernels/caustics/casters.h"
 #include "kernels/passes/precomputed_light.h"
 #include "kernels/passes/progress_reporter.h"
 #include "kernels/passes/sample_plan.h"
@@ -16,7 +17,9 @@ class TaskRunner {
   /// Runs rounds of tasks until no samples remain, the render is stopped or the time limit is reached.
   void run();
   /// Statistics of the tasks so far. Must not be called while workers run.
-  TaskStatistics statistics() const { return {workers_, threads_, wave_size_, light_.photons(), light_.guiding()}; }
+  TaskStatistics statistics() const {
+    return {workers_, threads_, wave_size_, light_.photons(), light_.guiding(), light_.candidates()};
+  }
   /// Warnings of the tasks so far.
   const std::vector<std::string>& warnings() const { return light_.warnings(); }
 
@@ -33,7 +36,8 @@ class TaskRunner {
   const RenderOptions& options_;
   SamplePlan& plan_;
   ProgressReporter& reporter_;
-  StageContext context_;  ///< of camera rounds
+  std::optional<CausticCasters> casters_;  ///< CausticMode::kManifold, if there are any
+  StageContext context_;                   ///< of camera rounds
   PrecomputedLight light_;
   int threads_, wave_size_;
   Workers workers_;

@@ -5,6 +5,7 @@
 #include "kernels/photons/light_task.h"
 #include "kernels/photons/photon_maps.h"
 #include "kernels/stages/adjoint.h"
+#include "kernels/stages/chain_state.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/guided.h"
 #include "kernels/stages/normal_map.h"
@@ -236,8 +237,8 @@ SHEAF_INLINE RayState<L> spawn_ray(const StageContext& context, const VertexItem
   return ray;
 }
 
-/// Adds the path's history to the flags of the ray, if photon maps need it. Returns the paths that the integrator
-/// continues behind a vertex that samples directions with `pdf_solid_angle`.
+/// Adds the path's history to the flags of the ray, if photon maps need it. Returns the paths that
+/// the integrator continues behind a vertex that samples directions with `pdf_solid_angle`.
 template <class L, bool kInMedium>
 SHEAF_INLINE Mask<L> track_history(const StageContext& context, const Wave& wave, const ScatterTile& tile,
                                    Float<L> pdf_solid_angle, Float<L> null_transmittance, RayState<L>& ray) {
@@ -306,6 +307,9 @@ SHEAF_INLINE void scatter_tile(const StageContext& context, Wave& wave, const Sc
   // Spawn the continuation ray
   RayState<L> ray = spawn_ray<L>(context, item, sample.direction, path);
   alive = alive & track_history<L, kInMedium>(context, wave, tile, s.pdf_solid_angle, passage.null_transmittance, ray);
+  if (!kInMedium && context.connects_caustics())
+    follow_chain<L>(context, wave, slots, count, {item.ng, s.pdf_solid_angle == F(0.0f), item.wo.z * s.wi.z < F(0.0f)},
+                    ray);
   F divisor(1.0f);
   if (context.scene.needs_transmittance)
     divisor = leave_vertex<L>(context, wave, slots, count, item.ng, kInMedium, single, passage.null_transmittance, ray);

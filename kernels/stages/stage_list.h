@@ -63,6 +63,10 @@ template <class L> void light_candidates(const StageContext& context, Wave& wave
 /// shadow ray for the one that was kept. Reads PathState.
 template <class L> void resample(const StageContext& context, Wave& wave, int candidate) noexcept;
 
+/// Connects vertices to lights by chains of specular vertices (manifold next-event estimation). Reads RayState and
+/// PathState; adds to radiance.
+template <class L> void manifold_connections(const StageContext& context, Wave& wave) noexcept;
+
 /// Traces shadow rays and adds the unoccluded contributions to the radiance of their paths.
 template <class L> void shadow(const StageContext& context, Wave& wave) noexcept;
 
@@ -116,6 +120,7 @@ enum class StageUse {
   kAovs,             ///< path pass with AOVs
   kGuiding,          ///< path pass with a guide
   kLearning,         ///< path pass that trains a guide
+  kCaustics,         ///< path pass with specular chains to the lights
   kGathering,        ///< path pass with photon maps
   kGatheringMedia,   ///< path pass with a volume photon map
   kScatteringMedia,  ///< passes that transport light, without a volume photon map
@@ -189,6 +194,7 @@ inline constexpr auto kStages = [] {
        U::kPath,
        [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); },
        resample<L>},
+      {"manifold_connections", {Q::kSorted, Q::kVertices}, {}, U::kCaustics, manifold_connections<L>},
       {"camera_connections", {Q::kSorted, Q::kVertices}, {Q::kShadows}, U::kSplats, camera_connections<L>},
       {"shadow", {Q::kShadows}, {}, U::kBinary, shadow<L>},
       {"transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
@@ -245,6 +251,8 @@ inline bool takes_part(const StageContext& context, StageUse use) {
       return pass == PassKind::kPath && context.samples_guide();
     case StageUse::kLearning:
       return pass == PassKind::kPath && context.trains_guide();
+    case StageUse::kCaustics:
+      return pass == PassKind::kPath && context.connects_caustics();
     case StageUse::kGathering:
       return pass == PassKind::kPath && context.gathers_photons();
     case StageUse::kGatheringMedia:

@@ -1,6 +1,7 @@
 // The context of a stage: all that it reads besides its wave.
 #pragma once
 
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
 #include "scene/tables/scene.h"
 
@@ -10,6 +11,7 @@ namespace sheaf {
 
 class CameraTask;
 class LightTask;
+class CausticCasters;
 class TrainingSamples;
 struct PhotonMaps;
 
@@ -52,6 +54,10 @@ class StageContext {
   bool samples_guide() const { return samples_guide_; }
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
+  /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
+  bool tries_candidates() const { return tries_candidates_; }
+  /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
+  bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
   /// Passes from the camera: sets the samples to take.
   void set_camera_task(CameraTask& task) { camera_task_ = &task; }
@@ -72,11 +78,23 @@ class StageContext {
     trains_guide_ = true;
     training_samples_ = &samples;
   }
+  /// Path passes that record training samples: also compares numbers of light candidates, with kTrialCandidates of
+  /// them.
+  void try_candidates() {
+    tries_candidates_ = true;
+    integrator.candidates = kTrialCandidates;
+  }
+  /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
+  void connect_caustics(const CausticCasters& casters) {
+    assert(!scene.needs_transmittance && !gathers_photons_);
+    caustic_casters_ = &casters;
+  }
   /// Turns the pass into one from the lights, kLight or kPhoton, which emits the photons of `task`.
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
-    gathers_photons_ = samples_guide_ = trains_guide_ = false;
+    gathers_photons_ = samples_guide_ = trains_guide_ = tries_candidates_ = false;
+    caustic_casters_ = nullptr;
   }
 
   /// Passes from the camera: the samples to take, and their results.
@@ -104,20 +122,35 @@ class StageContext {
     assert(trains_guide_);
     return *training_samples_;
   }
+  /// The surfaces that cast caustics. Requires connects_caustics().
+  const CausticCasters& caustic_casters() const {
+    assert(connects_caustics());
+    return *caustic_casters_;
+  }
 
  private:
   PassKind pass_;
-  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, tries_candidates_ = false;
   CameraTask* camera_task_ = nullptr;
   LightTask* light_task_ = nullptr;
   const PhotonMaps* photon_maps_ = nullptr;
   GuideView guide_;
   TrainingSamples* training_samples_ = nullptr;
+  const CausticCasters* caustic_casters_ = nullptr;
 };
 
 /// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
   return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
+}
+
+/// Whether the candidates of a vertex share a cut of the light tree. From these numbers on, it saves more time than
+/// computing the cut takes.
+inline bool shares_light_tops(const StageContext& context) {
+  constexpr int kMinCandidates = 4;
+  constexpr std::uint32_t kMinLights = 32;
+  return context.integrator.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&
+         context.scene.lights.bounded_count >= kMinLights;
 }
 
 }  // namespace sheaf

@@ -29,6 +29,7 @@ enum RayFlags : std::uint32_t {
   kRaySpecular = 64,            ///< photons: a delta lobe has scattered the path
   kRayScatteredInMedium = 128,  ///< camera paths: scattered in a medium since kRayDiffuse was set
 };
+/// The same three bits, in passes that connect paths to lights by specular chains: see kernels/stages/chain_state.h.
 inline constexpr std::uint32_t kRayHistory = kRayDiffuse | kRaySpecular | kRayScatteredInMedium;
 inline constexpr int kRayHeroShift = 4, kRayMediumShift = 8;
 inline constexpr std::uint32_t kRayHeroMask = 3u << kRayHeroShift;
@@ -89,6 +90,16 @@ template <class L> struct RescaledPdfs {
   Spectrum<L> r_u;  ///< unidirectional sampling
   Spectrum<L> r_l;  ///< unidirectional up to the last vertex, light sampling from there
   static constexpr auto fields(auto& s) { return std::tie(s.r_u, s.r_l); }
+};
+
+/// The ray from the last non-specular vertex of a camera path, from which specular chains start. Valid while
+/// kernels/stages/chain_state.h says so.
+template <class L> struct ChainStartState {
+  Vec3<L> origin;
+  typename L::Float cosine;    ///< absolute, to the geometric normal of the vertex
+  Vec3<L> direction;           ///< unit length
+  typename L::Uint refracted;  ///< see ChainType::refracted
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.cosine, s.direction, s.refracted); }
 };
 
 /// A vertex ready for shading. Rows are in the order of closure kinds.

@@ -12,6 +12,7 @@ Stats& Stats::operator+=(const Stats& other) {
   rays.shadow += other.rays.shadow;
   gathering += other.gathering;
   volume_gathering += other.volume_gathering;
+  chains += other.chains;
   collisions += other.collisions;
   trace_ticks += other.trace_ticks;
   samples += other.samples;

@@ -51,9 +51,26 @@ struct alignas(64) Stats {
     }
   };
   Gathering gathering, volume_gathering;  ///< at surfaces; along rays in media, beams included
-  TrackingCounts collisions;              ///< of paths and shadow rays with media
-  std::uint64_t trace_ticks = 0;          ///< inside Embree, of timestamp()
-  std::uint64_t samples = 0;              ///< camera samples that reached the film
+  /// Specular chains from vertices to lights (manifold next-event estimation).
+  struct Chains {
+    std::uint64_t attempts = 0;   ///< first walks
+    std::uint64_t solutions = 0;  ///< chains found by first walks that contribute
+    std::uint64_t trials = 0;     ///< walks that estimate the reciprocal probabilities of the solutions
+    std::uint64_t capped = 0;     ///< solutions whose number of trials has reached the limit
+    std::uint64_t rays = 0;       ///< rays of all walks
+
+    Chains& operator+=(const Chains& other) {
+      attempts += other.attempts;
+      solutions += other.solutions;
+      trials += other.trials;
+      capped += other.capped;
+      rays += other.rays;
+      return *this;
+    }
+  } chains;
+  TrackingCounts collisions;      ///< of paths and shadow rays with media
+  std::uint64_t trace_ticks = 0;  ///< inside Embree, of timestamp()
+  std::uint64_t samples = 0;      ///< camera samples that reached the film
   struct Dropped {
     std::uint64_t rays = 0;     ///< not finite, not traced
     std::uint64_t samples = 0;  ///< NaN, infinite or negative radiance

@@ -96,6 +96,28 @@ TEST_CASE("options: times have units and shares may be percentages") {
   }
 }
 
+TEST_CASE("options: candidates are a number or chosen, and a scene's number stays unless auto is given") {
+  const Workplace place;
+  const auto candidates = [&](const std::string& words) {
+    REQUIRE(run(place.folder, "render scene.xml --size 128x128 --spp 16 -o a.exr --stats a.json " + words).code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["candidates"];
+  };
+  for (const std::string words : {"", "--candidates auto", "--integrator path_ris --candidates auto"}) {
+    CAPTURE(words);
+    CHECK(candidates(words)["gains"].size() == 4);
+  }
+  CHECK(candidates("--candidates 3")["count"] == 3);
+  CHECK(candidates("--candidates 3")["gains"].empty());
+  CHECK(candidates("--integrator path_ris")["count"] == 8);
+  CHECK(candidates("--guiding off")["gains"].empty());
+  for (const std::string bad : {"0", "1025", "many", "2x"}) {
+    CAPTURE(bad);
+    const Outcome outcome = run(place.folder, "render scene.xml -o a.exr --candidates " + bad);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "expected auto or a number from 1 to 1024"));
+  }
+}
+
 TEST_CASE("options: guiding has a value, or none and means on") {
   const Workplace place;
   const auto mode = [&](const std::string& words) {
@@ -116,6 +138,25 @@ TEST_CASE("options: guiding has a value, or none and means on") {
   const Outcome unknown = run(place.folder, "render scene.xml --guiding=maybe -o out.exr");
   CHECK(unknown.code == 2);
   CHECK(contains(unknown.err, "maybe"));
+}
+
+TEST_CASE("options: caustics are found by BSDF sampling or by manifold next-event estimation") {
+  const Workplace place;
+  const auto attempts = [&](const std::string& words) {
+    const Outcome outcome = run(place.folder, "render scene.xml -o out.exr --quiet --stats a.json " + words);
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["caustics"]["attempts"].get<int>();
+  };
+  // Nothing in the scene casts caustics.
+  for (const char* words : {"", "--caustics none", "--caustics mnee"}) CHECK(attempts(words) == 0);
+  const Outcome unknown = run(place.folder, "render scene.xml --caustics photons -o out.exr");
+  CHECK(unknown.code == 2);
+  CHECK(contains(unknown.err, "photons"));
+  const Outcome without_lights =
+      run(place.folder, "render scene.xml --caustics mnee --integrator path_mats -o out.exr");
+  CHECK(without_lights.code == 2);
+  CHECK(contains(without_lights.err, "samples lights"));
 }
 
 TEST_CASE("options: frames beyond the limits are rejected") {
@@ -258,6 +299,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"light-sampler", "uniform"},
                                                                    {"candidates", "2"},
                                                                    {"guiding", "on"},
+                                                                   {"caustics", "mnee"},
                                                                    {"medium-estimator", "delta"},
                                                                    {"step-size", "0.1"},
                                                                    {"max-depth", "3"},

@@ -49,12 +49,13 @@ const std::vector<Folder> kKernelFolders = {
     {"bsdf", {"phase"}},
     {"lights", {}},
     {"media", {"phase", "bsdf"}},
+    {"caustics", {"phase", "bsdf", "lights", "media"}},
     {"guiding", {}},
     {"film", {}},
     {"wave", {"phase", "bsdf", "lights", "media", "guiding"}},
     {"photons", {"film", "wave"}},
-    {"stages", {"phase", "bsdf", "lights", "media", "guiding", "film", "wave", "photons"}},
-    {"passes", {"phase", "bsdf", "lights", "media", "guiding", "film", "wave", "photons", "stages"}},
+    {"stages", {"phase", "bsdf", "lights", "media", "caustics", "guiding", "film", "wave", "photons"}},
+    {"passes", {"phase", "bsdf", "lights", "media", "caustics", "guiding", "film", "wave", "photons", "stages"}},
     {"denoise", {}},  // works on images
 };
 

@@ -1,0 +1,237 @@
+// Manifold next-event estimation: the mean of BSDF sampling, closed forms for lights that BSDF sampling cannot find,
+// less noise, and bits that do not depend on threads or waves.
+#include "core/error.h"
+#include "kernels/bsdf/fresnel.h"
+#include "scene/data/glasses.h"
+#include "tests/support/capture.h"
+#include "tests/support/media_testing.h"
+#include "tests/support/render_testing.h"
+
+#include <cmath>
+
+namespace sheaf::test_caustics {
+
+namespace {
+
+/// All comparisons of means of this file together fail with probability kSignificance if the estimator is unbiased.
+const double kLevel = significance_of_each(40);
+
+/// A white floor at z = 0, of which every pixel sees the point (0.3, 0, 0) from the side.
+Description floor_scene(int samples, std::optional<MaterialId> (*material)(Description&) = nullptr) {
+  Description d = one_point_scene(samples);
+  d.film.width = d.film.height = 16;
+  look_at_point(d, {2.5f, 0.2f, 0.5f}, {0.3f, 0, 0});
+  add_rectangle(d, Transform::scale({4, 4, 1}), material != nullptr ? *material(d) : add_diffuse(d, 0.8f));
+  return d;
+}
+
+/// A lamp that faces down at height `z`.
+void add_lamp(Description& d, Vec3f center, float half_width, float radiance) {
+  add_area_light_rectangle(
+      d,
+      Transform::translate(center) * Transform::rotate({1, 0, 0}, 180) * Transform::scale({half_width, half_width, 1}),
+      radiance);
+}
+
+/// Statistics of the green channel, and those of the render.
+struct Rendered {
+  MeanVariance pixels;
+  Stats::Chains chains;
+};
+
+Rendered render_with(const Description& d, CausticMode mode, ColorMode color = ColorMode::kRgb,
+                     GuidingMode guiding = GuidingMode::kOff) {
+  RenderOptions options;
+  options.caustics = mode;
+  options.guiding = guiding;
+  options.seed = mode == CausticMode::kNone ? 5 : 6;
+  const RenderResult result = render(*compile_scene(d, {false, color}), options);
+  Rendered out;
+  const Image image = result.film.to_image();
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) out.pixels.add(static_cast<double>(image.at(x, y, 1)));
+  out.chains = result.report.stats.chains;
+  return out;
+}
+
+/// Checks that both ways have the same mean. `max_variance`: of manifold connections over that of BSDF sampling.
+void check_agreement(const Description& d, double max_variance, ColorMode color = ColorMode::kRgb,
+                     GuidingMode guiding = GuidingMode::kOff) {
+  const Rendered sampled = render_with(d, CausticMode::kNone, color, guiding);
+  const Rendered connected = render_with(d, CausticMode::kManifold, color, guiding);
+  check_same_mean(sampled.pixels, connected.pixels, kLevel, 16 * 16);
+  CHECK(connected.chains.solutions > 0);
+  CHECK(connected.chains.capped == 0);
+  CHECK(sampled.chains.attempts == 0);
+  CHECK(connected.pixels.variance() < max_variance * sampled.pixels.variance());
+}
+
+MaterialId add_dispersive_glass(Description& d) {
+  DielectricDescription glass;
+  glass.int_dispersion = *find_dispersion("sf11");
+  return add_material(d, glass);
+}
+
+}  // namespace
+
+TEST_CASE("caustics: connections through a glass ball have the mean of BSDF sampling") {
+  for (const int max_depth : {-1, 4}) {
+    CAPTURE(max_depth);
+    Description d = floor_scene(256);
+    d.integrator.max_depth = max_depth;
+    add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
+    add_lamp(d, {-0.4f, 0.1f, 4}, 0.4f, 10);
+    check_agreement(d, 0.3);
+  }
+}
+
+TEST_CASE("caustics: chains that are too long for the depth or for connections are not lost") {
+  // Depth 3 ends before the light behind two refractions; two slabs have chains of 4 and, by reflection, more vertices.
+  Description d = floor_scene(64);
+  add_shape(d, CubeShape{}, Transform::translate({0, 0, 1}) * Transform::scale({3, 3, 0.2f}), add_glass(d, 2));
+  add_lamp(d, {0.4f, 0.1f, 3}, 1, 10);
+  d.integrator.max_depth = 3;
+  CHECK(render_with(d, CausticMode::kManifold).pixels.mean() == 0);
+  CHECK(render_with(d, CausticMode::kNone).pixels.mean() == 0);
+  d.integrator.max_depth = -1;
+  check_agreement(d, 1.5);
+  add_shape(d, CubeShape{}, Transform::translate({0, 0, 1.8f}) * Transform::scale({3, 3, 0.2f}), add_glass(d, 1.3f));
+  check_agreement(d, 1.5);
+}
+
+TEST_CASE("caustics: connections by mirrors have the mean of BSDF sampling for all kinds of area lights") {
+  for (const int light : {0, 1, 2}) {
+    CAPTURE(light);
+    Description d = floor_scene(256);
+    d.integrator.max_depth = 5;
+    const MaterialId metal = add_two_sided(d, add_mirror(d, 0.9f));
+    add_sphere(d, {-0.8f, 0, 0.7f}, 0.5f, metal);
+    add_shape(d, CylinderShape{{0, 1.2f, 0}, {0, 1.2f, 2}, 0.3f}, Transform(), metal);
+    if (light == 0) add_area_light_sphere(d, {1.2f, 0.5f, 2}, 0.3f, 10);
+    if (light == 1) add_lamp(d, {1.2f, 0.5f, 2}, 0.3f, 10);
+    if (light == 2)
+      emit(add_shape(d, DiskShape{},
+                     Transform::translate({1.2f, 0.5f, 2}) * Transform::rotate({0, 1, 0}, 200) *
+                         Transform::scale({0.3f, 0.4f, 1}),
+                     add_diffuse(d, 0)),
+           10);
+    check_agreement(d, 0.5);
+  }
+}
+
+TEST_CASE("caustics: spectral and dispersive glass and guided paths have the mean of BSDF sampling") {
+  Description d = floor_scene(256);
+  d.integrator.max_depth = 5;
+  add_sphere(d, {0, 0, 1}, 0.6f, add_dispersive_glass(d));
+  add_lamp(d, {-0.4f, 0.1f, 4}, 0.6f, 10);
+  check_agreement(d, 2, ColorMode::kSpectral);
+  check_agreement(d, 0.8, ColorMode::kRgb, GuidingMode::kOn);
+}
+
+TEST_CASE("caustics: vertices may be rough or blended or layered or follow another vertex") {
+  using Maker = std::optional<MaterialId> (*)(Description&);
+  const Maker rough = [](Description& d) -> std::optional<MaterialId> {
+    ConductorDescription metal;
+    metal.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, 0.5f, 0.5f};
+    return add_material(d, metal);
+  };
+  const Maker blend = [](Description& d) -> std::optional<MaterialId> {
+    return add_material(d, BlendDescription{0.4f, {add_diffuse(d, 0.6f), add_mirror(d, 0.8f)}});
+  };
+  const Maker plastic = [](Description& d) -> std::optional<MaterialId> {
+    return add_material(d, PlasticDescription{});
+  };
+  for (const Maker material : {rough, blend, plastic}) {
+    Description d = floor_scene(256, material);
+    d.integrator.max_depth = 6;
+    add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
+    add_lamp(d, {-0.4f, 0.1f, 4}, 0.6f, 10);
+    // A wall that receives and returns indirect light
+    add_rectangle(d, Transform::translate({-1.5f, 0, 1}) * Transform::rotate({0, 1, 0}, 90), add_diffuse(d, 0.9f));
+    check_agreement(d, 1);
+  }
+}
+
+TEST_CASE("caustics: a mirror shows the image of a light at a point") {
+  Description d = floor_scene(64);
+  // A mirror in the plane x = -1, which faces +x
+  add_rectangle(d, Transform::translate({-1, 0, 2}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({2, 3, 1}),
+                add_mirror(d, 0.7f));
+  add_point_light(d, {0.8f, 0.4f, 1.5f}, 3);
+  d.integrator.max_depth = 3;
+  const auto reflected = [](Vec3f light) {
+    const Vec3f to = light - Vec3f{0.3f, 0, 0};
+    const double squared = static_cast<double>(dot(to, to));
+    return 0.8 / 3.14159265 * 3 * static_cast<double>(light.z) / (squared * std::sqrt(squared));
+  };
+  const double direct = reflected({0.8f, 0.4f, 1.5f}), image = 0.7 * reflected({-2.8f, 0.4f, 1.5f});
+  const Rendered connected = render_with(d, CausticMode::kManifold);
+  check_mean(connected.pixels, direct + image, kLevel, 1e-3 * direct);
+  // BSDF sampling cannot find the light.
+  CHECK(render_with(d, CausticMode::kNone).pixels.mean() == doctest::Approx(direct).epsilon(2e-3));
+}
+
+TEST_CASE("caustics: lights at a point and in a direction shine through a slab of glass") {
+  Description d = floor_scene(64);
+  add_shape(d, CubeShape{}, Transform::translate({0, 0, 1}) * Transform::scale({5, 5, 0.25f}), add_glass(d, 1.6f));
+  d.integrator.max_depth = 4;
+  const auto transmittance = [](double cosine) {
+    const double once = static_cast<double>(fresnel_dielectric<Scalar>(static_cast<float>(cosine), 1.6f).reflectance);
+    return (1 - once) * (1 - once);
+  };
+  // A light straight above: the glass of thickness 0.5 brings it closer by 0.5 (1 - 1 / 1.6).
+  add_point_light(d, {0.3f, 0, 3}, 5);
+  const double distance = 2.5 + 0.5 / 1.6;
+  check_mean(render_with(d, CausticMode::kManifold).pixels,
+             0.8 / 3.14159265 * 5 * transmittance(1) / (distance * distance), kLevel, 1e-3);
+  // A sun at 40 degrees: the slab does not change its direction.
+  d.lights.clear();
+  const double angle = 0.7;
+  d.lights.push_back(
+      {DirectionalLightDescription{{static_cast<float>(std::sin(angle)), 0, static_cast<float>(-std::cos(angle))},
+                                   SpectrumDescription::constant(2)},
+       {}});
+  check_mean(render_with(d, CausticMode::kManifold).pixels,
+             0.8 / 3.14159265 * 2 * std::cos(angle) * transmittance(std::cos(angle)), kLevel, 1e-3);
+}
+
+TEST_CASE("caustics: images do not depend on threads and waves, and without casters the option changes nothing") {
+  Description d = floor_scene(8);
+  add_lamp(d, {-0.4f, 0.1f, 4}, 0.6f, 10);
+  const auto pixels = [&d](CausticMode mode, int threads, int wave_size) {
+    RenderOptions options;
+    options.caustics = mode;
+    options.threads = threads;
+    options.wave_size = wave_size;
+    return render(*compile_scene(d, {}), options).film.to_image().data;
+  };
+  CHECK(pixels(CausticMode::kManifold, 1, 0) == pixels(CausticMode::kNone, 1, 0));
+  add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
+  const auto expected = pixels(CausticMode::kManifold, 1, 0);
+  CHECK(expected != pixels(CausticMode::kNone, 1, 0));
+  CHECK(expected == pixels(CausticMode::kManifold, 3, 64));
+}
+
+TEST_CASE("caustics: integrators and scenes without support are rejected") {
+  Description d = floor_scene(1);
+  const auto error = [&d] {
+    RenderOptions options;
+    options.caustics = CausticMode::kManifold;
+    try {
+      render(*compile_scene(d, {}), options);
+    } catch (const Error& e) { return std::string(e.what()); }
+    return std::string();
+  };
+  add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
+  CHECK(error().empty());
+  d.integrator.strategy = LightStrategy::kBsdfOnly;
+  CHECK(error().find("path_mats") != std::string::npos);
+  d.integrator.strategy = LightStrategy::kMis;
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  CHECK(error().find("photonmapper") != std::string::npos);
+  d.integrator.kind = IntegratorKind::kPath;
+  d.camera.medium = add_medium(d, fog(0.2f, 0.9f));
+  CHECK(error().find("participating media") != std::string::npos);
+}
+
+}  // namespace sheaf::test_caustics
