@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace sheaf {
 
@@ -115,13 +116,14 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
 
 ShutterDescription parse_shutter(const std::string& text) {
   const std::string option = "--shutter '" + text + "': expected ";
+  constexpr double kMaxTime = std::numeric_limits<float>::max();
   std::vector<double> numbers;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t colon = std::min(text.find(':', at), text.size());
     const char *const begin = text.data() + at, *const end = text.data() + colon;
     double number = 0;
     const auto [next, error] = std::from_chars(begin, end, number);
-    if (error != std::errc() || next != end || !std::isfinite(number) || numbers.size() == 3)
+    if (error != std::errc() || next != end || !(std::fabs(number) <= kMaxTime) || numbers.size() == 3)
       throw Error(ExitCode::kUsage, option + "OPEN:CLOSE or OPEN:CLOSE:RAMP, such as 0:0.02");
     numbers.push_back(number);
     at = colon + 1;

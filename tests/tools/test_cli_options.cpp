@@ -353,6 +353,7 @@ TEST_CASE("options: --shutter takes two times and a ramp") {
                                          {"0:1:", "expected OPEN:CLOSE"},
                                          {"0:1:0.1:2", "expected OPEN:CLOSE"},
                                          {"0:inf", "expected OPEN:CLOSE"},
+                                         {"0:1e39", "expected OPEN:CLOSE"},
                                          {"0:1s", "expected OPEN:CLOSE"},
                                          {"2:1", "expected a shutter that opens before it closes"},
                                          {"0:1:0.6", "expected a ramp from 0 to 0.5"},
