@@ -14,7 +14,7 @@ namespace sheaf {
 namespace {
 
 /// Rows of pixels per parallel work item; each work item visits all splats.
-constexpr int kBand = 64;
+constexpr int kRowsPerBand = 64;
 
 }  // namespace
 
@@ -107,9 +107,10 @@ void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter
       for (const int sign : {-1, 1}) add_at(splat, splat.x + static_cast<float>(sign * k) * filter.turn(), down);
   };
   // Add all splats to each band, in the order of tasks
-  const int bands = (crop_.height() + kBand - 1) / kBand;
+  const int bands = (crop_.height() + kRowsPerBand - 1) / kRowsPerBand;
   tbb::parallel_for(tbb::blocked_range<int>(0, bands, 1), [&](const tbb::blocked_range<int>& range) {
-    const int first = crop_.y0 + range.begin() * kBand, end = std::min(crop_.y1, crop_.y0 + range.end() * kBand);
+    const int first = crop_.y0 + range.begin() * kRowsPerBand,
+              end = std::min(crop_.y1, crop_.y0 + range.end() * kRowsPerBand);
     for (const std::vector<Splat>& task : tasks)
       for (const Splat& splat : task) add_splat(splat, first, end);
   });

@@ -189,6 +189,32 @@ TEST_CASE("motion: a point light on a line gives the integral of its irradiance"
   check_mean(green(d), 0.5 / double(kPi) * irradiance, kSignificance, 1e-5);
 }
 
+TEST_CASE("motion: the intensity of a point light does not depend on the scale of its motion") {
+  Description d = floor_scene(64);
+  add_point_light(d, {0, 0, 2}, 1);
+  // The light stays in place while its space shrinks around it
+  LightDescription& light = d.lights.back();
+  const auto around = [](float scale) {
+    return shift(0, 0, 2) * Transform::scale({scale, scale, scale}) * shift(0, 0, -2);
+  };
+  light.motion = add_motion(d, {{0, {}}, {1, around(0.25f)}});
+  expose(d, 0, 1);
+  check_mean(green(d), 0.5 / double(kPi) / 4, kSignificance, 1e-5);
+}
+
+TEST_CASE("motion: a surface that turns over shows its other side") {
+  Description d = view_of(0, 0, 64);
+  d.integrator.max_depth = 2;
+  TwoSidedDescription sides;
+  sides.front = add_diffuse(d, 0.8f);
+  sides.back = add_diffuse(d, 0.2f);
+  const auto turned = [](double angle) { return Transform::rotate({1, 0, 0}, angle); };
+  move(d, add_rectangle(d, {}, add_material(d, sides)), {{0, {}}, {0.5, turned(90)}, {1, turned(180)}});
+  add_constant_light(d, 1);
+  expose(d, 0, 1);
+  check_mean(green(d), 0.5, kSignificance, 2e-3);
+}
+
 TEST_CASE("motion: a sphere that emits on a line gives the integral of its irradiance, however it is sampled") {
   const double level = significance_of_each(3);
   for (const NamedStrategy& strategy : kLightStrategies) {
@@ -345,6 +371,10 @@ TEST_CASE("motion: light tracing and path tracing agree on a moving scene") {
   Description d = busy_scene(512);
   d.camera.motion =
       add_motion(d, {{0, d.camera.to_world}, {1, shift(1) * Transform::rotate({0, 0, 1}, 20) * d.camera.to_world}});
+  // A light that grows
+  move(d, emit(add_rectangle(d, {}, {}), 4),
+       {{0, shift(0, 2, 2) * Transform::rotate({1, 0, 0}, 150) * Transform::scale({0.3f, 0.3f, 1})},
+        {1, shift(0, 2, 2) * Transform::rotate({1, 0, 0}, 150) * Transform::scale({1, 0.5f, 1})}});
   d.integrator.hide_emitters = false;
   const auto mean = [&](IntegratorKind kind, std::uint32_t seed) {
     d.integrator.kind = kind;
