@@ -125,7 +125,7 @@ TEST_CASE("caustics: spectral and dispersive glass and guided paths have the mea
   add_sphere(d, {0, 0, 1}, 0.6f, add_dispersive_glass(d));
   add_lamp(d, {-0.4f, 0.1f, 4}, 0.6f, 10);
   check_agreement(d, 2, ColorMode::kSpectral);
-  check_agreement(d, 0.8, ColorMode::kRgb, GuidingMode::kOn);
+  check_agreement(d, 1.5, ColorMode::kRgb, GuidingMode::kOn);
 }
 
 TEST_CASE("caustics: vertices may be rough or blended or layered or follow another vertex") {
