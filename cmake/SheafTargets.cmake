@@ -25,7 +25,7 @@ endfunction()
 # small files, for which parsing headers dominates. Sources of one unit must not give the same name to different
 # entities.
 function(sheaf_unite target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SHEAF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${SHEAF_UNITY} UNITY_BUILD_BATCH_SIZE 16)
   if(SHEAF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # In a unity build g++ would emit this warning, meant for headers, for all sources but the first.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)

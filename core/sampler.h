@@ -16,8 +16,8 @@ enum class SampleBlock : std::uint32_t {
   kSelect,
   kResample,  ///< x: selects one of several light candidates
   kCount,
-  /// x: the wavelengths if there is a lens; once per path, at dimension 0. Occupies the block that kCamera would have
-  /// at dimension 1.
+  /// x: the wavelengths if there is a lens; y: the time; once per path, at dimension 0. Photons: x: the wavelengths;
+  /// y: the hero lane; z: the time. Occupies the block that kCamera would have at dimension 1.
   kWavelength = kCount,
 };
 

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <tuple>
 
@@ -25,13 +26,28 @@ constexpr int kMaxFrameSide = 1'000'000'000;
 /// Minimum samples per pixel at which --denoise nlm uses 4 sample sets instead of 2.
 constexpr std::uint32_t kDenoisedSamples = 16;
 
+/// The value of --candidates; empty for auto. Throws Error (exit code 2).
+std::optional<int> parse_candidates(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end != text.data() + text.size() || count < 1 || count > kMaxCandidates)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--candidates {}: expected auto or a number from 1 to {}", text, kMaxCandidates));
+  return count;
+}
+
 void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
   IntegratorSettings& integrator = scene.integrator;
   if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
-  if (arguments.candidates) integrator.candidates = *arguments.candidates;
+  if (!arguments.candidates.empty()) {
+    const std::optional<int> count = parse_candidates(arguments.candidates);
+    integrator.candidates = count.value_or(1);
+    integrator.sets_candidates = count.has_value();
+  }
   if (!arguments.light_sampler.empty())
     integrator.light_selector = kLightSelectors.option("light sampler", arguments.light_sampler);
   if (!arguments.medium_estimator.empty())
@@ -158,6 +174,7 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerSett
   options.replicates = choose_replicates(arguments, sampler);
   options.guiding =
       arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
+  options.chooses_candidates = true;
   if (!arguments.caustics.empty()) options.caustics = kCausticModes.option("caustics", arguments.caustics);
   options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
   options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));

@@ -5,6 +5,7 @@
 #include "scene/dialects/read_model.h"
 #include "tools/option_groups.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -32,6 +33,11 @@ void check_model_options(const std::filesystem::path& file, const ReadArguments&
     throw Error(ExitCode::kUsage,
                 std::string("--time and --animation apply to animated models (") + kSceneModelExtensions + ")");
   if (!arguments.animation.empty() && !arguments.time) throw Error(ExitCode::kUsage, "--animation requires --time");
+  if (arguments.shutter.empty()) return;
+  if (model && !gltf)
+    throw Error(ExitCode::kUsage, std::string("--shutter applies to scenes and animated models (") +
+                                      kSceneModelExtensions + "), not to models that do not move");
+  if (gltf && !arguments.time) throw Error(ExitCode::kUsage, "--shutter requires --time or --frames for a model");
 }
 
 constexpr NameTable<NoriCamera> kNoriCameras{{{"eth", NoriCamera::kEth}, {"upstream", NoriCamera::kUpstream}}};
@@ -74,6 +80,11 @@ void add_read_options(Command& command, ReadArguments& arguments) {
       .add_option("--animation", arguments.animation,
                   "Animation of a model for --time: its name or its number, from 0. Default: the first")
       .placeholder("NAME");
+  command
+      .add_option("--shutter", arguments.shutter,
+                  "Times at which the shutter opens and closes, instead of the scene's; relative to --time for models. "
+                  "RAMP, 0 to 0.5: part of the interval in which it opens, and again closes. Default: 0")
+      .placeholder("OPEN:CLOSE[:RAMP]");
 }
 
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments) {
@@ -98,7 +109,28 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
     throw Error(ExitCode::kUsage, "--time: expected a finite number of seconds");
   options.moment = {arguments.time, arguments.animation};
   options.camera = arguments.camera;
+  if (!arguments.shutter.empty()) options.shutter = parse_shutter(arguments.shutter);
   return options;
+}
+
+ShutterDescription parse_shutter(const std::string& text) {
+  const std::string option = "--shutter '" + text + "': expected ";
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t colon = std::min(text.find(':', at), text.size());
+    const char *const begin = text.data() + at, *const end = text.data() + colon;
+    double number = 0;
+    const auto [next, error] = std::from_chars(begin, end, number);
+    if (error != std::errc() || next != end || !std::isfinite(number) || numbers.size() == 3)
+      throw Error(ExitCode::kUsage, option + "OPEN:CLOSE or OPEN:CLOSE:RAMP, such as 0:0.02");
+    numbers.push_back(number);
+    at = colon + 1;
+  }
+  if (numbers.size() < 2) throw Error(ExitCode::kUsage, option + "OPEN:CLOSE or OPEN:CLOSE:RAMP, such as 0:0.02");
+  if (numbers[1] < numbers[0]) throw Error(ExitCode::kUsage, option + "a shutter that opens before it closes");
+  numbers.resize(3, 0.0);
+  if (!(numbers[2] >= 0 && numbers[2] <= 0.5)) throw Error(ExitCode::kUsage, option + "a ramp from 0 to 0.5");
+  return {numbers[0], numbers[1], static_cast<float>(numbers[2])};
 }
 
 std::pair<int, int> parse_size(const std::string& text) {

@@ -17,6 +17,7 @@ struct ReadArguments {
   bool no_floor = false;
   std::string camera, animation;
   std::optional<float> time;         ///< seconds
+  std::string shutter;               ///< OPEN:CLOSE[:RAMP]; empty: that of the scene
   bool from_working_folder = false;  ///< relative paths in the scene refer to the working directory
 };
 
@@ -25,6 +26,9 @@ void add_read_options(Command& command, ReadArguments& arguments);
 
 /// Converts the options for a file. Throws Error (exit code 2) for malformed or inapplicable options.
 ReadOptions read_options(const std::filesystem::path& file, const ReadArguments& arguments);
+
+/// Parses "OPEN:CLOSE" or "OPEN:CLOSE:RAMP". Throws Error (exit code 2).
+ShutterDescription parse_shutter(const std::string& text);
 
 /// Parses "WxH" in pixels. Throws Error (exit code 2).
 std::pair<int, int> parse_size(const std::string& text);

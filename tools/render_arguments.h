@@ -175,7 +175,7 @@ struct TransportArguments {
   std::string filter_mode;
   int replicates = 0;
   std::string light_sampler;
-  std::optional<int> candidates;
+  std::string candidates;
   std::string guiding;
   std::string caustics;
   std::string medium_estimator;
@@ -237,8 +237,10 @@ struct TransportArguments {
     command
         .add_option("--candidates", candidates,
                     "Light samples per vertex, of which resampled importance sampling (RIS) keeps one for the shadow "
-                    "ray. Default: the scene's, else 1; 8 for path_ris")
-        .in_range(1, kMaxCandidates);
+                    "ray: a number, or auto: 1, 2, 4 or 8, as the training passes of guiding recommend, and 1 without "
+                    "training. Default: the scene's, else auto; 8 for path_ris")
+        .placeholder("N")
+        .suggest({"auto"});
     command
         .add_option(
             "--guiding", guiding,

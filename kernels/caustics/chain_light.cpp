@@ -75,8 +75,8 @@ Spectrum4 area_light_arriving(ChainTracer& tracer, const SceneView& scene, const
   const std::uint32_t first = hit.instance == kNone ? 0 : scene.geometry.instances[hit.instance].first_light;
   if (shape.light + first != end.light) return {};
   // Evaluate the emitted radiance, as the emission stage does
-  const auto y =
-      surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, from + direction * hit.t, hit.instance);
+  const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, from + direction * hit.t,
+                                             hit.instance, 0.0f);
   const LightRow light = light_at<kMode>(scene, end.light, lambda);
   const float cosine = -dot(direction, y.ng);
   if (!(cosine > 0) && !light.is_two_sided()) return {};
@@ -124,8 +124,9 @@ float chain_bsdf_weight(const SceneView& scene, const CausticCasters& casters, c
                         float cosine) {
   const LightRow& light = scene.lights.rows[end.light];
   // Both densities per solid angle of the last ray
-  const float by_walk = kWalkProbability * casters.light_probability(end.light) *
-                        light_pdf_solid_angle<Scalar>(scene, light, true, end.from, end.direction, end.t, end.ng);
+  const float by_walk =
+      kWalkProbability * casters.light_probability(end.light) *
+      light_pdf_solid_angle<Scalar>(scene, end.light, light, true, {end.from, end.direction, end.t, end.ng}, 0.0f);
   const float by_bsdf = cosine * kInvPi * ratio * end.t * end.t;
   if (!(by_walk > 0)) return 1;
   const float odds = by_bsdf / by_walk;

@@ -111,8 +111,8 @@ bool ChainTracer::is_open(Vec3f origin, Vec3f direction) {
 
 CasterHit ChainTracer::surface(const DifferentialRay& ray, const SurfaceHit& hit) const {
   const ShapeRow& shape = scene_.geometry.shapes[hit.shape];
-  const auto y =
-      surface_point<Scalar>(scene_, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, kNone);
+  const auto y = surface_point<Scalar>(scene_, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                       kNone, 0.0f);
   CasterHit out;
   out.p = y.p;
   out.ng = y.ng;

@@ -1,8 +1,11 @@
 // Training samples for the guide: the direction sampled at each vertex, and the light that arrived from there.
 #pragma once
 
+#include "core/float4.h"
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -44,12 +47,34 @@ class TrainingSamples {
   void begin(int paths) {
     open_.clear();
     radiance_.assign(static_cast<std::size_t>(paths), 0.0f);
+    trial_.clear();
+    vertices_ = {};
   }
   /// Adds the next vertex of a path. `before`: radiance of the path when it left the vertex, summed over lanes.
   void add(const GuideVertex& vertex, float before) { open_.push_back({vertex, before}); }
   /// Ends a path, with its final radiance.
   void finish(std::uint32_t path, float radiance) { radiance_[path] = radiance; }
 
+  /// In a trial of light candidates: ends a path, with PathMoments::radiance and `excess`.
+  void finish_trial(std::uint32_t path, const Spectrum4& radiance, const Spectrum4& excess) {
+    trial_.resize(radiance_.size());
+    trial_[path] = to_spectrum(Float4(radiance) * Float4(radiance) + Float4(excess));
+  }
+  /// In a trial: counts vertices that sample lights, and those that would have a shadow ray with kCandidateCounts[i]
+  /// candidates.
+  void count_vertices(int i, int vertices, int with_shadow_rays) {
+    vertices_.sampled += i == 0 ? static_cast<std::uint64_t>(vertices) : 0u;
+    vertices_.shadow_rays[static_cast<std::size_t>(i)] += static_cast<std::uint64_t>(with_shadow_rays);
+  }
+
+  /// Vertices that sample lights, and shadow rays for each of kCandidateCounts.
+  struct Vertices {
+    std::uint64_t sampled = 0;
+    std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};
+  };
+  const Vertices& vertices() const { return vertices_; }
+  /// Estimates of the squared radiance of each path, for each of kCandidateCounts; empty without a trial.
+  const std::vector<Spectrum4>& squared_radiance() const { return trial_; }
   /// Radiance of each path, lanes added up.
   const std::vector<float>& radiance() const { return radiance_; }
   /// All records, by path and then by vertex, independent of the order in which waves have added them. `means`: mean of
@@ -68,6 +93,8 @@ class TrainingSamples {
 
   std::vector<Open> open_;
   std::vector<float> radiance_;  ///< per path
+  std::vector<Spectrum4> trial_;
+  Vertices vertices_;
 };
 
 }  // namespace sheaf

@@ -20,10 +20,10 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& f
 }  // namespace light_emit_detail
 
 /// Emits a photon from each light chosen by choose_light_by_power(). a.y, a.z and a.w choose the position, b.x, b.y and
-/// b.z the direction. Spectral mode: flux at `lambda`, per nanometre.
+/// b.z the direction. `time`: in [0, 1]. Spectral mode: flux at `lambda`, per nanometre.
 template <class L, ColorMode kMode = ColorMode::kRgb>
 PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choice, const Random4<L>& a,
-                              const Random4<L>& b, const Spectrum<L>& lambda = {}) {
+                              const Random4<L>& b, Float<L> time, const Spectrum<L>& lambda = {}) {
   using F = Float<L>;
   LightRecord<L> light = load_lights<L>(scene, choice.light);
   if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
@@ -38,6 +38,14 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
   e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = e.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) e.flux = e.flux * light_textures<L, kMode>(scene, light.texture, textured, query, lambda);
+  if (scene.motion.lights != nullptr) {
+    auto on_shape = Mask<L>(false);
+    Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+      if constexpr (Light::kHitKind == LightHitKind::kSurface)
+        on_shape = on_shape | light.is(kLightKind<typename Light::Kind>);
+    });
+    move_photon<L>(light_motion<L>(scene, choice.light, Mask<L>(true), time), e, on_shape);
+  }
   const auto chosen = choice.probability > F(0.0f);
   e.flux = e.flux * (F(1.0f) / select(chosen, choice.probability, F(1.0f)));
   e.valid = e.valid & chosen & is_finite(e.direction) & is_finite(max_component(e.flux));

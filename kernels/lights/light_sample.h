@@ -7,6 +7,7 @@
 #include "core/uplift.h"
 #include "kernels/lights/light_select.h"
 #include "kernels/lights/list.h"
+#include "kernels/lights/moving_light.h"
 
 namespace sheaf {
 
@@ -98,25 +99,33 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
   return s;
 }
 
-/// Samples a direction from `from` towards the chosen lights. The pdf includes the choice. `lambda`: wavelengths in
-/// spectral mode. `drawn`: see LightQuery.
+/// Samples a direction from `from` towards the chosen lights at times in [0, 1]. The pdf includes the choice. `lambda`:
+/// wavelengths in spectral mode. `drawn`: see LightQuery.
 template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
-                                         const Random4<L>& u, const Spectrum<L>& lambda = {},
+                                         const Random4<L>& u, Float<L> time, const Spectrum<L>& lambda = {},
                                          const EnvmapDraw<L>* drawn = nullptr) {
   LightRecord<L> light = load_lights<L>(scene, choice.light);
   if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
-  LightSample<L> s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn);
+  LightSample<L> s;
+  if (scene.motion.lights == nullptr) {
+    s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn);
+  } else {
+    const MotionSample<L> motion = light_motion<L>(scene, choice.light, Mask<L>(true), time);
+    s = sample_given_light<L, kMode>(scene, rest_point<L>(motion, from), light, u, lambda, drawn);
+    move_light_sample<L>(scene, motion, choice.light, s);
+  }
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
   return s;
 }
 
-/// Pdf, without the choice of the light, with which sample_given_light() samples a point of an area light from `from`.
-/// The point lies at distance `t` in `direction` and has the geometric normal `ng`.
+/// Pdf, without the choice of the light, with which sample_light() samples a point of the area light `row` at times in
+/// [0, 1]. `light` is its record.
 template <class L>
-SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightRecord<L>& light, Mask<L> active,
-                                            Vec3<L> from, Vec3<L> direction, Float<L> t, Vec3<L> ng) {
-  const LightHit<L> hit{from, direction, t, ng};
+SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, Uint<L> row, const LightRecord<L>& light,
+                                            Mask<L> active, LightHit<L> hit, Float<L> time) {
+  Float<L> factor(1.0f);
+  if (scene.motion.lights != nullptr) factor = rest_hit<L>(light_motion<L>(scene, row, active, time), hit);
   const Spectrum<L> no_lambda;
   Float<L> pdf(0.0f);
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
@@ -125,7 +134,7 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, const LightR
       if (any(here)) pdf = select(here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
     }
   });
-  return pdf;
+  return pdf * factor;
 }
 
 /// Whether light `index` is hit by paths that leave the scene.
@@ -138,22 +147,29 @@ inline bool surrounds_scene(const SceneView& scene, std::uint32_t index) {
   return surrounds;
 }
 
-/// Radiance from `direction` of light `index`, which must surround the scene. Includes the pdf with which
-/// sample_given_light() samples that direction, without the choice of the light. `lambda`: spectral mode.
+/// Radiance from `direction` at times in [0, 1] of light `index`, which must surround the scene. Includes the pdf with
+/// which sample_light() samples that direction, without the choice of the light. `lambda`: spectral mode.
 template <class L, ColorMode kMode>
 SHEAF_INLINE EnvmapValue<L> environment_value(const SceneView& scene, std::uint32_t index, Vec3<L> direction,
-                                              const Spectrum<L>& lambda) {
+                                              Float<L> time, const Spectrum<L>& lambda) {
   using F = Float<L>;
   const LightRow& light = scene.lights.rows[index];
   const Spectrum4& rgb = light.radiance;
   Spectrum<L> emitted{F(rgb.c0), F(rgb.c1), F(rgb.c2), F(rgb.c3)};
   if constexpr (kMode == ColorMode::kSpectral) emitted = light_spectra<L>(scene, Uint<L>(index), lambda);
+  F factor(1.0f);
+  if (scene.motion.lights != nullptr) {
+    LightHit<L> hit{{}, direction, F(0.0f), direction};
+    factor = rest_hit<L>(light_motion<L>(scene, Uint<L>(index), Mask<L>(true), time), hit);
+    direction = hit.direction;
+  }
   EnvmapValue<L> value{};
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     if constexpr (Light::kHitKind == LightHitKind::kEscape)
       if (light.is(kLightKind<typename Light::Kind>))
         value = Light::template arriving<L, kMode>(scene, light, emitted, direction, lambda);
   });
+  value.pdf_solid_angle = value.pdf_solid_angle * factor;
   return value;
 }
 

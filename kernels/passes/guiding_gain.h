@@ -1,17 +1,9 @@
 // Estimates from training passes whether path guiding pays.
 #pragma once
 
-#include <cstdint>
-#include <vector>
+#include "kernels/passes/trial_pass.h"
 
 namespace sheaf {
-
-/// The samples of a training pass with two samples for each of its pixels.
-struct TrialPass {
-  /// Radiance of the samples of each task, all components added up: two of a pixel, then two of the next.
-  std::vector<std::vector<float>> radiance;
-  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
-};
 
 /// How many times the cost of a guided render an unguided one needs for the same error: the ratio of the products of
 /// error and number of rays.

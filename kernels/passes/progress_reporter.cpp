@@ -70,6 +70,7 @@ RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatisti
   add_samples(plan, report);
   report.photons = tasks.photons;
   report.guiding = tasks.guiding;
+  report.candidates = tasks.candidates;
   add_workers(tasks.workers, plan.layout().frame, dropped_so_far(plan, tasks.workers), report, warnings);
   for (const SourceLocation& place : scene_.light_source_locations())
     report.light_source_locations.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line)

@@ -17,6 +17,7 @@ struct TaskStatistics {
   int threads, wave_size;
   RenderReport::Photons photons;
   RenderReport::Guiding guiding;
+  RenderReport::Candidates candidates;
 };
 
 class ProgressReporter {

@@ -42,6 +42,10 @@ struct RenderOptions {
   AovSet aovs;                              ///< further layers; "variance" and "half" need two replicates or more
   bool light_groups = false;                ///< layers with the contribution of each of SceneNames::lights
   GuidingMode guiding = GuidingMode::kOff;  ///< path guiding, with training passes before the image is rendered
+  /// Chooses the number of light candidates in the first training passes, unless the scene sets it; see
+  /// choose_candidates(). Renders without training passes, shorter than 16 samples per pixel or smaller than 128 x 128
+  /// pixels have one candidate.
+  bool chooses_candidates = false;
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
   /// participating media and transparent surfaces.
   CausticMode caustics = CausticMode::kNone;
@@ -61,6 +65,11 @@ struct RenderOptions {
   /// Called before on_pause, with the statistics since the render was started or resumed. The report does not include
   /// the noise, which takes longer to compute.
   std::function<void(const RenderReport&)> on_report;
+
+  /// Whether training passes, if there are any, may choose the number of light candidates.
+  bool may_choose_candidates(const IntegratorSettings& integrator) const {
+    return chooses_candidates && !integrator.sets_candidates && integrator.strategy != LightStrategy::kBsdfOnly;
+  }
 };
 
 /// Noise of the image: Film::noise(), or image_noise() of the image with splats. Empty if there are splats but no

@@ -119,7 +119,9 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
   const StageContext context(scene);
-  WaveNeeds needs = WaveNeeds::of(context);
+  const bool tries_candidates =
+      options.may_choose_candidates(context.integrator) && trains_guide(options.guiding, context.integrator);
+  WaveNeeds needs = tries_candidates ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context);
   needs.chains = options.caustics == CausticMode::kManifold;
   needs.guides = trains_guide(options.guiding, context.integrator);
   const FilmSize film = film_size(layout, options);

@@ -1,6 +1,7 @@
 #include "kernels/passes/render_report.h"
 
 #include "core/duration.h"
+#include "kernels/guiding/candidate_trial.h"
 #include "scene/tables/scene.h"
 
 #include <fmt/format.h>
@@ -281,6 +282,7 @@ std::string to_json(const RenderReport& report) {
         {"fit_seconds", report.guiding.fit_seconds},
         {"gain", report.guiding.gain ? nlohmann::ordered_json(*report.guiding.gain) : nlohmann::ordered_json()},
         {"used", report.guiding.is_used}}},
+      {"candidates", {{"count", report.candidates.count}, {"gains", report.candidates.gains}}},
       {"caustics",
        {{"attempts", report.stats.chains.attempts},
         {"solutions", report.stats.chains.solutions},
@@ -333,6 +335,12 @@ std::string to_table(const RenderReport& report) {
   if (const std::optional<double>& gain = report.guiding.gain)
     fmt::format_to(out, "guide: {}, error x cost is {:.2f} times as high without it\n",
                    report.guiding.is_used ? "used" : "not used", *gain);
+  if (const std::vector<double>& gains = report.candidates.gains; !gains.empty()) {
+    fmt::format_to(out, "light candidates: {} per vertex; error x cost is", report.candidates.count);
+    for (std::size_t i = 1; i < gains.size(); ++i)
+      fmt::format_to(out, "{} {:.2f} with {}", i > 1 ? "," : "", 1 / gains[i], kCandidateCounts[i]);
+    text += " times that with 1\n";
+  }
   if (const Stats::Chains& chains = stats.chains; chains.attempts > 0)
     fmt::format_to(out, "caustics: {} chains in {} attempts, {} trials, {} at the limit of trials, {} rays\n",
                    chains.solutions, chains.attempts, chains.trials, chains.capped, chains.rays);

@@ -65,6 +65,11 @@ struct RenderReport {
     std::optional<double> gain;             ///< GuidingGain::ratio, if training has estimated it
     bool is_used = false;                   ///< the samples of the image are guided
   } guiding;
+  /// Light candidates per vertex.
+  struct Candidates {
+    int count = 1;
+    std::vector<double> gains;  ///< CandidateChoice::gains, if a trial has chosen the number
+  } candidates;
   std::optional<AdaptiveSummary> adaptive;  ///< with adaptive sampling
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
   std::vector<std::string_view> stage_names;        ///< of all stages, in the order of Stats::stages

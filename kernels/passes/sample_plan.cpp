@@ -30,9 +30,13 @@ SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleL
   state_.division = layout_;
   state_.first_sample = layout_.range.first;
   if (layout_.adapts) set_adaptive({options.noise_target, layout_.spp});
-  if (trains_guide(options.guiding, scene.integrator()))
-    training_ = training_passes(state_.film.width(), state_.film.height(),
-                                layout_.adapts ? std::min(layout_.spp, kTypicalSamples) : layout_.spp, options.guiding);
+  if (trains_guide(options.guiding, scene.integrator())) {
+    const int width = state_.film.width(), height = state_.film.height();
+    const std::uint32_t samples = layout_.adapts ? std::min(layout_.spp, kTypicalSamples) : layout_.spp;
+    training_ = training_passes(width, height, samples, options.guiding);
+    tries_candidates_ =
+        options.may_choose_candidates(scene.integrator()) && is_trial_worthwhile(width, height, samples);
+  }
   if (scene.integrator().kind == IntegratorKind::kLightTracer) set_photons(scene);
   if (options.resume != nullptr) resume(*options.resume);
   is_trained_ = training_.empty() || state_.first_sample == layout_.range.end();

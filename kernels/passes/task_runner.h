@@ -17,7 +17,9 @@ class TaskRunner {
   /// Runs rounds of tasks until no samples remain, the render is stopped or the time limit is reached.
   void run();
   /// Statistics of the tasks so far. Must not be called while workers run.
-  TaskStatistics statistics() const { return {workers_, threads_, wave_size_, light_.photons(), light_.guiding()}; }
+  TaskStatistics statistics() const {
+    return {workers_, threads_, wave_size_, light_.photons(), light_.guiding(), light_.candidates()};
+  }
   /// Warnings of the tasks so far.
   const std::vector<std::string>& warnings() const { return light_.warnings(); }
 

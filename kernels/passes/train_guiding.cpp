@@ -89,7 +89,9 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
   const SampledFrame frame{width};
   const std::vector<std::vector<PixelSamples>> tasks = tasks_of(frame, height, pass);
   std::vector<std::vector<GuideRecord>> records(tasks.size());
+  std::vector<TrainingSamples::Vertices> vertices(tasks.size());
   trial.radiance.resize(tasks.size());
+  trial.squared_radiance.resize(tasks.size());
   const std::uint64_t rays_before = traced_rays(workers);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, tasks.size(), 1),
@@ -105,11 +107,17 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           run_pass<Wide>(of_task, worker.wave);
           records[i] = worker.guide.records(context.guide(), means);
           trial.radiance[i] = worker.guide.radiance();
+          trial.squared_radiance[i] = worker.guide.squared_radiance();
+          vertices[i] = worker.guide.vertices();
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
       },
       tbb::simple_partitioner());
   trial.rays = traced_rays(workers) - rays_before;
+  for (const TrainingSamples::Vertices& of_task : vertices) {
+    trial.light_vertices += of_task.sampled;
+    for (std::size_t i = 0; i < trial.shadow_rays.size(); ++i) trial.shadow_rays[i] += of_task.shadow_rays[i];
+  }
   return records;
 }
 
@@ -118,7 +126,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
   const bool is_auto = mode == GuidingMode::kAuto;
   const double pixels = static_cast<double>(width) * height;
-  if (samples < (is_auto ? kMinAutoTrained : kMinTrained) || (is_auto && pixels < kMinAutoPixels)) return {};
+  if (samples < kMinTrained || (is_auto && !is_trial_worthwhile(width, height, samples))) return {};
   const double share = is_auto ? 0 : kShare * samples;
   const double wanted = std::clamp(std::max(kPerPixel, share) * pixels, kMinTraining, kMaxTraining);
   const double total = std::min(wanted, kMaxShare * samples * pixels);
@@ -139,6 +147,10 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   return passes;
 }
 
+bool is_trial_worthwhile(int width, int height, std::uint32_t samples) {
+  return samples >= kMinAutoTrained && static_cast<double>(width) * height >= kMinAutoPixels;
+}
+
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes) {
   std::uint64_t sum = 0;
   for (const TrainingPass& pass : passes)
@@ -148,7 +160,8 @@ std::uint64_t training_samples(int width, int height, std::span<const TrainingPa
 }
 
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, GuideTraining& training) {
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
+                       GuideTraining& training) {
   GuideField field;
   StageContext of_passes = context;
   of_passes.sampler = training_sampler(context.sampler);
@@ -160,8 +173,10 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     // Take the samples
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
+    StageContext of_pass = of_passes;
+    if (tries_candidates && trials.size() < 2) of_pass.try_candidates();
     const auto records =
-        run_pass(of_passes, workers, width, height, pass, field.means(), training, trials.emplace_back());
+        run_pass(of_pass, workers, width, height, pass, field.means(), training, trials.emplace_back());
     report.trace_seconds += seconds_since(start);
     report.samples += training_samples(width, height, {&pass, 1});
     // Train the guide
@@ -169,12 +184,18 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     for (const auto& task : records) report.records += task.size();
     field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(size_ratio(pass, passes[0]))));
     report.fit_seconds += seconds_since(start);
-    // Decide whether guiding pays
     ++report.passes;
-    if (trials.size() != 2 || mode != GuidingMode::kAuto || training.stopped()) continue;
-    const GuidingGain gain = guiding_gain(trials[0], trials[1]);
-    report.gain = gain.ratio;
-    report.is_used = gain.is_significant();
+    if (trials.size() != 2 || training.stopped()) continue;
+    // Decide whether guiding pays, and how many light candidates do
+    if (mode == GuidingMode::kAuto) {
+      const GuidingGain gain = guiding_gain(trials[0], trials[1]);
+      report.gain = gain.ratio;
+      report.is_used = gain.is_significant();
+    }
+    if (tries_candidates) {
+      training.candidates = choose_candidates(trials[report.is_used ? 1 : 0], candidate_cost(context.scene));
+      of_passes.integrator.candidates = training.candidates.count;
+    }
     if (report.is_used) continue;
     training.on_samples(training_samples(width, height, passes) - report.samples);  // that are not taken
     break;

@@ -1,9 +1,11 @@
 // Training passes of path guiding: camera samples of the whole frame that only train the guide. Each pass is guided by
 // what the previous ones have learned. Their images are discarded, because the guide must not depend on the samples of
-// the final image that it guides. The first two passes also tell whether guiding pays: see guiding_gain().
+// the final image that it guides. The first two passes also show whether guiding pays (guiding_gain()) and how many
+// light candidates do (choose_candidates()).
 #pragma once
 
 #include "kernels/guiding/guide_field.h"
+#include "kernels/passes/candidate_choice.h"
 #include "kernels/passes/guiding_gain.h"
 #include "kernels/passes/guiding_mode.h"
 #include "kernels/passes/render_report.h"
@@ -18,6 +20,7 @@ struct GuideTraining {
   std::function<bool()> stopped;                  ///< true ends training
   std::function<void(std::uint64_t)> on_samples;  ///< progress: more camera samples were taken
   RenderReport::Guiding report = {};              ///< out
+  CandidateChoice candidates = {};                ///< out, with a trial of light candidates
 };
 
 /// One training pass. The pixels of a pass are evenly distributed over the frame.
@@ -32,12 +35,18 @@ struct TrainingPass {
 /// The first two are equally large.
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode);
 
+/// Whether a render with training passes is long and large enough for GuidingMode::kAuto and for a trial of light
+/// candidates.
+bool is_trial_worthwhile(int width, int height, std::uint32_t samples);
+
 /// Number of camera samples of all passes.
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes);
 
 /// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass. With
-/// GuidingMode::kAuto, training ends after two passes if guiding does not pay.
+/// GuidingMode::kAuto, training ends after two passes if guiding does not pay. `tries_candidates`: the first two passes
+/// are a trial of light candidates, and the following ones have the number that it has found.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, GuideTraining& training);
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
+                       GuideTraining& training);
 
 }  // namespace sheaf

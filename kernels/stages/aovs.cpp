@@ -3,9 +3,11 @@
 // lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
 #include "core/lane_array.h"
 #include "kernels/film/camera_task.h"
+#include "kernels/stages/moving_camera.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/surface_albedo.h"
 #include "kernels/wave/load_bsdf.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
@@ -56,20 +58,21 @@ SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const Radiance
 /// Depth along the axis of the camera whose column of the film contains the pixel, m. Cameras without an axis:
 /// distance.
 template <class L>
-SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, Uint<L> pixel, Vec3<L> p) {
+SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, Uint<L> pixel, Vec3<L> p,
+                               Float<L> time) {
   using F = Float<L>;
-  const auto seen_by = [&](const Camera& camera) SHEAF_LAMBDA_INLINE {
-    const Vec3<L> from = p - broadcast<L>(camera.origin);
+  const auto seen_by = [&](const Camera& camera, std::uint32_t index) SHEAF_LAMBDA_INLINE {
+    const Vec3<L> from = camera_rest_point<L>(scene, index, p, time) - broadcast<L>(camera.origin);
     const float scale = length(camera.z_axis);
     return scale > 0.0f ? dot(from, broadcast<L>(camera.z_axis / scale)) : length(from);
   };
-  F depth = seen_by(scene.sensor.camera);
+  F depth = seen_by(scene.sensor.camera, 0);
   if (scene.sensor.more_camera_count == 0) return depth;
   const LaneArray<Uint<L>> pixels(pixel);
   const F x = make_lanes<F>([&](int lane) { return static_cast<float>(task.frame().x(pixels[lane])) + 0.5f; });
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width), seen_by(scene.sensor.more_cameras[i]),
-                   depth);
+    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width),
+                   seen_by(scene.sensor.more_cameras[i], i + 1), depth);
   return depth;
 }
 
@@ -79,7 +82,7 @@ SHEAF_INLINE void put_uv(const SceneView& scene, const Wave& wave, const Slot* s
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                        hit.instance);
+                                        hit.instance, path_times<L>(scene, wave, slots));
   out.put_words(channel, {y.uv.x, y.uv.y});
 }
 
@@ -102,7 +105,7 @@ template <class L>
   out.put(channels[aov_named("position")], item.p);
   if (const int depth = channels[aov_named("depth")]; depth >= 0) {
     const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
-    out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p)});
+    out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p, path_times<L>(scene, wave, slots))});
   }
   if (const int uv = channels[aov_named("uv")]; uv >= 0) put_uv<L>(scene, wave, slots, ray, uv, out);
   if (channels.has_surfaces())

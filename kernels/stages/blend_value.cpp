@@ -6,6 +6,7 @@
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_texture.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "scene/tables/shape.h"
 
@@ -151,7 +152,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   BlendPoint<L> at{surface_point<L, true>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                          hit.instance),
+                                          hit.instance, path_times<L>(scene, wave, slots)),
                    ray.direction,
                    wi,
                    {},

@@ -8,10 +8,12 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/adjoint.h"
+#include "kernels/stages/moving_camera.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -32,7 +34,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
                            kNumberY | kNumberZ);
     lens = square_to_disk<L>(u.y, u.z);
   }
-  const CameraView<L> view = context.scene.sensor.camera.view<L>(item.p, lens.x, lens.y);
+  const CameraView<L> view = view_at<L>(context.scene, item.p, lens, path_times<L>(context.scene, wave, slots));
   const SplatFilter::Bounds& film = context.light_task().film_bounds;
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);

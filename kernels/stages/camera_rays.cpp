@@ -4,7 +4,9 @@
 #include "core/sampler.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
+#include "kernels/stages/moving_camera.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -28,20 +30,34 @@ SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, con
   scatter_wavelength_samples<L>(wave, slots, count, u);
 }
 
-/// The ray of the camera whose column of the film contains the position.
+/// Draws the times of paths; 0 in static scenes.
 template <class L>
-SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L> y, const Random4<L>& u) {
+SHEAF_INLINE Float<L> start_time(const StageContext& context, Wave& wave, const Slot* slots, int count,
+                                 const PathState<L>& path) {
+  if (!context.scene.motion.any()) return Float<L>(0.0f);
+  const Float<L> u =
+      draw<L>(context.sampler, path.pixel, path.sample, Uint<L>(0u), SampleBlock::kWavelength, {}, kNumberY).y;
+  const Float<L> time = sample_shutter<L>(context.scene.motion.shutter_ramp, u);
+  scatter_times<L>(wave, slots, count, time);
+  return time;
+}
+
+/// The ray at `time` of the camera whose column of the film contains the position.
+template <class L>
+SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L> y, const Random4<L>& u,
+                                     Float<L> time) {
   using F = Float<L>;
-  const auto of = [&](const Camera& camera, F across) SHEAF_LAMBDA_INLINE {
+  const auto of = [&](const Camera& camera, std::uint32_t index, F across) SHEAF_LAMBDA_INLINE {
     const Vec2<L> lens = camera.has_lens() ? square_to_disk<L>(u.z, u.w) : Vec2<L>{F(0.0f), F(0.0f)};
-    return camera.ray<L>(across, y, lens.x, lens.y);
+    const CameraRay<L> ray = camera.ray<L>(across, y, lens.x, lens.y);
+    return scene.motion.cameras == nullptr ? ray : move_camera_ray<L>(camera_motion<L>(scene, index, time), ray);
   };
-  CameraRay<L> ray = of(scene.sensor.camera, x);
+  CameraRay<L> ray = of(scene.sensor.camera, 0, x);
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i) {
     const F begin(static_cast<float>(i + 1) * scene.sensor.column_width);
     const auto here = x >= begin;
     if (!any(here)) break;
-    const CameraRay<L> other = of(scene.sensor.more_cameras[i], x - begin);
+    const CameraRay<L> other = of(scene.sensor.more_cameras[i], i + 1, x - begin);
     ray.origin = select<L>(here, other.origin, ray.origin);
     ray.direction = select<L>(here, other.direction, ray.direction);
     ray.t_max = select(here, other.t_max, ray.t_max);
@@ -114,7 +130,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
   const auto dx = context.scene.sensor.filter->sample<L>(u.x), dy = context.scene.sensor.filter->sample<L>(u.y);
   remember_offsets<L>(task, radiance.task_sample, count, dx.position, dy.position);
   const F film_x = x.load() + F(0.5f) + dx.position, film_y = y.load() + F(0.5f) + dy.position;
-  const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u);
+  const F time = start_time<L>(context, wave, slots, count, path);
+  const CameraRay<L> from_camera = camera_ray<L>(context.scene, film_x, film_y, u, time);
   // Generate the ray
   RayState<L> ray;
   ray.origin = from_camera.origin;
@@ -125,6 +142,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
   if (context.samples_guide())
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
+  if (context.tries_candidates())
+    for (int lane = 0; lane < count; ++lane) wave.moments.row(slots[lane]) = {};
   if (context.scene.needs_transmittance) ray.flags |= start_in_medium<L>(context, wave, slots, count, path);
 
   radiance.scatter_pdf = F(0.0f);

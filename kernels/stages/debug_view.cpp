@@ -6,6 +6,7 @@
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
 
@@ -23,8 +24,9 @@ template <class L> SHEAF_INLINE void view_tile(const StageContext& context, Wave
     out.radiance = {depth, depth, depth, Float<L>(0.0f)};
   } else {
     const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
-    const auto y = surface_point<L>(context.scene, shape, hit.primitive, hit.u, hit.v,
-                                    ray.origin + ray.direction * hit.t, hit.instance);
+    const auto y =
+        surface_point<L>(context.scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                         hit.instance, path_times<L>(context.scene, wave, slots));
     const Vec3<L> n = abs(y.ns);
     out.radiance = {n.x, n.y, n.z, Float<L>(0.0f)};
   }
@@ -41,8 +43,8 @@ SHEAF_INLINE void look_around_tile(const StageContext& context, Wave& wave, cons
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const PathState<L> path = wave.paths.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
-  const auto y =
-      surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance, path_times<L>(scene, wave, slots));
   const auto u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kScatter);
   const Vec3<L> direction = Frame<L>::from_normal(y.ns).to_world(square_to_cone<L>(u.y, u.z, F(1.0f)));
   // The length never needs to exceed the diameter of the scene's bounding sphere.
@@ -58,8 +60,8 @@ SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slo
   const RayState<L> ray = wave.rays.gather<L>(slots);
   const HitState<L> hit = wave.hits.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
-  const auto y =
-      surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance, path_times<L>(scene, wave, slots));
   continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit.t, ray,
                    wave.paths.gather<L>(slots));
 }

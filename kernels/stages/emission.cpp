@@ -5,12 +5,14 @@
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/chain_state.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -18,16 +20,33 @@ namespace sheaf {
 
 namespace {
 
-/// MIS weight of emission found by BSDF sampling. `scatter_pdf`: solid-angle pdf, 1/sr; 0 (delta lobe or camera ray)
-/// gives weight 1.
+/// MIS weight of emission found by BSDF sampling, against that many light candidates. `scatter_pdf`: solid-angle pdf,
+/// 1/sr; 0 (delta lobe or camera ray) gives weight 1.
 template <class L>
-SHEAF_INLINE Float<L> emission_weight(const IntegratorSettings& settings, Float<L> scatter_pdf, Float<L> light_pdf) {
+SHEAF_INLINE Float<L> emission_weight(LightStrategy strategy, int candidates, Float<L> scatter_pdf,
+                                      Float<L> light_pdf) {
   using F = Float<L>;
   const auto specular = scatter_pdf == F(0.0f);
-  if (settings.strategy == LightStrategy::kBsdfOnly) return F(1.0f);
-  if (settings.strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
-  const F mis_weight = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), settings.candidates);
+  if (strategy == LightStrategy::kBsdfOnly) return F(1.0f);
+  if (strategy == LightStrategy::kLightOnly) return select(specular, F(1.0f), F(0.0f));
+  const F mis_weight = bsdf_weight(light_pdf, select(specular, F(1.0f), scatter_pdf), candidates);
   return select(specular, F(1.0f), mis_weight);
+}
+
+/// Adds emission to paths, weighted by MIS. `emitted`: times the throughput. `divisor`: see LightPath.
+template <class L>
+SHEAF_INLINE void add_emission(const StageContext& context, Wave& wave, const Slot* slots, std::uint32_t lanes,
+                               const Spectrum<L>& emitted, Float<L> divisor, Float<L> scatter_pdf, Float<L> light_pdf,
+                               typename L::Uint light) {
+  const LightStrategy strategy = context.integrator.strategy;
+  const Float<L> weight = emission_weight<L>(strategy, context.integrator.candidates, scatter_pdf, light_pdf) / divisor;
+  add_radiance<L>(wave, slots, lanes, emitted * weight, light);
+  if (!context.tries_candidates()) [[likely]]
+    return;
+  const auto found = [&](int i) {
+    return total(emitted) * (emission_weight<L>(strategy, kCandidateCounts[i], scatter_pdf, light_pdf) / divisor);
+  };
+  find_in_trial<L>(wave, slots, lanes, {found(0), found(1), found(2), found(3)});
 }
 
 /// The previous vertex as light_candidates saw it, and the pdfs of the path since then.
@@ -83,15 +102,14 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const PathState<L> path = wave.paths.gather<L>(slots);
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
+  const F time = path_times<L>(scene, wave, slots);
   const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
   for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light) {
     if (!surrounds_scene(scene, light)) continue;
-    const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, lambda);
+    const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, time, lambda);
     const F probability = choice_probability<L>(scene, from.receiver, U(light));
-    const F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf,
-                                        probability * arriving.pdf_solid_angle * from.light_ratio) /
-                     from.divisor;
-    add_radiance<L>(wave, slots, mask_bits(counts), path.beta * arriving.radiance * weight, U(light));
+    add_emission<L>(context, wave, slots, mask_bits(counts), path.beta * arriving.radiance, from.divisor,
+                    radiance.scatter_pdf, probability * arriving.pdf_solid_angle * from.light_ratio, U(light));
   }
 }
 
@@ -132,8 +150,9 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   const PathState<L> path = wave.paths.gather<L>(slots);
   const RadianceState<L> radiance = wave.radiance.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
+  const F time = path_times<L>(context.scene, wave, slots);
   const auto y = surface_point<L, kTextured>(context.scene, shape, hit.primitive, hit.u, hit.v,
-                                             ray.origin + ray.direction * hit.t, hit.instance);
+                                             ray.origin + ray.direction * hit.t, hit.instance, time);
   // Evaluate the emitted radiance
   LightRecord<L> light = load_lights<L>(context.scene, hit.light);
   const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
@@ -150,13 +169,15 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
       faces & !light.is_along_normal() & (!hidden) & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf);
   // Add the radiance, weighted by MIS
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
-  const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
-                light_pdf_solid_angle<L>(context.scene, light, Mask<L>(true), from.receiver.p, ray.direction,
-                                         hit.t + from.distance_since_vertex, y.ng);
-  F weight = emission_weight<L>(context.integrator, radiance.scatter_pdf, pdf * from.light_ratio) / from.divisor;
+  const F pdf =
+      choice_probability<L>(context.scene, from.receiver, hit.light) *
+      light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
+                               {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng}, time);
+  Spectrum<L> emitted = path.beta * light.radiance;
   const std::uint32_t chained = mask_bits(lit & is_connected_chain<L>(context, ray.flags) & L::first(count));
-  if (chained != 0) weight = weight * chain_weights<L>(context, wave, slots, chained, y.ng);
-  add_radiance<L>(wave, slots, mask_bits(lit & L::first(count)), path.beta * light.radiance * weight, hit.light);
+  if (chained != 0) emitted = emitted * chain_weights<L>(context, wave, slots, chained, y.ng);
+  add_emission<L>(context, wave, slots, mask_bits(lit & L::first(count)), emitted, from.divisor, radiance.scatter_pdf,
+                  pdf * from.light_ratio, hit.light);
   // Continue camera rays behind hidden lights
   continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
 }

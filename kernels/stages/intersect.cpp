@@ -2,6 +2,7 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
 
@@ -23,7 +24,8 @@ template <class L> SHEAF_INLINE Mask<L> is_traceable(const RayState<L>& ray) {
 /// Copies the rays of slots[0 .. L::width) to lanes [at, at + L::width) of the packet. Returns the lanes that are
 /// traceable; the others become rays of length 0.
 template <class L>
-SHEAF_INLINE std::uint32_t pack(const Wave& wave, const Slot* slots, int count, RayPacket& packet, int at) {
+SHEAF_INLINE std::uint32_t pack(const SceneView& scene, const Wave& wave, const Slot* slots, int count,
+                                RayPacket& packet, int at) {
   using F = typename L::Float;
   RayState<L> ray = wave.rays.gather<L>(slots);
   const auto good = is_traceable(ray);
@@ -39,6 +41,7 @@ SHEAF_INLINE std::uint32_t pack(const Wave& wave, const Slot* slots, int count, 
   store(packet.direction_y + at, ray.direction.y);
   store(packet.direction_z + at, ray.direction.z);
   store(packet.t_far + at, ray.t_max);
+  pack_times<L>(scene, wave, slots, packet.time + at);
   store(packet.shape + at, typename L::Uint(kNone));
   store(packet.id + at, ray.flags);
   return mask_bits(good & L::first(count));
@@ -114,7 +117,9 @@ template <class L> void intersect(const StageContext& context, Wave& wave) noexc
       context.scene, wave, rays, RayRecorder::Query::kNearest,
       [&](int first, int in_packet, RayPacket& packet) {
         const Slot* slots = wave.active.data() + first;
-        for_tiles<L>(in_packet, [&](int at, int count) { good[at] = pack<L>(wave, slots + at, count, packet, at); });
+        for_tiles<L>(in_packet, [&](int at, int count) {
+          good[at] = pack<L>(context.scene, wave, slots + at, count, packet, at);
+        });
       },
       [&](int first, int in_packet, const RayPacket& packet) {
         const Slot* slots = wave.active.data() + first;

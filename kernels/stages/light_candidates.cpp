@@ -6,6 +6,7 @@
 #include "kernels/stages/blend_value.h"
 #include "kernels/stages/light_sample_context.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -33,6 +34,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   LightSampleContext<L> at[kTogether];
   LightTreeCut<L> tops[kTogether];
   Float<L> u[kTogether];
+  const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
   for (int i = 0; i < kTogether; ++i) {
     u[i] = tiles[i].u.x;
     if (!chooses_by_place(context.scene)) continue;
@@ -41,7 +43,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
     const Vec3<L> ns =
         mapped_parts ? receiver_normal<L>(context.scene, wave, tiles[i].slots, column, item.ns) : item.ns;
     at[i] = in_medium ? LightSampleContext<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
-    if (!wave.needs.light_tops) continue;
+    if (!shares_tops) continue;
     if (!is_first) {
       tops[i] = wave.light_tops.load<L>(column);
     } else {
@@ -49,7 +51,7 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
       wave.light_tops.store<L>(column, tops[i]);
     }
   }
-  choose_lights<L>(context.scene, at, u, wave.needs.light_tops ? tops : nullptr, choices);
+  choose_lights<L>(context.scene, at, u, shares_tops ? tops : nullptr, choices);
 }
 
 /// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.
@@ -58,7 +60,8 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
                                  const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
   using F = Float<L>;
   const LightSample<L> light = sample_light<L, kMode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
-                                                      tile.u, shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
+                                                      tile.u, path_times<L>(context.scene, wave, tile.slots),
+                                                      shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;

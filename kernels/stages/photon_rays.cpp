@@ -10,6 +10,7 @@
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/start_medium.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -69,9 +70,12 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
   if constexpr (kMode == ColorMode::kSpectral)
     scatter_wavelength_samples<L>(wave, slots, count,
                                   context.wavelength_sample < 0.0f ? one : F(context.wavelength_sample));
+  const F time = sample_shutter<L>(scene.motion.shutter_ramp, c.z);
+  if (scene.motion.any()) scatter_times<L>(wave, slots, count, time);
   // Select a light and emit the photon
   const LightChoice<L> choice = choose_light_by_power<L>(scene, a.x);
-  PhotonEmission<L> photon = emit_photon<L, kMode>(scene, choice, a, b, shading_wavelengths<L, kMode>(wave, slots));
+  PhotonEmission<L> photon =
+      emit_photon<L, kMode>(scene, choice, a, b, time, shading_wavelengths<L, kMode>(wave, slots));
   if constexpr (kMode == ColorMode::kRgb) photon.flux.c3 = F(0.0f);
   const F brightest = max_component(photon.flux);
   auto good = photon.valid & (brightest > F(0.0f)) & L::first(count);
@@ -94,7 +98,7 @@ SHEAF_INLINE std::uint32_t emit_tile(const StageContext& context, Wave& wave, co
     // as well, or the pdf of both together would not be the product of their means over the lanes.
     else if (context.light_task().stores_photons())
       ray.flags = min(to_uint(c.y * F(4.0f)), U(3u)) << kRayHeroShift;
-    const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, good);
+    const U medium = start_medium<L>(scene, wave, ray.origin, ray.direction, time, good);
     ray.flags |= medium << kRayMediumShift;
     // The point was sampled in the box of an emissive medium, but lies outside of the medium.
     good = good & ((photon.medium == U(kNone)) | (photon.medium == medium));

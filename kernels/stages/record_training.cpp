@@ -11,7 +11,11 @@ template <class L> void record_training(const StageContext& context, Wave& wave)
   timer.count(wave.finished.size(), 1);
   for (const Slot slot : wave.finished.span()) {
     const RadianceState<Scalar>& row = wave.radiance.row(slot);
-    context.training_samples().finish(row.task_sample & ~kTransparent, total(row.radiance));
+    const std::uint32_t path = row.task_sample & ~kTransparent;
+    context.training_samples().finish(path, total(row.radiance));
+    if (!context.tries_candidates()) continue;
+    const PathMoments<Scalar>& moments = wave.moments.row(slot);
+    context.training_samples().finish_trial(path, moments.radiance, moments.excess);
   }
 }
 

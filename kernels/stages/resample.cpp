@@ -17,6 +17,7 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/blend_value.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
@@ -96,11 +97,17 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
           select(shared | in_volume, F(1.0f), mis_weight), pdf_ratio, single};
 }
 
+/// A reservoir, and whether it has just taken the last candidate.
+template <class L> struct Reservoir {
+  ReservoirItem<L> item;
+  typename L::Mask taken;
+};
+
 /// Adds a candidate to the reservoir in `column`; returns the new reservoir.
 template <class L>
-SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, int column, const PathState<L>& path,
-                                       const LightCandidate<L>& light, const WeighedCandidate<L>& candidate,
-                                       bool is_first) {
+SHEAF_INLINE Reservoir<L> keep_one(const StageContext& context, Wave& wave, int column, const PathState<L>& path,
+                                   const LightCandidate<L>& light, const WeighedCandidate<L>& candidate,
+                                   bool is_first) {
   using F = Float<L>;
   using U = Uint<L>;
   const F weight = total(candidate.contribution) * candidate.mis_weight;
@@ -116,7 +123,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
     r.light = light.light;
     r.target_medium = light.target_medium;
     r.single = single;
-    return r;
+    return {r, Mask<L>(true)};
   }
   // Choose between the kept candidate and this one
   r = wave.reservoirs.load<L>(column);
@@ -134,7 +141,7 @@ SHEAF_INLINE ReservoirItem<L> keep_one(const StageContext& context, Wave& wave, 
   r.light = select(taken, light.light, r.light);
   r.target_medium = select(taken, light.target_medium, r.target_medium);
   r.single = select(taken, single, r.single);
-  return r;
+  return {r, taken};
 }
 
 template <class L, template <class> class Bsdf>
@@ -151,7 +158,11 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
     return push_shadow_ray<L>(context.scene, wave, slots, count, item,
                               {light.target, weighed.pdf_ratio, light.light, light.target_medium}, weighed.contribution,
                               kInMedium, weighed.single);
-  const ReservoirItem<L> r = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
+  const Reservoir<L> kept = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
+  const ReservoirItem<L>& r = kept.item;
+  if (context.tries_candidates()) [[unlikely]]
+    try_candidate<L>(context, wave, slots, column, count, total(weighed.contribution) * weighed.mis_weight,
+                     weighed.pdf_ratio, kept.taken, candidate.index);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
   const F factor = r.sum / (max(r.weight, F(1e-37f)) * F(static_cast<float>(candidate.count)));
   push_shadow_ray<L>(context.scene, wave, slots, count, item, {r.target, r.pdf_ratio, r.light, r.target_medium},

@@ -7,6 +7,7 @@
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/textures/texture_lookup.h"
 
@@ -96,8 +97,9 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   HitState<L> hit = wave.hits.gather<L>(slots);
   const PathState<L> path = wave.paths.gather<L>(slots);
   const ShapeRecord<L> shape = gather_rows<L>(context.scene.geometry.shapes, hit.shape);
-  const auto y = surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v,
-                                        ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y =
+      surface_point<L, true>(context.scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                             hit.instance, path_times<L>(context.scene, wave, slots));
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p};
   const auto behind = dot(y.ng, ray.direction) > F(0.0f);
   F u = draw<L>(context.sampler, path.pixel, path.sample, path.dimension(), SampleBlock::kSelect, {}, kNumberX).x;

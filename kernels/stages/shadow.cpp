@@ -1,6 +1,7 @@
 // Stage: shadow. Traces shadow rays between vertices and sampled lights with Embree, sixteen at a time, and adds the
 // unoccluded contributions.
 #include "core/lane_array.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
@@ -12,10 +13,12 @@ namespace sheaf {
 namespace {
 
 /// Adds the contribution of item `i` to its path.
-SHEAF_INLINE void add_unoccluded(Wave& wave, int i, LightTally& tally) {
+SHEAF_INLINE void add_unoccluded(const StageContext& context, Wave& wave, int i, LightTally& tally) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
   tally.arrive(c.light[i], found);
+  if (context.tries_candidates()) [[unlikely]]
+    arrive_in_trial(wave, static_cast<Slot>(c.slot[i]), total<Scalar>(found));
   add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i]);
 }
 
@@ -31,7 +34,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kAny,
       [&](int first, int count, RayPacket& packet) {
-        for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(wave, first + at, packet, at); });
+        for_tiles<L>(count, [&](int at, int) { pack_shadow_rays<L>(context.scene, wave, first + at, packet, at); });
       },
       [&](int first, int count, const RayPacket& packet) {
         std::uint32_t arrived = 0;
@@ -40,7 +43,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
           load(packet.t_far + at, t_far);
           arrived |= mask_bits((t_far >= Float<L>(0.0f)) & L::first(lanes)) << at;
         });
-        for_each_lane(arrived, [&](int i) SHEAF_LAMBDA_INLINE { add_unoccluded(wave, first + i, tally); });
+        for_each_lane(arrived, [&](int i) SHEAF_LAMBDA_INLINE { add_unoccluded(context, wave, first + i, tally); });
       });
   wave.shadow_count = 0;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/float4.h"
-#include "kernels/wave/wave.h"
+#include "kernels/wave/path_time.h"
 
 namespace sheaf {
 
@@ -11,7 +11,8 @@ namespace sheaf {
 inline constexpr float kShadowEnd = 1.0f - 4.0f * 5.9604645e-8f;
 
 /// Copies the shadow rays [i, i + L::width) to lanes of the packet, from `at` on.
-template <class L> SHEAF_INLINE void pack_shadow_rays(const Wave& wave, int i, RayPacket& packet, int at) {
+template <class L>
+SHEAF_INLINE void pack_shadow_rays(const SceneView& scene, const Wave& wave, int i, RayPacket& packet, int at) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const auto copy = [i, at](const float* from, float* to) SHEAF_LAMBDA_INLINE {
     Float<L> value;
@@ -25,6 +26,9 @@ template <class L> SHEAF_INLINE void pack_shadow_rays(const Wave& wave, int i, R
   copy(c.direction.y, packet.direction_y);
   copy(c.direction.z, packet.direction_z);
   store(packet.t_far + at, Float<L>(kShadowEnd));
+  if (!scene.motion.any()) return;
+  for (int lane = 0; lane < L::width; ++lane)
+    packet.time[at + lane] = path_time(scene, wave, static_cast<Slot>(c.slot[i + lane]));
 }
 
 /// Counts the shadow rays of each light and their contributions. The counts of consecutive rays to the same light are

@@ -8,16 +8,19 @@
 
 namespace sheaf {
 
-/// 1 + row of the medium at the origin of the rays of `lanes`, or 0 for vacuum. The first boundary that a ray hits
-/// gives the medium on its near side. Rays that hit no boundary start in the outer medium.
+/// 1 + row of the medium at the origin of the rays of `lanes`, or 0 for vacuum. `time`: of the rays, in [0, 1]. The
+/// first boundary that a ray hits gives the medium on its near side. Rays that hit no boundary start in the outer
+/// medium.
 template <class L>
-Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L> direction, Mask<L> lanes) {
+Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L> direction, Float<L> time,
+                     Mask<L> lanes) {
   /// Rays that cross more surfaces are assumed to start in the outer medium.
   constexpr int kMaxCrossings = 1000;
   using U = Uint<L>;
   if (scene.media.boundaries == nullptr) return U(scene.media.outer_medium);
   LaneRows<L, Vec3> origins(origin);
   const LaneRows<L, Vec3> directions(direction);
+  const LaneArray<Float<L>> times(time);
   LaneArray<U> medium(U(scene.media.outer_medium));
   int lane_of[L::width], going = 0;
   for_each_lane(mask_bits(lanes), [&](int lane) { lane_of[going++] = lane; });
@@ -29,6 +32,7 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
         [&](int first, int count, RayPacket& packet) {
           for (int i = 0; i < count; ++i) {
             packet.set_ray(i, origins[lane_of[first + i]], directions[lane_of[first + i]]);
+            packet.time[i] = times[lane_of[first + i]];
             packet.shape[i] = kNone;
           }
         },
@@ -38,8 +42,9 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
             const int lane = lane_of[first + i];
             const Vec3f along = directions[lane], from = origins[lane];
             const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, packet.shape[i]);
-            const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
-                                                        from + along * packet.t_far[i], packet.instance[i]);
+            const auto y =
+                surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
+                                             from + along * packet.t_far[i], packet.instance[i], times[lane]);
             // Find the medium on the near side of the boundary
             if (shape.boundary != kNone) {
               const BoundaryRow& sides = scene.media.boundaries[shape.boundary];

@@ -7,6 +7,7 @@
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/lane_mean.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -24,12 +25,12 @@ bool is_specular(ClosureKind kind) {
 
 /// Probability of selecting, among the parts of a composite material, one where photons are stored; 1 for other
 /// materials. Vertices that look photons up are selected with the same probability, so photons are divided by it.
-float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray) {
+float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray, float time) {
   if (!scene.materials.has_composites) return 1.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape);
   if (shape.material == hit.material) return 1.0f;
   const auto y = surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v,
-                                             ray.origin + ray.direction * hit.t, hit.instance);
+                                             ray.origin + ray.direction * hit.t, hit.instance, time);
   return mixture_probability(scene, shape.material, dot(y.ng, ray.direction) > 0.0f,
                              {y.uv, hit.shape, hit.primitive, hit.u, hit.v, y.p}, [&scene](std::uint32_t row) {
                                return row != MaterialRow::kNothing && !is_specular(scene.materials.rows[row].kind);
@@ -51,7 +52,8 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const float divisor = context.scene.needs_transmittance
                             ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                             : 1.0f;
-  const float share = in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray);
+  const float share =
+      in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray, path_time(context.scene, wave, slot));
   // Make the record
   Photon photon;
   photon.p = item.p;

@@ -4,6 +4,7 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/medium_lookup.h"
@@ -54,13 +55,14 @@ SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, cons
 
 /// Computes a surface vertex. `kTextured`: with the inputs of textures.
 template <class L, bool kTextured>
-SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const RayState<L>& ray, const HitState<L>& hit,
-                               Uint<L> flags, int column, bool with_tangent) {
+SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const Slot* slots, const RayState<L>& ray,
+                               const HitState<L>& hit, Uint<L> flags, int column, bool with_tangent) {
   using F = Float<L>;
   using U = Uint<L>;
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
-  const auto y = surface_point<L, kTextured>(scene, shape, hit.primitive, hit.u, hit.v,
-                                             ray.origin + ray.direction * hit.t, hit.instance);
+  const auto y =
+      surface_point<L, kTextured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
+                                  hit.instance, path_times<L>(scene, wave, slots));
   const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
   VertexItem<L> item;
   item.p = y.p;
@@ -130,9 +132,9 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   }
   const Uint<L> flags = gather_member<L>(scene.materials.rows, &MaterialRow::flags, hit.material);
   if (kind.textured) {
-    surface_item<L, true>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+    surface_item<L, true>(scene, wave, slots, ray, hit, flags, column, kind.anisotropic);
   } else {
-    surface_item<L, false>(scene, wave, ray, hit, flags, column, kind.anisotropic);
+    surface_item<L, false>(scene, wave, slots, ray, hit, flags, column, kind.anisotropic);
   }
   closure_words<L>(scene, wave, hit.material, kind.words, column);
   if constexpr (kMode == ColorMode::kSpectral)

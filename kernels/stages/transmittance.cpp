@@ -9,6 +9,7 @@
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/pass_through_probability.h"
+#include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
@@ -101,8 +102,9 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   if (!hidden && !may_pass(scene, shape.material, behind)) return false;
   const Vec3f target = ray.item.origin + d;
   const float u = packet.u[at], v = packet.v[at];
-  const auto y = surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v,
-                                             ray.item.origin + d * packet.t_far[at], packet.instance[at]);
+  const auto y =
+      surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v, ray.item.origin + d * packet.t_far[at],
+                                  packet.instance[at], packet.time[at]);
   StraightTransmission<Scalar> passage;
   // Find the pass-through probability
   if (hidden) {
@@ -146,6 +148,7 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
+  if (context.tries_candidates()) arrive_in_trial(wave, static_cast<Slot>(ray.item.slot), total(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
@@ -238,7 +241,7 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
       context.scene, wave, rays, RayRecorder::Query::kNearest,
       [&](int first, int count, RayPacket& packet) {
         for_tiles<L>(count, [&](int at, int) {
-          pack_shadow_rays<L>(wave, first + at, packet, at);
+          pack_shadow_rays<L>(context.scene, wave, first + at, packet, at);
           store(packet.shape + at, Uint<L>(kNone));
         });
       },

@@ -1,6 +1,7 @@
 // The context of a stage: all that it reads besides its wave.
 #pragma once
 
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
 #include "scene/tables/scene.h"
 
@@ -53,6 +54,8 @@ class StageContext {
   bool samples_guide() const { return samples_guide_; }
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
+  /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
+  bool tries_candidates() const { return tries_candidates_; }
   /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
   bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
@@ -75,6 +78,12 @@ class StageContext {
     trains_guide_ = true;
     training_samples_ = &samples;
   }
+  /// Path passes that record training samples: also compares numbers of light candidates, with kTrialCandidates of
+  /// them.
+  void try_candidates() {
+    tries_candidates_ = true;
+    integrator.candidates = kTrialCandidates;
+  }
   /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
   void connect_caustics(const CausticCasters& casters) {
     assert(!scene.needs_transmittance && !gathers_photons_);
@@ -84,7 +93,7 @@ class StageContext {
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
-    gathers_photons_ = samples_guide_ = trains_guide_ = false;
+    gathers_photons_ = samples_guide_ = trains_guide_ = tries_candidates_ = false;
     caustic_casters_ = nullptr;
   }
 
@@ -121,7 +130,7 @@ class StageContext {
 
  private:
   PassKind pass_;
-  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, tries_candidates_ = false;
   CameraTask* camera_task_ = nullptr;
   LightTask* light_task_ = nullptr;
   const PhotonMaps* photon_maps_ = nullptr;
@@ -133,6 +142,15 @@ class StageContext {
 /// Whether next-event estimation is used.
 inline bool samples_lights(const StageContext& context) {
   return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
+}
+
+/// Whether the candidates of a vertex share a cut of the light tree. From these numbers on, it saves more time than
+/// computing the cut takes.
+inline bool shares_light_tops(const StageContext& context) {
+  constexpr int kMinCandidates = 4;
+  constexpr std::uint32_t kMinLights = 32;
+  return context.integrator.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&
+         context.scene.lights.bounded_count >= kMinLights;
 }
 
 }  // namespace sheaf

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/slot_list.h"
+#include "kernels/guiding/candidate_trial.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/wave_needs.h"
 
@@ -44,10 +45,12 @@ struct PathPool {
   /// Spectral mode: the number from which the wavelengths of a path are derived, one word per slot; see
   /// kernels/wave/path_wavelengths.h.
   float* wavelength_samples = nullptr;
+  float* times = nullptr;  ///< WaveNeeds::times: see kernels/wave/path_time.h
   /// WaveNeeds::distance: distance from the last vertex to the ray's origin, m.
   float* distance_since_vertex = nullptr;
   /// WaveNeeds::guides: expected contribution of the path's first guided vertex, lanes added up; 0: none yet.
   float* guide_references = nullptr;
+  SlotTable<PathMoments> moments;  ///< WaveNeeds::candidate_trial
 
   // In the order of Queue.
   SlotList free;       ///< unused slots
@@ -74,8 +77,10 @@ struct PathPool {
     f(pool.rescaled_pdfs, needs.transparency);
     f(pool.chain_starts, needs.chains);
     f(pool.wavelength_samples, needs.spectral);
+    f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);
     f(pool.guide_references, needs.guides);
+    f(pool.moments, needs.candidate_trial);
   }
 };
 static_assert(std::size(PathPool::kLists) == kSlotLists);

@@ -57,16 +57,14 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   const SceneView& scene = context.scene;
   WaveNeeds needs;
   needs.spectral = scene.color == ColorMode::kSpectral;
+  needs.times = scene.motion.any();
   needs.transparency = scene.needs_transmittance;
   needs.distance = needs.transparency || context.integrator.hide_emitters;
   needs.textures = false;
   needs.candidates = context.integrator.kind != IntegratorKind::kLightTracer;
   needs.reservoirs = needs.candidates && context.integrator.candidates > 1;
-  // From these numbers on, sharing the upper levels of the tree saves more time than computing the cuts takes.
-  constexpr int kMinCandidates = 4;
-  constexpr std::uint32_t kMinLights = 32;
-  needs.light_tops = needs.candidates && context.integrator.candidates >= kMinCandidates &&
-                     scene.light_selector == LightSelector::kBvh && scene.lights.bounded_count >= kMinLights;
+  needs.light_tops = needs.candidates && shares_light_tops(context);
+  needs.candidate_trial = false;
   needs.raster_positions = !needs.candidates;
   needs.guides = context.samples_guide();
   needs.chains = context.connects_caustics();
@@ -74,6 +72,14 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
     needs.textures = needs.textures || (flags & (kNeedsUv | kMapped)) != 0;
   needs.counted_lights = std::min(scene.lights.count, kMaxReportedLights);
   needs.closure_words = longest_closure(scene);
+  return needs;
+}
+
+WaveNeeds WaveNeeds::with_candidate_trial(const StageContext& context) {
+  StageContext trial = context;
+  trial.integrator.candidates = kTrialCandidates;
+  WaveNeeds needs = of(trial);
+  needs.candidate_trial = true;
   return needs;
 }
 

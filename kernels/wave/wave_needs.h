@@ -8,12 +8,14 @@ namespace sheaf {
 /// Columns that not every scene needs. The default needs all of them.
 struct WaveNeeds {
   bool spectral = true;                  ///< wavelengths
+  bool times = true;                     ///< times of paths
   bool transparency = true;              ///< RescaledPdfs and TransmittanceItem
   bool distance = true;                  ///< distance from the last vertex, for rays that continue behind a surface
   bool textures = true;                  ///< inputs of textures and normal maps
   bool candidates = true;                ///< light candidates
   bool reservoirs = true;                ///< resampling of several light candidates
   bool light_tops = true;                ///< cuts of the light tree, shared by the candidates of a vertex
+  bool candidate_trial = true;           ///< moments of trials of light candidates
   bool raster_positions = true;          ///< film positions of photons' vertices
   std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
   bool guides = true;                    ///< guide cells
@@ -21,6 +23,8 @@ struct WaveNeeds {
   int closure_words = kMaxClosureWords;  ///< words of the longest closure
 
   static WaveNeeds of(const StageContext& context);
+  /// Also for passes of the same context that try numbers of light candidates, and for those with the number found.
+  static WaveNeeds with_candidate_trial(const StageContext& context);
 };
 
 }  // namespace sheaf

@@ -51,10 +51,11 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   // Add shapes, those of groups last, and instances
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
     const ScopedTimer timer(times_.mesh_seconds);
-    for (const ShapeDescription& shape : in_.shapes) add_shape(shape);
+    for (const ShapeDescription& shape : in_.shapes)
+      if (!is_placed_by_motion(shape)) add_shape(shape);
     ungrouped_shapes_ = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
     std::vector<GroupContents> groups;
-    for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group));
+    for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group.shapes, group.id));
     add_instances(groups);
     meshes_.reset();
   });
@@ -94,11 +95,15 @@ void SceneCompiler::add_cameras() {
     throw SceneError(in_.camera.where, "the film's width of " + std::to_string(in_.film.width) +
                                            " pixels is not a multiple of the number of cameras, " +
                                            std::to_string(count));
-  const auto make = [&](const CameraDescription& camera) {
-    return make_camera(camera, in_.film.width / count, in_.film.height);
-  };
-  out_->sensor_.camera = make(in_.camera);
-  for (const CameraDescription& camera : in_.more_cameras) out_->sensor_.more_cameras.push_back(make(camera));
+  cameras_.push_back(place_camera(in_.camera, 0));
+  for (const CameraDescription& camera : in_.more_cameras) cameras_.push_back(place_camera(camera, cameras_.size()));
+  for (const CameraDescription& camera : cameras_) {
+    const Camera made = make_camera(camera, in_.film.width / count, in_.film.height);
+    if (&camera == cameras_.data())
+      out_->sensor_.camera = made;
+    else
+      out_->sensor_.more_cameras.push_back(made);
+  }
   if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->sensor_.camera.sees_points))
     throw SceneError(
         in_.camera.where,
@@ -165,13 +170,15 @@ void SceneCompiler::set_bounds() {
   out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
   // Place distant sensors outside of the sphere
   const float sphere = std::max(out_->radius_, 1e-3f);
-  place_distant(out_->sensor_.camera, in_.camera, out_->center_, sphere);
+  place_distant(out_->sensor_.camera, cameras_[0], out_->center_, sphere);
   for (std::size_t i = 0; i < out_->sensor_.more_cameras.size(); ++i)
-    place_distant(out_->sensor_.more_cameras[i], in_.more_cameras[i], out_->center_, sphere);
+    place_distant(out_->sensor_.more_cameras[i], cameras_[i + 1], out_->center_, sphere);
   // Shadow rays to the environment end outside of everything, including the cameras.
-  out_->radius_ = std::max(out_->radius_, length(out_->sensor_.camera.origin - out_->center_));
-  for (const Camera& camera : out_->sensor_.more_cameras)
-    out_->radius_ = std::max(out_->radius_, length(camera.origin - out_->center_));
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {
+    const Camera& camera = i == 0 ? out_->sensor_.camera : out_->sensor_.more_cameras[i - 1];
+    for (const Vec3f p : places_of_camera(i, camera.origin))
+      out_->radius_ = std::max(out_->radius_, length(p - out_->center_));
+  }
   out_->radius_ = std::max(out_->radius_, 1e-3f);
 }
 
@@ -200,6 +207,7 @@ void SceneCompiler::finish_tables() {
     if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) out_->names_.has_other_light = true;
   // Build the tables for light selection and the acceleration structure
   if (spectra_) out_->spectra_.samples = spectra_->samples();
+  finish_motion();
   select_lights();
   build_accel();
   probe_media();

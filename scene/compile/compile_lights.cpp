@@ -98,6 +98,7 @@ void SceneCompiler::push_light(const CompiledLight& light, const LightDescriptio
     out_->lights_.environment = static_cast<std::uint32_t>(out_->lights_.rows.size());
   }
   add_light_row(light.row, light.spectrum, from.where, from.id);
+  if (from.motion) move_last_light(*from.motion);
 }
 
 void SceneCompiler::add_light_row(const LightRow& row, const SpectrumRow& spectrum, const SourceLocation& where,
@@ -125,7 +126,8 @@ void SceneCompiler::select_lights() {
   if (weights.empty()) return;
   out_->lights_.alias = build_alias_table(weights);
   std::vector<LightBounds> bounds;
-  for (std::uint32_t i = 0; i < view.lights.bounded_count; ++i) bounds.push_back(bounds_of_light(view, i, weights[i]));
+  for (std::uint32_t i = 0; i < view.lights.bounded_count; ++i)
+    bounds.push_back(moved_bounds(bounds_of_light(view, i, weights[i]), i));
   out_->lights_.tree = build_light_tree(bounds);
 }
 

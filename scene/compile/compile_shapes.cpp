@@ -86,9 +86,11 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
 
 void SceneCompiler::read_meshes_ahead() {
   std::vector<const ShapeDescription*> shapes;
-  for (const ShapeDescription& shape : in_.shapes) shapes.push_back(&shape);
+  for (const ShapeDescription& shape : in_.shapes)
+    (is_placed_by_motion(shape) ? moving_shapes_ : shapes).push_back(&shape);
   for (const ShapeGroup& group : in_.groups)
     for (const ShapeDescription& shape : group.shapes) shapes.push_back(&shape);
+  shapes.insert(shapes.end(), moving_shapes_.begin(), moving_shapes_.end());
   meshes_.emplace(mesh_jobs(shapes), read_ahead_bytes());
 }
 
@@ -182,7 +184,8 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
   naming_.add_shape(shape, group_name_);
 }
 
-SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
+SceneCompiler::GroupContents SceneCompiler::add_group(std::span<const ShapeDescription> shapes,
+                                                      const std::string& name) {
   // Redirect bounds and emitters to the group
   const Vec3f lower = lower_, upper = upper_;
   const std::size_t triangles = out_->counts_.triangles;
@@ -191,9 +194,9 @@ SceneCompiler::GroupContents SceneCompiler::add_group(const ShapeGroup& group) {
   upper_ = {-kInfinity, -kInfinity, -kInfinity};
   std::vector<Emitter> emitters;
   group_emitters_ = &emitters;
-  group_name_ = group.id;
+  group_name_ = name;
   // Add the shapes
-  for (const ShapeDescription& shape : group.shapes) add_shape(shape);
+  for (const ShapeDescription& shape : shapes) add_shape(shape);
   group_emitters_ = nullptr;
   group_name_.clear();
   const ShapeRange range{first, static_cast<std::uint32_t>(out_->geometry_.shapes.size()) - first};
@@ -216,6 +219,11 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
   for (const InstanceDescription& instance : in_.instances) {
     const GroupContents& group = groups.at(instance.group);
     if (group.range.shape_count == 0) continue;
+    if (instance.motion) {
+      const AnimatedTransform& motion = motion_of(*instance.motion);
+      add_moving_instance(group, {motion, {}}, motion.reference());
+      continue;
+    }
     // Place the instance
     InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
     const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
@@ -230,6 +238,7 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
     out_->geometry_.instances.push_back(row);
     out_->counts_.instanced_triangles += group.triangles;
   }
+  add_moving_shapes();
   if (too_large > 0)
     out_->warnings_.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
   if (out_->geometry_.shapes.size() + out_->geometry_.instances.size() >= kNone)

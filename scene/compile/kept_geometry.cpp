@@ -29,6 +29,8 @@ bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input)
   const auto same_range = [](const ShapeRange& a, const ShapeRange& b) {
     return a.first_shape == b.first_shape && a.shape_count == b.shape_count;
   };
+  // The acceleration structure refers to the motions of the scene that it was built for
+  if (input.motion.instances != nullptr) return false;
   if (accel == nullptr || watertight != input.watertight || layout != input.layout ||
       ungrouped_shapes != input.shape_count)
     return false;
@@ -77,7 +79,8 @@ void SceneCompiler::build_accel() {
                          group_ranges_.data(),
                          static_cast<std::uint32_t>(group_ranges_.size()),
                          geometry.instances.data(),
-                         static_cast<std::uint32_t>(geometry.instances.size())};
+                         static_cast<std::uint32_t>(geometry.instances.size()),
+                         out_->motion_.view()};
   KeptGeometry* const kept = options_.kept;
   if (kept != nullptr && kept->vertex_counts.size() == vertex_counts_.size() && kept->matches(geometry, input)) {
     // Embree refers to the kept tables. Shapes may have other materials and lights.
@@ -97,6 +100,10 @@ void SceneCompiler::build_accel() {
 }
 
 void SceneCompiler::keep_geometry(Scene& scene, KeptGeometry& kept) {
+  if (!scene.motion_.instances.empty()) {
+    kept = {};
+    return;
+  }
   kept.accel = std::move(scene.accel_);
   kept.tables = std::move(scene.geometry_);
 }

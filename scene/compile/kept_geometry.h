@@ -24,6 +24,7 @@ struct KeptGeometry {
 };
 
 /// Moves the geometry of a scene that was compiled with CompileOptions::kept to that object, and destroys the scene.
+/// Scenes with moving geometry are not kept.
 void keep_geometry(std::unique_ptr<Scene> scene, KeptGeometry& kept);
 
 }  // namespace sheaf

@@ -27,7 +27,7 @@ void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t
   const ShapeRow& shape = scene.geometry.shapes[index];
   const Vec3f d = probe.direction;
   const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
-                                              probe.origin + d * packet.t_far[i], packet.instance[i]);
+                                              probe.origin + d * packet.t_far[i], packet.instance[i], 0.0f);
   probe.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
   if (shape.boundary == kNone || index == ignored) return;
   int& inside = probe.entered[{index, packet.instance[i]}];
@@ -108,7 +108,7 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
       if (packet.shape[0] == kNone) break;
       const ShapeRow& shape = scene.geometry.shapes[packet.shape[0]];
       const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[0], packet.u[0], packet.v[0],
-                                                  origin + d * packet.t_far[0], packet.instance[0]);
+                                                  origin + d * packet.t_far[0], packet.instance[0], 0.0f);
       // Vote for the near side of the first boundary
       if (shape.boundary != kNone) {
         const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
@@ -131,7 +131,7 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
     SurfacePoint<Scalar> y;
     if (mesh) {
       const auto triangle = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
-      y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone);
+      y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone, 0.0f);
     } else if (static_cast<ShapeKind>(row.kind) == ShapeKind::kSdfGrid) {
       const auto cell = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
       const SdfGridRow& grid = scene.geometry.sdf_grids[row.first_vertex];
@@ -139,11 +139,11 @@ std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::ui
       const Vec3f corner{static_cast<float>(words[0] & 0xffffu), static_cast<float>(words[0] >> 16),
                          static_cast<float>(words[1])};
       const Vec3f middle = scene.geometry.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
-      y = surface_point<Scalar, false>(scene, row, cell, 0, 0, middle, kNone);
+      y = surface_point<Scalar, false>(scene, row, cell, 0, 0, middle, kNone, 0.0f);
     } else {
       const QuadricRow& q = scene.geometry.quadrics[row.first_triangle];
       const Vec3f x = spread_direction(static_cast<int>(3 * i));
-      y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone);
+      y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone, 0.0f);
     }
     // Vote for the medium just outside of it
     votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, default_value));

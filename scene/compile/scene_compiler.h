@@ -16,6 +16,7 @@
 #include <chrono>
 #include <limits>
 #include <set>
+#include <span>
 
 namespace sheaf {
 
@@ -116,7 +117,8 @@ class SceneCompiler {
   /// Adds the row of a shape with bounding box `box`, and its light if it emits. In groups, the instances add the
   /// lights.
   void push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box);
-  GroupContents add_group(const ShapeGroup& group);
+  /// `name`: of the group; may be empty.
+  GroupContents add_group(std::span<const ShapeDescription> shapes, const std::string& name);
   /// Includes the lights of each instance. `groups`: those of the description, in order.
   void add_instances(const std::vector<GroupContents>& groups);
   /// Extends the scene's bounds to contain the box [lower, upper].
@@ -131,6 +133,41 @@ class SceneCompiler {
 
   // compile_sdf_grid.cpp
   void add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid);
+
+  // compile_motion.cpp
+  /// A transform over time, applied after a constant one.
+  struct Motion {
+    const AnimatedTransform& transform;
+    Transform before = {};
+  };
+  /// Whether the shutter is open long enough for anything to move.
+  bool moves() const { return in_.shutter.close > in_.shutter.open; }
+  const AnimatedTransform& motion_of(MotionId id) const { return in_.motions.at(static_cast<std::size_t>(id)); }
+  /// The matrices at equidistant times over the shutter: a single one if they do not differ. Points of `box` are moved
+  /// with an error of at most `tolerance`. Throws SceneError if a matrix is singular or too extreme.
+  std::vector<MotionStepRow> tabulate(const Motion& motion, const GridBox& box, double tolerance) const;
+  /// Appends steps to the tables.
+  MotionRow add_motion(const std::vector<MotionStepRow>& steps);
+  /// Whether a shape has a motion, which places it as an instance.
+  static bool is_placed_by_motion(const ShapeDescription& shape) { return shape.motion.has_value(); }
+  /// Adds the shapes that have a motion, each as a group with one instance.
+  void add_moving_shapes();
+  /// Adds an instance of a group that moves. `rest`: transform that places the lights' tables.
+  void add_moving_instance(const GroupContents& group, const Motion& motion, const Transform& rest);
+  /// Adds a motion to all lights from row `first` on. `box`: their bounds at rest.
+  void add_light_motion(std::size_t first, const Motion& motion, const GridBox& box);
+  /// Adds the motion of a light that is not on a shape, the last row. Call after the bounds are known.
+  void move_last_light(MotionId id);
+  /// The camera as it is when the shutter opens. Adds its motion from there.
+  CameraDescription place_camera(CameraDescription camera, std::size_t index);
+  /// Where the point `p` of camera `index` is at each step.
+  std::vector<Vec3f> places_of_camera(std::size_t index, Vec3f p) const;
+  /// A row with the transform of a step.
+  InstanceRow step_placement(std::uint32_t step) const;
+  /// Bounds of a light at all steps of its motion.
+  LightBounds moved_bounds(LightBounds bounds, std::size_t light) const;
+  /// Extends the tables of motions to all instances, lights and cameras.
+  void finish_motion();
 
   // compile_lights.cpp
   LightContext light_context();
@@ -183,6 +220,8 @@ class SceneCompiler {
   std::vector<PlacedGrid> places_of_grids_;         ///< grids of media
   std::vector<PlacedGrid> places_of_texture_grids_;
   std::vector<std::uint32_t> surrounded_shapes_;  ///< shapes whose exterior medium must be found
+  std::vector<const ShapeDescription*> moving_shapes_;
+  std::vector<CameraDescription> cameras_;  ///< when the shutter opens
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
   std::vector<Emitter>* group_emitters_ = nullptr;  ///< emitters of the group whose shapes are being added

@@ -1,6 +1,7 @@
 // The content of a scene file as plain data, independent of the file's dialect. compile.cpp turns it into a Scene.
 #pragma once
 
+#include "core/animated_transform.h"
 #include "scene/description/camera.h"
 #include "scene/description/media.h"
 #include "scene/description/remarks.h"
@@ -39,6 +40,8 @@ struct Description : Remarks {
   std::vector<ShapeGroup> groups;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
+  std::vector<AnimatedTransform> motions;  ///< of objects that name them by MotionId
+  ShutterDescription shutter;
   std::filesystem::path file;
   std::vector<std::filesystem::path> files;  ///< all files of the scene, including itself and files not yet read
 };

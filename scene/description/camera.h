@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/transform.h"
 #include "scene/description/inputs.h"
+#include "scene/description/motion.h"
 
 #include <array>
 #include <optional>
@@ -44,6 +45,7 @@ struct CameraDescription {
   };
   std::variant<std::monostate, Vec3f, TargetArea> target = {};
   std::optional<MediumId> medium;  ///< medium that contains the camera; empty: found from the surrounding shapes
+  std::optional<MotionId> motion;
   SourceLocation where;
 };
 

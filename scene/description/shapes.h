@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/transform.h"
 #include "scene/description/inputs.h"
+#include "scene/description/motion.h"
 
 #include <array>
 #include <cstdint>
@@ -115,6 +116,8 @@ struct ShapeDescription {
   bool exterior_is_surrounding = false;
   SourceLocation where;
   std::string id = {}, emitter_id = {};  ///< names of the shape and of its area light in files; may be empty
+  /// Of shapes outside of groups.
+  std::optional<MotionId> motion = {};
 };
 
 /// Shapes that are visible only through instances. Their transforms lead to the group's space. Each instance of an
@@ -129,6 +132,7 @@ struct ShapeGroup {
 struct InstanceDescription {
   std::array<float, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; invertible
   std::uint32_t group = 0;                                             ///< index into Description::groups
+  std::optional<MotionId> motion = {};
 };
 
 }  // namespace sheaf

@@ -125,6 +125,7 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
 Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions& options) {
   Description description;
   set_model_defaults(description);
+  if (options.shutter) description.shutter = *options.shutter;
   const GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment,
                                           options.camera, options.lenient, description);
   if (description.shapes.empty() && description.instances.empty())

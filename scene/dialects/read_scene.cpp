@@ -173,8 +173,23 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
 
 }  // namespace
 
+namespace {
+
+/// Adds a note if the scene has moving objects, but its own shutter opens at a single time.
+void note_closed_shutter(Description& description, const ReadOptions& options) {
+  const ShutterDescription& shutter = description.shutter;
+  if (description.motions.empty() || options.shutter || shutter.close > shutter.open) return;
+  description.notes.push_back(description.file.string() + ": moving objects rendered as at the time " +
+                              number_text(shutter.open) +
+                              ": the shutter is not open (set 'shutter_close' of the sensor, or --shutter)");
+}
+
+}  // namespace
+
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
   Description description = read_format(file, options);
+  if (options.shutter) description.shutter = *options.shutter;
+  note_closed_shutter(description, options);
   // Early Russian roulette pays off for surfaces. In absorbing media it causes rare samples of high weight.
   std::optional<int>& rr_depth = description.integrator.rr_depth;
   if (!description.media.empty() && !rr_depth) rr_depth = kOtherRouletteDepth;

@@ -26,6 +26,8 @@ struct ReadOptions {
   ModelSurroundings surroundings;
   ModelMoment moment;
   std::string camera;  ///< name or number of a camera, in glTF files and scenes of Mitsuba; empty: the first
+  /// Replaces the shutter of the scene. For models, its times are relative to `moment.time`.
+  std::optional<ShutterDescription> shutter;
 };
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba

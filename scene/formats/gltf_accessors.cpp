@@ -10,7 +10,7 @@ namespace sheaf {
 namespace {
 
 /// Bytes of an integer or float, and its conversion.
-template <class T> struct Number {
+template <class T> struct PackedNumber {
   static constexpr std::size_t kBytes = sizeof(T);
 
   static T load(const std::uint8_t* bytes) {
@@ -76,7 +76,7 @@ template <class T, class Out> void copy_element(const std::uint8_t* from, const 
   const Layout layout(accessor.components, sizeof(T));
   for (std::size_t column = 0; column < layout.columns; ++column)
     for (std::size_t row = 0; row < layout.rows; ++row)
-      *to++ = convert<Out>(Number<T>::load(from + column * layout.stride + row * sizeof(T)), accessor.normalized);
+      *to++ = convert<Out>(PackedNumber<T>::load(from + column * layout.stride + row * sizeof(T)), accessor.normalized);
 }
 
 /// All elements of an accessor.
@@ -97,7 +97,7 @@ template <class Out> std::vector<Out> read_elements(const GltfFile& file, const 
       if constexpr (std::is_unsigned_v<Index>) {
         const ElementSource indices = source(file, sparse.index_view, sparse.index_offset, sizeof(Index));
         for (std::size_t i = 0; i < sparse.count; ++i) {
-          const std::size_t target = Number<Index>::load(indices.first + i * indices.stride);
+          const std::size_t target = PackedNumber<Index>::load(indices.first + i * indices.stride);
           if (target < accessor.count)
             copy_element<T>(values.first + i * values.stride, accessor, out.data() + target * components);
         }

@@ -12,10 +12,10 @@ namespace sheaf {
 
 namespace {
 
-constexpr int kNone = -1;        ///< attribute absent
+constexpr int kAbsent = -1;      ///< attribute absent
 constexpr int kOutOfRange = -2;  ///< index without a value in the file
 
-/// One corner of a face: 0-based indices into the file's lists, or kNone.
+/// One corner of a face: 0-based indices into the file's lists, or kAbsent.
 struct Corner {
   int position, uv, normal;
   bool operator==(const Corner&) const = default;
@@ -36,13 +36,13 @@ struct CornerHash {
 template <class T> struct AttributeList {
   const char* name;
   std::vector<T> values;
-  int highest = kNone;
+  int highest = kAbsent;
   int line_of_highest = 0;
 
-  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kNone. Indices before
-  /// the first value are errors, or become kOutOfRange.
+  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kAbsent. Indices
+  /// before the first value are errors, or become kOutOfRange.
   int resolve(int index, const ObjLines& lines, BadFaces bad_faces) {
-    if (index == 0) return kNone;
+    if (index == 0) return kAbsent;
     const auto count = static_cast<int>(values.size());
     const int resolved = index > 0 ? index - 1 : count + index;
     if (resolved < 0) {
@@ -175,8 +175,8 @@ class VertexMerger {
   VertexMerger(const ObjContent& content, Mesh& mesh)
       : content_(content),
         mesh_(mesh),
-        has_uvs_(content.uvs.highest != kNone && !content.uvs.values.empty()),
-        has_normals_(content.normals.highest != kNone && !content.normals.values.empty()),
+        has_uvs_(content.uvs.highest != kAbsent && !content.uvs.values.empty()),
+        has_normals_(content.normals.highest != kAbsent && !content.normals.values.empty()),
         first_(content.positions.values.size(), kMissingVertex) {
     mesh.positions.reserve(content.positions.values.size());
   }

@@ -32,9 +32,9 @@ enum Flag : std::uint32_t {
 std::string plural(std::uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
 
 /// Directory of the meshes in a file.
-class Directory {
+class ObjectDirectory {
  public:
-  Directory(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+  ObjectDirectory(std::string_view bytes, const std::string& file) : bytes_(bytes), file_(file) {}
 
   /// Returns the data of a mesh from its header to the directory; mesh 0 extends to the end of the file.
   std::string_view find(int index) const {
@@ -209,8 +209,8 @@ MeshFile read_stream(MeshStream& stream, std::uint16_t version, BadFaces bad_fac
 MeshFile read_serialized(const std::filesystem::path& file, int shape_index, BadFaces bad_faces) {
   const std::string name = file.string();
   const std::string bytes = read_mesh_bytes(file, "serialized mesh");
-  const std::string_view found = Directory(bytes, name).find(shape_index);
-  MeshStream stream(found.substr(Directory::kHeaderSize), name);
+  const std::string_view found = ObjectDirectory(bytes, name).find(shape_index);
+  MeshStream stream(found.substr(ObjectDirectory::kHeaderSize), name);
   return read_stream(stream, little_endian<std::uint16_t>(found.data() + 2), bad_faces);
 }
 

@@ -44,7 +44,7 @@ EnvmapDescription EnvmapDescription::read(Properties& p) {
   EnvmapDescription map;
   map.file = p.file("filename");
   map.scale = p.number("scale", 1, kNotNegative);
-  map.to_world = p.transform("to_world");
+  map.to_world = p.placement("to_world").to_world;
   map.mis_compensation = p.boolean("mis_compensation", true);
   map.raw = read_linear_gamma(p);
   p.ignore({"cache"});

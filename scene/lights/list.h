@@ -2,6 +2,7 @@
 // readers, the table of functions for the scene compiler, and the list of kernels in kernels/lights/list.h.
 #pragma once
 
+#include "scene/description/motion.h"
 #include "scene/lights/beam_light.h"
 #include "scene/lights/constant_light.h"
 #include "scene/lights/directional_light.h"
@@ -17,6 +18,7 @@
 #include "scene/lights/volume_light.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -77,6 +79,7 @@ struct LightDescription {
   LightKinds::Model model;
   SourceLocation where;
   std::string id = {};  ///< name in files; may be empty
+  std::optional<MotionId> motion = {};
 };
 
 /// The functions of each kind, by LightKind.

@@ -4,6 +4,7 @@
 #include "scene/tables/build_quality.h"
 #include "scene/tables/embree_shapes.h"
 #include "scene/tables/instance.h"
+#include "scene/tables/motion_sample.h"
 #include "scene/tables/scene.h"
 
 #include <cstring>
@@ -29,7 +30,8 @@ RayPacket::RayPacket() {
 struct Accel::Impl : EmbreeScene {
   const InstanceRow* instances = nullptr;  ///< null: no instances
   std::uint32_t first_instance = 0;        ///< geometry id of the first instance
-  std::deque<SdfGridView> sdf_grids;       ///< Embree holds pointers to these
+  MotionView motion;
+  std::deque<SdfGridView> sdf_grids;  ///< Embree holds pointers to these
 };
 
 namespace {
@@ -56,6 +58,16 @@ void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, Shape
   }
 }
 
+/// Sets the transform of an instance, at all time steps if it moves.
+void set_transforms(RTCGeometry geometry, const InstanceRow& row, const MotionRow& motion, const MotionView& motions) {
+  if (motion.segment_count == 0)
+    return rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, row.to_world);
+  rtcSetGeometryTimeStepCount(geometry, motion.segment_count + 1);
+  for (std::uint32_t step = 0; step <= motion.segment_count; ++step)
+    rtcSetGeometryTransform(geometry, step, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                            motions.steps[motion.first_step + step].matrix);
+}
+
 /// Attaches all instances, with ids from `first_id`.
 void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, std::uint32_t first_id,
                       std::deque<SdfGridView>& grids) {
@@ -69,14 +81,15 @@ void attach_instances(RTCDevice device, RTCScene scene, const AccelInput& in, st
     const InstanceRow& row = in.instances[i];
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, groups[row.group]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, row.to_world);
+    set_transforms(geometry, row, in.motion.instances != nullptr ? in.motion.instances[i] : MotionRow{}, in.motion);
     attach_geometry(scene, geometry, first_id + i);
   }
   for (RTCScene group : groups) rtcReleaseScene(group);  // the instances hold references
 }
 
 /// Converts group-relative shape ids to scene ids, and normals from the group's space to world space.
-void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance) {
+void resolve_instances(RayPacket& packet, int count, const InstanceRow* instances, std::uint32_t first_instance,
+                       const MotionView& motion) {
   using L = Wide;
   for (int at = 0; at < count; at += L::width) {
     // Find the rays that hit an instance
@@ -89,7 +102,9 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
     if (!any(instanced)) continue;
     // Convert shapes and normals to world space
     const InstanceRecord<L> record = gather_rows<L>(instances, select(instanced, row, Uint<L>(0u)));
-    const InstancePlacement<L> placed(record);
+    Float<L> time;
+    load(packet.time + at, time);
+    const InstancePlacement<L> placed = place_at<L>(motion, record, row, instanced, time).placed;
     store(packet.shape + at, select(instanced, shape + record.first_shape, shape));
     Vec3<L> normal;
     load(packet.normal_x + at, normal.x);
@@ -110,6 +125,7 @@ Accel::Accel(const AccelInput& input) : impl_(std::make_unique<Impl>()) {
   if (input.instance_count > 0) {
     impl_->instances = input.instances;
     impl_->first_instance = input.shape_count;
+    impl_->motion = input.motion;
     attach_instances(impl_->device, impl_->scene, input, input.shape_count, impl_->sdf_grids);
   }
   commit_scene(impl_->scene);
@@ -124,7 +140,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
   rtcInitIntersectArguments(&args);
   args.flags = RTC_RAY_QUERY_FLAG_INCOHERENT;
   rtcIntersect16(kValid.masks[count], impl_->scene, reinterpret_cast<RTCRayHit16*>(&packet), &args);
-  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance, impl_->motion);
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {
@@ -139,7 +155,7 @@ void Accel::intersect(RayPacket& packet, int count) const noexcept {
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   rtcIntersect16(kValid.masks[count], impl_->scene, &context, reinterpret_cast<RTCRayHit16*>(&packet));
-  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance);
+  if (impl_->instances) resolve_instances(packet, count, impl_->instances, impl_->first_instance, impl_->motion);
 }
 
 void Accel::occluded(RayPacket& packet, int count) const noexcept {

@@ -1,6 +1,7 @@
 // Embree's acceleration structures for the scene, and for points and lines near rays. embree.h wraps Embree.
 #pragma once
 
+#include "scene/tables/motion.h"
 #include "scene/tables/shape_rows.h"
 
 #include <cstddef>
@@ -19,7 +20,7 @@ struct alignas(64) RayPacket {
   float origin_x[kPacketWidth], origin_y[kPacketWidth], origin_z[kPacketWidth];
   float t_near[kPacketWidth];
   float direction_x[kPacketWidth], direction_y[kPacketWidth], direction_z[kPacketWidth];
-  float time[kPacketWidth];
+  float time[kPacketWidth];   ///< in [0, 1] over the shutter; used by shapes that move
   float t_far[kPacketWidth];  ///< in: maximum distance; out: distance of the hit, or -infinity from occluded()
   std::uint32_t mask[kPacketWidth];
   std::uint32_t id[kPacketWidth];  ///< for the caller; unchanged
@@ -73,6 +74,7 @@ struct AccelInput {
   std::uint32_t group_count;
   const InstanceRow* instances;
   std::uint32_t instance_count;
+  MotionView motion;
 };
 
 /// A built acceleration structure. Const and safe to query from many threads. Results are bit-identical regardless of

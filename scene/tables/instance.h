@@ -43,6 +43,11 @@ template <class L> struct InstancePlacement {
     const Vec3<L> d = p - translation;
     return (cofactors[0] * d.x + cofactors[1] * d.y + cofactors[2] * d.z) / determinant;
   }
+  SHEAF_INLINE Vec3<L> object_vector(Vec3<L> v) const {
+    return (cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z) / determinant;
+  }
+  /// A normal in world space to the direction of the normal in the group's space; not normalised.
+  SHEAF_INLINE Vec3<L> object_normal(Vec3<L> n) const { return rows[0] * n.x + rows[1] * n.y + rows[2] * n.z; }
   /// point() with the absolute values of all terms.
   SHEAF_INLINE Vec3<L> absolute_point(Vec3<L> p) const {
     const Vec3<L> q = abs(p);
@@ -59,5 +64,18 @@ template <class L> struct InstancePlacement {
     return {a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x};
   }
 };
+
+/// Selects `a` or `b` per lane.
+template <class L>
+SHEAF_INLINE InstancePlacement<L> select(Mask<L> m, const InstancePlacement<L>& a, const InstancePlacement<L>& b) {
+  InstancePlacement<L> out = b;
+  for (int i = 0; i < 3; ++i) {
+    out.rows[i] = select<L>(m, a.rows[i], b.rows[i]);
+    out.cofactors[i] = select<L>(m, a.cofactors[i], b.cofactors[i]);
+  }
+  out.translation = select<L>(m, a.translation, b.translation);
+  out.determinant = select(m, a.determinant, b.determinant);
+  return out;
+}
 
 }  // namespace sheaf

@@ -9,6 +9,7 @@ SceneView Scene::make_view() const {
   v.textures = textures_.view(v.geometry.triangles, v.geometry.shape_count);
   v.lights = lights_.view();
   v.media = media_.view();
+  v.motion = motion_.view();
   v.sensor = sensor_.view(film_.width);
   if (color_ == ColorMode::kSpectral) v.spectral = spectra_.view();
   v.accel = accel_.get();
@@ -23,8 +24,8 @@ SceneView Scene::make_view() const {
 
 SceneInfo Scene::info() const {
   SceneInfo info = counts_;
-  info.table_bytes =
-      geometry_.bytes() + materials_.bytes() + textures_.bytes() + lights_.bytes() + media_.bytes() + spectra_.bytes();
+  info.table_bytes = geometry_.bytes() + materials_.bytes() + textures_.bytes() + lights_.bytes() + media_.bytes() +
+                     motion_.bytes() + spectra_.bytes();
   info.accel_bytes = accel_->bytes();
   return info;
 }
@@ -44,6 +45,7 @@ std::vector<MemoryUse> Scene::memory() const {
   add("textures", static_cast<double>(textures_.bytes()));
   add("lights", static_cast<double>(lights_.bytes()));
   add("media", static_cast<double>(media_.bytes()));
+  if (motion_.bytes() > 0) add("motion", static_cast<double>(motion_.bytes()));
   add("materials and spectra", static_cast<double>(materials_.bytes() + spectra_.bytes()));
   return uses;
 }

@@ -9,6 +9,7 @@
 #include "scene/tables/light_tables.h"
 #include "scene/tables/material_tables.h"
 #include "scene/tables/medium_tables.h"
+#include "scene/tables/motion.h"
 #include "scene/tables/render_settings.h"
 #include "scene/tables/scene_names.h"
 #include "scene/tables/sensor_tables.h"
@@ -28,6 +29,7 @@ struct SceneView {
   TextureView textures;
   LightView lights;
   MediumView media;
+  MotionView motion;
   SensorView sensor;
   SpectralView spectral;  ///< only in spectral mode
   const Accel* accel = nullptr;
@@ -89,6 +91,7 @@ class Scene {
   TextureTables textures_;
   LightTables lights_;
   MediumTables media_;
+  MotionTables motion_;
   SensorTables sensor_;
   SpectrumTables spectra_;
   std::unique_ptr<Accel> accel_;

@@ -4,6 +4,7 @@
 #include "core/warp.h"
 #include "scene/tables/curve_surface.h"
 #include "scene/tables/instance.h"
+#include "scene/tables/motion_sample.h"
 #include "scene/tables/sdf_surface.h"
 
 namespace sheaf {
@@ -168,25 +169,31 @@ template <class L, bool kWithUv>
 }
 
 /// Surface points at hits. `hit_point` is origin + t * direction, (u, v) are Embree's barycentric coordinates, and
-/// `instance` is the instance that was hit, or kNone for shapes outside of groups.
+/// `instance` is the instance that was hit, or kNone for shapes outside of groups. `time`: of the ray, in [0, 1].
 template <class L, bool kWithUv = false>
 SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
-                                           Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance) {
+                                           Float<L> u, Float<L> v, Vec3<L> hit_point, Uint<L> instance, Float<L> time) {
   using U = typename L::Uint;
   const auto instanced = instance != U(kNone);
   const bool any_placed = scene.geometry.instances != nullptr && any(instanced);
-  const auto placement = [&]() SHEAF_LAMBDA_INLINE {
-    return InstancePlacement<L>(gather_rows<L>(scene.geometry.instances, select(instanced, instance, U(0u))));
+  const auto placement = [&](Vec3<L> p) SHEAF_LAMBDA_INLINE {
+    const auto row = gather_rows<L>(scene.geometry.instances, select(instanced, instance, U(0u)));
+    return place_at<L>(scene.motion, row, instance, instanced, time, p);
   };
   const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
   SurfacePoint<L> out;
   if (all(mesh)) {
     out = triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v);
   } else {
-    if (any_placed) hit_point = select<L>(instanced, placement().object_point(hit_point), hit_point);
+    if (any_placed) hit_point = select<L>(instanced, placement(hit_point).placed.object_point(hit_point), hit_point);
     out = mixed_point<L, kWithUv>(scene, shape, primitive, u, v, hit_point);
   }
-  if (any_placed) place_instance<L, kWithUv>(placement(), instanced, out);
+  if (any_placed) {
+    const InstanceAt<L> at = placement(out.p);
+    place_instance<L, kWithUv>(at.placed, instanced, out);
+    if (scene.motion.instances != nullptr)
+      out.offset = out.offset + select(instanced, at.error * Float<L>(kOffsetUlps), Float<L>(0.0f));
+  }
   return out;
 }
 

@@ -10,9 +10,9 @@ namespace sheaf {
 
 namespace {
 
-const std::vector<std::string> kPropertyTags = {"float",     "integer",   "boolean", "string", "point",
-                                                "vector",    "rgb",       "srgb",    "color",  "spectrum",
-                                                "blackbody", "transform", "texture", "point2", "vector2"};
+const std::vector<std::string> kPropertyTags = {"float",   "integer", "boolean", "string",   "point",     "vector",
+                                                "rgb",     "srgb",    "color",   "spectrum", "blackbody", "transform",
+                                                "texture", "point2",  "vector2", "animation"};
 const std::vector<std::string> kObjectTags = {"sensor", "camera",     "film", "sampler",      "rfilter", "integrator",
                                               "shape",  "mesh",       "bsdf", "emitter",      "medium",  "phase",
                                               "volume", "subsurface", "test", "phasefunction"};
@@ -196,8 +196,26 @@ Transform Properties::transform(const char* name) {
   note_query(name, "transform", std::string("identity"));
   const Entry* entry = use(name);
   if (entry == nullptr) return Transform();
+  if (entry->target->name == "animation") {
+    const std::string message = subject(*entry) + " is an <animation>, expected <transform>: it cannot move";
+    if (!context_.lenient) raise(entry, message);
+    context_.stand_in(entry->written->where, message + " (placed as at the first key)");
+    return parsed(*entry, [&] { return parse_animation(*entry->target).reference(); });
+  }
   if (entry->target->name != "transform") fail_type(*entry, "transform");
   return parsed(*entry, [&] { return parse_transform(*entry->target); });
+}
+
+Placement Properties::placement(const char* name) {
+  if (!is_animation(name)) return Placement(transform(name));
+  note_query(name, "transform", std::string("identity"));
+  const Entry* entry = use(name);
+  return parsed(*entry, [&] { return Placement(parse_animation(*entry->target)); });
+}
+
+bool Properties::is_animation(const char* name) {
+  const Entry* entry = look(name);
+  return entry != nullptr && entry->target->name == "animation";
 }
 
 std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, SpectrumRole role) {

@@ -1,7 +1,7 @@
 // The properties and nested objects of an XML element, and the state that is shared by all readers of an XML scene.
 #pragma once
 
-#include "core/transform.h"
+#include "scene/description/placement.h"
 #include "scene/description/remarks.h"
 #include "scene/xml/named_values.h"
 #include "scene/xml/spectrum_text.h"
@@ -144,8 +144,12 @@ class Properties : public NamedValues {
   bool is_texture(const char* name);
   /// Two numbers, or one for both.
   Vec2f vec2(const char* name, Vec2f default_value);
-  /// Identity if absent.
+  /// Identity if absent. Throws SceneError for an <animation>; in lenient contexts uses its first key, with a report.
   Transform transform(const char* name);
+  /// A <transform> or an <animation>; identity if absent.
+  Placement placement(const char* name);
+  /// Whether the property exists and is an <animation>.
+  bool is_animation(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
   SpectrumDescription spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role);
   /// A colour or a texture. Values of images are not checked against the role here.

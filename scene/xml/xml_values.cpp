@@ -1,6 +1,9 @@
 // Parses numbers, vectors and transforms.
 #include "scene/xml/xml_values.h"
 
+#include "scene/xml/named_values.h"
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -172,8 +175,10 @@ Vec3f parse_vec3_element(const XmlElement& element, float missing) {
   return {result[0], result[1], result[2]};
 }
 
-Transform parse_transform(const XmlElement& element) {
-  element.expect_attributes({"name", "id"});
+namespace {
+
+/// Multiplies the steps of a <transform>.
+Transform parse_steps(const XmlElement& element) {
   Transform result;
   for (const XmlElement& step : element.children) {
     try {
@@ -186,6 +191,56 @@ Transform parse_transform(const XmlElement& element) {
     }
   }
   return result;
+}
+
+/// A <transform> of an <animation>.
+struct AnimationKey {
+  double time;
+  Transform value;
+  SourceLocation where;
+};
+
+/// Throws SceneError for the first of the sorted keys that does not go with the key before it.
+void check_keys(const std::vector<AnimationKey>& keys) {
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].time == keys[i - 1].time)
+      throw SceneError(keys[i].where, "a second <transform> of the <animation> has the time " +
+                                          number_text(keys[i].time) + ", expected different times");
+    if (keys[i].value.swaps_handedness() != keys[i - 1].value.swaps_handedness())
+      throw SceneError(keys[i].where, "<transform> at the time " + number_text(keys[i].time) +
+                                          " is mirrored against the one before, expected both or neither to mirror");
+  }
+}
+
+}  // namespace
+
+Transform parse_transform(const XmlElement& element) {
+  if (element.find_attribute("time") != nullptr)
+    throw SceneError(element.where, "<transform> has a 'time', expected that inside an <animation> only");
+  element.expect_attributes({"name", "id"});
+  return parse_steps(element);
+}
+
+AnimatedTransform parse_animation(const XmlElement& element) {
+  element.expect_attributes({"name", "id"});
+  std::vector<AnimationKey> keys;
+  for (const XmlElement& child : element.children) {
+    if (child.name != "transform")
+      throw SceneError(child.where,
+                       "unexpected " + shown(child) + " in <animation>, expected <transform time=\"...\">");
+    child.expect_attributes({"time", "name", "id"});
+    const float time = parse_float(child.attribute("time"), child.where, "the time of <transform>");
+    keys.push_back({double{time}, parse_steps(child), child.where});
+  }
+  if (keys.empty())
+    throw SceneError(element.where, "<animation> has no <transform>, expected one or more with a 'time'");
+  std::stable_sort(keys.begin(), keys.end(),
+                   [](const AnimationKey& a, const AnimationKey& b) { return a.time < b.time; });
+  check_keys(keys);
+  std::vector<AnimatedTransform::Key> list;
+  list.reserve(keys.size());
+  for (const AnimationKey& key : keys) list.push_back({key.time, key.value});
+  return AnimatedTransform(std::move(list));
 }
 
 }  // namespace sheaf

@@ -2,7 +2,7 @@
 // the text found.
 #pragma once
 
-#include "core/transform.h"
+#include "core/animated_transform.h"
 #include "scene/xml/xml.h"
 
 #include <cstdint>
@@ -31,5 +31,9 @@ Vec3f parse_vec3_element(const XmlElement& element, float missing);
 /// The children of a <transform>, each applied after the previous ones: translate, scale, rotate, lookat, matrix (16 or
 /// 9 numbers, row by row).
 Transform parse_transform(const XmlElement& element);
+
+/// The keys of an <animation>: its <transform> elements, each with a time. Throws SceneError if there are none, if two
+/// have the same time, or if some mirror and others do not.
+AnimatedTransform parse_animation(const XmlElement& element);
 
 }  // namespace sheaf

@@ -1,6 +1,5 @@
 // glTF files: containers, documents, accessors, compressed meshes and their materials.
-#include "scene/dialects/read_scene.h"
-#include "tests/fuzz/fuzz.h"
+#include "tests/fuzz/fuzz_scene.h"
 
 namespace sheaf::fuzz {
 
@@ -21,9 +20,12 @@ void try_input(std::string_view input) {
   for (const bool lenient : {false, true}) {
     options.lenient = lenient;
     reads([&] {
-      for (const std::string& note : read_scene(file, options).notes) check_message(note);
+      const Description scene = read_scene(file, options);
+      for (const std::string& note : scene.notes) check_message(note);
+      evaluate_motions(scene);
     });
     options.moment.time = 0.5;
+    options.shutter = ShutterDescription{-0.25, 0.75, 0};
   }
 }
 

@@ -85,6 +85,19 @@ void add_scenes(Seeds& seeds) {
   for (const char* const below : {"scenes", "tests/renders/pbrt_twins"}) seeds.add_files("pbrt", below, ".pbrt");
   seeds.add_words("pbrt", {"scene/dialects/pbrt/"});
   seeds.add("pbrt", "WorldBegin\nTranslate $(1 + 2) $(cos(pi)) 0\nShape \"sphere\" \"float radius\" [ $(6 / 4) ]\n");
+  seeds.add("xml",
+            "<scene version='3.0.0'><sensor type='perspective'><float name='shutter_close' value='0.5'/>"
+            "<float name='shutter_ramp' value='0.2'/><animation name='to_world'><transform time='0'/>"
+            "<transform time='1'><lookat origin='0,1,5' target='0,0,0'/></transform></animation></sensor>"
+            "<shape type='shapegroup' id='g'><shape type='cube'><animation name='to_world'><transform time='-1'>"
+            "<rotate y='1' angle='170'/></transform><transform time='2'><scale x='2'/></transform></animation></shape>"
+            "</shape><shape type='instance'><ref id='g'/><animation name='to_world'><transform time='0'/>"
+            "<transform time='1'><translate x='1'/></transform></animation></shape></scene>");
+  seeds.add("pbrt",
+            "TransformTimes 0 0.5\nActiveTransform EndTime Translate 1 0 0\nCamera \"perspective\" \"float "
+            "shutterclose\" 0.5\nWorldBegin\nActiveTransform StartTime Rotate 90 0 1 0 Scale 1 2 3\nActiveTransform "
+            "All\nCoordinateSystem \"a\" Shape \"disk\"\nObjectBegin \"o\" Shape \"sphere\" ObjectEnd\nIdentity "
+            "ActiveTransform EndTime Translate 0 1 0 ObjectInstance \"o\" CoordSysTransform \"a\"\n");
   for (const char* const text :
        {"0$(frame * 36)", "1f_$frame0_$(size % 4).png", "0$(-(1 + sin(2 * pi * frame / 48)) * 1e-3)",
         "1$name $x $(1 / 0)", "0$((((1))) - --2) $", "1$(cos(size)$(2"})

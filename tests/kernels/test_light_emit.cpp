@@ -30,14 +30,15 @@ const Spectrum4 kLambda{450, 520, 580, 640};
 PhotonEmission<Scalar> photon(const SceneView& scene, std::uint32_t i) {
   const auto choice = choose_light_by_power<Scalar>(scene, random4<Scalar>(61, i, 0, 0).x);
   const auto a = random4<Scalar>(61, i, 0, 1), b = random4<Scalar>(61, i, 0, 2);
-  return scene.color == ColorMode::kSpectral ? emit_photon<Scalar, ColorMode::kSpectral>(scene, choice, a, b, kLambda)
-                                             : emit_photon<Scalar>(scene, choice, a, b);
+  return scene.color == ColorMode::kSpectral
+             ? emit_photon<Scalar, ColorMode::kSpectral>(scene, choice, a, b, 0.0f, kLambda)
+             : emit_photon<Scalar>(scene, choice, a, b, 0.0f);
 }
 
 LightSample<Scalar> any_sample(const SceneView& scene, Vec3f from, const Random4<Scalar>& u) {
   if (scene.color == ColorMode::kRgb) return sample_any_light<Scalar>(scene, from, u);
   const auto choice = choose_light<Scalar>(scene, {from, {}}, u.x);
-  return sample_light<Scalar, ColorMode::kSpectral>(scene, from, choice, u, kLambda);
+  return sample_light<Scalar, ColorMode::kSpectral>(scene, from, choice, u, 0.0f, kLambda);
 }
 
 double weighed(const Spectrum4& s) { return double(s.c0) + 2.0 * s.c1 + 3.0 * s.c2; }
@@ -161,7 +162,7 @@ void check_directions(const Description& d, const std::function<double(Vec3f)>& 
   const SceneView view = scene->view();
   double worst = 0;
   const auto sample = [&](Random4<Scalar> u) -> std::optional<Vec3f> {
-    const auto e = emit_photon<Scalar>(view, {0, 1}, {0.5f, 0.3f, 0.7f, 0.5f}, u);
+    const auto e = emit_photon<Scalar>(view, {0, 1}, {0.5f, 0.3f, 0.7f, 0.5f}, u, 0.0f);
     if (!e.valid) return std::nullopt;
     const double expected = pdf(e.direction);
     worst = std::max(worst, std::fabs(double(e.pdf_direction) - expected) / expected);
@@ -313,7 +314,7 @@ TEST_CASE("light emission: directions follow their pdf") {
   const auto scene = compile_scene(placed_case("", projector).scene);
   const double half = std::tan(35 * kDegree);
   const auto on_plane = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
-    const auto e = emit_photon<Scalar>(scene->view(), {0, 1}, u, u);
+    const auto e = emit_photon<Scalar>(scene->view(), {0, 1}, u, u, 0.0f);
     const double cosine = e.direction.z;
     CHECK(e.pdf_direction == doctest::Approx(1 / (4 * half * half * cosine * cosine * cosine)).epsilon(1e-4));
     return std::array<double, 2>{e.direction.x / cosine, e.direction.y / cosine};
@@ -404,7 +405,7 @@ TEST_CASE("light emission: lights are chosen by power for every light selector")
   CHECK(chi_square(observed, expected).p_value > kSignificance);
   // Photons of single point lights therefore all have the same flux.
   for (std::uint32_t i = 0; i < 100; ++i) CHECK(photon(scene->view(), i).flux.c0 == doctest::Approx(4 * kPiD * 30));
-  CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}).valid);
+  CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}, 0.0f).valid);
 }
 
 TEST_CASE("light emission: SIMD results of mixed lights equal scalar ones") {
@@ -419,10 +420,10 @@ TEST_CASE("light emission: SIMD results of mixed lights equal scalar ones") {
       return (i / kWidth * 7 + static_cast<std::uint32_t>(lane)) % view.lights.count;
     };
     const auto wide = emit_photon<Wide>(view, {wide_uints([&](int lane) { return light_of(lane); }), WideFloat(0.25f)},
-                                        wide_random(64, i), wide_random(65, i));
+                                        wide_random(64, i), wide_random(65, i), WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto one =
-          emit_photon<Scalar>(view, {light_of(lane), 0.25f}, lane_random(64, i, lane), lane_random(65, i, lane));
+          emit_photon<Scalar>(view, {light_of(lane), 0.25f}, lane_random(64, i, lane), lane_random(65, i, lane), 0.0f);
       CAPTURE(light_of(lane));
       ++total;
       const double flux = weighed(one.flux), change = std::fabs(weighed(lane_record(wide.flux, lane)) - flux);

@@ -58,7 +58,9 @@ Meeting meet(const SceneView& scene, Vec3f from, Vec3f direction, float t_near) 
   const auto light = load_lights<Scalar>(scene, shape.light);
   const float choice = choice_probability<Scalar>(scene, {from, {}}, shape.light);
   return {true, hit->t,
-          lit ? choice * light_pdf_solid_angle<Scalar>(scene, light, true, from, direction, hit->t, y.ng) : 0};
+          lit ? choice * light_pdf_solid_angle<Scalar>(scene, shape.light, light, true, {from, direction, hit->t, y.ng},
+                                                       0.0f)
+              : 0};
 }
 
 /// Pdf of sample_light() in a direction: the sum over all emissive surfaces along it.
@@ -344,7 +346,7 @@ TEST_CASE("light sampling: samples of a sun of any size are uniform over its dis
     CHECK(spread.p_value(0.5) > significance_of_each(kTests));
     const auto seen = [&](double share) {
       const auto angle = static_cast<float>(share * double(radius) * 3.14159265358979 / 180);
-      return environment_value<Scalar, ColorMode::kRgb>(view, 0, {std::sin(angle), 0, std::cos(angle)}, {});
+      return environment_value<Scalar, ColorMode::kRgb>(view, 0, {std::sin(angle), 0, std::cos(angle)}, 0.0f, {});
     };
     for (std::uint32_t i = 0; i < 1000; ++i) {
       const auto s = sample_any_light<Scalar>(view, {1, 0, 0}, lane_random(47, i, 0));
@@ -470,11 +472,13 @@ TEST_CASE("light sampling: SIMD pdfs of mixed lights equal scalar ones") {
     const auto normal = wide_record<Vec3>([&](int lane) { return random_direction(53, at(lane)); });
     const WideFloat t = wide_random(54, i).x * WideFloat(5.0f);
     const auto lights = load_lights<Wide>(view, wide_uints([&](int lane) { return light_of(i, lane); }));
-    const auto wide = light_pdf_solid_angle<Wide>(view, lights, WideMask(true), from, direction, t, normal);
+    const auto wide = light_pdf_solid_angle<Wide>(view, WideUint(0u), lights, WideMask(true),
+                                                  {from, direction, t, normal}, WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto light = load_lights<Scalar>(view, light_of(i, lane));
-      const float one = light_pdf_solid_angle<Scalar>(view, light, true, lane_record(from, lane),
-                                                      lane_record(direction, lane), t[lane], lane_record(normal, lane));
+      const float one = light_pdf_solid_angle<Scalar>(
+          view, 0u, light, true,
+          {lane_record(from, lane), lane_record(direction, lane), t[lane], lane_record(normal, lane)}, 0.0f);
       if (one < 100) worst = std::max(worst, difference(wide[lane], one));
     }
   }

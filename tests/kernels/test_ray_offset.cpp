@@ -122,7 +122,7 @@ Tally shoot(const SceneView& scene, Vec3f center, float radius, int rays) {
     if (hit.shape[0] == kNone) continue;
     const auto shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape[0]);
     const auto y = surface_point<Scalar>(scene, shape, hit.primitive[0], hit.u[0], hit.v[0],
-                                         origin + direction * hit.t_far[0], kNone);
+                                         origin + direction * hit.t_far[0], kNone, 0.0f);
     // Only outer sides of closed shapes; the inside of an open cylinder sees itself.
     const Vec3f outer = dot(y.ng, direction) < 0 ? y.ng : -y.ng;
     if (shape.kind == static_cast<std::uint32_t>(ShapeKind::kCylinder) && dot(y.ng, direction) > 0) continue;
@@ -220,7 +220,7 @@ TEST_CASE("the offset is small against the shape") {
     const SceneView view = scene->view();
     for (std::uint32_t i = 0; i < 2; ++i) {
       const auto shape = gather_rows<Scalar>(view.geometry.shapes, i);
-      const auto y = surface_point<Scalar>(view, shape, 0, 0.3f, 0.3f, Vec3f{scale, 0, 0}, kNone);
+      const auto y = surface_point<Scalar>(view, shape, 0, 0.3f, 0.3f, Vec3f{scale, 0, 0}, kNone, 0.0f);
       CHECK(y.offset > 0);
       CHECK(y.offset < 1e-5f * scale);
     }

@@ -67,7 +67,7 @@ TEST_CASE("instancing: rays hit instances as they hit individually placed shapes
       // Vertex normals are interpolated in the space of the group.
       const Vec3f hit_point = placement.to_world.inverse().point(x.p);
       const auto z = surface_point<Scalar>(own->view(), gather_rows<Scalar>(own->view().geometry.shapes, a->shape),
-                                           a->primitive, a->u, a->v, hit_point, kNone);
+                                           a->primitive, a->u, a->v, hit_point, kNone, 0.0f);
       worst_ns = std::max(worst_ns, distance(x.ns, normalize(placement.to_world.normal(z.ns))));
       const double turns = std::fabs(x.uv.x - double(y.uv.x));
       worst_uv = std::max({worst_uv, std::min(turns, std::fabs(1 - turns)), std::fabs(x.uv.y - double(y.uv.y))});
@@ -125,10 +125,10 @@ TEST_CASE("instancing: SIMD results of mixed shapes and instances equal scalar o
     const auto hit = wide_record<Vec3>([&](int lane) { return random_direction(64, at(lane)) * 2.0f; });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, wide_uints(shape_of)),
-                                                WideUint(1u), u, v, hit, wide_uints(instance_of));
+                                                WideUint(1u), u, v, hit, wide_uints(instance_of), WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.geometry.shapes, shape_of(lane)), 1u,
-                                                   u[lane], v[lane], lane_record(hit, lane), instance_of(lane));
+                                                   u[lane], v[lane], lane_record(hit, lane), instance_of(lane), 0.0f);
       const auto relative = [&](const Vec3<Wide>& a, Vec3f b) {
         return distance(lane_record(a, lane), b) / (1 + length(b));
       };

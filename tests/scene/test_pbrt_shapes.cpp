@@ -49,7 +49,7 @@ Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "flo
     for (const float turn : {0.4f, 2.0f, 4.0f, 6.0f}) {
       const Vec3f n{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
       const auto y =
-          surface_point<Scalar, true>(view, view.geometry.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone);
+          surface_point<Scalar, true>(view, view.geometry.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone, 0.0f);
       CHECK(y.uv.x == Approx(static_cast<double>(turn) / (2 * std::numbers::pi)).epsilon(1e-4));
       CHECK(y.uv.y == Approx(1 - static_cast<double>(polar) / std::numbers::pi).epsilon(1e-4));
       CHECK(length(y.ng - n) < 1e-4f);

@@ -385,11 +385,11 @@ TEST_CASE("sdf grid: lanes together are as single ones, also beside other shapes
                     v = wide_floats([&](int lane) { return hit_of(lane).v; });
     const auto at = wide_record<Vec3>([&](int lane) { return hits[first + static_cast<std::size_t>(lane)].second; });
     const auto y = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, shape), primitive, u, v, at,
-                                             Uint<Wide>(kNone));
+                                             Uint<Wide>(kNone), WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
       const auto& [hit, place_of_hit] = hits[first + static_cast<std::size_t>(lane)];
       const auto one = surface_point<Scalar, true>(view, view.geometry.shapes[hit.shape], hit.primitive, hit.u, hit.v,
-                                                   place_of_hit, kNone);
+                                                   place_of_hit, kNone, 0.0f);
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.p, lane), one.p));
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.ng, lane), one.ng));
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.ns, lane), one.ns));

@@ -265,10 +265,11 @@ TEST_CASE("shape: SIMD results of mixed kinds equal scalar ones") {
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto primitive = [&](int lane) { return static_cast<std::uint32_t>(lane) % 2; };
     const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, wide_uints(shape_of)),
-                                                wide_uints(primitive), u, v, hit, WideUint(kNone));
+                                                wide_uints(primitive), u, v, hit, WideUint(kNone), WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto one = surface_point<Scalar, true>(view, gather_rows<Scalar>(view.geometry.shapes, shape_of(lane)),
-                                                   primitive(lane), u[lane], v[lane], lane_record(hit, lane), kNone);
+      const auto one =
+          surface_point<Scalar, true>(view, gather_rows<Scalar>(view.geometry.shapes, shape_of(lane)), primitive(lane),
+                                      u[lane], v[lane], lane_record(hit, lane), kNone, 0.0f);
       worst = std::max({worst, record_difference<Vec3>(lane_record(wide.p, lane), one.p),
                         record_difference<Vec3>(lane_record(wide.ng, lane), one.ng),
                         record_difference<Vec3>(lane_record(wide.ns, lane), one.ns),
@@ -289,7 +290,7 @@ ChiSquare target_uv_test(const Scene& scene, const std::function<double(double, 
   const auto shape = gather_rows<Scalar>(view.geometry.shapes, 0);
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const auto s = sample_any_light<Scalar>(view, {0, 0, 0}, u);
-    const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target, kNone);
+    const auto y = surface_point<Scalar, true>(view, shape, 0, 0, 0, s.target, kNone, 0.0f);
     return std::array<double, 2>{y.uv.x, y.uv.y};
   };
   return chi_square_plane(sample, density, {0, 1, 0, 1, 16, 16}, 50000);

@@ -29,7 +29,7 @@ inline std::optional<TracedHit> trace_ray(const SceneView& scene, Vec3f origin, 
 inline SurfacePoint<Scalar> surface_at(const SceneView& scene, Vec3f origin, Vec3f direction, const TracedHit& hit) {
   const auto shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape);
   return surface_point<Scalar, true>(scene, shape, hit.primitive, hit.u, hit.v, origin + direction * hit.t,
-                                     hit.instance);
+                                     hit.instance, 0.0f);
 }
 
 }  // namespace sheaf

@@ -225,6 +225,12 @@ TEST_CASE("frames: a glTF file is rendered at the time of each frame") {
   CHECK(f.bytes("f0001.png") == f.bytes("half.png"));
   CHECK(f.bytes("f0000.png") != f.bytes("half.png"));
   CHECK(contains(f.sheaf(quick + "--frames 0:1 --time 1 -o f.png").err, "exclude each other"));
+  // The shutter is relative to the time of the frame
+  REQUIRE(f.sheaf(quick + "--frames 0:1 --fps 2 --shutter 0.5:0.5 -o g####.png").code == 0);
+  REQUIRE(f.sheaf(quick + "--time 1 -o end.png").code == 0);
+  CHECK(f.bytes("g0000.png") == f.bytes("half.png"));
+  CHECK(f.bytes("g0001.png") == f.bytes("end.png"));
+  CHECK(contains(f.sheaf(quick + "--shutter 0:1 -o g.png").err, "--shutter requires --time or --frames"));
 }
 
 }  // namespace sheaf::test_cli_frames

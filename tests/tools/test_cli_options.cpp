@@ -96,6 +96,28 @@ TEST_CASE("options: times have units and shares may be percentages") {
   }
 }
 
+TEST_CASE("options: candidates are a number or chosen, and a scene's number stays unless auto is given") {
+  const Workplace place;
+  const auto candidates = [&](const std::string& words) {
+    REQUIRE(run(place.folder, "render scene.xml --size 128x128 --spp 16 -o a.exr --stats a.json " + words).code == 0);
+    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["candidates"];
+  };
+  for (const std::string words : {"", "--candidates auto", "--integrator path_ris --candidates auto"}) {
+    CAPTURE(words);
+    CHECK(candidates(words)["gains"].size() == 4);
+  }
+  CHECK(candidates("--candidates 3")["count"] == 3);
+  CHECK(candidates("--candidates 3")["gains"].empty());
+  CHECK(candidates("--integrator path_ris")["count"] == 8);
+  CHECK(candidates("--guiding off")["gains"].empty());
+  for (const std::string bad : {"0", "1025", "many", "2x"}) {
+    CAPTURE(bad);
+    const Outcome outcome = run(place.folder, "render scene.xml -o a.exr --candidates " + bad);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "expected auto or a number from 1 to 1024"));
+  }
+}
+
 TEST_CASE("options: guiding has a value, or none and means on") {
   const Workplace place;
   const auto mode = [&](const std::string& words) {
@@ -292,6 +314,7 @@ const std::vector<std::pair<std::string, std::string>> kChanges = {{"seed", "7"}
                                                                    {"denoise", "nlm"},
                                                                    {"watertight", ""},
                                                                    {"noise-target", "0.5"},
+                                                                   {"shutter", "0:1"},
                                                                    {"lenient", ""},
                                                                    {"nori-camera", "upstream"},
                                                                    {"float", ""},
@@ -317,6 +340,31 @@ const std::vector<std::pair<std::string, std::string>> kRuns = {
     {"ocio-view", ""},   {"compression", "piz"}, {"jpeg-quality", "90"}, {"bvh", "compact"}};
 
 }  // namespace
+
+TEST_CASE("options: --shutter takes two times and a ramp") {
+  const Workplace place;
+  for (const char* const shutter : {"0:0", "0:0.02", "1:2:0.5", "1e-3:2e-3:0"}) {
+    CAPTURE(std::string(shutter));
+    CHECK(place.render("--quiet --shutter " + std::string(shutter)).code == 0);
+  }
+  CHECK(place.render("--quiet --shutter=-1:1").code == 0);
+  for (const auto& [shutter, message] : {std::pair{"1", "expected OPEN:CLOSE or OPEN:CLOSE:RAMP"},
+                                         {"0:", "expected OPEN:CLOSE"},
+                                         {"0:1:", "expected OPEN:CLOSE"},
+                                         {"0:1:0.1:2", "expected OPEN:CLOSE"},
+                                         {"0:inf", "expected OPEN:CLOSE"},
+                                         {"0:1s", "expected OPEN:CLOSE"},
+                                         {"2:1", "expected a shutter that opens before it closes"},
+                                         {"0:1:0.6", "expected a ramp from 0 to 0.5"},
+                                         {"0:1:nan", "expected OPEN:CLOSE"}}) {
+    const Outcome outcome = place.render("--shutter '" + std::string(shutter) + "'");
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == 2);
+    CHECK(contains(outcome.err, "--shutter '" + std::string(shutter) + "': " + message));
+  }
+  write_bytes(place.folder / "model.stl", "");
+  CHECK(contains(run(place.folder, "render model.stl --shutter 0:1").err, "--shutter applies to scenes"));
+}
 
 TEST_CASE("options: a render resumes from its checkpoint only with its original options") {
   const Workplace place;

@@ -37,7 +37,7 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
   check_mesh(file.mesh, shape.where);
   shape.face_normals = shape.face_normals || file.face_normals;
   if (shape.face_normals) file.mesh.normals.clear();
-  transform_mesh(file.mesh, shape.to_world);
+  if (!shape.motion) transform_mesh(file.mesh, shape.to_world);
   drop_degenerate_triangles(file.mesh);
   if (from.smooth_normals && !shape.face_normals && file.mesh.normals.empty()) {
     if (file.is_split) {
@@ -46,7 +46,7 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
       compute_vertex_normals(file.mesh);
     }
   }
-  shape.to_world = Transform();
+  if (!shape.motion) shape.to_world = Transform();
   shape.geometry = std::move(file.mesh);
 }
 

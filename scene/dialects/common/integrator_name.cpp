@@ -110,7 +110,10 @@ void apply(const IntegratorChoice& choice, IntegratorSettings& integrator) {
   integrator.strategy = choice.strategy;
   integrator.thin_dielectrics_are_free = choice.thin_dielectrics_are_free;
   integrator.ends_at_diffuse = choice.ends_at_diffuse;
-  if (choice.candidates > 1) integrator.candidates = choice.candidates;
+  if (choice.candidates > 1) {
+    integrator.candidates = choice.candidates;
+    integrator.sets_candidates = true;
+  }
   if (choice.direct) integrator.max_depth = 2;
 }
 

@@ -315,7 +315,7 @@ std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_norma
   Mesh& mesh = obj.file.mesh;
   check_mesh(mesh, shape.where);
   if (shape.face_normals) mesh.normals.clear();
-  transform_mesh(mesh, shape.to_world);
+  if (!shape.motion) transform_mesh(mesh, shape.to_world);
   const std::size_t before = mesh.triangles.size();
   const std::vector<std::uint32_t> usable = usable_triangles(mesh);
   if (usable.size() < before) {
@@ -355,7 +355,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
     if (triangles[i].empty()) continue;
     ShapeDescription part = shape;
     part.geometry = extract_triangles(mesh, triangles[i]);
-    part.to_world = Transform();
+    if (!shape.motion) part.to_world = Transform();
     if (materials[i] != nullptr) {
       part.material = libraries.add(*materials[i], geometry.flip_tex_coords);
       if (largest(materials[i]->emission) > 0 && !part.radiance) part.radiance = spectrum(*materials[i]->emission);

@@ -14,11 +14,13 @@ void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
                                                               std::to_string(camera.near_clip));
 }
 
-void read_shutter(Properties& p) {
-  const bool is_given = p.has("shutter_open") || p.has("shutter_close");
+ShutterDescription read_shutter(Properties& p) {
   const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
-  if (is_given && open != close)
-    p.context().note(p.where(), "'shutter_open' and 'shutter_close' ignored: motion blur is not supported");
+  if (close < open)
+    p.fail_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
+              "makes the shutter open at " + number_text(double{open}) + " and close at " + number_text(double{close}) +
+                  ", expected it to close later");
+  return {double{open}, double{close}, p.number("shutter_ramp", 0, {0, 0.5, false})};
 }
 
 CameraDescription::FovAxis read_fov_axis(NamedValues& p) {

@@ -11,8 +11,9 @@ void read_clip(NamedValues& p, CameraDescription& camera, float near_clip);
 /// Reads `fov_axis` (default x). Throws SceneError for an unknown axis.
 CameraDescription::FovAxis read_fov_axis(NamedValues& p);
 
-/// Reads `shutter_open` and `shutter_close`, which have no effect. Adds a note if the exposure time is not 0.
-void read_shutter(Properties& p);
+/// Reads `shutter_open`, `shutter_close` (default 0 each) and `shutter_ramp` (default 0). Throws SceneError if the
+/// shutter closes before it opens.
+ShutterDescription read_shutter(Properties& p);
 
 /// Returns the kind for a sampler's plugin name, with a note if another sampler replaces it. Throws SceneError for an
 /// unknown name.

@@ -1,6 +1,8 @@
 // Emitters of the Nori and Mitsuba dialects.
 #include "scene/dialects/common/read_emitter.h"
 
+#include "scene/content/description.h"
+
 #include <algorithm>
 
 namespace sheaf {
@@ -30,11 +32,16 @@ void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDes
   p.reject_unused();
 }
 
+void read_light_motion(Properties& p, const char* to_world, LightDescription& light) {
+  if (!p.is_animation(to_world) || std::holds_alternative<ConstantLightDescription>(light.model)) return;
+  light.motion = add_motion(p.context().description.motions, p.placement(to_world));
+}
+
 Vec3f read_direction(Properties& p, const char* to_world) {
   const bool placed = p.has(to_world);
   if (placed && p.has("direction")) p.fail(std::string("has both 'direction' and '") + to_world + "', expected one");
   Vec3f direction = p.vec3("direction", {0, 0, 1});
-  if (placed) direction = p.transform(to_world).vector({0, 0, 1});
+  if (placed) direction = p.placement(to_world).to_world.vector({0, 0, 1});
   check_direction(p, "direction", direction);
   return direction;
 }

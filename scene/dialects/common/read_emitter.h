@@ -18,6 +18,9 @@ const LightReader& light_reader(const Properties& p, std::span<const LightReader
 void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
                        std::initializer_list<const char*> ignored = {});
 
+/// Sets the motion of a light that was read from `p`, if its property named `to_world` is an <animation>.
+void read_light_motion(Properties& p, const char* to_world, LightDescription& light);
+
 /// Reads `direction` (default +z), or transforms +z by the property named `to_world`. Throws SceneError if both are
 /// present, and for a zero vector.
 Vec3f read_direction(Properties& p, const char* to_world);

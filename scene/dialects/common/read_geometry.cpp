@@ -55,7 +55,7 @@ void read_hair(Properties& p, bool, ShapeDescription& shape) {
   HairReading reading;
   reading.radius = p.number("radius", reading.radius, kPositive);
   // The transform scales radii by its length along z.
-  reading.radius *= length(p.transform("to_world").vector({0, 0, 1}));
+  reading.radius *= length(p.placement("to_world").to_world.vector({0, 0, 1}));
   reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
   reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
   if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less than 1");

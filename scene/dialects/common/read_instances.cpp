@@ -1,7 +1,7 @@
 // Shape groups and instances.
 #include "scene/dialects/common/read_instances.h"
 
-#include "scene/tables/instance_transform.h"
+#include "scene/dialects/common/moving_groups.h"
 
 namespace sheaf {
 
@@ -50,11 +50,12 @@ void read_instance(const XmlElement& element, ReadContext& context, const ShapeR
     p.fail("refers to a " + in_quotes(target->attribute("type")) + ", expected a 'shapegroup'");
   InstanceDescription instance;
   instance.group = group_of(*target, context, read_shape);
-  const Transform to_world = p.transform("to_world");
-  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(to_world.matrix().m[i / 4][i % 4]);
-  if (!is_usable_instance(instance.to_world))
+  const Placement placement = p.placement("to_world");
+  instance.to_world = rows_of(placement.to_world);
+  if (!is_usable_placement(placement))
     p.fail_at("to_world", "is singular or too extreme, expected scale factors between 1e-9 and 1e9");
   p.reject_unused();
+  instance.motion = add_motion(context.description.motions, placement);
   context.description.instances.push_back(instance);
 }
 

@@ -68,10 +68,16 @@ class Materials {
   std::map<TextureKey, TextureId> textures_;
 };
 
+/// The placement of a node: its transform at the moment, and if it moves while the shutter is open, its motion.
+struct NodePlacement {
+  Matrix4 to_world;
+  const AnimatedTransform* motion = nullptr;
+};
+
 /// Adds a light of KHR_lights_punctual.
-void add_light(const GltfLight& light, const Matrix4& to_world, const GltfFile& file, Description& out);
+void add_light(const GltfLight& light, const NodePlacement& node, const GltfFile& file, Description& out);
 
 /// Sets the camera and the size of the image.
-void set_camera(const GltfCamera& camera, const Matrix4& to_world, const GltfFile& file, Description& out);
+void set_camera(const GltfCamera& camera, const NodePlacement& node, const GltfFile& file, Description& out);
 
 }  // namespace sheaf::gltf

@@ -1,6 +1,7 @@
 // Scenes of glTF: nodes, instances, and what is chosen of cameras.
 #include "scene/dialects/common/choose_camera.h"
-#include "scene/dialects/gltf/pose.h"
+#include "scene/dialects/common/moving_groups.h"
+#include "scene/dialects/gltf/node_motion.h"
 #include "scene/dialects/gltf/reader.h"
 #include "scene/formats/mesh.h"
 
@@ -12,11 +13,25 @@ namespace gltf {
 
 namespace {
 
+/// The time at which the shutter opens.
+std::optional<double> moment_of_opening(const ModelMoment& moment, const ShutterDescription& shutter) {
+  if (!moment.time) return std::nullopt;
+  return *moment.time + shutter.open;
+}
+
 /// Reads the nodes of the default scene.
 class SceneReader {
  public:
   SceneReader(GltfFile& file, const ModelMoment& moment, bool lenient, Description& out)
-      : file_(file), pose_(pose_at(file, moment)), lenient_(lenient), out_(out), materials_(file, out) {}
+      : file_(file),
+        pose_(pose_at(file, {moment_of_opening(moment, out.shutter), moment.animation})),
+        motions_(node_motions(file, moment, out.shutter, pose_)),
+        lenient_(lenient),
+        out_(out),
+        materials_(file, out) {
+    if (out.shutter.close > out.shutter.open && deforms_meshes(file, moment))
+      file.notes.push_back(file.file.string() + ": skins and morph targets stand still while the shutter is open");
+  }
 
   GltfContents read(const std::string& camera) {
     list_nodes();
@@ -25,7 +40,7 @@ class SceneReader {
     for (const std::size_t i : nodes_) {
       const GltfNode& node = file_.nodes[i];
       if (node.light != kNoIndex) {
-        add_light(file_.lights[static_cast<std::size_t>(node.light)], pose_.to_world[i], file_, out_);
+        add_light(file_.lights[static_cast<std::size_t>(node.light)], placement_of(i), file_, out_);
         contents_.has_lights = true;
       }
       if (node.mesh != kNoIndex) add_mesh(i);
@@ -73,8 +88,10 @@ class SceneReader {
     contents_.has_camera = !nodes.empty();
     if (nodes.empty() && wanted.empty()) return;
     const std::size_t i = nodes[choose_camera(wanted, names, file_.file)];
-    set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], pose_.to_world[i], file_, out_);
+    set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], placement_of(i), file_, out_);
   }
+
+  NodePlacement placement_of(std::size_t i) const { return {pose_.to_world[i], motions_[i] ? &*motions_[i] : nullptr}; }
 
   MeshKey key_of(std::size_t i) const {
     const GltfNode& node = file_.nodes[i];
@@ -131,13 +148,18 @@ class SceneReader {
   void add_mesh(std::size_t i) {
     const MeshKey key = key_of(i);
     MeshUse& use = uses_.at(key);
-    const Matrix4 to_world = key.skinned_node == kNoIndex ? pose_.to_world[i] : Matrix4{};
+    // Skins have the transforms of their joints
+    const NodePlacement node = key.skinned_node == kNoIndex ? placement_of(i) : NodePlacement{};
     if (use.count == 1) {
       Matrix4 inverse;
-      if (!invert(to_world, inverse)) return note_singular(i);
-      const Transform transform(to_world);
+      if (node.motion == nullptr && !invert(node.to_world, inverse)) return note_singular(i);
+      const Placement placement =
+          node.motion != nullptr ? Placement(*node.motion) : Placement(Transform(node.to_world));
+      const Transform& transform = placement.to_world;
+      const std::optional<MotionId> motion = add_motion(out_.motions, placement);
       for (ShapeDescription& shape : shapes(i, key)) {
         shape.to_world = transform;
+        shape.motion = motion;
         // A mirrored mesh keeps its front: without normals, the order of its corners says where it is.
         shape.flip_normals = shape.face_normals && transform.swaps_handedness();
         out_.shapes.push_back(std::move(shape));
@@ -149,7 +171,7 @@ class SceneReader {
       out_.groups.push_back({shapes(i, key), file_.nodes[i].name, {file_.file.string(), 0}});
     }
     if (out_.groups[*use.group].shapes.empty()) return;
-    add_instances(i, to_world, *use.group);
+    add_instances(i, node, *use.group);
   }
 
   void note_singular(std::size_t i) {
@@ -157,24 +179,23 @@ class SceneReader {
         file_.error("nodes[" + std::to_string(i) + "]", "its transform is singular (not rendered)").what());
   }
 
-  void add_instances(std::size_t i, const Matrix4& to_world, std::uint32_t group) {
+  void add_instances(std::size_t i, const NodePlacement& node, std::uint32_t group) {
     bool singular = false;
-    const auto add = [&](const Matrix4& matrix) {
+    const auto add = [&](const Matrix4& local) {
       Matrix4 inverse;
-      if (!invert(matrix, inverse)) {
+      if (!invert(node.motion != nullptr ? local : node.to_world * local, inverse)) {
         singular = true;
         return;
       }
-      InstanceDescription instance;
-      instance.group = group;
-      for (std::size_t k = 0; k < 12; ++k) instance.to_world[k] = static_cast<float>(matrix.m[k / 4][k % 4]);
-      out_.instances.push_back(instance);
+      const Placement placement = node.motion != nullptr ? Placement(*node.motion) * Transform(local)
+                                                         : Placement(Transform(node.to_world * local));
+      out_.instances.push_back({rows_of(placement.to_world), group, add_motion(out_.motions, placement)});
     };
     const GltfAttributes& attributes = file_.nodes[i].instances;
     if (attributes.empty()) {
-      add(to_world);
+      add(Matrix4{});
     } else {
-      for (const GltfPose& pose : instance_poses(attributes, i)) add(to_world * matrix_of(pose));
+      for (const GltfPose& pose : instance_poses(attributes, i)) add(matrix_of(pose));
     }
     if (singular) note_singular(i);
   }
@@ -199,6 +220,7 @@ class SceneReader {
 
   GltfFile& file_;
   Pose pose_;
+  std::vector<std::optional<AnimatedTransform>> motions_;  ///< by node; empty: does not move
   bool lenient_;
   Description& out_;
   Materials materials_;

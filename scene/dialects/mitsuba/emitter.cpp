@@ -15,13 +15,13 @@ void read_point_light(Properties& p, LightDescription& out) {
   const bool placed = p.has("to_world");
   light.position = p.vec3("position", {0, 0, 0});
   if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
-  if (placed) light.position = p.transform("to_world").point({0, 0, 0});
+  if (placed) light.position = p.placement("to_world").to_world.point({0, 0, 0});
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
 }
 
 void read_spot_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<SpotLightDescription>();
-  light.to_world = p.transform("to_world");
+  light.to_world = p.placement("to_world").to_world;
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   light.cutoff_angle = p.number("cutoff_angle", 20, {0, 180, true});
   light.beam_width = p.number("beam_width", 0.75f * light.cutoff_angle, {0, light.cutoff_angle, false});
@@ -40,13 +40,13 @@ void read_directional_light(Properties& p, LightDescription& out) {
 
 void read_beam(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<BeamDescription>();
-  light.to_world = p.transform("to_world");
+  light.to_world = p.placement("to_world").to_world;
   light.power = p.spectrum("power", SpectrumDescription::constant(1), SpectrumRole::kEmission);
 }
 
 void read_projector(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<ProjectorDescription>();
-  light.to_world = p.transform("to_world");
+  light.to_world = p.placement("to_world").to_world;
   light.irradiance = p.spectrum_input("irradiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   light.scale = p.number("scale", 1, kNotNegative);
   CameraDescription camera;
@@ -79,6 +79,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
     std::vector<std::string> others = daylight_names();
     others.insert(others.end(), {"area", "directionalarea"});
     light_reader(p, kReaders, std::move(others)).read(p, light);
+    read_light_motion(p, "to_world", light);
   }
   // Reject unknown properties, and append the lights
   if (p.type() == "constant") p.ignore({"to_world"});

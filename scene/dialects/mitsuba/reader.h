@@ -9,11 +9,11 @@
 
 namespace sheaf::mitsuba {
 
-/// A sensor attached to a shape, with the type and transform of that shape.
+/// A sensor attached to a shape, with the type and placement of that shape.
 struct ShapeSensor {
   const XmlElement* element;
   std::string shape_type;
-  Transform to_world;
+  Placement placement;
 };
 
 /// The medium inside a boundary with subsurface scattering, and the boundary's indices of refraction.

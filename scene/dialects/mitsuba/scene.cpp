@@ -3,6 +3,7 @@
 
 #include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/choose_camera.h"
+#include "scene/dialects/common/moving_groups.h"
 #include "scene/dialects/mitsuba/read_mitsuba.h"
 
 namespace sheaf {
@@ -22,9 +23,10 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
 }
 
 [[noreturn]] void fail_unknown(const XmlElement& element) {
-  const std::vector<std::string> known = {
-      "sensor", "shape",   "bsdf",    "texture", "emitter", "integrator", "film",  "sampler", "rfilter",   "spectrum",
-      "rgb",    "default", "include", "path",    "alias",   "medium",     "phase", "volume",  "subsurface"};
+  const std::vector<std::string> known = {"sensor",     "shape",   "bsdf",    "texture",    "emitter",
+                                          "integrator", "film",    "sampler", "rfilter",    "spectrum",
+                                          "rgb",        "default", "include", "path",       "alias",
+                                          "medium",     "phase",   "volume",  "subsurface", "animation"};
   throw SceneError(element.where,
                    "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
 }
@@ -66,7 +68,7 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
     expect_referenced(child, "inside a <sensor>", context);
   } else if (kind == "rfilter") {
     expect_referenced(child, "inside a <film>", context);
-  } else if (is_spectrum(child)) {
+  } else if (is_spectrum(child) || kind == "animation") {
     expect_referenced(child, "inside an object", context);
   } else if (kind == "phase" || kind == "volume") {
     expect_referenced(child, "inside a <medium>", context);
@@ -111,6 +113,7 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+  separate_moving_shapes(context.description, context.lenient);
   // Read the camera, then the integrator
   read_camera(reader, last.sensors);
   if (last.integrator != nullptr) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace sheaf::mitsuba {
 
@@ -232,8 +233,9 @@ constexpr NameTable<CameraReader> kCameras{{{"distant", read_distant},
                                             {"thinlens", read_thin_lens}}};
 
 void read_camera(Properties& p, CameraReader read, CameraDescription& camera) {
-  camera.to_world = p.transform("to_world");
-  read_shutter(p);
+  const Placement placement = p.placement("to_world");
+  camera.to_world = placement.to_world;
+  camera.motion = add_motion(p.context().description.motions, placement);
   read(p, camera);
 }
 
@@ -265,6 +267,7 @@ void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) 
 void read_batch(Properties& p, Reader& reader) {
   Description& description = reader.context.description;
   std::vector<CameraDescription> cameras;
+  std::vector<ShutterDescription> shutters;
   for (const XmlElement* element : p.objects("sensor")) {
     Properties child(*element, reader.context);
     const CameraReader* read = kCameras.find(child.type());
@@ -272,11 +275,21 @@ void read_batch(Properties& p, Reader& reader) {
       child.fail("is part of a batch, expected a camera that forms an image");
     cameras.emplace_back().where = element->where;
     read_camera(child, *read, cameras.back());
+    shutters.push_back(read_shutter(child));
     child.objects("film"), child.objects("sampler");
     child.reject_unused();
   }
   if (cameras.empty()) p.fail("has no <sensor>, expected at least one");
-  read_shutter(p);
+  // All cameras share one shutter: that of the batch, or of the first camera
+  const bool has_shutter = p.has("shutter_open") || p.has("shutter_close");
+  const ShutterDescription own = read_shutter(p);
+  description.shutter = has_shutter ? own : shutters.front();
+  const auto differs = [&](const ShutterDescription& other) {
+    const ShutterDescription& first = shutters.front();
+    return std::tie(other.open, other.close, other.ramp) != std::tie(first.open, first.close, first.ramp);
+  };
+  if (!has_shutter && std::any_of(shutters.begin(), shutters.end(), differs))
+    p.context().note(p.where(), "the sensors of a batch have different shutters: rendered with that of the first");
   description.camera = cameras.front();
   description.more_cameras.assign(cameras.begin() + 1, cameras.end());
 }
@@ -313,6 +326,7 @@ void read_sensor(const XmlElement& element, Reader& reader) {
     (*read)(p, reader);
   } else {
     read_camera(p, p.plugin(kCameras, kOtherSensors), camera);
+    reader.context.description.shutter = read_shutter(p);
   }
   camera.where = element.where;
   read_sensor_rest(p, reader, camera);
@@ -326,8 +340,9 @@ void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   CameraDescription& camera = reader.context.description.camera;
   camera.where = sensor.element->where;
   camera.projection = CameraDescription::Projection::kIrradianceMeter;
-  camera.to_world = sensor.to_world;
-  read_shutter(p);
+  camera.to_world = sensor.placement.to_world;
+  camera.motion = add_motion(reader.context.description.motions, sensor.placement);
+  reader.context.description.shutter = read_shutter(p);
   read_sensor_rest(p, reader, camera);
   p.reject_unused();
 }

@@ -70,7 +70,8 @@ void read_shape(const XmlElement& element, Reader& reader) {
   } else {
     p.plugin(kSharedShapes, kEllipsoids, kAggregates)(p, true, shape);
   }
-  shape.to_world = p.transform("to_world");
+  const Placement placement = p.placement("to_world");
+  shape.to_world = placement.to_world;
   shape.flip_normals = p.boolean("flip_normals", false);
   // Read material, emitter and sensor
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
@@ -79,7 +80,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
                       {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
   if (const XmlElement* sensor = p.object("sensor")) {
     const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
-    reader.shape_sensors.push_back({sensor, p.type(), shape.to_world * turned});
+    reader.shape_sensors.push_back({sensor, p.type(), placement * turned});
   }
   // Read the media
   read_media(p, reader, shape);
@@ -94,16 +95,18 @@ void read_shape(const XmlElement& element, Reader& reader) {
   // Hints for specular manifold sampling (Zeltner et al. 2020), which do not affect the image.
   p.ignore({"caustic_caster_single", "caustic_caster_multi", "caustic_bouncer", "caustic_receiver"});
   p.reject_unused();
-  std::vector<ShapeDescription>& shapes = reader.context.description.shapes;
   // Add the shape, or one sphere per ellipsoid
+  Description& description = reader.context.description;
   if (ellipsoids.empty()) {
-    shapes.push_back(std::move(shape));
+    shape.motion = add_motion(description.motions, placement);
+    description.shapes.push_back(std::move(shape));
     return;
   }
-  const Transform to_world = shape.to_world;
-  for (const Transform& placement : ellipsoids) {
-    shape.to_world = to_world * placement;
-    shapes.push_back(shape);
+  for (const Transform& ellipsoid : ellipsoids) {
+    const Placement placed = placement * ellipsoid;
+    shape.to_world = placed.to_world;
+    shape.motion = add_motion(description.motions, placed);
+    description.shapes.push_back(shape);
   }
 }
 

@@ -194,7 +194,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
 }
 
 /// Elements that are read after all others.
-struct Last {
+struct LastElements {
   const XmlElement* camera = nullptr;
   const XmlElement* sampler = nullptr;
   const XmlElement* integrator = nullptr;
@@ -205,7 +205,7 @@ void keep(const XmlElement*& slot, const XmlElement& element) {
   slot = &element;
 }
 
-void read_child(const XmlElement& child, ReadContext& context, Last& last) {
+void read_child(const XmlElement& child, ReadContext& context, LastElements& last) {
   if (child.name == "camera") {
     keep(last.camera, child);
   } else if (child.name == "sampler") {
@@ -233,7 +233,7 @@ void read_child(const XmlElement& child, ReadContext& context, Last& last) {
 void read_nori(ReadContext& context) {
   context.readers.texture = nori::texture_of;
   const XmlElement& root = context.scene.root();
-  Last last;
+  LastElements last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, context, last); });
   if (last.camera != nullptr) {

@@ -207,14 +207,19 @@ void read_filter(Reader& reader, Entity entity) {
   check_filter_radius(static_cast<double>(filter.radius), entity.where);
 }
 
-void read_camera(Reader& reader, Entity entity, const Transform& world_from_camera, const std::string& outside) {
+void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside) {
   Parameters p(reader, "Camera '" + entity.type + "'", entity.where, std::move(entity.parameters));
   CameraDescription& camera = reader.description.camera;
   camera.where = entity.where;
   camera.medium = medium_of(reader, outside, entity.where);
   p.ignore({"shutteropen", "shutterclose"});
-  plugin(kCameras, "camera", entity.type, entity.where)(p, camera, world_from_camera);
+  plugin(kCameras, "camera", entity.type, entity.where)(p, camera, world_from_camera.start);
   p.reject_unused();
+  if (!world_from_camera.moves()) return;
+  const Placement placement =
+      reader.placement(world_from_camera, entity.where) * (world_from_camera.start.inverse() * camera.to_world);
+  camera.to_world = placement.to_world;
+  camera.motion = add_motion(reader.description.motions, placement);
 }
 
 }  // namespace sheaf::pbrt

@@ -104,7 +104,9 @@ bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription&
   if (shapes.empty()) return false;
   auto* into = std::get_if<Curves>(&shapes.back().geometry);
   const auto* from = std::get_if<Curves>(&shape.geometry);
-  if (into == nullptr || from == nullptr || shapes.back().material != shape.material) return false;
+  if (into == nullptr || from == nullptr || shapes.back().material != shape.material ||
+      shapes.back().motion != shape.motion)
+    return false;
   const auto offset = static_cast<std::uint32_t>(into->points.size());
   for (const std::uint32_t start : from->starts) into->starts.push_back(offset + start);
   into->points.insert(into->points.end(), from->points.begin(), from->points.end());

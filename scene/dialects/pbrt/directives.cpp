@@ -1,6 +1,6 @@
 // The pbrt dialect: handlers of all directives except transforms.
+#include "scene/dialects/common/moving_groups.h"
 #include "scene/dialects/pbrt/scene.h"
-#include "scene/tables/instance_transform.h"
 
 #include <algorithm>
 
@@ -172,14 +172,12 @@ void SceneBuilder::object_instance(Tokens& tokens) {
     throw SceneError(where_, "ObjectInstance inside an object, expected it after ObjectEnd");
   Object& object = reader_.objects[name];
   if (object.where.file.empty()) object.where = where_;
-  std::array<float, 12> place;
-  for (std::size_t i = 0; i < 12; ++i)
-    place[i] = static_cast<float>(reader_.attributes.transform.matrix().m[i / 4][i % 4]);
-  if (!is_usable_instance(place))
+  const Placement placement = reader_.placement(reader_.attributes.transform, where_);
+  if (!is_usable_placement(placement))
     throw SceneError(
         where_,
         "the transform of the instance is singular or too extreme, expected scale factors between 1e-9 and 1e9");
-  object.places.push_back(place);
+  object.instances.push_back({rows_of(placement.to_world), 0, add_motion(reader_.description.motions, placement)});
 }
 
 void SceneBuilder::option(Tokens& tokens) {
@@ -234,11 +232,12 @@ void SceneBuilder::world_begin(Tokens&) {
   // Read the rendering options, then reset the transform
   read_film(reader_, option("Film", "rgb"), static_cast<float>(shutter[1] - shutter[0]));
   read_filter(reader_, option("PixelFilter", "gaussian"));
+  reader_.description.shutter = {shutter[0], shutter[1]};
   pbrt::read_camera(reader_, std::move(camera), world_from_camera_, camera_medium_);
   read_sampler(reader_, option("Sampler", "zsobol"));
   read_integrator(reader_, option("Integrator", "volpath"));
   reader_.attributes.transform = {};
-  reader_.attributes.start_is_active = true;
+  reader_.attributes.start_is_active = reader_.attributes.end_is_active = true;
   coordinate_systems_["world"] = {};
 }
 

@@ -23,14 +23,15 @@ Transform along_axis(Parameters& p) {
   if (from == to) p.fail("has equal 'from' and 'to', expected a direction");
   const Vec3f axis = to - from;
   const bool upright = std::fabs(axis.y) > std::fabs(axis.x) + std::fabs(axis.z);
-  return p.reader().attributes.transform * Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
+  return p.reader().attributes.transform.start *
+         Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
 }
 
 LightKinds::Model read_point(Parameters& p) {
   const SpectrumDescription intensity = read_emission(p, "I");
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) scale *= *power / (4 * kPi);
-  return PointLightDescription{p.reader().attributes.transform.point(p.vec3("from", {0, 0, 0})),
+  return PointLightDescription{p.reader().attributes.transform.start.point(p.vec3("from", {0, 0, 0})),
                                scaled(intensity, scale)};
 }
 
@@ -83,7 +84,7 @@ LightKinds::Model read_infinite(Parameters& p) {
       p.fail_at("illuminance", "is set for an image that is black towards +z, expected a brighter image");
     light.scale *= *illuminance / (4 * kPi * static_cast<float>(mean));
   }
-  light.to_world = p.reader().attributes.transform;
+  light.to_world = p.reader().attributes.transform.start;
   light.layout = EnvmapDescription::Layout::kOctahedral;
   light.mis_compensation = true;
   return light;
@@ -115,7 +116,7 @@ LightKinds::Model read_projection(Parameters& p) {
   light.fov_axis = CameraDescription::FovAxis::kSmaller;
   light.scale = read_scale(p);
   // The first image column is at -x in pbrt and at +x here.
-  light.to_world = p.reader().attributes.transform * Transform::scale({-1, 1, 1});
+  light.to_world = p.reader().attributes.transform.start * Transform::scale({-1, 1, 1});
   const std::filesystem::path file = p.file("filename");
   light.irradiance = add_light_bitmap(p, file, false);
   const auto power = p.find_number("power");
@@ -159,7 +160,7 @@ LightKinds::Model read_goniometric(Parameters& p) {
   // pbrt exchanges y and z before the octahedral mapping.
   Matrix4 swap;
   swap.m[1] = {0, 0, 1, 0}, swap.m[2] = {0, 1, 0, 0};
-  light.to_world = p.reader().attributes.transform * Transform(swap);
+  light.to_world = p.reader().attributes.transform.start * Transform(swap);
   return light;
 }
 
@@ -183,6 +184,7 @@ void read_light(Reader& reader, Entity entity) {
     if (light.name == entity.type) {
       LightDescription description{light.read(p), entity.where};
       p.reject_unused();
+      reader.note_rest(entity.where, "lights");
       reader.description.lights.push_back(std::move(description));
       return;
     }

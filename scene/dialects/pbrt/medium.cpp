@@ -35,7 +35,8 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
   density.file = p.file("filename");
   density.format = GridVolumeDescription::Format::kNanoVdb;
   density.grid = p.string("gridname", "density");
-  density.to_world = p.reader().attributes.transform;
+  density.to_world = p.reader().attributes.transform.start;
+  p.reader().note_rest(p.where(), "media");
   GridVolumeDescription temperature = density;
   temperature.grid = p.string("temperaturename", "temperature");
   medium.density = std::move(density);

@@ -38,7 +38,8 @@ GridVolumeDescription made_grid(Parameters& p, DenseVolume box, int channels, st
   box.values = std::move(values);
   GridVolumeDescription grid;
   grid.format = GridVolumeDescription::Format::kInMemory;
-  grid.to_world = p.reader().attributes.transform;
+  grid.to_world = p.reader().attributes.transform.start;
+  p.reader().note_rest(p.where(), "media");
   grid.made = std::make_shared<const DenseVolume>(std::move(box));
   return grid;
 }

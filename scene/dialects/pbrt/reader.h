@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/image.h"
-#include "core/transform.h"
+#include "scene/description/placement.h"
 #include "scene/dialects/common/read_spectrum.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/coat.h"
@@ -38,11 +38,19 @@ struct AreaLight {
   SourceLocation where;
 };
 
+/// The current transformation matrices at the start and at the end of the motion.
+struct TransformPair {
+  Transform start, end;
+
+  bool moves() const { return start.matrix().m != end.matrix().m; }
+  TransformPair inverse() const { return {start.inverse(), end.inverse()}; }
+};
+
 /// Graphics state that AttributeBegin saves and AttributeEnd restores.
 struct Attributes {
-  Transform transform;  ///< current transformation matrix
+  TransformPair transform;
   bool reverse_orientation = false;
-  bool start_is_active = true;  ///< transforms apply to the start of the motion
+  bool start_is_active = true, end_is_active = true;  ///< which matrices transforms apply to
   Material material;
   std::optional<AreaLight> area_light;
   std::string inside, outside;  ///< names of media
@@ -51,10 +59,10 @@ struct Attributes {
   std::map<std::string, std::shared_ptr<const std::vector<Parameter>>, std::less<>> defaults;
 };
 
-/// Shapes between ObjectBegin and ObjectEnd, and the transforms of their instances.
+/// Shapes between ObjectBegin and ObjectEnd, and their instances, whose groups are set at the end.
 struct Object {
   ShapeGroup group;
-  std::vector<std::array<float, 12>> places;
+  std::vector<InstanceDescription> instances;
   bool defined = false;
   SourceLocation where;  ///< of ObjectBegin, else of the first ObjectInstance
 };
@@ -66,6 +74,7 @@ struct Reader {
   std::filesystem::path folder;  ///< of the scene file; base of relative names
 
   Attributes attributes;
+  double start_time = 0, end_time = 1;  ///< of motions
   /// A visibility integrator and its maximum distance (m). Applied after the world is read.
   struct VisibilityIntegrator {
     Visibility kind;
@@ -83,6 +92,12 @@ struct Reader {
   std::map<std::tuple<std::filesystem::path, bool, BitmapDescription::ColorTransform, LayeredBase>,
            std::shared_ptr<const Image>>
       base_images = {};
+  /// The last motion of a shape: matrices at start and end, the transform before them.
+  struct LastMotion {
+    std::array<Matrix4, 3> matrices;
+    std::optional<MotionId> motion;
+  };
+  std::optional<LastMotion> last_motion = {};
   Object* object = nullptr;                       ///< being defined
   bool used_texture = false;                      ///< since the last reset
   std::set<std::string, std::less<>> noted = {};  ///< messages of note_once()
@@ -96,6 +111,13 @@ struct Reader {
   void stand_in(const SourceLocation& where, const std::string& message);
   /// Throws SceneError that `what` is not supported; if lenient, reports it and the replacement `instead`.
   void unsupported(const SourceLocation& where, const std::string& what, const std::string& instead);
+  /// The placement that a pair of matrices describes. Motions between a transform and a mirrored one are errors.
+  Placement placement(const TransformPair& transform, const SourceLocation& where);
+  /// Appends a motion unless the last one is equal.
+  std::optional<MotionId> motion_of(const TransformPair& transform, const Transform& local,
+                                    const SourceLocation& where);
+  /// Adds a note if the current transform moves, but `what` does not.
+  void note_rest(const SourceLocation& where, const std::string& what);
   /// Resolves the name of a regular file. Throws SceneError if it does not exist.
   std::filesystem::path find_file(const std::string& name, const SourceLocation& where);
 };
@@ -233,8 +255,8 @@ Curves read_curve(Parameters& p, const Transform& to_world);
 bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription& shape);
 
 // camera.cpp
-/// `world_from_camera` is the inverse of the current transformation matrix at the Camera directive.
-void read_camera(Reader& reader, Entity entity, const Transform& world_from_camera, const std::string& outside);
+/// `world_from_camera` is the inverse of the current transformation matrices at the Camera directive.
+void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside);
 /// Reads Film and PixelFilter. Call these before read_camera(), which needs the frame's size. `shutter` is the exposure
 /// time (s).
 void read_film(Reader& reader, Entity entity, float shutter);

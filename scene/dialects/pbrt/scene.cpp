@@ -1,13 +1,14 @@
 // The pbrt dialect: files, the table of directives, and final processing.
 #include "scene/dialects/pbrt/scene.h"
 
+#include "scene/dialects/common/moving_groups.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/read_pbrt.h"
 #include "scene/formats/mesh_io.h"
-#include "scene/tables/instance_transform.h"
 #include "scene/xml/missing_file.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace sheaf::pbrt {
 
@@ -36,6 +37,32 @@ void Reader::unsupported(const SourceLocation& where, const std::string& what, c
   const std::string message = what + ": not supported";
   if (!lenient) throw SceneError(where, message);
   stand_in(where, message + " (" + instead + ")");
+}
+
+Placement Reader::placement(const TransformPair& transform, const SourceLocation& where) {
+  if (!transform.moves()) return Placement(transform.start);
+  if (transform.start.swaps_handedness() != transform.end.swaps_handedness()) {
+    unsupported(where, "motion between a transform and a mirrored one", "rendered with the transform at the start");
+    return Placement(transform.start);
+  }
+  try {
+    return Placement(AnimatedTransform({{start_time, transform.start}, {end_time, transform.end}}));
+  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+}
+
+std::optional<MotionId> Reader::motion_of(const TransformPair& transform, const Transform& local,
+                                          const SourceLocation& where) {
+  if (!transform.moves()) return std::nullopt;
+  const std::array<Matrix4, 3> matrices{transform.start.matrix(), transform.end.matrix(), local.matrix()};
+  const auto equal = [](const Matrix4& a, const Matrix4& b) { return a.m == b.m; };
+  if (!last_motion || !std::equal(matrices.begin(), matrices.end(), last_motion->matrices.begin(), equal))
+    last_motion = {matrices, add_motion(description.motions, placement(transform, where) * local)};
+  return last_motion->motion;
+}
+
+void Reader::note_rest(const SourceLocation& where, const std::string& what) {
+  if (attributes.transform.moves())
+    note_once(where, what + " do not move, as in pbrt: rendered with the transform at the start");
 }
 
 fs::path Reader::find_file(const std::string& name, const SourceLocation& where) {
@@ -97,7 +124,7 @@ std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
                                               {"Transform", &B::transform, kAnywhere},
                                               {"TransformBegin", &B::transform_begin, kWorld},
                                               {"TransformEnd", &B::transform_end, kWorld},
-                                              {"TransformTimes", &B::transform_times, kAnywhere},
+                                              {"TransformTimes", &B::transform_times, kOptions},
                                               {"Translate", &B::translate, kAnywhere},
                                               {"WorldBegin", &B::world_begin, kOptions}};
   return kDirectives;
@@ -157,12 +184,14 @@ void SceneBuilder::finish() {
   Description& description = reader_.description;
   for (auto& [name, object] : reader_.objects) {
     if (!object.defined) throw SceneError(object.where, "the object '" + name + "' is not defined");
-    if (object.places.empty()) continue;
+    if (object.instances.empty()) continue;
     const auto group = static_cast<std::uint32_t>(description.groups.size());
     object.group.id = name;
     description.groups.push_back(std::move(object.group));
-    for (const auto& place : object.places) description.instances.push_back({place, group});
+    for (InstanceDescription& instance : object.instances) instance.group = group;
+    std::move(object.instances.begin(), object.instances.end(), std::back_inserter(description.instances));
   }
+  separate_moving_shapes(description, reader_.lenient);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
   if (reader_.visibility)
     apply_visibility_integrator(reader_.visibility->kind, reader_.visibility->length, true, description);

@@ -72,6 +72,8 @@ class SceneBuilder {
   void world_begin(Tokens& tokens);
 
   // transforms.cpp
+  /// Sets the active matrices to change(matrix).
+  template <class Change> void change_transforms(Change&& change);
   void apply_transform(const Transform& transform);
 
   void active_transform(Tokens& tokens);
@@ -95,10 +97,10 @@ class SceneBuilder {
   std::vector<Saved> saved_;
   std::vector<std::filesystem::path> open_;  ///< files being read
   int included_ = 0;
-  bool in_world_ = false, noted_motion_ = false;
-  std::map<std::string, Transform, std::less<>> coordinate_systems_;
+  bool in_world_ = false;
+  std::map<std::string, TransformPair, std::less<>> coordinate_systems_;
   std::map<std::string, Entity, std::less<>> options_;  ///< camera, film etc., by directive
-  Transform world_from_camera_;
+  TransformPair world_from_camera_;
   std::string camera_medium_;
 };
 

@@ -216,7 +216,8 @@ void read_shape(Reader& reader, Entity entity) {
   Parameters p(reader, "Shape '" + entity.type + "'", entity.where, std::move(entity.parameters));
   ShapeDescription shape;
   shape.where = entity.where;
-  shape.to_world = reader.attributes.transform;
+  const TransformPair& transform = reader.attributes.transform;
+  shape.to_world = transform.start;
   if (!reader.attributes.material.id) {
     if (!reader.standard_material) reader.standard_material = make_material(reader, "", {"diffuse", {}, entity.where});
     reader.attributes.material = *reader.standard_material;
@@ -227,12 +228,16 @@ void read_shape(Reader& reader, Entity entity) {
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
   const bool textured = reader.used_texture || has_emission_image;
   const Geometry geometry = plugin(kShapes, "shape", entity.type, entity.where)(p, shape, textured);
-  const bool mirrored = geometry.is_mesh && !geometry.has_normals && reader.attributes.transform.swaps_handedness();
+  const bool mirrored = geometry.is_mesh && !geometry.has_normals && transform.start.swaps_handedness();
   const bool is_curve = std::holds_alternative<Curves>(shape.geometry);
   shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;
   add_emission(p, shape, geometry);
   add_media(p, shape);
   p.reject_unused();
+  if (transform.moves()) {
+    shape.motion = reader.motion_of(transform, transform.start.inverse() * shape.to_world, entity.where);
+    if (shape.motion) shape.to_world = reader.description.motions[static_cast<std::size_t>(*shape.motion)].reference();
+  }
   auto& shapes = reader.object != nullptr ? reader.object->group.shapes : reader.description.shapes;
   // Merge the hairs of a hairstyle into one shape. Textured curves stay separate, because merging changes v.
   if (is_curve && !textured && append_curve(shapes, shape)) return;

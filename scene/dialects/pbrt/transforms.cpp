@@ -45,17 +45,22 @@ template <class Make> Transform transform_at(const SourceLocation& where, Make m
 
 }  // namespace
 
+template <class Change> void SceneBuilder::change_transforms(Change&& change) {
+  Attributes& attributes = reader_.attributes;
+  if (attributes.start_is_active) attributes.transform.start = change(attributes.transform.start);
+  if (attributes.end_is_active) attributes.transform.end = change(attributes.transform.end);
+}
+
 void SceneBuilder::apply_transform(const Transform& transform) {
-  if (reader_.attributes.start_is_active) reader_.attributes.transform = reader_.attributes.transform * transform;
+  change_transforms([&](const Transform& before) { return before * transform; });
 }
 
 void SceneBuilder::active_transform(Tokens& tokens) {
   const std::string_view word = tokens.current().text;
   if (word != "StartTime" && word != "EndTime" && word != "All")
     throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected StartTime, EndTime or All");
-  if (!noted_motion_) reader_.note(where_, "motion is not supported, rendered with the transforms at the start");
-  noted_motion_ = true;
   reader_.attributes.start_is_active = word != "EndTime";
+  reader_.attributes.end_is_active = word != "StartTime";
   tokens.advance();
 }
 
@@ -69,7 +74,8 @@ void SceneBuilder::coord_sys_transform(Tokens& tokens) {
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end())
     throw SceneError(where_, "the coordinate system '" + name + "' is not defined yet");
-  if (reader_.attributes.start_is_active) reader_.attributes.transform = found->second;
+  // As in pbrt, whichever matrices are active
+  reader_.attributes.transform = found->second;
 }
 
 void SceneBuilder::coordinate_system(Tokens& tokens) {
@@ -77,7 +83,7 @@ void SceneBuilder::coordinate_system(Tokens& tokens) {
 }
 
 void SceneBuilder::identity(Tokens&) {
-  if (reader_.attributes.start_is_active) reader_.attributes.transform = {};
+  change_transforms([](const Transform&) { return Transform(); });
 }
 
 void SceneBuilder::look_at(Tokens& tokens) {
@@ -103,7 +109,7 @@ void SceneBuilder::scale(Tokens& tokens) {
 void SceneBuilder::transform(Tokens& tokens) {
   const Matrix4 matrix = read_matrix(tokens);
   const Transform made = transform_at(where_, [&] { return Transform(matrix); });
-  if (reader_.attributes.start_is_active) reader_.attributes.transform = made;
+  change_transforms([&](const Transform&) { return made; });
 }
 
 void SceneBuilder::transform_begin(Tokens&) { save("TransformBegin"); }
@@ -112,9 +118,15 @@ void SceneBuilder::transform_end(Tokens&) {
   const Attributes before = restore("TransformBegin");
   reader_.attributes.transform = before.transform;
   reader_.attributes.start_is_active = before.start_is_active;
+  reader_.attributes.end_is_active = before.end_is_active;
 }
 
-void SceneBuilder::transform_times(Tokens& tokens) { read_numbers<2>(tokens, "two times"); }
+void SceneBuilder::transform_times(Tokens& tokens) {
+  const auto times = read_numbers<2>(tokens, "two times");
+  if (!(times[0] < times[1])) throw SceneError(where_, "TransformTimes: the motion ends before it starts");
+  reader_.start_time = times[0];
+  reader_.end_time = times[1];
+}
 
 void SceneBuilder::translate(Tokens& tokens) {
   const auto n = read_numbers<3>(tokens, "three lengths");

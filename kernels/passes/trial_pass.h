@@ -1,0 +1,49 @@
+// Results of a training pass, from which a render decides about guiding and about light candidates.
+#pragma once
+
+#include "core/spectrum.h"
+#include "kernels/guiding/candidate_trial.h"
+
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <vector>
+
+namespace sheaf {
+
+/// The samples of a training pass with two samples for each of its pixels.
+struct TrialPass {
+  /// Radiance of the samples of each task, all components added up: two of a pixel, then two of the next.
+  std::vector<std::vector<float>> radiance;
+  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
+
+  /// In a trial of light candidates: estimates of the squared radiance of the same samples, for each of
+  /// kCandidateCounts. Otherwise empty.
+  std::vector<std::vector<Spectrum4>> squared_radiance;
+  std::uint64_t light_vertices = 0;                                      ///< that sample lights
+  std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};  ///< for each of kCandidateCounts
+};
+
+/// Errors of a trial are in relation to the brightness of the frame: of each task, squared, but not below a share of
+/// that of the frame. Tasks are those of all passes together.
+struct TrialBrightness {
+  double of_frame = 0;          ///< squared; 0: the passes hold no light
+  std::vector<double> of_task;  ///< squared
+
+  /// Of passes that consist of the same tasks.
+  explicit TrialBrightness(std::initializer_list<const TrialPass*> passes);
+};
+
+/// Share of the pixels whose error is left out: the error of a few bright pixels is known too badly.
+inline constexpr double kTrialLeftOut = 0.001;
+
+/// Mean without the largest values, by kTrialLeftOut. Reorders `values`.
+double trimmed_mean(std::vector<float>& values);
+
+/// Number of groups of pixels, each of which the jackknife leaves out once.
+inline constexpr std::size_t kTrialGroups = 16;
+
+/// Standard error of an estimate by the jackknife (Efron and Stein 1981). `without`: the estimates without each group.
+double jackknife_error(const std::array<double, kTrialGroups>& without);
+
+}  // namespace sheaf

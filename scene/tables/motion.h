@@ -1,0 +1,59 @@
+// Tables of moving instances, lights and cameras: matrices at equidistant times over the shutter.
+// scene/tables/motion_sample.h interpolates them.
+#pragma once
+
+#include "core/record_table.h"
+#include "scene/tables/table_bytes.h"
+
+#include <vector>
+
+namespace sheaf {
+
+/// A transform at one time.
+template <class L> struct alignas(row_alignment<L>(64)) MotionStepRecord {
+  typename L::Float matrix[12];  ///< rows of a 3x4 matrix
+  typename L::Float unused[4];
+  static constexpr auto fields(auto& s) { return std::tie(s.matrix, s.unused); }
+};
+using MotionStepRow = MotionStepRecord<Scalar>;
+static_assert(sizeof(MotionStepRow) == 64);
+
+/// The steps of an object that may move.
+template <class L> struct MotionRecord {
+  typename L::Uint first_step{};     ///< into MotionView::steps
+  typename L::Uint segment_count{};  ///< number of steps - 1; 0: does not move, and has no steps
+  static constexpr auto fields(auto& s) { return std::tie(s.first_step, s.segment_count); }
+};
+using MotionRow = MotionRecord<Scalar>;
+
+/// Maximum of MotionRecord::segment_count: Embree accepts 129 time steps.
+inline constexpr int kMaxMotionSegments = 128;
+
+/// The motions of a scene for kernels. Static scenes have none of these tables.
+struct MotionView {
+  const MotionStepRow* steps = nullptr;  ///< null: nothing moves, and paths have no time
+  const MotionRow* instances = nullptr;  ///< group space to world space, by row of instance; null: no instance moves
+  /// By row of light; null: no light moves. From where the light's tables place it to where it is.
+  const MotionRow* lights = nullptr;
+  const MotionRow* cameras = nullptr;  ///< the same for the cameras, in the order of the film's columns; or null
+  float shutter_ramp = 0;              ///< see ShutterDescription::ramp
+
+  /// Whether paths have a time.
+  bool any() const { return steps != nullptr; }
+};
+
+/// Owns the tables of motion.
+struct MotionTables {
+  std::vector<MotionStepRow> steps;
+  std::vector<MotionRow> instances, lights, cameras;
+  float shutter_ramp = 0;
+
+  MotionView view() const {
+    const auto table = [](const std::vector<MotionRow>& rows) { return rows.empty() ? nullptr : rows.data(); };
+    return {steps.empty() ? nullptr : steps.data(), table(instances), table(lights), table(cameras), shutter_ramp};
+  }
+  /// Memory in bytes.
+  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras); }
+};
+
+}  // namespace sheaf
