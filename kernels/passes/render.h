@@ -47,7 +47,7 @@ struct RenderOptions {
   /// pixels have one candidate.
   bool chooses_candidates = false;
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
-  /// participating media and transparent surfaces.
+  /// participating media, transparent surfaces and motion.
   CausticMode caustics = CausticMode::kNone;
   std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame
   /// Called concurrently by workers after each task, with the number of samples done and in total.
