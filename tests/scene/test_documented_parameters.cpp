@@ -318,6 +318,7 @@ struct NotCompared {
 };
 constexpr NotCompared kNotCompared[] = {
     {"beam_width", "3/4 of `cutoff_angle`"},
+    {"candidates", "see below"},
     {"crop_width", "the rest of the film"},
     {"crop_height", "the rest of the film"},
     {"emission", "0"},  // MediumDescription::emission is absent
