@@ -39,6 +39,16 @@ function(sheaf_test_support)
   add_custom_target(sheaf_tests)
 endfunction()
 
+# Sets a variable to whether a file contains slow tests.
+function(sheaf_has_slow_tests variable source)
+  file(STRINGS "${source}" suites REGEX "^TEST_SUITE.*\"slow\"" LIMIT_COUNT 1)
+  if(suites)
+    set(${variable} ON PARENT_SCOPE)
+  else()
+    set(${variable} OFF PARENT_SCOPE)
+  endif()
+endfunction()
+
 # Sets a variable to whether a file contains only slow tests: the suite "slow" begins before its first test.
 function(sheaf_is_slow variable source)
   file(STRINGS "${source}" first REGEX "^TEST_(CASE|SUITE)" LIMIT_COUNT 1)
@@ -51,7 +61,8 @@ endfunction()
 
 # sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): adds the program sheaf_tests_<folder> from the files
 # tests/<folder>/*.cpp, and one ctest entry per file test_<unit>.cpp. RUNS: programs that the tests start. With
-# SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled.
+# SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled. For the folders in SHEAF_ONLY_SLOW_TESTS, only files with
+# slow tests are.
 function(sheaf_tests folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;RUNS")
   sheaf_sources(sources tests/${folder}/*.cpp)
@@ -63,12 +74,20 @@ function(sheaf_tests folder)
       continue()
     endif()
     cmake_path(GET source STEM unit)
+    sheaf_has_slow_tests(has_slow "${source}")
+    if(folder IN_LIST SHEAF_ONLY_SLOW_TESTS AND unit MATCHES "^test_" AND NOT has_slow)
+      list(REMOVE_ITEM sources "${source}")
+      continue()
+    endif()
     if(unit MATCHES "^test_")
       string(REGEX REPLACE "^test_" "" unit "${unit}")
       list(APPEND units ${unit})
     endif()
   endforeach()
 
+  if(NOT sources)
+    return()
+  endif()
   set(program sheaf_tests_${folder})
   add_executable(${program} ${sources})
   sheaf_unite(${program})

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Measures what motion blur costs: renders of a mesh of many triangles that stands still, moves, or is seen by a moving
+camera, in alternation. Needs only Python and a build.
+
+  bench/compare_motion.py [--sheaf build/release/sheaf] [--side 316] [--spp 32] [--runs 5]
+
+Prints for each scene the median of the user CPU time of the process and of the wall-clock time of rendering, over
+those of the static scene, and the wall-clock time of building the acceleration structure.
+"""
+
+import argparse
+import math
+import statistics
+import tempfile
+from pathlib import Path
+
+from rendering import ROOT, render
+
+STILL = '<transform name="to_world"> <translate y="1"/> </transform>'
+CAMERA = '<transform name="to_world"> <lookat origin="0, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform>'
+
+# Name, transform of the mesh, transform of the camera. The exposure is from 0 to 1.
+CASES = [
+    ("static", STILL, CAMERA),
+    ("mesh moves", """<animation name="to_world">
+        <transform time="0"> <translate y="1"/> </transform>
+        <transform time="1"> <translate x="0.3" y="1.1"/> </transform> </animation>""", CAMERA),
+    ("mesh turns", """<animation name="to_world">
+        <transform time="0"> <translate y="1"/> </transform>
+        <transform time="1"> <rotate y="1" angle="40"/> <translate y="1"/> </transform> </animation>""", CAMERA),
+    ("camera moves", STILL, """<animation name="to_world">
+        <transform time="0"> <lookat origin="0, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform>
+        <transform time="1"> <lookat origin="0.4, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform> </animation>"""),
+]
+
+SCENE = """<scene version="3.0.0">
+  <integrator type="path"> <integer name="max_depth" value="5"/> </integrator>
+  <sensor type="perspective">
+    <float name="fov" value="45"/> <float name="shutter_close" value="1"/> {camera}
+    <film type="hdrfilm"> <integer name="width" value="480"/> <integer name="height" value="360"/> </film>
+  </sensor>
+  <shape type="obj"> <string name="filename" value="mesh.obj"/> {mesh} </shape>
+  <shape type="rectangle"> <transform name="to_world"> <rotate x="1" angle="-90"/> <scale value="6"/> </transform> </shape>
+  <shape type="sphere">
+    <point name="center" x="3" y="5" z="3"/> <float name="radius" value="0.5"/>
+    <emitter type="area"> <rgb name="radiance" value="40"/> </emitter>
+  </shape>
+  <emitter type="constant"> <rgb name="radiance" value="0.3"/> </emitter>
+</scene>
+"""
+
+
+def write_mesh(file, side):
+    """Writes a sphere with bumps of 2 side^2 triangles."""
+    with open(file, "w") as out:
+        for i in range(side + 1):
+            polar = 0.02 + (math.pi - 0.04) * i / side
+            for j in range(side + 1):
+                turn = 2 * math.pi * j / side
+                radius = 1 + 0.08 * math.sin(9 * turn) * math.sin(11 * polar)
+                out.write(f"v {radius * math.sin(polar) * math.cos(turn):.6g} {radius * math.cos(polar):.6g} "
+                          f"{radius * math.sin(polar) * math.sin(turn):.6g}\n")
+        for i in range(side):
+            for j in range(side):
+                a = i * (side + 1) + j + 1
+                c = a + side + 1
+                out.write(f"f {a} {a + 1} {c}\nf {a + 1} {c + 1} {c}\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheaf", default=str(ROOT / "build/release/sheaf"))
+    parser.add_argument("--side", type=int, default=316, help="the mesh has 2 side^2 triangles")
+    parser.add_argument("--spp", type=int, default=32)
+    parser.add_argument("--runs", type=int, default=5)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        write_mesh(folder / "mesh.obj", arguments.side)
+        reports = {name: [] for name, *_ in CASES}
+        for _ in range(arguments.runs):
+            for name, mesh, camera in CASES:
+                scene = folder / "scene.xml"
+                scene.write_text(SCENE.format(mesh=mesh, camera=camera))
+                reports[name].append(render(arguments.sheaf, scene, folder / "image.exr", arguments.spp, 1, "--guiding",
+                                            "off"))
+
+        def median(name, value):
+            return statistics.median(value(report) for report in reports[name])
+
+        print(f"{'scene':14} {'process':>8} {'rendering':>10} {'BVH, s':>8}")
+        for name, *_ in CASES:
+            whole, rendering = (median(name, value) / median("static", value)
+                                for value in (lambda r: r["cpu_seconds"], lambda r: r["render_seconds"]))
+            print(f"{name:14} {whole:8.3f} {rendering:10.3f} {median(name, lambda r: r['loading']['accel_seconds']):8.3f}")
+
+
+if __name__ == "__main__":
+    main()
