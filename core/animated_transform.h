@@ -42,7 +42,7 @@ class AnimatedTransform {
   AnimatedTransform() = default;
   /// A transform that does not change.
   explicit AnimatedTransform(const Transform& value);
-  /// A single track. Sorts the keys by time. Throws Error if there are none, if a time is not finite, or if two keys
+  /// A single track. Sorts the keys by time. Throws Error if `keys` is empty, if a time is not finite, or if two keys
   /// have the same time.
   explicit AnimatedTransform(std::vector<Key> keys);
 

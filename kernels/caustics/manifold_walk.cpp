@@ -64,15 +64,6 @@ Vec3f direction_near(const ChainStart& start, const ChainTarget& target, float u
   return normalize(to + frame.s * (spread * disk.x) + frame.t * (spread * disk.y));
 }
 
-/// A direction towards a point on a caster, or near the straight line to the target.
-Vec3f seed_direction(const SceneView& scene, const CausticCasters& casters, const ChainStart& start,
-                     const ChainTarget& target, MediumRandom& random) {
-  const float choice = random.next();
-  Random4<Scalar> u{random.next(), random.next(), random.next(), random.next()};
-  if (casters.has_glass() && choice < 0.5f) return direction_near(start, target, u.x, u.y, u.z);
-  return normalize(casters.sample_point(scene, u) - start.p);
-}
-
 }  // namespace
 
 std::optional<ConnectedChain> walk_to_target(ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
@@ -115,12 +106,19 @@ float solid_angle_ratio_at(const DifferentialRay& last, float t) {
   return std::isfinite(ratio) ? ratio : 0.0f;
 }
 
-std::optional<ChainSeed> sample_seed(ChainTracer& tracer, const SceneView& scene, const CausticCasters& casters,
-                                     const ChainStart& start, const ChainTarget& target, int max_length,
-                                     MediumRandom& random) {
+Vec3f sample_seed_direction(const SceneView& scene, const CausticCasters& casters, const ChainStart& start,
+                            const ChainTarget& target, MediumRandom& random) {
+  // Towards a point on a caster, or near the straight line to the target
+  const float choice = random.next();
+  Random4<Scalar> u{random.next(), random.next(), random.next(), random.next()};
+  if (casters.has_glass() && choice < 0.5f) return direction_near(start, target, u.x, u.y, u.z);
+  return normalize(casters.sample_point(scene, u) - start.p);
+}
+
+std::optional<ChainSeed> sample_seed_type(ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
+                                          Vec3f direction, int max_length, MediumRandom& random) {
   ChainSeed seed;
-  seed.direction = seed_direction(scene, casters, start, target, random);
-  if (!is_finite(seed.direction) || !start.accepts(seed.direction)) return {};
+  seed.direction = direction;
   DifferentialRay ray = start.ray(seed.direction);
   SurfaceHit hit = tracer.intersect(ray.origin, ray.direction);
   if (!tracer.is_caster(hit)) return {};

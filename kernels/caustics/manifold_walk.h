@@ -21,19 +21,14 @@ struct ChainTarget {
   bool is_infinite = false;
 };
 
-/// The vertex that a chain starts from. `accepts`: whether its BSDF scatters light from a direction, of unit length.
-class ChainStart {
- public:
-  ChainStart(Vec3f p, Vec3f ng, float offset) : p(p), ng(ng), offset(offset) {}
-  virtual ~ChainStart() = default;
-  virtual bool accepts(Vec3f direction) const = 0;
+/// The vertex that a chain starts from.
+struct ChainStart {
+  Vec3f p, ng;   ///< position and geometric normal
+  float offset;  ///< see SurfacePoint::offset
 
   DifferentialRay ray(Vec3f direction) const {
     return start_ray(offset_origin<Scalar>(p, ng, offset, direction), direction);
   }
-
-  Vec3f p, ng;   ///< position and geometric normal
-  float offset;  ///< see SurfacePoint::offset
 };
 
 /// A chain that connects a vertex to its target.
@@ -54,15 +49,18 @@ std::optional<ConnectedChain> walk_to_target(ChainTracer& tracer, const ChainSta
 /// finite.
 float solid_angle_ratio_at(const DifferentialRay& last, float t);
 
-/// A random seed: the first direction and the type of a chain. Each chain of at most `max_length` vertices has a
-/// positive density in its neighbourhood, unless the vertex does not accept it.
+/// A random seed: the first direction and the type of a chain.
 struct ChainSeed {
   ChainType type;
   Vec3f direction;
 };
-std::optional<ChainSeed> sample_seed(ChainTracer& tracer, const SceneView& scene, const CausticCasters& casters,
-                                     const ChainStart& start, const ChainTarget& target, int max_length,
-                                     MediumRandom& random);
+/// The first direction of a seed, of unit length; may not be finite. Together with sample_seed_type(), each chain of at
+/// most `max_length` vertices has a positive density in its neighbourhood.
+Vec3f sample_seed_direction(const SceneView& scene, const CausticCasters& casters, const ChainStart& start,
+                            const ChainTarget& target, MediumRandom& random);
+/// Samples the type of a seed with a finite direction. Empty if no chain begins in that direction.
+std::optional<ChainSeed> sample_seed_type(ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
+                                          Vec3f direction, int max_length, MediumRandom& random);
 
 /// Whether two walks have found the same chain.
 bool is_same_chain(const ConnectedChain& a, const ConnectedChain& b);

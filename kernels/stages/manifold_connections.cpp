@@ -31,12 +31,13 @@ constexpr std::uint64_t kMaxTrials = 1u << 16;
 constexpr float kLaterAttempts = 0.25f;
 
 /// A vertex with its BSDF.
-template <template <class> class Bsdf> class BsdfStart final : public ChainStart {
+template <template <class> class Bsdf> class BsdfStart : public ChainStart {
  public:
   BsdfStart(const SceneView& scene, const Wave& wave, int column, bool mapped)
       : BsdfStart(scene, wave, column, mapped, wave.vertices.load<Scalar>(column)) {}
 
-  bool accepts(Vec3f direction) const override { return max_component(f_cos(direction)) > 0; }
+  /// Whether the BSDF scatters light from a direction, of unit length.
+  bool accepts(Vec3f direction) const { return max_component(f_cos(direction)) > 0; }
 
   /// BSDF times cosine for light from `direction`.
   Spectrum4 f_cos(Vec3f direction) const {
@@ -52,7 +53,7 @@ template <template <class> class Bsdf> class BsdfStart final : public ChainStart
 
  private:
   BsdfStart(const SceneView& scene, const Wave& wave, int column, bool mapped, const VertexItem<Scalar>& item)
-      : ChainStart(item.p, item.ng, item.offset),
+      : ChainStart{item.p, item.ng, item.offset},
         bsdf_(load_bsdf<Scalar, Bsdf>(scene, wave, column)),
         frame_(item),
         wo_(item.wo),
@@ -68,16 +69,18 @@ template <template <class> class Bsdf> class BsdfStart final : public ChainStart
 };
 
 /// Walks from random seeds for one vertex and one point on a light.
-struct ChainSearch {
+template <template <class> class Bsdf> struct ChainSearch {
   const StageContext& context;
   ChainTracer& tracer;
-  const ChainStart& start;
+  const BsdfStart<Bsdf>& start;
   const ChainTarget& target;
   int max_length;
   MediumRandom& random;
 
   std::optional<ConnectedChain> walk() {
-    const auto seed = sample_seed(tracer, context.scene, context.caustic_casters(), start, target, max_length, random);
+    const Vec3f direction = sample_seed_direction(context.scene, context.caustic_casters(), start, target, random);
+    if (!is_finite(direction) || !start.accepts(direction)) return {};
+    const auto seed = sample_seed_type(tracer, start, target, direction, max_length, random);
     if (!seed) return {};
     return walk_to_target(tracer, start, target, seed->type, seed->direction);
   }
@@ -119,7 +122,7 @@ void connect_vertex(const StageContext& context, Wave& wave, ChainTracer& tracer
   const BsdfStart<Bsdf> start(scene, wave, column, mapped);
   const auto end = sample_chain_light(scene, context.caustic_casters(), start.p, lambda, random);
   if (!end) return;
-  ChainSearch search{context, tracer, start, end->target, max_length, random};
+  ChainSearch<Bsdf> search{context, tracer, start, end->target, max_length, random};
   const auto chain = search.walk();
   if (!chain) return;
   // Compute the contribution of the chain

@@ -32,7 +32,7 @@ Vec3f parse_vec3_element(const XmlElement& element, float missing);
 /// 9 numbers, row by row).
 Transform parse_transform(const XmlElement& element);
 
-/// The keys of an <animation>: its <transform> elements, each with a time. Throws SceneError if there are none, if two
+/// The keys of an <animation>: its <transform> elements, each with a time. Throws SceneError without keys, if two
 /// have the same time, or if some mirror and others do not.
 AnimatedTransform parse_animation(const XmlElement& element);
 
