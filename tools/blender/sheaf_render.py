@@ -29,7 +29,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 bl_info = {
     "name": "Sheaf",
@@ -333,6 +332,8 @@ class Exporter:
 
     def __init__(self, job):
         self.job, self.warnings = job, []
+        for thing in list(bpy.data.objects):  # of the same names, perhaps
+            bpy.data.objects.remove(thing)
         with bpy.data.libraries.load(job["blend"]) as (_, to):
             to.scenes = [job["scene"]]
         self.scene = to.scenes[0]
