@@ -116,3 +116,26 @@ function(sheaf_list_headers folder template)
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${folder}/all_headers.h"
     CONTENT "// Written by CMake: the headers of ${folder}/ that specialise ${template}.\n#pragma once\n\n${includes}")
 endfunction()
+
+# sheaf_python_module(): adds the Python module sheaf._sheaf. The folder `python` of the build folder then holds the
+# package, with links to its files in Python, for PYTHONPATH.
+function(sheaf_python_module)
+  sheaf_sources(sources python/bindings/module*.cpp)
+  set(package "${PROJECT_BINARY_DIR}/python/sheaf")
+  add_library(sheaf_python_module MODULE ${sources})
+  target_link_libraries(sheaf_python_module PRIVATE sheaf_python pybind11::module sheaf_flags)
+  target_compile_options(sheaf_python_module PRIVATE -fvisibility=hidden)
+  set_target_properties(sheaf_python_module PROPERTIES PREFIX "" OUTPUT_NAME _sheaf SUFFIX ".so"
+    LIBRARY_OUTPUT_DIRECTORY "${package}")
+  sheaf_sources(files python/sheaf/*)
+  foreach(file IN LISTS files)
+    cmake_path(GET file FILENAME name)
+    file(CREATE_LINK "${file}" "${package}/${name}" SYMBOLIC)
+  endforeach()
+  foreach(target IN ITEMS sheaf_image_io sheaf_import_model)
+    if(TARGET ${target})
+      add_custom_command(TARGET sheaf_python_module POST_BUILD COMMAND "${CMAKE_COMMAND}" -E create_symlink
+        "$<TARGET_FILE:${target}>" "${package}/$<TARGET_FILE_NAME:${target}>" VERBATIM)
+    endif()
+  endforeach()
+endfunction()
