@@ -30,7 +30,7 @@ class Error(Exception):
         start = message.split(": ", 1)[0]
         if located:
             self.file, self.line = located["file"], int(located["line"])
-        elif start.startswith("dictionary") or os.path.exists(start):
+        elif " " not in start and start != message or os.path.exists(start):
             self.file = start
 
 
