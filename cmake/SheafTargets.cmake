@@ -32,6 +32,14 @@ function(sheaf_unite target)
   endif()
 endfunction()
 
+# sheaf_share(<target>): compiles a target such that the Python module can link it. Symbols are hidden; therefore
+# position-independent code calls and reads them directly, as programs do.
+function(sheaf_share target)
+  if(SHEAF_HAS_PYTHON_MODULE)
+    target_compile_options(${target} PRIVATE -fPIC -fvisibility=hidden)
+  endif()
+endfunction()
+
 # sheaf_layer(<name> SOURCES <pattern>... DEPENDS <target>...): adds the static or header-only library sheaf_<name>.
 function(sheaf_layer name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
@@ -39,6 +47,7 @@ function(sheaf_layer name)
   if(sources)
     add_library(sheaf_${name} STATIC ${sources})
     target_link_libraries(sheaf_${name} PUBLIC ${arg_DEPENDS} PRIVATE sheaf_flags)
+    sheaf_share(sheaf_${name})
     sheaf_precompile(sheaf_${name})
   else()
     add_library(sheaf_${name} INTERFACE)
@@ -67,6 +76,7 @@ function(sheaf_program name)
   if(sources)
     add_executable(${name} ${sources})
     target_link_libraries(${name} PRIVATE ${arg_DEPENDS} sheaf_flags)
+    sheaf_share(${name})
     sheaf_precompile(${name})
     set_property(GLOBAL APPEND PROPERTY SHEAF_PROGRAMS ${name})
   endif()
@@ -105,4 +115,27 @@ function(sheaf_list_headers folder template)
   endforeach()
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${folder}/all_headers.h"
     CONTENT "// Written by CMake: the headers of ${folder}/ that specialise ${template}.\n#pragma once\n\n${includes}")
+endfunction()
+
+# sheaf_python_module(): adds the Python module sheaf._sheaf. The folder `python` of the build folder then holds the
+# package, with links to its files in Python, for PYTHONPATH.
+function(sheaf_python_module)
+  sheaf_sources(sources python/bindings/module*.cpp)
+  set(package "${PROJECT_BINARY_DIR}/python/sheaf")
+  add_library(sheaf_python_module MODULE ${sources})
+  target_link_libraries(sheaf_python_module PRIVATE sheaf_python pybind11::module sheaf_flags)
+  target_compile_options(sheaf_python_module PRIVATE -fvisibility=hidden)
+  set_target_properties(sheaf_python_module PROPERTIES PREFIX "" OUTPUT_NAME _sheaf SUFFIX ".so"
+    LIBRARY_OUTPUT_DIRECTORY "${package}")
+  sheaf_sources(files python/sheaf/*)
+  foreach(file IN LISTS files)
+    cmake_path(GET file FILENAME name)
+    file(CREATE_LINK "${file}" "${package}/${name}" SYMBOLIC)
+  endforeach()
+  foreach(target IN ITEMS sheaf_image_io sheaf_import_model)
+    if(TARGET ${target})
+      add_custom_command(TARGET sheaf_python_module POST_BUILD COMMAND "${CMAKE_COMMAND}" -E create_symlink
+        "$<TARGET_FILE:${target}>" "${package}/$<TARGET_FILE_NAME:${target}>" VERBATIM)
+    endif()
+  endforeach()
 endfunction()
