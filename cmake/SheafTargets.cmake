@@ -127,6 +127,7 @@ function(sheaf_python_module)
   target_compile_options(sheaf_python_module PRIVATE -fvisibility=hidden)
   set_target_properties(sheaf_python_module PROPERTIES PREFIX "" OUTPUT_NAME _sheaf SUFFIX ".so"
     LIBRARY_OUTPUT_DIRECTORY "${package}")
+  file(MAKE_DIRECTORY "${package}")
   sheaf_sources(files python/sheaf/*)
   foreach(file IN LISTS files)
     cmake_path(GET file FILENAME name)
