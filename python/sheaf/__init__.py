@@ -8,7 +8,7 @@
 import warnings as _warnings
 from typing import Any, Callable, Optional
 
-from ._native import native as _native
+from ._native import native as _module
 from .errors import (CheckpointError, Error, OutputError, RuntimeError, SceneError, SheafWarning, UsageError,
                      converted_errors as _converted_errors)
 from .options import options, words as _words
@@ -17,7 +17,7 @@ from .result import Result, compare, denoise, merge, read_image
 from .scene import Object, Objects, Scene, load, load_dict
 from .transform import Transform
 
-__version__ = _native.version
+__version__ = _module.version
 __all__ = ["Bsdf", "BsdfSample", "CheckpointError", "Error", "Hits", "Object", "Objects", "OutputError", "Result",
            "RuntimeError", "Scene", "SceneError", "SheafWarning", "Transform", "UsageError", "bsdf", "compare",
            "denoise", "load", "load_dict", "merge", "options", "read_image", "render", "trace"]

@@ -103,6 +103,8 @@ EXEMPT = {
     "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
     "tools/debian_root.sh": "functions, which other scripts use",
     "tools/make_site.sh": "needs root; the test docs_links builds the site",
+    "tools/make_wheel.sh": "builds twice; the test python tests the package",
+    "tools/pack_wheel.py": "make_wheel.sh runs it; the test python packs a wheel",
     "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests the package",
     "tools/install_packages.sh": "needs root; .ci/run runs it through tools/quickstart.sh and tools/test.sh",
     "tools/quickstart.sh": "builds; .ci/run runs it",
