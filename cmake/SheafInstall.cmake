@@ -8,6 +8,14 @@ chooses")
 # documentation; the example scenes and the scripts that generate the larger ones, in the layout of this repository; and
 # make_cloud, which one of these scripts runs.
 function(sheaf_install)
+  if(SHEAF_HAS_PYTHON_MODULE AND SKBUILD)
+    # `pip install .`, which adds the files in Python
+    install(TARGETS sheaf_python_module sheaf_image_io LIBRARY DESTINATION sheaf COMPONENT python)
+    if(Assimp_FOUND)
+      install(TARGETS sheaf_import_model RUNTIME DESTINATION sheaf COMPONENT python)
+    endif()
+    return()
+  endif()
   include(GNUInstallDirs)
   if(SHEAF_PACKAGED_BUILDS)
     add_executable(sheaf_launcher EXCLUDE_FROM_ALL tools/launch.cpp)

@@ -10,7 +10,7 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.c
 
 # Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
 set(SHEAF_LONG_TESTS
-  smoke_generate preview cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
+  smoke_generate preview python cli_signals cli_files cli_outputs cli_merge cli_memory slurm smoke_scripts references
   photon_mapping photon_media
   light_tracing light_tracing_media light_tracing_cameras adaptive smoke_scenes docs_commands docs_snippets
   media_estimators smoke_benchmarks
@@ -183,6 +183,27 @@ function(sheaf_docs_tests)
     sheaf_test_cost(docs_${name})
     set_tests_properties(docs_${name} PROPERTIES LABELS docs SKIP_REGULAR_EXPRESSION "skipped: ")
   endforeach()
+endfunction()
+
+# sheaf_blender_test(): tests the Blender add-on with a fake of Blender's modules.
+function(sheaf_blender_test)
+  sheaf_find_python("the Blender add-on is not tested")
+  if(NOT SHEAF_PYTHON)
+    return()
+  endif()
+  add_test(NAME blender_addon COMMAND "${SHEAF_PYTHON}" tests/blender/test_sheaf_render.py --sheaf
+    "$<TARGET_FILE:sheaf>" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(blender_addon PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
+endfunction()
+
+# sheaf_python_tests(): runs the tests of the Python package. tests/python/run.py writes the coverage of its lines to
+# python/coverage.txt.
+function(sheaf_python_tests)
+  add_test(NAME python COMMAND "${Python_EXECUTABLE}" -B tests/python/run.py --package "${PROJECT_BINARY_DIR}/python"
+    --sheaf "$<TARGET_FILE:sheaf>" --report "${PROJECT_BINARY_DIR}/python/coverage.txt"
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  sheaf_test_cost(python)
+  set_tests_properties(python PROPERTIES LABELS python)
 endfunction()
 
 # sheaf_format_test(): checks that clang-format leaves every C++ file unchanged.

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/image_source.h"
 #include "core/memory.h"
+#include "core/program_file.h"
 
 #include <dlfcn.h>
 
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 const ImageLibrary* load() {
   std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path folder = program_file().parent_path();
   const fs::path beside = folder / "sheaf_image_io.so";
   const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
   const fs::path& file = fs::exists(beside, error) ? beside : installed;

@@ -1,21 +1,13 @@
 // sheaf render: reads a scene, renders it with a progress bar and writes all outputs.
 #include "core/error.h"
 #include "core/exr.h"
-#include "core/large_pages.h"
 #include "core/memory.h"
 #include "core/output_file.h"
 #include "core/progress.h"
-#include "core/saturate.h"
 #include "kernels/denoise/denoise.h"
-#include "kernels/film/cryptomatte.h"
 #include "kernels/passes/render.h"
-#include "kernels/passes/render_memory.h"
-#include "scene/compile/compile.h"
-#include "scene/dialects/common/sampler_name.h"
-#include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/apply_arguments.h"
-#include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/frames.h"
 #include "tools/image_files.h"
@@ -23,20 +15,18 @@
 #include "tools/interrupted_image.h"
 #include "tools/parts.h"
 #include "tools/preview.h"
+#include "tools/render_job.h"
 #include "tools/render_scene.h"
 #include "tools/render_summary.h"
 #include "tools/similar_messages.h"
 #include "tools/standard_streams.h"
 #include "tools/terminal.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 
 namespace sheaf {
@@ -81,82 +71,17 @@ void check_layers(const RenderArguments& arguments, const std::vector<fs::path>&
                                       fs::path(outputs.front()).replace_extension(".exr").string());
 }
 
-/// World to OpenEXR's camera space, which looks along -z with x to the right. Sheaf's looks along +z with x to the
-/// left.
-std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
-  Matrix4 half_turn;
-  half_turn.m[0][0] = half_turn.m[2][2] = -1;
-  return half_turn * camera.to_world.inverse_matrix();
-}
-
-/// Samples per pixel taken so far, rounded.
-int taken_samples(const RenderReport& report) {
-  return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
-}
-
 /// A scene with the options of the command line.
-struct RenderJob {
+struct RenderJob : LoadedScene {
+  explicit RenderJob(const RenderArguments& given)
+      : arguments(given), aovs(wanted_aovs(given)), output(output_settings(given.output)) {}
+
   const RenderArguments& arguments;
   AovSet aovs;
-  std::vector<fs::path> outputs;     ///< images
-  Description description;           ///< with the options applied
-  std::vector<std::string> details;  ///< what differs from the scene file, for -v
-  ColorMode color;
+  std::vector<fs::path> outputs;  ///< images
   OutputSettings output;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
-  std::unique_ptr<Scene> scene;
-  CompileReport compiled = {};
-
-  const char* color_name() const { return kColorModes.name_of(color); }
 };
-
-ExrMetadata make_metadata(const RenderJob& job, const RenderReport& report, const Image& image) {
-  const RenderArguments& arguments = job.arguments;
-  const Description& scene = job.description;
-  const SceneNames& names = job.scene->names();
-  ExrMetadata metadata;
-  // Set the standard attributes
-  metadata.software = "Sheaf " SHEAF_VERSION;
-  metadata.world_to_camera = world_to_camera(scene.camera);
-  metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
-                         {"sheaf/isa", report.isa},
-                         {"sheaf/integrator", report.integrator},
-                         {"sheaf/color", report.color},
-                         {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
-                         {"sheaf/scene", fs::path(arguments.scene).filename().string()},
-                         integer_attribute("sheaf/seed", report.seed),
-                         {"sheaf/samplesPerPixel", taken_samples(report)},
-                         integer_attribute("sheaf/droppedRays", report.stats.dropped.rays),
-                         integer_attribute("sheaf/droppedSamples", report.stats.dropped.samples)};
-  if (report.noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*report.noise)});
-  // Add attributes that depend on the options
-  if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
-  if (arguments.noise_target) metadata.attributes.push_back({"sheaf/noiseTarget", *arguments.noise_target});
-  if (arguments.spectral_bins > 0) {
-    metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
-    metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
-  }
-  for (auto& [name, value] : cryptomatte_attributes(job.aovs, names)) metadata.attributes.push_back({name, value});
-  if (!arguments.samples.empty())
-    for (auto& [name, value] : part_id_attributes(job.aovs, names)) metadata.attributes.push_back({name, value});
-  if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
-  if (!arguments.no_timestamps) {
-    metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
-    metadata.attributes.push_back({kCommandLineAttribute, command_line()});
-    metadata.attributes.push_back({kRenderSecondsAttribute, static_cast<float>(report.render_seconds)});
-  }
-  return metadata;
-}
-
-/// Adds the denoised image if requested. If that fails, prints the error; the noisy image can still be written.
-bool add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
-  if (arguments.denoiser.empty()) return true;
-  return try_to_write([&] {
-    DenoiseResult result = denoise(image, kDenoisers.option("denoiser", arguments.denoiser), arguments.threads);
-    add_denoise_attribute(metadata, result);
-    image = std::move(result.image);
-  });
-}
 
 Progress::Mode progress_mode() {
   if (verbosity() < Verbosity::kNormal) return Progress::Mode::kQuiet;
@@ -206,54 +131,8 @@ RenderResult render_with_progress(const Scene& scene, RenderOptions options, Che
   return result;
 }
 
-/// Reads the scene and applies the options. Returns the pixels to render.
-PixelRect read_description(RenderJob& job) {
-  const RenderArguments& arguments = job.arguments;
-  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  job.color = choose_color(arguments, job.details);
-  return apply_arguments(arguments, job.description, job.details);
-}
-
-/// Estimated memory of the render without the scene, in bytes; 0 for options that render() will reject.
-double bytes_of_render(const Scene& scene, const RenderOptions& options) {
-  try {
-    double bytes = 0;
-    for (const MemoryUse& use : render_memory(scene, options)) bytes += use.bytes;
-    return bytes;
-  } catch (const Error&) { return 0; }
-}
-
-/// Adds the times of reading the scene file and of compiling the scene, in seconds, and the memory of the scene to that
-/// of the render.
-void add_loading(RenderReport& report, const RenderJob& job, double load_seconds, double build_seconds) {
-  report.load_seconds = load_seconds;
-  report.build_seconds = build_seconds;
-  const CompileReport& compiled = job.compiled;
-  report.loading = {report.load_seconds + compiled.mesh_seconds, compiled.texture_seconds,
-                    report.build_seconds - compiled.mesh_seconds - compiled.texture_seconds - compiled.accel_seconds,
-                    compiled.accel_seconds};
-  const std::vector<MemoryUse> scene = job.scene->memory();
-  report.memory.insert(report.memory.begin(), scene.begin(), scene.end());
-  const SceneInfo info = job.scene->info();
-  report.triangles = info.triangles;
-  report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
-}
-
-/// Compiles the scene, with the geometry that earlier frames kept.
-void compile(RenderJob& job, const RenderOptions& render, FrameRun* frames) {
-  CompileOptions options{job.arguments.watertight, job.color, &job.compiled};
-  options.bvh = kBvhChoices.option("bvh", job.arguments.bvh);
-  options.render_bytes = [&render](const Scene& scene) { return bytes_of_render(scene, render); };
-  if (frames != nullptr) options.kept = &frames->geometry;
-  job.scene = job.arguments.read.lenient ? compile_leniently(job.description, options)
-                                         : compile_scene(job.description, options);
-  move_to_large_pages();
-}
-
 /// Prints notes and warnings before the render; with `frames`, those that earlier frames did not have.
 void print_start(const RenderJob& job, FrameRun* frames) {
-  const Description& description = job.description;
-  const Scene& scene = *job.scene;
   const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
@@ -262,11 +141,8 @@ void print_start(const RenderJob& job, FrameRun* frames) {
   const auto print_each = [&](void (*kind)(std::string_view), const std::vector<std::string>& messages) {
     for (const std::string& message : all ? messages : without_similar(messages)) print(kind, message);
   };
-  print_each(print_note, description.notes);
-  print_each(print_warning, description.stand_ins);
-  print_each(print_warning, scene.warnings());
-  if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
-    print(print_warning, "the scene has no lights: the image will be black");
+  print_each(print_note, job.description.notes);
+  print_each(print_warning, scene_warnings(job));
 }
 
 /// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
@@ -296,7 +172,8 @@ void write_so_far(const RenderJob& job, const RenderState& state, RenderReport r
   const RenderResult so_far = preview_of(*job.scene, state, job.aovs);
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
-  for (const fs::path& file : write_images(job.outputs, image, make_metadata(job, report, image), job.output).files)
+  for (const fs::path& file :
+       write_images(job.outputs, image, make_metadata(job.arguments, job, job.aovs, report, image), job.output).files)
     print_note("wrote the unfinished image to " + file.string());
 }
 
@@ -311,10 +188,11 @@ struct WrittenImage {
 WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   WrittenImage out{result.to_image(), true, {}};
   result.film = Film();  // free its memory before writing
-  ExrMetadata metadata = make_metadata(job, result.report, out.image);
+  ExrMetadata metadata = make_metadata(job.arguments, job, job.aovs, result.report, out.image);
   if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
-  out.is_denoised = add_denoised(job.arguments, out.image, metadata);
+  // If denoising fails, the noisy image can still be written
+  out.is_denoised = try_to_write([&] { add_denoised(job.arguments, out.image, metadata); });
   out.written = write_images(job.outputs, out.image, metadata, job.output);
   return out;
 }
@@ -331,7 +209,7 @@ bool write_statistics(const RenderArguments& arguments, RenderReport& report) {
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender* repeated,
                  FrameRun* frames) {
   // Check the outputs before any work
-  RenderJob job{arguments, wanted_aovs(arguments), {}, {}, {}, {}, output_settings(arguments.output), {}, {}};
+  RenderJob job(arguments);
   const std::vector<NamedFile> all_outputs = check_outputs(arguments, repeated == nullptr);
   job.outputs = image_outputs(arguments, all_outputs, repeated == nullptr);
   check_layers(arguments, job.outputs);
@@ -344,7 +222,8 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
 
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
-  const PixelRect crop = read_description(job);
+  job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  const PixelRect crop = prepare(arguments, job);
   if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
 
@@ -359,7 +238,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   // Compile the scene
   const double build_start = Progress::steady_seconds();
   RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
-  compile(job, options, frames);
+  compile(arguments, options, job, frames != nullptr ? &frames->geometry : nullptr);
   const double build_end = Progress::steady_seconds();
   print_start(job, frames);
 

@@ -123,35 +123,42 @@ bool try_to_write(const std::function<void()>& write) {
   }
 }
 
+Image displayed_image(const Image& image, const OutputSettings& settings, std::optional<double>& exposure) {
+  const bool denoised = image.find_channel("denoised.R") >= 0;
+  Image displayed = denoised ? denoised_only(image) : image;
+  if (settings.display.is_automatic()) exposure = settings.display.exposure_of(displayed);
+  return settings.display.is_identity() ? displayed : settings.display.apply(displayed);
+}
+
+void write_image(const fs::path& file, const Image& image, const ExrMetadata& metadata, const OutputSettings& settings,
+                 const std::function<const Image&()>& display) {
+  const OutputFormat format = output_format(file);
+  if (format == OutputFormat::kExr) {
+    ExrMetadata stored = metadata;
+    stored.compression = settings.compression;
+    stored.dwa_level = settings.dwa_level;
+    return write_exr(file, image, stored);
+  }
+  IntegerEncoding encoding;
+  encoding.format = integer_format(format);
+  encoding.quality = settings.jpeg_quality;
+  encoding.description = interruption(metadata.attributes);
+  write_encoded_image(file, display(), encoding);
+}
+
 WrittenImages write_images(const std::vector<fs::path>& files, const Image& image, const ExrMetadata& metadata,
                            const OutputSettings& settings) {
   WrittenImages written;
-  ExrMetadata stored = metadata;
-  stored.compression = settings.compression;
-  stored.dwa_level = settings.dwa_level;
   // Make the displayed image once, for the first file that shows it
+  const bool is_changed = image.find_channel("denoised.R") >= 0 || !settings.display.is_identity();
   std::optional<Image> displayed;
   const auto display = [&]() -> const Image& {
-    const bool denoised = image.find_channel("denoised.R") >= 0;
-    if (!denoised && settings.display.is_identity()) return image;
-    if (displayed) return *displayed;
-    if (denoised) displayed = denoised_only(image);
-    const Image& source = denoised ? *displayed : image;
-    if (settings.display.is_automatic()) written.exposure = settings.display.exposure_of(source);
-    if (!settings.display.is_identity()) displayed = settings.display.apply(source);
+    if (!is_changed) return image;
+    if (!displayed) displayed = displayed_image(image, settings, written.exposure);
     return *displayed;
   };
-  const auto write = [&](const fs::path& file) {
-    const OutputFormat format = output_format(file);
-    if (format == OutputFormat::kExr) return write_exr(file, image, stored);
-    IntegerEncoding encoding;
-    encoding.format = integer_format(format);
-    encoding.quality = settings.jpeg_quality;
-    encoding.description = interruption(metadata.attributes);
-    write_encoded_image(file, display(), encoding);
-  };
   for (const fs::path& file : files)
-    if (try_to_write([&] { write(file); })) written.files.push_back(file);
+    if (try_to_write([&] { write_image(file, image, metadata, settings, display); })) written.files.push_back(file);
   return written;
 }
 

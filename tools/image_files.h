@@ -51,6 +51,15 @@ void check_all_writable(std::span<const NamedFile> written);
 /// other outputs.
 bool try_to_write(const std::function<void()>& write);
 
+/// The image that files of formats other than OpenEXR show: the denoised one if there is one, exposed and mapped. Sets
+/// `exposure` to an exposure that was chosen automatically, stops.
+Image displayed_image(const Image& image, const OutputSettings& settings, std::optional<double>& exposure);
+
+/// Writes the image to a file. `display` returns the displayed image; it is called for formats other than OpenEXR.
+/// Throws Error (exit code 4).
+void write_image(const std::filesystem::path& file, const Image& image, const ExrMetadata& metadata,
+                 const OutputSettings& settings, const std::function<const Image&()>& display);
+
 /// Files that write_images() wrote.
 struct WrittenImages {
   std::vector<std::filesystem::path> files;

@@ -10,6 +10,7 @@ packages=(
   libpugixml-dev libnanovdb-dev
   libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
   libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmicrohttpd-dev
+  pybind11-dev python3-dev python3-numpy
   doctest-dev libbenchmark-dev
   "$@"
 )

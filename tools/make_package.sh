@@ -14,7 +14,7 @@ builds=()
 for level in "${levels[@]}"; do
   echo "package: building for $level"
   cmake --preset release -B "$folder/$level" -DSHEAF_MARCH="$level" -DSHEAF_BUILD_TESTS=OFF -DSHEAF_BUILD_BENCH=OFF \
-    -DSHEAF_PACKAGED_BUILDS= -DCMAKE_SKIP_INSTALL_ALL_DEPENDENCY=ON >/dev/null
+    -DSHEAF_BUILD_PYTHON=OFF -DSHEAF_PACKAGED_BUILDS= -DCMAKE_SKIP_INSTALL_ALL_DEPENDENCY=ON >/dev/null
   cmake --build "$folder/$level" --target sheaf make_cloud
   builds+=("$folder/$level")
 done

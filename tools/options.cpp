@@ -172,6 +172,14 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& proble
   return message;
 }
 
+/// The same without control characters.
+std::string printable_usage_message(const CLI::App& program, const CLI::ParseError& problem) {
+  std::string message = usage_message(program, problem);
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return message;
+}
+
 /// Whether an option's value is a number, an optional number or a list of numbers.
 template <class T> struct NumberTraits : std::is_arithmetic<T> {
   static constexpr bool kIsWhole = std::is_integral_v<T>;
@@ -417,6 +425,19 @@ const CommandHelp& Program::help() {
   return *help_;
 }
 
+void Program::parse(const std::vector<std::string>& words) {
+  std::vector<std::string> line{app_->get_name()};
+  line.insert(line.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& word : line) pointers.push_back(word.data());
+  line = with_implied_values(*help_, static_cast<int>(pointers.size()), pointers.data());
+  pointers.clear();
+  for (std::string& word : line) pointers.push_back(word.data());
+  try {
+    app_->parse(static_cast<int>(pointers.size()), pointers.data());
+  } catch (const CLI::ParseError& problem) { throw Error(ExitCode::kUsage, printable_usage_message(*app_, problem)); }
+}
+
 std::optional<int> Program::parse(int argc, char** argv) {
   if (!version_.empty()) {
     app_->set_version_flag("--version", version_);
@@ -438,10 +459,8 @@ std::optional<int> Program::parse(int argc, char** argv) {
     std::cout << version_ << '\n';
     return 0;
   } catch (const CLI::ParseError& problem) {
-    std::string message = usage_message(*app_, problem);
-    for (char& c : message)
-      if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-    std::cerr << app_->get_name() << ": " << message << " (see '" << full_name(called_command(*app_)) << " --help')\n";
+    std::cerr << app_->get_name() << ": " << printable_usage_message(*app_, problem) << " (see '"
+              << full_name(called_command(*app_)) << " --help')\n";
     return static_cast<int>(ExitCode::kUsage);
   }
 }

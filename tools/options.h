@@ -119,6 +119,9 @@ class Program : public Command {
   /// Sets the variables and runs the subcommand. Returns an exit code if the program should end: 0 after --help or
   /// --version, 2 after a usage error. Usage errors are printed in one line that begins with the program's name.
   std::optional<int> parse(int argc, char** argv);
+  /// The same for the words after the program's name, from another source than a command line. Throws Error (exit code
+  /// 2) with the message of a usage error, also for --help and --version.
+  void parse(const std::vector<std::string>& words);
   /// Adds --help and --version to the help of all commands, and returns it. Call this after all options are declared.
   const CommandHelp& help();
   const std::string& version() const { return version_; }

@@ -121,16 +121,17 @@ std::optional<double> PartFile::number(std::string_view name) const {
   return std::nullopt;
 }
 
-PartFile read_part_header(const std::filesystem::path& path) {
-  const SourceLocation where{path.string(), 0};
-  const ExrHeader header = read_exr_header(path);
+namespace {
+
+/// A part with this header. `source`: for messages. `channels`: in alphabetical order, as in files.
+PartFile make_part(const std::string& source, const PixelRect& frame, const PixelRect& window,
+                   const std::vector<std::string>& channels, ExrMetadata metadata) {
+  const SourceLocation where{source, 0};
   PartFile file;
-  file.metadata = read_exr_metadata(path);
+  file.metadata = std::move(metadata);
   if (file.text(kSettings).empty())
     throw SceneError(where, "is not a part of an image, expected a file rendered with --samples or --crop");
   // Read the windows.
-  const PixelRect& frame = header.frame;
-  const PixelRect& window = header.window;
   const auto beyond = [](const PixelRect& rect) {
     return std::abs(static_cast<long long>(rect.x0)) > kMaxImageSide ||
            std::abs(static_cast<long long>(rect.y0)) > kMaxImageSide || rect.x1 < rect.x0 || rect.y1 < rect.y0 ||
@@ -141,7 +142,7 @@ PartFile read_part_header(const std::filesystem::path& path) {
     throw SceneError(where, "the data window exceeds the frame or is too large");
   file.frame_width = frame.width();
   file.frame_height = frame.height();
-  file.part.name = path.string();
+  file.part.name = source;
   file.part.pixels = {window.x0 - frame.x0, window.y0 - frame.y0, window.x1 - frame.x0, window.y1 - frame.y0};
   // For interrupted parts, sheaf/samplesPerPixel is the number taken, so the planned number overrides it.
   for (const char* const name : {kSamplesPerPixel, kSamplesPlannedAttribute})
@@ -162,13 +163,29 @@ PartFile read_part_header(const std::filesystem::path& path) {
   }
   // Collect the channels.
   bool counts = false;
-  for (const ExrHeader::Channel& channel : header.channels) {
-    counts |= channel.name == "sampleCount";
-    file.has_denoised |= channel.name.starts_with("denoised.");
-    if (!is_left_out(channel.name)) file.channels.push_back(channel.name);
+  for (const std::string& channel : channels) {
+    counts |= channel == "sampleCount";
+    file.has_denoised |= channel.starts_with("denoised.");
+    if (!is_left_out(channel)) file.channels.push_back(channel);
   }
   if (!counts) throw SceneError(where, "lacks the layer sampleCount, which merging requires");
   return file;
+}
+
+}  // namespace
+
+PartFile read_part_header(const std::filesystem::path& path) {
+  const ExrHeader header = read_exr_header(path);
+  std::vector<std::string> channels;
+  for (const ExrHeader::Channel& channel : header.channels) channels.push_back(channel.name);
+  return make_part(path.string(), header.frame, header.window, channels, read_exr_metadata(path));
+}
+
+PartFile part_in_memory(const std::string& name, const Image& image, const ExrMetadata& metadata) {
+  std::vector<std::string> channels = image.channels;
+  std::sort(channels.begin(), channels.end());
+  return make_part(name, {0, 0, image.frame_width, image.frame_height},
+                   {image.x0, image.y0, image.x0 + image.width, image.y0 + image.height}, channels, metadata);
 }
 
 void check_same_image(const PartFile& first, const PartFile& other) {

@@ -41,6 +41,9 @@ struct PartFile {
 /// Reads the header of a part. Throws SceneError if the file is not a part of an image.
 PartFile read_part_header(const std::filesystem::path& file);
 
+/// The same for a part in memory. `name`: for messages.
+PartFile part_in_memory(const std::string& name, const Image& image, const ExrMetadata& metadata);
+
 /// Throws SceneError, which names the difference, unless both files are parts of one image.
 void check_same_image(const PartFile& first, const PartFile& other);
 

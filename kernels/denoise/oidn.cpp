@@ -2,6 +2,7 @@
 #include "kernels/denoise/oidn.h"
 
 #include "core/error.h"
+#include "core/program_file.h"
 #include "kernels/denoise/features.h"
 #include "kernels/denoise/find_oidn.h"
 
@@ -55,9 +56,7 @@ std::string environment_variable(const char* name) {
 
 /// Loads the library from the first location that works. Throws Error, which lists the searched locations.
 void* open_library() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const OidnFolders folders = oidn_folders(program, environment_variable);
+  const OidnFolders folders = oidn_folders(program_file(), environment_variable);
   std::string looked, refused;
   const auto try_folders = [&](const std::vector<fs::path>& list) -> void* {
     for (const fs::path& folder : list) {

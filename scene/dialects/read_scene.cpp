@@ -119,26 +119,8 @@ void reject_camera_choice(const ReadOptions& options) {
                 std::string("--camera applies to scenes of Mitsuba and to models (") + kSceneModelExtensions + ")");
 }
 
-Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
-  check_format(file);
-  const auto format = model_format(file);
-  if ((reads_as_gltf(file) || format) && !options.defines.empty())
-    throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
-  if (reads_as_gltf(file)) return read_gltf_scene(file, options);
-  if (format) {
-    reject_camera_choice(options);
-    return read_model(file, *format, options.view, options.surroundings, options.lenient);
-  }
-  if (is_pbrt_scene(file)) {
-    reject_camera_choice(options);
-    Description description;
-    description.file = file;
-    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, options.lenient);
-    if (options.lenient) drop_bad_faces(description);
-    return description;
-  }
-  // Expand the XML file and detect its dialect
-  ExpandedScene scene(file, options.defines, options.lenient, options.folder);
+/// Reads a scene of an XML dialect, which it detects. `file`: for messages.
+Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& file, const ReadOptions& options) {
   const XmlElement& root = scene.root();
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
   Description description;
@@ -171,9 +153,27 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
   return description;
 }
 
-}  // namespace
-
-namespace {
+Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
+  check_format(file);
+  const auto format = model_format(file);
+  if ((reads_as_gltf(file) || format) && !options.defines.empty())
+    throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
+  if (reads_as_gltf(file)) return read_gltf_scene(file, options);
+  if (format) {
+    reject_camera_choice(options);
+    return read_model(file, *format, options.view, options.surroundings, options.lenient);
+  }
+  if (is_pbrt_scene(file)) {
+    reject_camera_choice(options);
+    Description description;
+    description.file = file;
+    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, options.lenient);
+    if (options.lenient) drop_bad_faces(description);
+    return description;
+  }
+  ExpandedScene scene(file, options.defines, options.lenient, options.folder);
+  return read_xml_scene(scene, file, options);
+}
 
 /// Adds a note if the scene has moving objects, but its own shutter opens at a single time.
 void note_closed_shutter(Description& description, const ReadOptions& options) {
@@ -184,16 +184,33 @@ void note_closed_shutter(Description& description, const ReadOptions& options) {
                               ": the shutter is not open (set 'shutter_close' of the sensor, or --shutter)");
 }
 
-}  // namespace
-
-Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
-  Description description = read_format(file, options);
+/// Applies the options that do not depend on the format, and defaults that depend on the whole scene.
+Description completed(Description description, const ReadOptions& options) {
   if (options.shutter) description.shutter = *options.shutter;
   note_closed_shutter(description, options);
   // Early Russian roulette pays off for surfaces. In absorbing media it causes rare samples of high weight.
   std::optional<int>& rr_depth = description.integrator.rr_depth;
   if (!description.media.empty() && !rr_depth) rr_depth = kOtherRouletteDepth;
   return description;
+}
+
+}  // namespace
+
+bool is_xml_scene(const std::filesystem::path& file) {
+  return !reads_as_gltf(file) && !model_format(file) && !is_pbrt_scene(file);
+}
+
+ExpandedScene expand_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  check_format(file);
+  return {file, options.defines, options.lenient, options.folder};
+}
+
+Description read_scene(const std::filesystem::path& file, const ReadOptions& options) {
+  return completed(read_format(file, options), options);
+}
+
+Description read_scene(ExpandedScene& scene, const std::filesystem::path& file, const ReadOptions& options) {
+  return completed(read_xml_scene(scene, file, options), options);
 }
 
 }  // namespace sheaf

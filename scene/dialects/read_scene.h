@@ -3,6 +3,7 @@
 
 #include "scene/content/description.h"
 #include "scene/dialects/common/model_view.h"
+#include "scene/xml/xml_expand.h"
 
 #include <filesystem>
 #include <optional>
@@ -36,5 +37,14 @@ struct ReadOptions {
 /// a floor under a sky. Mesh files are located but not loaded, except for models and
 /// for OBJ files whose materials are used (scene/dialects/common/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
+
+/// Whether read_scene() reads the file as XML: neither pbrt nor glTF nor a model.
+bool is_xml_scene(const std::filesystem::path& file);
+
+/// The first half of read_scene() for an XML scene, for programs that change the tree. Throws SceneError.
+ExpandedScene expand_scene(const std::filesystem::path& file, const ReadOptions& options);
+
+/// The second half. Renames elements and plugins of old versions. `file`: the name for messages. Throws SceneError.
+Description read_scene(ExpandedScene& scene, const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace sheaf

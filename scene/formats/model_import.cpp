@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/file_cache.h"
 #include "core/memory.h"
+#include "core/program_file.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -28,7 +29,7 @@ constexpr const char* kImporter = "sheaf_import_model";
 
 fs::path importer() {
   std::error_code error;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
+  const fs::path folder = program_file().parent_path();
   for (const fs::path& file : {folder / kImporter, folder.parent_path() / "lib/sheaf" / kImporter})
     if (fs::exists(file, error)) return file;
   return {};

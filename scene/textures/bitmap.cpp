@@ -1,8 +1,10 @@
 // Reading of images.
 #include "scene/textures/bitmap.h"
 
+#include "core/image.h"
 #include "scene/xml/linear_gamma.h"
 #include "scene/xml/properties.h"
+#include "scene/xml/read_arrays.h"
 
 namespace sheaf {
 
@@ -59,12 +61,16 @@ BitmapDescription::Channel read_channel(Properties& p) {
 
 BitmapDescription BitmapDescription::read(Properties& p) {
   BitmapDescription bitmap;
-  bitmap.file = p.file("filename");
   bitmap.filter = read_bitmap_filter(p);
   const TextureWrap both = read_wrap(p, {"wrap_mode", "wrap"}, TextureWrap::kRepeat);
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
+  if (p.has("data")) {
+    bitmap.made = std::make_shared<const Image>(read_image_array(p, "data", bitmap.raw));
+  } else {
+    bitmap.file = p.file("filename");
+  }
   bitmap.channel = read_channel(p);
   p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;

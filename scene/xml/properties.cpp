@@ -95,7 +95,7 @@ void Properties::add(const XmlElement& child) {
     entries_.emplace_back("", name != nullptr ? *name : "", child, *target);
     return;
   }
-  if (!contains(kPropertyTags, target->name)) {
+  if (!contains(kPropertyTags, target->name) && target->array == nullptr) {
     std::vector<std::string> known = kPropertyTags;
     known.insert(known.end(), kObjectTags.begin(), kObjectTags.end());
     known.push_back("ref");
@@ -134,6 +134,24 @@ const std::string& Properties::text_of(const Entry& entry, std::initializer_list
 bool Properties::is_texture(const char* name) {
   const Entry* entry = look(name);
   return entry != nullptr && entry->target->name == "texture";
+}
+
+const ArrayValue* Properties::find_array(const char* name) {
+  const Entry* entry = look(name);
+  if (entry == nullptr) return nullptr;
+  if (entry->target->array == nullptr) fail_type(*entry, "an array");
+  use(name);
+  return entry->target->array.get();
+}
+
+std::vector<std::pair<std::string, const ArrayValue*>> Properties::arrays_with_prefix(std::string_view prefix) {
+  std::vector<std::pair<std::string, const ArrayValue*>> found;
+  for (Entry& entry : entries_) {
+    if (entry.used || entry.target->array == nullptr || !entry.name.starts_with(prefix)) continue;
+    entry.used = true;
+    found.emplace_back(entry.name, entry.target->array.get());
+  }
+  return found;
 }
 
 bool Properties::is_string(const char* name) {

@@ -140,6 +140,10 @@ class Properties : public NamedValues {
 
   /// Whether the property exists and is a string.
   bool is_string(const char* name);
+  /// The array of a program; null if absent. Throws SceneError for other values.
+  const ArrayValue* find_array(const char* name);
+  /// The unused arrays whose names begin with `prefix`, in file order.
+  std::vector<std::pair<std::string, const ArrayValue*>> arrays_with_prefix(std::string_view prefix);
   /// Whether the property exists and is a texture.
   bool is_texture(const char* name);
   /// Two numbers, or one for both.

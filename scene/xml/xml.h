@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/error.h"
+#include "scene/xml/array_value.h"
 
 #include <filesystem>
 #include <initializer_list>
@@ -24,6 +25,7 @@ struct XmlElement {
   std::vector<XmlAttribute> attributes;  ///< in file order, names unique
   std::vector<XmlElement> children;      ///< in file order
   SourceLocation where;
+  std::shared_ptr<const ArrayValue> array = {};  ///< the value of an <array>, which no file contains; else null
 
   /// The value of an attribute, or null.
   const std::string* find_attribute(std::string_view attribute_name) const;

@@ -146,7 +146,25 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
   Expansion expansion{*this, Definitions(defines)};
   expansion.expand(root_.children, 0);
   expansion.definitions.reject_unused(file.string());
-  // Resolve ids
+  resolve_ids();
+}
+
+ExpandedScene::ExpandedScene(XmlElement root, const fs::path& folder, bool lenient)
+    : root_(std::move(root)), lenient_(lenient), search_{folder} {
+  resolve_ids();
+}
+
+ExpandedScene::ExpandedScene(XmlElement root, const ExpandedScene& original)
+    : root_(std::move(root)),
+      lenient_(original.lenient_),
+      left_out_(original.left_out_),
+      search_(original.search_),
+      files_(original.files_),
+      aliases_(original.aliases_) {
+  resolve_ids();
+}
+
+void ExpandedScene::resolve_ids() {
   for (const XmlElement& child : root_.children) index(child);
   apply_aliases();
   mark_references(root_);
@@ -216,7 +234,7 @@ fs::path ExpandedScene::find_file(const std::string& name, const SourceLocation&
   if (!fs::is_regular_file(found, error)) throw SceneError(where, in_quotes(found.string()) + " is not a regular file");
   // Many instances may name the same file, mostly consecutively.
   found = found.lexically_normal();
-  if (files_.back() != found) files_.push_back(found);
+  if (files_.empty() || files_.back() != found) files_.push_back(found);
   return found;
 }
 

@@ -24,6 +24,13 @@ class ExpandedScene {
   ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
                 bool lenient = false, const std::optional<std::filesystem::path>& folder = {});
 
+  /// The scene of a program, as a tree without directives. Relative paths refer to `folder`. Throws SceneError for a
+  /// duplicate id.
+  ExpandedScene(XmlElement root, const std::filesystem::path& folder, bool lenient = false);
+  /// The scene `original` with another tree; its elements find the same files and ids. Throws SceneError for a
+  /// duplicate id.
+  ExpandedScene(XmlElement root, const ExpandedScene& original);
+
   const XmlElement& root() const { return root_; }
   /// Messages, with file and line, about what was dropped or replaced because it could not be read.
   const std::vector<std::string>& left_out() const { return left_out_; }
@@ -48,6 +55,8 @@ class ExpandedScene {
   struct Expansion;
   static void rename(XmlElement& element, std::string_view name, std::string_view other);
   static void rename_plugin(XmlElement& at, std::string_view element, std::string_view plugin, std::string_view other);
+  /// Resolves ids after the expansion.
+  void resolve_ids();
   void index(const XmlElement& element);
   void apply_aliases();
   void mark_references(const XmlElement& element);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kLayers = {"core", "scene", "kernels", "tools"};
+constexpr std::array<std::string_view, 5> kLayers = {"core", "scene", "kernels", "tools", "python"};
 
 /// A folder of scene/ or kernels/, and the other folders of the same layer whose headers its files may include.
 struct Folder {

@@ -84,7 +84,7 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
       id == nullptr
           ? nullptr
           : std::get_if<BitmapDescription>(&p.context().description.textures.at(static_cast<std::size_t>(*id)).model);
-  if (bitmap == nullptr) {
+  if (bitmap == nullptr || bitmap->made) {
     shape.geometry = HeightFieldShape{input, width, height, scale, smooth};
     return;
   }

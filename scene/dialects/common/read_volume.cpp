@@ -3,6 +3,7 @@
 
 #include "scene/description/voxels.h"
 #include "scene/formats/vol_file.h"
+#include "scene/xml/read_arrays.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>
@@ -177,22 +178,27 @@ std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const Vo
     const XmlElement* nested = p.named_object("volume", name);
     return world_box(nested != nullptr ? place_of_constant(*nested, p.context()) : Transform());
   }
-  if (grid->format != Grid::Format::kVol || keeps_axes(grid->to_world)) return std::nullopt;
+  if (grid->format == Grid::Format::kNanoVdb || keeps_axes(grid->to_world)) return std::nullopt;
   Transform to_world = grid->to_world;
-  if (grid->use_grid_bbox) to_world = to_world * vol_box(grid->file);
+  if (grid->use_grid_bbox && grid->format == Grid::Format::kVol) to_world = to_world * vol_box(grid->file);
   return world_box(to_world);
 }
 
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {
   Grid grid;
-  grid.file = p.file("filename");
-  grid.format = format_of(p, grid.file);
+  if (!format && p.has("data")) {
+    grid.format = Grid::Format::kInMemory;
+    grid.made = std::make_shared<const DenseVolume>(read_volume_array(p, "data"));
+  } else {
+    grid.file = p.file("filename");
+    grid.format = format_of(p, grid.file);
+  }
   if (format && *format != grid.format)
     p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
                               (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
   grid.grid = p.string("grid_name", "");
-  if (!grid.grid.empty() && grid.format == Grid::Format::kVol)
-    p.fail_at("grid_name", "is set for a .vol file, expected a .nvdb file");
+  if (!grid.grid.empty() && grid.format != Grid::Format::kNanoVdb)
+    p.fail_at("grid_name", "is set for a .vol file or an array, expected a .nvdb file");
   read_placement(p, dialect, grid);
   grid.filter = read_grid_filter(p);
   grid.wrap = read_wrap(p);

@@ -5,6 +5,7 @@
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
 #include "scene/materials/reading.h"
+#include "scene/xml/read_arrays.h"
 
 namespace sheaf::mitsuba {
 
@@ -67,6 +68,9 @@ void read_shape(const XmlElement& element, Reader& reader) {
   if (const auto* read = kEllipsoids.find(p.type())) {
     ellipsoids = (*read)(p);
     shape.geometry = SphereShape{};
+  } else if (p.type() == "mesh" && p.find_array("vertices") != nullptr) {
+    shape.face_normals = p.boolean("face_normals", false);
+    shape.geometry = read_mesh_arrays(p);
   } else {
     p.plugin(kSharedShapes, kEllipsoids, kAggregates)(p, true, shape);
   }

@@ -1,4 +1,4 @@
-#include "tools/command_line.h"
+#include "tools/process_command_line.h"
 
 #include "tools/farm_scripts.h"
 
