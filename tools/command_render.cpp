@@ -25,6 +25,7 @@
 #include "tools/preview.h"
 #include "tools/render_scene.h"
 #include "tools/render_summary.h"
+#include "tools/similar_messages.h"
 #include "tools/standard_streams.h"
 #include "tools/terminal.h"
 
@@ -257,9 +258,13 @@ void print_start(const RenderJob& job, FrameRun* frames) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
   for (const std::string& detail : job.details) print(print_detail, detail);
-  for (const std::string& note : description.notes) print(print_note, note);
-  for (const std::string& stand_in : description.stand_ins) print(print_warning, stand_in);
-  for (const std::string& warning : scene.warnings()) print(print_warning, warning);
+  const bool all = verbosity() == Verbosity::kVerbose;
+  const auto print_each = [&](void (*kind)(std::string_view), const std::vector<std::string>& messages) {
+    for (const std::string& message : all ? messages : without_similar(messages)) print(kind, message);
+  };
+  print_each(print_note, description.notes);
+  print_each(print_warning, description.stand_ins);
+  print_each(print_warning, scene.warnings());
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
     print(print_warning, "the scene has no lights: the image will be black");
 }
