@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Measures what motion blur costs: renders of a mesh of many triangles that stands still, moves, or is seen by a moving
-camera, in alternation. Needs only Python and a build.
+"""Measures what motion blur costs: renders of a mesh of many triangles that stands still, moves, deforms, or is seen by a
+moving camera, in alternation. Needs only Python and a build.
 
   bench/compare_motion.py [--sheaf build/release/sheaf] [--side 316] [--spp 32] [--runs 5]
 
@@ -17,18 +17,23 @@ from pathlib import Path
 from rendering import ROOT, render
 
 STILL = '<transform name="to_world"> <translate y="1"/> </transform>'
+MESH = '<shape type="obj"> <string name="filename" value="mesh.obj"/> {} </shape>'
 CAMERA = '<transform name="to_world"> <lookat origin="0, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform>'
 
-# Name, transform of the mesh, transform of the camera. The exposure is from 0 to 1.
+# Name, the mesh, transform of the camera. The exposure is from 0 to 1.
 CASES = [
-    ("static", STILL, CAMERA),
-    ("mesh moves", """<animation name="to_world">
+    ("static", MESH.format(STILL), CAMERA),
+    ("mesh moves", MESH.format("""<animation name="to_world">
         <transform time="0"> <translate y="1"/> </transform>
-        <transform time="1"> <translate x="0.3" y="1.1"/> </transform> </animation>""", CAMERA),
-    ("mesh turns", """<animation name="to_world">
+        <transform time="1"> <translate x="0.3" y="1.1"/> </transform> </animation>"""), CAMERA),
+    ("mesh turns", MESH.format("""<animation name="to_world">
         <transform time="0"> <translate y="1"/> </transform>
-        <transform time="1"> <rotate y="1" angle="40"/> <translate y="1"/> </transform> </animation>""", CAMERA),
-    ("camera moves", STILL, """<animation name="to_world">
+        <transform time="1"> <rotate y="1" angle="40"/> <translate y="1"/> </transform> </animation>"""), CAMERA),
+    ("mesh deforms", """<shape type="deformable"> <string name="times" value="0, 1"/>
+        <shape type="obj"> <string name="filename" value="mesh.obj"/> </shape>
+        <shape type="obj"> <string name="filename" value="deformed.obj"/> </shape>
+        <transform name="to_world"> <translate y="1"/> </transform> </shape>""", CAMERA),
+    ("camera moves", MESH.format(STILL), """<animation name="to_world">
         <transform time="0"> <lookat origin="0, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform>
         <transform time="1"> <lookat origin="0.4, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform> </animation>"""),
 ]
@@ -39,7 +44,7 @@ SCENE = """<scene version="3.0.0">
     <float name="fov" value="45"/> <float name="shutter_close" value="1"/> {camera}
     <film type="hdrfilm"> <integer name="width" value="480"/> <integer name="height" value="360"/> </film>
   </sensor>
-  <shape type="obj"> <string name="filename" value="mesh.obj"/> {mesh} </shape>
+  {mesh}
   <shape type="rectangle"> <transform name="to_world"> <rotate x="1" angle="-90"/> <scale value="6"/> </transform> </shape>
   <shape type="sphere">
     <point name="center" x="3" y="5" z="3"/> <float name="radius" value="0.5"/>
@@ -50,14 +55,14 @@ SCENE = """<scene version="3.0.0">
 """
 
 
-def write_mesh(file, side):
+def write_mesh(file, side, height):
     """Writes a sphere with bumps of 2 side^2 triangles."""
     with open(file, "w") as out:
         for i in range(side + 1):
             polar = 0.02 + (math.pi - 0.04) * i / side
             for j in range(side + 1):
                 turn = 2 * math.pi * j / side
-                radius = 1 + 0.08 * math.sin(9 * turn) * math.sin(11 * polar)
+                radius = 1 + height * math.sin(9 * turn) * math.sin(11 * polar)
                 out.write(f"v {radius * math.sin(polar) * math.cos(turn):.6g} {radius * math.cos(polar):.6g} "
                           f"{radius * math.sin(polar) * math.sin(turn):.6g}\n")
         for i in range(side):
@@ -76,7 +81,8 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        write_mesh(folder / "mesh.obj", arguments.side)
+        write_mesh(folder / "mesh.obj", arguments.side, 0.08)
+        write_mesh(folder / "deformed.obj", arguments.side, 0.3)
         reports = {name: [] for name, *_ in CASES}
         for _ in range(arguments.runs):
             for name, mesh, camera in CASES:

@@ -50,6 +50,7 @@ inline constexpr auto kAovList = [] {
       {"position", {"P.X", "P.Y", "P.Z"}, S::kVertex, P::kFloat, "position in world space"},
       {"depth", {"Z"}, S::kVertex, P::kFloat, "depth along the optical axis; distance for cameras without one", true},
       {"uv", {"uv.U", "uv.V"}, S::kVertex, P::kFloat, "texture coordinates before the texture's transform"},
+      {"motion", {"forward.u", "forward.v"}, S::kVertex, P::kFloat, "motion on the film over the shutter, pixels"},
       {"material_id", {"materialId"}, S::kSurfaceId, P::kFloat, "number of the dominant material, 0 for none"},
       {"object_id", {"objectId"}, S::kSurfaceId, P::kFloat, "number of the dominant object, 0 for none"},
       {"cryptomatte_material", {"CryptoMaterial00.r"}, S::kSurfaceId, P::kFloat, "materials with their coverage"},

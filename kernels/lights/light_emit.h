@@ -32,7 +32,8 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(kLightKind<typename Light::Kind>);
     if (!any(active)) return;
-    light_emit_detail::merge<L>(active, Light::template emit<L, kMode>({scene, light, active, lambda}, a, b, query), e);
+    light_emit_detail::merge<L>(
+        active, Light::template emit<L, kMode>({scene, light, active, lambda, nullptr, time}, a, b, query), e);
   });
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));

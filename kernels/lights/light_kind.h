@@ -49,6 +49,7 @@ template <class L> struct LightQuery {
   const Spectrum<L>& lambda;    ///< spectral mode: wavelengths, nm
   /// Cell that u.y and u.z have already sampled from the environment map, or null.
   const EnvmapDraw<L>* drawn = nullptr;
+  Float<L> time{};  ///< in [0, 1]; for meshes that deform
 };
 
 /// Light that arrives at a reference point from a sampled direction.
@@ -65,9 +66,10 @@ template <class L> struct LightSample {
 
 /// A point on an area light that a ray has hit.
 template <class L> struct LightHit {
-  Vec3<L> from, direction;  ///< the ray; unit length
-  typename L::Float t;      ///< distance
-  Vec3<L> ng;               ///< geometric normal of the light at the hit point
+  Vec3<L> from, direction;       ///< the ray; unit length
+  typename L::Float t;           ///< distance
+  Vec3<L> ng;                    ///< geometric normal of the light at the hit point
+  typename L::Uint primitive{};  ///< triangle of the light; for meshes that deform
 };
 
 /// A photon emitted by a light. The mean of `flux` over all photons is the total power of the lights; the flux of the

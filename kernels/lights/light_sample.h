@@ -50,8 +50,8 @@ namespace light_detail {
 template <class L, ColorMode kMode, class Light>
 SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                         Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
-                                        const EnvmapDraw<L>* drawn, TextureQuery<L>& texture) {
-  LightSample<L> s = Light::template sample<L, kMode>({scene, light, active, lambda, drawn}, from, u, texture);
+                                        const EnvmapDraw<L>* drawn, Float<L> time, TextureQuery<L>& texture) {
+  LightSample<L> s = Light::template sample<L, kMode>({scene, light, active, lambda, drawn, time}, from, u, texture);
   s.delta = Mask<L>(Light::kHitKind == LightHitKind::kNever);
   return s;
 }
@@ -69,12 +69,13 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
 template <class L, ColorMode kMode>
 [[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                      const Random4<L>& u, const Spectrum<L>& lambda,
-                                                     const EnvmapDraw<L>* drawn, TextureQuery<L>& query) {
+                                                     const EnvmapDraw<L>* drawn, Float<L> time,
+                                                     TextureQuery<L>& query) {
   LightSample<L> s{};
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     const auto active = light.is(kLightKind<typename Light::Kind>);
     if (any(active))
-      merge<L>(active, sample_kind<L, kMode, Light>(scene, from, light, active, u, lambda, drawn, query), s);
+      merge<L>(active, sample_kind<L, kMode, Light>(scene, from, light, active, u, lambda, drawn, time, query), s);
   });
   return s;
 }
@@ -86,12 +87,13 @@ template <class L, ColorMode kMode>
 template <class L, ColorMode kMode = ColorMode::kRgb>
 SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
                                                const Random4<L>& u, const Spectrum<L>& lambda = {},
-                                               const EnvmapDraw<L>* drawn = nullptr) {
+                                               const EnvmapDraw<L>* drawn = nullptr, Float<L> time = Float<L>(0.0f)) {
   using namespace light_detail;
   TextureQuery<L> query{};
   const auto mesh = light.is(kLightKind<MeshLightKind>);
-  LightSample<L> s = all(mesh) ? sample_kind<L, kMode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, query)
-                               : sample_mixed_lights<L, kMode>(scene, from, light, u, lambda, drawn, query);
+  LightSample<L> s = all(mesh)
+                         ? sample_kind<L, kMode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, time, query)
+                         : sample_mixed_lights<L, kMode>(scene, from, light, u, lambda, drawn, time, query);
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   s.target_medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
@@ -109,10 +111,10 @@ SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, c
   if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
   LightSample<L> s;
   if (scene.motion.lights == nullptr) {
-    s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn);
+    s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn, time);
   } else {
     const MotionSample<L> motion = light_motion<L>(scene, choice.light, Mask<L>(true), time);
-    s = sample_given_light<L, kMode>(scene, rest_point<L>(motion, from), light, u, lambda, drawn);
+    s = sample_given_light<L, kMode>(scene, rest_point<L>(motion, from), light, u, lambda, drawn, time);
     move_light_sample<L>(scene, motion, choice.light, s);
   }
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
@@ -131,7 +133,9 @@ SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, Uint<L> row,
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     if constexpr (Light::kHitKind == LightHitKind::kSurface) {
       const Mask<L> here = active & light.is(kLightKind<typename Light::Kind>);
-      if (any(here)) pdf = select(here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda}, hit), pdf);
+      if (any(here))
+        pdf =
+            select(here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda, nullptr, time}, hit), pdf);
     }
   });
   return pdf * factor;

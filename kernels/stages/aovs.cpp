@@ -55,25 +55,81 @@ SHEAF_INLINE SampleLanes<L> first_surfaces(SampleBuffer& samples, const Radiance
   return out;
 }
 
-/// Depth along the axis of the camera whose column of the film contains the pixel, m. Cameras without an axis:
-/// distance.
-template <class L>
-SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, Uint<L> pixel, Vec3<L> p,
-                               Float<L> time) {
+/// The values of seen_by(camera, index) for the cameras whose columns of the film contain the pixels.
+template <class L, class SeenBy>
+SHEAF_INLINE Float<L> by_camera(const SceneView& scene, const CameraTask& task, Uint<L> pixel, SeenBy&& seen_by) {
   using F = Float<L>;
-  const auto seen_by = [&](const Camera& camera, std::uint32_t index) SHEAF_LAMBDA_INLINE {
-    const Vec3<L> from = camera_rest_point<L>(scene, index, p, time) - broadcast<L>(camera.origin);
-    const float scale = length(camera.z_axis);
-    return scale > 0.0f ? dot(from, broadcast<L>(camera.z_axis / scale)) : length(from);
-  };
-  F depth = seen_by(scene.sensor.camera, 0);
-  if (scene.sensor.more_camera_count == 0) return depth;
+  F value = seen_by(scene.sensor.camera, 0u);
+  if (scene.sensor.more_camera_count == 0) return value;
   const LaneArray<Uint<L>> pixels(pixel);
   const F x = make_lanes<F>([&](int lane) { return static_cast<float>(task.frame().x(pixels[lane])) + 0.5f; });
   for (std::uint32_t i = 0; i < scene.sensor.more_camera_count; ++i)
-    depth = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width),
-                   seen_by(scene.sensor.more_cameras[i], i + 1), depth);
-  return depth;
+    value = select(x > F(static_cast<float>(i + 1) * scene.sensor.column_width),
+                   seen_by(scene.sensor.more_cameras[i], i + 1), value);
+  return value;
+}
+
+/// Depth along the axis of the camera, m. Cameras without an axis: distance.
+template <class L>
+SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, Uint<L> pixel, Vec3<L> p,
+                               Float<L> time) {
+  return by_camera<L>(scene, task, pixel, [&](const Camera& camera, std::uint32_t index) SHEAF_LAMBDA_INLINE {
+    const Vec3<L> from = camera_rest_point<L>(scene, index, p, time) - broadcast<L>(camera.origin);
+    const float scale = length(camera.z_axis);
+    return scale > 0.0f ? dot(from, broadcast<L>(camera.z_axis / scale)) : length(from);
+  });
+}
+
+/// Where the points `p` of surfaces that were hit at time `now` are at time `then`, both in [0, 1].
+template <class L>
+Vec3<L> surface_at(const SceneView& scene, const HitState<L>& hit, Vec3<L> p, Float<L> now, Float<L> then) {
+  using U = Uint<L>;
+  Vec3<L> at = p;
+  const auto instanced = hit.instance != U(kNone);
+  if (scene.motion.instances != nullptr && any(instanced)) {
+    const auto row = gather_rows<L>(scene.geometry.instances, select(instanced, hit.instance, U(0u)));
+    const auto placed = [&](Float<L> time) SHEAF_LAMBDA_INLINE {
+      return place_at<L>(scene.motion, row, hit.instance, instanced, time).placed;
+    };
+    at = select<L>(instanced, placed(then).point(placed(now).object_point(p)), at);
+  }
+  if (scene.motion.meshes == nullptr) return at;
+  // Triangles of meshes that deform, possibly in instances
+  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
+  const auto deforms = (shape.flags >> kMeshMotionShift) != U(0u);
+  if (!any(deforms)) return at;
+  return select<L>(deforms, surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, p, hit.instance, then).p, at);
+}
+
+/// Writes the displacements on the film, to the right and upwards in pixels, over the shutter interval. 0 for points
+/// that a camera does not see at its start or its end.
+template <class L>
+[[gnu::noinline]] void put_motion(const SceneView& scene, const CameraTask& task, const Wave& wave, const Slot* slots,
+                                  Vec3<L> p, int channel, const SampleLanes<L>& out) {
+  using F = Float<L>;
+  if (!scene.motion.any()) return out.put_words(channel, {F(0.0f), F(0.0f)});
+  const HitState<L> hit = wave.hits.gather<L>(slots);
+  const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
+  const F now = path_times<L>(scene, wave, slots), open(0.0f), close(1.0f);
+  const Vec3<L> first = surface_at<L>(scene, hit, p, now, open), last = surface_at<L>(scene, hit, p, now, close);
+  const auto view = [&](const Camera& camera, std::uint32_t index, Vec3<L> q, F time) SHEAF_LAMBDA_INLINE {
+    return camera.view<L>(camera_rest_point<L>(scene, index, q, time), F(0.0f), F(0.0f));
+  };
+  const F right = by_camera<L>(scene, task, pixel, [&](const Camera& camera, std::uint32_t index) SHEAF_LAMBDA_INLINE {
+    const CameraView<L> from = view(camera, index, first, open), to = view(camera, index, last, close);
+    F step = to.film_x - from.film_x;
+    // Panoramas of longitudes are periodic
+    if (camera.is_panorama() && camera.rays != CameraRays::kEqualArea) {
+      const F turns = step * F(camera.film_step.x);
+      step = (turns - floor(turns + F(0.5f))) * F(1.0f / camera.film_step.x);
+    }
+    return select(from.valid & to.valid, step, F(0.0f));
+  });
+  const F up = by_camera<L>(scene, task, pixel, [&](const Camera& camera, std::uint32_t index) SHEAF_LAMBDA_INLINE {
+    const CameraView<L> from = view(camera, index, first, open), to = view(camera, index, last, close);
+    return select(from.valid & to.valid, from.film_y - to.film_y, F(0.0f));
+  });
+  out.put_words(channel, {right, up});
 }
 
 template <class L>
@@ -108,6 +164,8 @@ template <class L>
     out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p, path_times<L>(scene, wave, slots))});
   }
   if (const int uv = channels[aov_named("uv")]; uv >= 0) put_uv<L>(scene, wave, slots, ray, uv, out);
+  if (const int motion = channels[aov_named("motion")]; motion >= 0)
+    put_motion<L>(scene, task, wave, slots, item.p, motion, out);
   if (channels.has_surfaces())
     put_surfaces<L>(task.samples, out.lanes, radiance.task_sample, wave.hits.gather<L>(slots).shape);
   return out;

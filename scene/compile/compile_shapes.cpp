@@ -20,11 +20,12 @@ template <class T> void make_room(std::vector<T>& rows, std::size_t count) {
   prefer_large_pages(rows.data() + rows.size(), (rows.capacity() - rows.size()) * sizeof(T));
 }
 
-void append(std::vector<VertexRow>& rows, const Mesh& mesh) {
+/// `at`: the mesh itself, or a later step of it.
+void append(std::vector<VertexRow>& rows, const Mesh& mesh, const auto& at) {
   make_room(rows, mesh.positions.size());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Vec3f p = mesh.positions[i];
-    const Vec3f n = mesh.normals.empty() ? Vec3f{} : mesh.normals[i];
+    const Vec3f p = at.positions[i];
+    const Vec3f n = at.normals.empty() ? Vec3f{} : at.normals[i];
     const Vec2f uv = mesh.uvs.empty() ? Vec2f{} : mesh.uvs[i];
     rows.push_back({p, n, uv});
   }
@@ -91,7 +92,7 @@ void SceneCompiler::read_meshes_ahead() {
   for (const ShapeGroup& group : in_.groups)
     for (const ShapeDescription& shape : group.shapes) shapes.push_back(&shape);
   shapes.insert(shapes.end(), moving_shapes_.begin(), moving_shapes_.end());
-  meshes_.emplace(mesh_jobs(shapes), read_ahead_bytes());
+  meshes_.emplace(mesh_jobs(shapes, in_.shutter), read_ahead_bytes());
 }
 
 void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, PreparedMesh prepared) {
@@ -107,7 +108,8 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
   }
   // Append vertices and triangles
   GeometryTables& geometry = out_->geometry_;
-  if (8 * (geometry.vertices.size() + mesh.positions.size()) > kMaxWords ||
+  const std::size_t steps = prepared.later_steps.size() + 1;
+  if (8 * (geometry.vertices.size() + steps * mesh.positions.size()) > kMaxWords ||
       geometry.triangles.size() + 3 * mesh.triangles.size() > kMaxWords)
     throw SceneError("more than " + std::to_string(kMaxWords / 3) + " vertices or triangles in all");
   row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);
@@ -115,13 +117,18 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
   row.first_triangle = static_cast<std::uint32_t>(geometry.triangles.size() / 3);
   row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
-  append(geometry.vertices, mesh);
+  append(geometry.vertices, mesh, mesh);
+  if (steps > 1) add_mesh_steps(row, mesh, prepared.later_steps);
   make_room(geometry.triangles, 3 * mesh.triangles.size() + kTrianglePadding);
   for (const auto& t : mesh.triangles) geometry.triangles.insert(geometry.triangles.end(), t.begin(), t.end());
   // Bound the mesh
   GridBox box{mesh.positions[mesh.triangles[0][0]], mesh.positions[mesh.triangles[0][0]]};
   for (const auto& t : mesh.triangles)
-    for (std::uint32_t vertex : t) grow_box(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
+    for (std::uint32_t vertex : t) {
+      grow_box(box.min, box.max, mesh.positions[vertex], mesh.positions[vertex]);
+      for (const MeshStep& step : prepared.later_steps)
+        grow_box(box.min, box.max, step.positions[vertex], step.positions[vertex]);
+    }
   grow(box.min, box.max);
   add_attributes(row, mesh, shape.where);
   // Add the shape
@@ -129,6 +136,14 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
   out_->counts_.triangles += mesh.triangles.size();
   out_->counts_.vertices += mesh.positions.size();
   push_shape(row, shape, box);
+}
+
+void SceneCompiler::add_mesh_steps(ShapeRow& row, const Mesh& mesh, const std::vector<MeshStep>& later) {
+  std::vector<MeshMotionRow>& motions = out_->motion_.meshes;
+  for (const MeshStep& step : later) append(out_->geometry_.vertices, mesh, step);
+  motions.push_back({static_cast<std::uint32_t>(later.size()), static_cast<std::uint32_t>(mesh.positions.size())});
+  if (motions.size() >= std::size_t(1) << (32 - kMeshMotionShift)) throw SceneError("too many meshes that deform");
+  row.flags |= static_cast<std::uint32_t>(motions.size()) << kMeshMotionShift;
 }
 
 void SceneCompiler::add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where) {

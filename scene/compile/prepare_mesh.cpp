@@ -17,6 +17,14 @@ double copy_bytes(const Mesh& mesh) {
 
 double job_bytes(const ShapeDescription& shape) {
   if (const auto* file = std::get_if<MeshFileShape>(&shape.geometry)) return mesh_reading_bytes(*file);
+  if (const auto* deforming = std::get_if<DeformingMesh>(&shape.geometry)) {
+    double bytes = 0;
+    for (const DeformingMesh::Key& key : deforming->keys) {
+      const auto* file = std::get_if<MeshFileShape>(&key.mesh);
+      bytes += file != nullptr ? mesh_reading_bytes(*file) : copy_bytes(std::get<Mesh>(key.mesh));
+    }
+    return bytes;
+  }
   const auto* mesh = std::get_if<Mesh>(&shape.geometry);
   return mesh != nullptr ? copy_bytes(*mesh) : 0;
 }
@@ -25,10 +33,13 @@ double job_bytes(const ShapeDescription& shape) {
 
 bool has_prepared_mesh(const ShapeDescription& shape) {
   return std::holds_alternative<MeshFileShape>(shape.geometry) || std::holds_alternative<Mesh>(shape.geometry) ||
-         std::holds_alternative<RectangleShape>(shape.geometry) || std::holds_alternative<CubeShape>(shape.geometry);
+         std::holds_alternative<RectangleShape>(shape.geometry) || std::holds_alternative<CubeShape>(shape.geometry) ||
+         std::holds_alternative<DeformingMesh>(shape.geometry);
 }
 
-PreparedMesh prepare_mesh(const ShapeDescription& shape) {
+PreparedMesh prepare_mesh(const ShapeDescription& shape, const ShutterDescription& shutter) {
+  if (const auto* deforming = std::get_if<DeformingMesh>(&shape.geometry))
+    return prepare_deforming_mesh(shape, *deforming, shutter);
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) return prepare_mesh(shape, *mesh, shape.face_normals);
   if (std::holds_alternative<RectangleShape>(shape.geometry))
     return prepare_mesh(shape, rectangle_mesh(), shape.face_normals);
@@ -65,10 +76,12 @@ PreparedMesh prepare_mesh(const ShapeDescription& shape, Mesh mesh, bool face_no
   return prepared;
 }
 
-std::vector<ReadAhead<PreparedMesh>::Job> mesh_jobs(const std::vector<const ShapeDescription*>& shapes) {
+std::vector<ReadAhead<PreparedMesh>::Job> mesh_jobs(const std::vector<const ShapeDescription*>& shapes,
+                                                    const ShutterDescription& shutter) {
   std::vector<ReadAhead<PreparedMesh>::Job> jobs;
   for (const ShapeDescription* shape : shapes)
-    if (has_prepared_mesh(*shape)) jobs.push_back({[shape] { return prepare_mesh(*shape); }, job_bytes(*shape)});
+    if (has_prepared_mesh(*shape))
+      jobs.push_back({[shape, &shutter] { return prepare_mesh(*shape, shutter); }, job_bytes(*shape)});
   return jobs;
 }
 

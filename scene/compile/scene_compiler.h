@@ -111,6 +111,8 @@ class SceneCompiler {
   /// Starts reading the meshes of all shapes.
   void read_meshes_ahead();
   void add_mesh(ShapeRow row, const ShapeDescription& shape, PreparedMesh prepared);
+  /// Adds the later steps of a mesh that deforms, whose first step has just been added.
+  void add_mesh_steps(ShapeRow& row, const Mesh& mesh, const std::vector<MeshStep>& later);
   /// Adds the attributes that textures use of a mesh that becomes the next shape.
   void add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);

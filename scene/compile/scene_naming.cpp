@@ -19,6 +19,7 @@ std::string kind_of(const ShapeDescription& shape) {
                         [](const Curves&) { return std::string("curves"); },
                         [](const SdfGrid&) { return std::string("sdfgrid"); },
                         [](const HeightFieldShape&) { return std::string("heightfield"); },
+                        [](const DeformingMesh&) { return std::string("deformable"); },
                     },
                     shape.geometry);
 }

@@ -42,6 +42,16 @@ struct MeshFileShape {
   /// Faces with invalid vertex indices are errors, or are dropped with a warning.
   enum class BadFaces { kError, kDrop } bad_faces = BadFaces::kError;
 };
+/// A mesh that deforms: the same triangles at several times. Between them its vertices and normals change linearly;
+/// before the first and after the last one it stands still.
+struct DeformingMesh {
+  struct Key {
+    double time = 0;  ///< in the unit of ShutterDescription
+    std::variant<MeshFileShape, Mesh> mesh;
+    Transform to_shape = {};  ///< to the space of the shape
+  };
+  std::vector<Key> keys;  ///< at least one; times increase
+};
 /// `center` is in the shape's local space. Normals point outwards.
 struct SphereShape {
   Vec3f center{0, 0, 0};
@@ -95,7 +105,7 @@ struct HeightFieldShape {
 
 struct ShapeDescription {
   std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape, Curves, SdfGrid,
-               HeightFieldShape>
+               HeightFieldShape, DeformingMesh>
       geometry;
   Transform to_world;
   bool flip_normals = false;

@@ -105,8 +105,12 @@ void check_format(const std::filesystem::path& file) {
 /// Makes file meshes drop faces that refer to missing vertices.
 void drop_bad_faces(Description& description) {
   const auto drop = [](std::vector<ShapeDescription>& shapes) {
-    for (ShapeDescription& shape : shapes)
+    for (ShapeDescription& shape : shapes) {
       if (auto* mesh = std::get_if<MeshFileShape>(&shape.geometry)) mesh->bad_faces = MeshFileShape::BadFaces::kDrop;
+      if (auto* deforming = std::get_if<DeformingMesh>(&shape.geometry))
+        for (DeformingMesh::Key& key : deforming->keys)
+          if (auto* mesh = std::get_if<MeshFileShape>(&key.mesh)) mesh->bad_faces = MeshFileShape::BadFaces::kDrop;
+    }
   };
   drop(description.shapes);
   for (ShapeGroup& group : description.groups) drop(group.shapes);

@@ -248,6 +248,15 @@ std::vector<std::uint32_t> usable_triangles(const Mesh& mesh) {
   return usable;
 }
 
+bool is_traceable_triangle(const Mesh& mesh, std::uint32_t triangle) {
+  const auto is_small = [](float c) { return std::abs(c) <= kMaxMeshCoordinate; };
+  const Triangle& t = mesh.triangles[triangle];
+  return std::all_of(t.begin(), t.end(), [&](std::uint32_t vertex) {
+    const Vec3f p = mesh.positions[vertex];
+    return is_small(p.x) && is_small(p.y) && is_small(p.z);
+  });
+}
+
 std::size_t drop_degenerate_triangles(Mesh& mesh) {
   const std::vector<std::uint32_t> usable = usable_triangles(mesh);
   const std::size_t dropped = mesh.triangles.size() - usable.size();

@@ -58,6 +58,10 @@ Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& trian
 /// times the square of the longest edge. Triangles with a coordinate beyond kMaxMeshCoordinate are excluded, too.
 std::vector<std::uint32_t> usable_triangles(const Mesh& mesh);
 
+/// Whether all coordinates of a triangle's vertices are finite and at most kMaxMeshCoordinate. Its indices must be in
+/// range.
+bool is_traceable_triangle(const Mesh& mesh, std::uint32_t triangle);
+
 /// Removes triangles that are not usable and returns their number. If it removes any, it also removes unreferenced
 /// vertices.
 std::size_t drop_degenerate_triangles(Mesh& mesh);

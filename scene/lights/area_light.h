@@ -3,6 +3,7 @@
 
 #include "core/alias_table.h"
 #include "scene/lights/list.h"
+#include "scene/tables/motion.h"
 #include "scene/tables/shape_rows.h"
 
 namespace sheaf {
@@ -12,6 +13,7 @@ struct ShapeTables {
   const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
+  const MeshMotionRow* mesh_motions;  ///< null: no mesh deforms
 };
 
 /// Future positions of a light's parts in the scene's tables.
@@ -40,11 +42,11 @@ inline float exitance_factor(const LightRow& light) { return (light.is_along_nor
 /// An area light with its triangles and the alias table over them (meshes only).
 struct AreaLight {
   LightRow row;
-  std::vector<AliasEntry> alias;
-  std::vector<LightTriangleRow> triangles;
-  std::vector<LightUvRow> uvs;        ///< if it has a texture
-  std::optional<QuadricRow> quadric;  ///< in world space, for an instance
-  float area = 0;                     ///< in world space, m^2
+  std::vector<AliasEntry> alias;            ///< repeated for each step of a mesh that deforms
+  std::vector<LightTriangleRow> triangles;  ///< at each step of a mesh that deforms
+  std::vector<LightUvRow> uvs;              ///< if it has a texture
+  std::optional<QuadricRow> quadric;        ///< in world space, for an instance
+  float area = 0;                           ///< in world space, m^2; mean over the steps
 };
 
 /// Makes the light of the shape with index `shape_index`, or of an instance of it if `instance` is not null.

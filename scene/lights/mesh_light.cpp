@@ -1,6 +1,7 @@
 #include "scene/lights/mesh_light.h"
 
 #include "core/alias_table.h"
+#include "core/frame.h"
 #include "core/warp.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"
@@ -52,12 +53,12 @@ TriangleWithArea make_triangle(const double (&p)[3][3], double side) {
   return out;
 }
 
-/// The corners of a triangle of a shape, in the space of its vertices.
-void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::uint32_t triangle,
+/// The corners of a triangle of a shape, in the space of its vertices. `first_vertex`: of a step.
+void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::size_t first_vertex, std::uint32_t triangle,
                 const VertexRow* (&corners)[3]) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t vertex = tables.triangles[3 * (std::size_t(shape.first_triangle) + triangle) + k];
-    corners[k] = &tables.vertices[std::size_t(shape.first_vertex) + vertex];
+    corners[k] = &tables.vertices[first_vertex + vertex];
   }
 }
 
@@ -83,6 +84,33 @@ TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const Insta
 LightUvRow make_uvs(const ShapeRow& shape, const VertexRow* const (&corners)[3]) {
   if ((shape.flags & kHasUvs) == 0) return {{0, 0}, {1, 0}, {0, 1}, {}};
   return {corners[0]->uv, corners[1]->uv, corners[2]->uv, {}};
+}
+
+/// The steps of a shape's mesh; no segments: it does not deform.
+MeshMotionRow motion_of(const MeshMotionRow* motions, const ShapeRow& shape) {
+  const std::uint32_t row = shape.flags >> kMeshMotionShift;
+  return row == 0 ? MeshMotionRow{} : motions[row - 1];
+}
+
+/// Triangles at the steps of a mesh, and for each pair of successive steps triangles whose normals complete the cone of
+/// the normals in between. The area vector of a triangle with linearly moving edges is a quadratic Bezier curve; its
+/// middle control point is half the sum of the cross products of either first edge with the other second edge.
+std::vector<LightTriangleRow> with_turns(std::span<const LightTriangleRow> steps, std::size_t count) {
+  std::vector<LightTriangleRow> out(steps.begin(), steps.end());
+  for (std::size_t i = 0; i + count < steps.size(); ++i) {
+    const LightTriangleRow &a = steps[i], &b = steps[i + count];
+    const Vec3f middle = (cross(a.edge1, b.edge2) + cross(b.edge1, a.edge2)) * 0.5f;
+    const float size = length(middle);
+    if (!(size > 0.0f)) continue;
+    const Frame<Scalar> frame = Frame<Scalar>::from_normal(middle / size);
+    const float edge = std::sqrt(size);
+    LightTriangleRow row = a;
+    row.edge1 = frame.s * edge;
+    row.edge2 = frame.t * edge;
+    row.normal = frame.n * (dot(cross(a.edge1, a.edge2), a.normal) < 0.0f ? -1.0f : 1.0f);
+    out.push_back(row);
+  }
+  return out;
 }
 
 Vec3d to_double3(Vec3f v) { return {v.x, v.y, v.z}; }
@@ -137,9 +165,16 @@ Vec3f MeshLightKind::power(const SceneView&, const LightRow& light) {
 LightBounds MeshLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
   const auto mesh = light.data<MeshLightData>();
   const double area = double{sides_of(light)} * mesh.area;
-  LightBounds out = mesh_light_bounds({scene.lights.triangles + mesh.first_triangle, mesh.triangle_count},
-                                      static_cast<float>(power / (double(kPi) * area)));
+  const std::uint32_t segments = motion_of(scene.motion.meshes, scene.geometry.shapes[mesh.shape]).segment_count;
+  const std::span<const LightTriangleRow> first(scene.lights.triangles + mesh.first_triangle,
+                                                (segments + std::size_t(1)) * mesh.triangle_count);
+  const auto radiance = static_cast<float>(power / (double(kPi) * area));
+  LightBounds out = segments == 0 ? mesh_light_bounds(first, radiance)
+                                  : mesh_light_bounds(with_turns(first, mesh.triangle_count),
+                                                      radiance / static_cast<float>(2 * segments + 1));
   out.two_sided = light.is_two_sided();
+  // Cones beyond a hemisphere are not convex, and need not contain the normals in between
+  if (segments > 0 && out.cos_theta_o < 0.0f) out.cos_theta_o = -1.0f;
   return out;
 }
 
@@ -180,18 +215,23 @@ IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightR
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                          const LightPlaces& places, const InstanceRow* instance) {
   const bool textured = light.row.texture != kNone;
-  std::vector<float> areas;
+  const MeshMotionRow motion = motion_of(tables.mesh_motions, shape);
+  std::vector<float> areas(shape.triangle_count);
   double area = 0;
-  for (std::uint32_t i = 0; i < shape.triangle_count; ++i) {
-    const VertexRow* corners[3];
-    corners_of(tables, shape, i, corners);
-    const TriangleWithArea triangle = make_triangle(corners, instance);
-    light.triangles.push_back(triangle.row);
-    if (textured) light.uvs.push_back(make_uvs(shape, corners));
-    areas.push_back(static_cast<float>(triangle.area));
-    area += areas.back();
-  }
-  light.alias = build_alias_table(areas);
+  for (std::uint32_t step = 0; step <= motion.segment_count; ++step)
+    for (std::uint32_t i = 0; i < shape.triangle_count; ++i) {
+      const VertexRow* corners[3];
+      corners_of(tables, shape, shape.first_vertex + std::size_t(step) * motion.vertex_count, i, corners);
+      const TriangleWithArea triangle = make_triangle(corners, instance);
+      light.triangles.push_back(triangle.row);
+      if (textured && step == 0) light.uvs.push_back(make_uvs(shape, corners));
+      const auto share = static_cast<float>(triangle.area / (motion.segment_count + 1));
+      areas[i] += share;
+      area += share;
+    }
+  const std::vector<AliasEntry> alias = build_alias_table(areas);
+  for (std::uint32_t step = 0; step <= motion.segment_count; ++step)
+    light.alias.insert(light.alias.end(), alias.begin(), alias.end());
   light.area = static_cast<float>(area);
   light.row.kind = static_cast<std::uint32_t>(kLightKind<MeshLightKind>);
   light.row.set_data(MeshLightData<Scalar>{shape_index, places.first_triangle, shape.triangle_count,

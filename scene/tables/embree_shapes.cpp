@@ -67,8 +67,13 @@ template <class Surface> void occluded_callback(const RTCOccludedFunctionNArgume
 
 RTCGeometry make_mesh(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t vertex_count) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, in.vertices + shape.first_vertex,
-                             0, sizeof(VertexRow), vertex_count);
+  const MeshMotionRow* motion = in.motion.mesh(shape);
+  const std::uint32_t segments = motion != nullptr ? motion->segment_count : 0;
+  if (segments > 0) rtcSetGeometryTimeStepCount(geometry, segments + 1);
+  for (std::uint32_t step = 0; step <= segments; ++step)
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3,
+                               in.vertices + shape.first_vertex + std::size_t(step) * vertex_count, 0,
+                               sizeof(VertexRow), vertex_count);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                              in.triangles + 3 * std::size_t(shape.first_triangle), 0, 12, shape.triangle_count);
   return geometry;

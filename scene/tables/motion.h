@@ -1,8 +1,9 @@
-// Tables of moving instances, lights and cameras: matrices at equidistant times over the shutter.
-// scene/tables/motion_sample.h interpolates them.
+// Tables of moving instances, lights and cameras: matrices at equidistant times over the shutter; and of meshes that
+// deform. scene/tables/motion_sample.h interpolates them.
 #pragma once
 
 #include "core/record_table.h"
+#include "scene/tables/shape_rows.h"
 #include "scene/tables/table_bytes.h"
 
 #include <vector>
@@ -26,34 +27,50 @@ template <class L> struct MotionRecord {
 };
 using MotionRow = MotionRecord<Scalar>;
 
-/// Maximum of MotionRecord::segment_count: Embree accepts 129 time steps.
+/// The steps of a mesh that deforms, at equidistant times over the shutter. In GeometryView::vertices, the vertices of
+/// each step follow those of the step before.
+struct MeshMotionRow {
+  std::uint32_t segment_count;  ///< number of steps - 1; at least 1
+  std::uint32_t vertex_count;   ///< of each step
+};
+
+/// Maximum of MotionRecord::segment_count and MeshMotionRow::segment_count: Embree accepts 129 time steps.
 inline constexpr int kMaxMotionSegments = 128;
 
 /// The motions of a scene for kernels. Static scenes have none of these tables.
 struct MotionView {
-  const MotionStepRow* steps = nullptr;  ///< null: nothing moves, and paths have no time
+  const MotionStepRow* steps = nullptr;  ///< null: no transform changes
   const MotionRow* instances = nullptr;  ///< group space to world space, by row of instance; null: no instance moves
   /// By row of light; null: no light moves. From where the light's tables place it to where it is.
   const MotionRow* lights = nullptr;
   const MotionRow* cameras = nullptr;  ///< the same for the cameras, in the order of the film's columns; or null
-  float shutter_ramp = 0;              ///< see ShutterDescription::ramp
+  /// The meshes that deform, to which shapes refer by their flags; null: none.
+  const MeshMotionRow* meshes = nullptr;
+  float shutter_ramp = 0;  ///< see ShutterDescription::ramp
 
   /// Whether paths have a time.
-  bool any() const { return steps != nullptr; }
+  bool any() const { return steps != nullptr || meshes != nullptr; }
+  /// The steps of the mesh of a shape; null: it does not deform.
+  const MeshMotionRow* mesh(const ShapeRow& shape) const {
+    const std::uint32_t row = shape.flags >> kMeshMotionShift;
+    return row == 0 ? nullptr : meshes + (row - 1);
+  }
 };
 
 /// Owns the tables of motion.
 struct MotionTables {
   std::vector<MotionStepRow> steps;
   std::vector<MotionRow> instances, lights, cameras;
+  std::vector<MeshMotionRow> meshes;
   float shutter_ramp = 0;
 
   MotionView view() const {
     const auto table = [](const std::vector<MotionRow>& rows) { return rows.empty() ? nullptr : rows.data(); };
-    return {steps.empty() ? nullptr : steps.data(), table(instances), table(lights), table(cameras), shutter_ramp};
+    return {steps.empty() ? nullptr : steps.data(),   table(instances), table(lights), table(cameras),
+            meshes.empty() ? nullptr : meshes.data(), shutter_ramp};
   }
   /// Memory in bytes.
-  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras); }
+  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, meshes); }
 };
 
 }  // namespace sheaf

@@ -1,5 +1,5 @@
-// Transforms of moving objects at given times: linear interpolation of matrices, as Embree does it. Generic in the lane
-// policy.
+// Transforms of moving objects and triangles of deforming meshes at given times: linear interpolation, as Embree does
+// it. Generic in the lane policy.
 #pragma once
 
 #include "scene/tables/instance.h"
@@ -58,6 +58,32 @@ SHEAF_INLINE MotionSample<L> sample_motion(const MotionView& view, const MotionR
           InstancePlacement<L>(placed),
           {{change[0], change[1], change[2]}, {change[4], change[5], change[6]}, {change[8], change[9], change[10]}},
           {change[3], change[7], change[11]}};
+}
+
+/// Where times lie between the steps of meshes.
+template <class L> struct MeshSegment {
+  typename L::Mask deforms;  ///< other lanes: undefined
+  typename L::Uint step;     ///< the step before
+  typename L::Float t;       ///< from 0 at that step to 1 at the next one
+  typename L::Float segments;
+  typename L::Uint vertex_count;
+};
+
+/// The segments at times in [0, 1] of the meshes of shapes with these flags. Requires MotionView::meshes.
+template <class L>
+SHEAF_INLINE MeshSegment<L> mesh_segment(const MotionView& view, Uint<L> shape_flags, Mask<L> active, Float<L> time) {
+  using U = Uint<L>;
+  MeshSegment<L> out;
+  const U number = shape_flags >> kMeshMotionShift;
+  out.deforms = active & (number != U(0u));
+  const U row = select(out.deforms, number - U(1u), U(0u));
+  const U segment_count = gather_member<L>(view.meshes, &MeshMotionRow::segment_count, row);
+  out.segments = to_float(segment_count);
+  const Float<L> scaled = time * out.segments;
+  out.step = min(to_uint(scaled), segment_count - U(1u));
+  out.t = scaled - to_float(out.step);
+  out.vertex_count = gather_member<L>(view.meshes, &MeshMotionRow::vertex_count, row);
+  return out;
 }
 
 /// Where instances are at times in [0, 1].

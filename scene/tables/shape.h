@@ -28,10 +28,33 @@ SHEAF_INLINE void triangle_uv(const ShapeRecord<L>& shape, const Vec2<L>* t, typ
   out.dp_dv = select<L>(usable, (edge2 * du1 - edge1 * du2) * inverse, frame.t);
 }
 
-/// Surface point of a triangle mesh at barycentric coordinates (u, v).
+/// Moves the vertices of triangles at the first step of their meshes, which may deform, to where they are at times in
+/// [0, 1]. `corners`: relative to the shape's first vertex. Adds to `extent` the changes over the shutter if the
+/// vertices always moved as now, which errors of the time are proportional to.
+template <class L>
+[[gnu::noinline]] void deform_triangles(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
+                                        const Uint<L> (&corners)[3], Float<L> time, Vec3<L> (&p)[3], Vec3<L> (&n)[3],
+                                        Vec3<L>& extent) {
+  using U = Uint<L>;
+  const MeshSegment<L> segment = mesh_segment<L>(scene.motion, shape.flags, active, time);
+  if (!any(segment.deforms)) return;
+  const U first = shape.first_vertex + segment.step * segment.vertex_count;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const U row = select(segment.deforms, first + corners[k], U(0u));
+    const auto a = gather_rows<L>(scene.geometry.vertices, row);
+    const auto b = gather_rows<L>(scene.geometry.vertices, select(segment.deforms, row + segment.vertex_count, U(0u)));
+    const Vec3<L> change = b.position - a.position, turn = b.normal - a.normal;
+    p[k] = select<L>(segment.deforms, a.position + change * segment.t, p[k]);
+    n[k] = select<L>(segment.deforms, a.normal + turn * segment.t, n[k]);
+    extent = select<L>(segment.deforms, extent + abs(change) * segment.segments, extent);
+  }
+}
+
+/// Surface point of a triangle mesh at barycentric coordinates (u, v), at times in [0, 1].
 template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
-                                            typename L::Uint primitive, typename L::Float u, typename L::Float v) {
+                                            typename L::Uint primitive, typename L::Float u, typename L::Float v,
+                                            typename L::Float time) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const U zero(0u);
@@ -45,6 +68,9 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
     n[k] = vertex.normal;
     t[k] = vertex.uv;
   }
+  Vec3<L> moved{F(0.0f), F(0.0f), F(0.0f)};
+  if (scene.motion.meshes != nullptr)
+    deform_triangles<L>(scene, shape, active, {corners[0], corners[1], corners[2]}, time, p, n, moved);
   const F b0 = F(1.0f) - u - v;
   SurfacePoint<L> out;
   out.p = p[0] * b0 + p[1] * u + p[2] * v;
@@ -52,6 +78,7 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
   const Vec3<L> a0 = abs(p[0]), a1 = abs(p[1]), a2 = abs(p[2]);
   const Vec3<L> largest{max(a0.x, max(a1.x, a2.x)), max(a0.y, max(a1.y, a2.y)), max(a0.z, max(a1.z, a2.z))};
   out.offset = F(kOffsetUlps) * (dot(abs(out.ng), largest) + max_component(abs(out.p)));
+  if (scene.motion.meshes != nullptr) out.offset = out.offset + F(kOffsetUlps) * (dot(abs(out.ng), moved));
   out.ns = out.ng;
   const auto smooth = active & ((shape.flags & U(kHasNormals)) != U(0u));
   if (any(smooth)) {
@@ -150,7 +177,7 @@ SHEAF_INLINE void place_instance(const InstancePlacement<L>& placed, Mask<L> ins
 /// space.
 template <class L, bool kWithUv>
 [[gnu::noinline]] SurfacePoint<L> mixed_point(const SceneView& scene, const ShapeRecord<L>& shape, Uint<L> primitive,
-                                              Float<L> u, Float<L> v, Vec3<L> hit_point) {
+                                              Float<L> u, Float<L> v, Vec3<L> hit_point, Float<L> time) {
   const auto is = [&](ShapeKind kind)
                       SHEAF_LAMBDA_INLINE { return shape.kind == typename L::Uint(static_cast<std::uint32_t>(kind)); };
   const auto mesh = is(ShapeKind::kMesh);
@@ -165,7 +192,7 @@ template <class L, bool kWithUv>
       out = select<L, kWithUv>(field, sdf_point<L, kWithUv>(scene, shape, field, primitive, hit_point), out);
   }
   if (!any(mesh)) return out;
-  return select<L, kWithUv>(mesh, triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v), out);
+  return select<L, kWithUv>(mesh, triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v, time), out);
 }
 
 /// Surface points at hits. `hit_point` is origin + t * direction, (u, v) are Embree's barycentric coordinates, and
@@ -183,10 +210,10 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
   const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
   SurfacePoint<L> out;
   if (all(mesh)) {
-    out = triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v);
+    out = triangle_point<L, kWithUv>(scene, shape, mesh, primitive, u, v, time);
   } else {
     if (any_placed) hit_point = select<L>(instanced, placement(hit_point).placed.object_point(hit_point), hit_point);
-    out = mixed_point<L, kWithUv>(scene, shape, primitive, u, v, hit_point);
+    out = mixed_point<L, kWithUv>(scene, shape, primitive, u, v, hit_point, time);
   }
   if (any_placed) {
     const InstanceAt<L> at = placement(out.p);

@@ -89,7 +89,12 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
 }
 
 TEST_CASE("layers: every layer of the first surface gets values") {
-  const Image image = render_image(wall(coloured), with(aovs_from_names("all"), 16));
+  Description d = wall(coloured);
+  d.motions.emplace_back(std::vector<AnimatedTransform::Key>{
+      {0, d.camera.to_world}, {1, Transform::translate({0.1f, 0.1f, 0}) * d.camera.to_world}});
+  d.camera.motion = MotionId{0};
+  d.shutter.close = 1;
+  const Image image = render_image(d, with(aovs_from_names("all"), 16));
   for (const AovEntry& entry : kAovList) {
     if (entry.source != AovSource::kVertex) continue;
     CAPTURE(std::string(entry.name));

@@ -92,6 +92,35 @@ class Twins {
             "'/></transform>" + inside + "</shape>\n";
     return gltf_.json["nodes"].back();
   }
+  /// Animates a node from time 0 to time 1, linearly. `path`: translation, rotation or scale.
+  void animate(std::size_t node, const char* path, const std::vector<float>& values) {
+    const int times = gltf_.add<float>({0, 1}, "SCALAR");
+    const int output = gltf_.add<float>(values, values.size() == 8 ? "VEC4" : "VEC3");
+    json& animation = gltf_.json["animations"][0];
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
+    animation["samplers"].push_back({{"input", times}, {"output", output}});
+  }
+
+  /// Adds a sphere with keys at time 0 and time 1: `keys` are the transforms of the XML shape, and the tracks of the
+  /// node follow by animate(). Returns the node.
+  std::size_t add_moving_sphere(const json& material, const std::string& inside, const std::string& keys) {
+    add_sphere(0, 0, material, inside);
+    const std::string still = "<transform name='to_world'><scale x='1.000000'/>";
+    const std::size_t begin = xml_.rfind(still), end = xml_.find("</transform>", begin) + 12;
+    xml_.replace(begin, end - begin, "<animation name='to_world'>" + keys + "</animation>");
+    return gltf_.json["nodes"].size() - 1;
+  }
+
+  /// Exposes from 0.25 to 1. `camera`: keys of the XML camera.
+  void expose(const std::string& camera) {
+    shutter_ = ShutterDescription{0.25, 1, 0};
+    camera_ =
+        "<float name='shutter_open' value='0.25'/><float name='shutter_close' value='1'/><animation name="
+        "'to_world'>" +
+        camera + "</animation>";
+  }
+
   void add_light(const json& light, const json& place, const std::string& element) {
     json& lights = gltf_.json["extensions"]["KHR_lights_punctual"]["lights"];
     json node = place;
@@ -109,12 +138,14 @@ class Twins {
     write_below(folder, "sphere.ply", sphere_.ply());
     const std::string sensor =
         "<sensor type='perspective'><string name='fov_axis' value='y'/><float name='fov' value='34.3774677'/>"
-        "<float name='near_clip' value='0.01'/><transform name='to_world'><lookat origin='0,0,8' target='0,0,0' "
-        "up='0,1,0'/></transform></sensor>";
+        "<float name='near_clip' value='0.01'/>" +
+        camera_ + "</sensor>";
     ReadOptions options;
     options.surroundings.environment = ModelSurroundings::kNoEnvironment;
+    options.shutter = shutter_;
+    if (shutter_) options.moment.time = 0;
     const Description a = read_scene(write_below(folder, "scene.gltf", gltf_.text()), options);
-    const Description b =
+    Description b =
         read_scene(write_below(folder, "scene.xml", mitsuba_scene(xml_, sensor, "<integrator type='volpath'/>")));
     compare(statistics_of(a, 1, color), statistics_of(b, 1001, color));
   }
@@ -168,7 +199,9 @@ class Twins {
   GltfBuilder gltf_;
   json attributes_;
   int indices_ = 0;
-  std::string xml_;
+  std::optional<ShutterDescription> shutter_;
+  std::string xml_,
+      camera_ = "<transform name='to_world'><lookat origin='0,0,8' target='0,0,0' up='0,1,0'/></transform>";
 };
 
 /// A dielectric without specular reflection is diffuse.
@@ -183,6 +216,41 @@ std::string diffuse_xml(const std::string& rgb) {
 }  // namespace
 
 TEST_SUITE("slow") {
+  TEST_CASE("gltf: nodes that move render like Mitsuba's animations") {
+    Twins twins;
+    const float half = std::sqrt(0.5f);
+    // A ball that turns by 90 degrees, is squeezed and moves
+    const std::size_t ball =
+        twins.add_moving_sphere(diffuse({0.8, 0.4, 0.1, 1}), diffuse_xml("0.8, 0.4, 0.1"),
+                                "<transform time='0'><scale x='1.5' y='0.5'/><translate x='-2' y='1'/></transform>"
+                                "<transform time='1'><scale x='1' y='0.7'/><rotate z='1' angle='90'/><translate x='1' "
+                                "y='0.5' z='1'/></transform>");
+    twins.animate(ball, "translation", {-2, 1, 0, 1, 0.5f, 1});
+    twins.animate(ball, "rotation", {0, 0, 0, 1, 0, 0, half, half});
+    twins.animate(ball, "scale", {1.5f, 0.5f, 1, 1, 0.7f, 1});
+    // A lamp that moves
+    json emitter = diffuse({0, 0, 0, 1});
+    emitter["emissiveFactor"] = {1, 0.5, 0.25};
+    emitter["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"] = 6;
+    const std::size_t lamp = twins.add_moving_sphere(
+        emitter, diffuse_xml("0") + "<emitter type='area'><rgb name='radiance' value='6, 3, 1.5'/></emitter>",
+        "<transform time='0'><scale value='0.5'/><translate x='2' y='1'/></transform>"
+        "<transform time='1'><scale value='0.5'/><translate x='1' y='-2' z='1'/></transform>");
+    twins.animate(lamp, "translation", {2, 1, 0, 1, -2, 1});
+    twins.animate(lamp, "scale", {0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f});
+    // A point light and the camera
+    twins.add_light({{"type", "point"}, {"intensity", 20}}, json::object(),
+                    "<emitter type='point'><rgb name='intensity' value='20'/><animation name='to_world'><transform "
+                    "time='0'><translate x='-3' y='3' z='4'/></transform><transform time='1'><translate x='3' y='3' "
+                    "z='4'/></transform></animation></emitter>");
+    twins.animate(twins.gltf().json["nodes"].size() - 1, "translation", {-3, 3, 4, 3, 3, 4});
+    twins.animate(0, "translation", {0, 0, 8, 0.5f, 0.25f, 8});
+    twins.expose(
+        "<transform time='0'><lookat origin='0,0,8' target='0,0,0' up='0,1,0'/></transform><transform time='1'>"
+        "<lookat origin='0.5,0.25,8' target='0.5,0.25,0' up='0,1,0'/></transform>");
+    twins.check();
+  }
+
   TEST_CASE("gltf: surfaces, coverage and emission render like Mitsuba's") {
     Twins twins;
     twins.add_sphere(-2, 1, diffuse({0.8, 0.2, 0.1, 1}), diffuse_xml("0.8, 0.2, 0.1"));

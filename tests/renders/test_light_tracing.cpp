@@ -2,6 +2,7 @@
 #include "scene/data/glasses.h"
 #include "tests/renders/light_tracing_cases.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/same_bits.h"
 
 #include <doctest/doctest.h>
 
@@ -18,26 +19,7 @@ TEST_CASE("light tracing: the bits do not depend on threads or wave size or crop
   for (const NamedChange& emitter : emitters()) emitter.add(d);
   add_named(d, balls(), "rough dielectric");
   d.integrator.kind = IntegratorKind::kLightTracer;
-  const auto scene = compile_scene(d);
-  const Image whole = render(*scene, {}).to_image();
-  for (const int threads : {1, 2, 7})
-    for (const int wave_size : {64, 256, 1000}) {
-      CAPTURE(threads);
-      CAPTURE(wave_size);
-      RenderOptions options;
-      options.threads = threads;
-      options.wave_size = wave_size;
-      CHECK(render(*scene, options).to_image().data == whole.data);
-    }
-  RenderOptions options;
-  options.crop = PixelRect{3, 5, 11, 9};
-  const Image crop = render(*scene, options).to_image();
-  bool same = true;
-  for (int y = 0; y < crop.height; ++y)
-    for (int x = 0; x < crop.width; ++x)
-      for (int c = 0; c < static_cast<int>(crop.channels.size()); ++c)
-        same = same && crop.at(x, y, c) == whole.at(x + 3, y + 5, c);
-  CHECK(same);
+  check_same_bits(*compile_scene(d));
 }
 
 TEST_CASE("light tracing: the variance channels match the spread over seeds") {

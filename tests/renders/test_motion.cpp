@@ -4,6 +4,7 @@
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/render_testing.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/temporary_folder.h"
 
 namespace sheaf::test_motion {
@@ -411,22 +412,13 @@ TEST_CASE("motion: a slab of an absorbing medium that passes attenuates for part
 TEST_CASE("motion: the bits do not depend on threads or wave size or crop") {
   Description d = busy_scene(8);
   d.camera.motion = add_motion(d, {{0, d.camera.to_world}, {1, shift(0.5f) * d.camera.to_world}});
-  const auto scene = compile_scene(d);
-  const Image whole = render(*scene, {}).to_image();
-  for (const int threads : {1, 2, 7})
-    for (const int wave_size : {64, 256, 1000}) {
-      CAPTURE(threads);
-      CAPTURE(wave_size);
-      RenderOptions options;
-      options.threads = threads;
-      options.wave_size = wave_size;
-      CHECK(render(*scene, options).to_image().data == whole.data);
-    }
+  // A tent that sags
+  Mesh tent{{{-2, 1, 0.1f}, {0, 1, 1.2f}, {0, 2, 1.2f}}, {}, {}, {{0, 1, 2}}}, sagging = tent;
+  sagging.positions[1].z = 0.6f;
+  add_shape(d, DeformingMesh{{{0, tent}, {1, sagging}}}, {}, add_diffuse(d, 0.5f));
   RenderOptions options;
-  options.crop = PixelRect{3, 5, 11, 9};
-  const Image crop = render(*scene, options).to_image();
-  for (int y = 0; y < crop.height; ++y)
-    for (int x = 0; x < crop.width; ++x) CHECK(crop.at(x, y, 1) == whole.at(x + 3, y + 5, 1));
+  options.aovs = {aov_named("motion"), aov_named("normal")};
+  check_same_bits(*compile_scene(d), {64, 256, 1000}, options);
 }
 
 TEST_CASE("motion: static scenes have no times and no tables of motion") {
@@ -436,6 +428,68 @@ TEST_CASE("motion: static scenes have no times and no tables of motion") {
   CHECK_FALSE(scene->view().motion.any());
   CHECK_FALSE(WaveNeeds::of(StageContext(*scene)).times);
   CHECK(compile_scene(busy_scene(4))->view().motion.any());
+}
+
+TEST_CASE("motion: the layer of motion holds displacements on the film, to the right and upwards") {
+  // One unit at distance 4 covers 1 / 8 of the image
+  const auto layer = [](const Description& d) {
+    RenderOptions options;
+    options.aovs = {aov_named("motion")};
+    const Image image = render(*compile_scene(d), options).to_image();
+    const int u = image.find_channel("forward.u"), v = image.find_channel("forward.v");
+    REQUIRE(u >= 0);
+    REQUIRE(v >= 0);
+    return Vec3f{image.at(8, 8, u), image.at(8, 8, v), image.at(0, 0, u)};
+  };
+  const auto scene = [] {
+    Description d = empty_scene(16, 16);
+    d.sampler.sample_count = 4;
+    look_at(d, {0, 0, 4}, {0, 0, 0});
+    expose(d, 0, 2);
+    return d;
+  };
+  const auto check = [](Vec3f found, float right, float up) {
+    CHECK(found.x == doctest::Approx(right).epsilon(1e-3));
+    CHECK(found.y == doctest::Approx(up).epsilon(1e-3));
+  };
+  // A wall that moves
+  const Transform wall = Transform::scale({20, 20, 1});
+  Description d = scene();
+  move(d, add_rectangle(d, wall, add_diffuse(d, 0.5f)), {{0, wall}, {2, shift(0.5f, 0.25f) * wall}});
+  check(layer(d), 1, 0.5f);
+  // Half of the motion lies in the exposure
+  expose(d, 1, 2);
+  check(layer(d), 0.5f, 0.25f);
+  // A camera that moves, and one that looks at a wall that moves along
+  d = scene();
+  add_rectangle(d, wall, add_diffuse(d, 0.5f));
+  d.camera.motion = add_motion(d, {{0, d.camera.to_world}, {2, shift(0.5f, 0.25f) * d.camera.to_world}});
+  check(layer(d), -1, -0.5f);
+  move(d, d.shapes[0], {{0, wall}, {2, shift(0.5f, 0.25f) * wall}});
+  check(layer(d), 0, 0);
+  // A sphere in a moving instance, with a background that has no motion
+  d = scene();
+  d.groups.emplace_back();
+  d.groups.back().shapes.push_back({});
+  d.groups.back().shapes.back().geometry = SphereShape{{0, 0, 0}, 1};
+  InstanceDescription instance;
+  instance.motion = add_motion(d, {{0, shift(-0.1f)}, {2, shift(0.1f)}});
+  d.instances.push_back(instance);
+  const Vec3f sphere = layer(d);
+  CHECK(sphere.x == doctest::Approx(0.2 * 8 / 3).epsilon(0.03));
+  CHECK(sphere.z == 0);
+  // A wall that stretches to twice its height above the point (0, -20, 0)
+  d = scene();
+  Mesh low{{{-20, -20, 0}, {20, -20, 0}, {20, 20, 0}, {-20, 20, 0}}, {}, {}, {{0, 1, 2}, {0, 2, 3}}}, high = low;
+  high.positions[2].y = high.positions[3].y = 20.8f;
+  add_shape(d, DeformingMesh{{{0, low}, {2, high}}}, {}, add_diffuse(d, 0.5f));
+  const Vec3f stretched = layer(d);
+  CHECK(stretched.x == doctest::Approx(0).epsilon(1e-3));
+  CHECK(stretched.y == doctest::Approx(0.8).epsilon(0.03));
+  // Nothing moves
+  d = scene();
+  add_rectangle(d, wall, add_diffuse(d, 0.5f));
+  check(layer(d), 0, 0);
 }
 
 }  // namespace sheaf::test_motion

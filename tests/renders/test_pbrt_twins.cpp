@@ -80,7 +80,7 @@ TEST_SUITE("pbrt twins") {
       ++count;
       check_twins(entry.path().stem().string());
     }
-    CHECK(count == 11);
+    CHECK(count == 12);
   }
 
   TEST_CASE("pbrt scenes render equally in spectral mode") {

@@ -67,6 +67,7 @@ const std::multimap<std::string, std::string> kContents = {
     {"blend", "<phase type='hg'/><phase type='hg'/>"},
     {"constantvolume", "<float name='value' value='1'/>"},
     {"constvolume", "<float name='value' value='1'/>"},
+    {"deformable", "<string name='times' value='0'/><shape type='cube'/>"},
     {"ellipsoidsmesh", "<string name='filename' value='splats.ply'/>"},
     {"heterogeneous",
      "<volume name='density' type='constvolume'><float name='value' value='1'/></volume>"

@@ -196,18 +196,70 @@ TEST_CASE("gltf motion: scales of zero, and chains of many moving nodes") {
   check_near(motion_of(e, e.shapes.at(0).motion).at(0.5).point({0, 0, 0}), {25.5f, 0, 0});
 }
 
-TEST_CASE("gltf motion: deformations stand still, with a note") {
+TEST_CASE("gltf motion: morph targets become keys of meshes that deform") {
+  const auto mesh_of = [](const std::vector<float>& times, const std::vector<float>& weights, const char* type) {
+    GltfBuilder gltf;
+    json& primitive = gltf.add_triangle();
+    primitive["targets"] = {{{"POSITION", gltf.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3")}}};
+    animate(gltf, 0, "weights", times, weights, "SCALAR", type);
+    // Its transform stays apart from the deformation
+    animate(gltf, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0}, "VEC3");
+    Description d = read_at(gltf, 0, ShutterDescription{0, 1, 0});
+    CHECK(d.notes.empty());
+    CHECK(d.shapes.at(0).motion.has_value());
+    return std::get<DeformingMesh>(d.shapes.at(0).geometry);
+  };
+  const auto height = [](const DeformingMesh::Key& key) { return std::get<Mesh>(key.mesh).positions.at(1).z; };
+  // Linear weights need two keys
+  const DeformingMesh linear = mesh_of({0, 1}, {0, 1}, "LINEAR");
+  REQUIRE(linear.keys.size() == 2);
+  CHECK(linear.keys[1].time == 1);
+  CHECK(height(linear.keys[0]) == doctest::Approx(0));
+  CHECK(height(linear.keys[1]) == doctest::Approx(1));
+  // There and back needs three
+  const DeformingMesh back = mesh_of({0, 0.5f, 1}, {0, 1, 0}, "LINEAR");
+  REQUIRE(back.keys.size() == 3);
+  CHECK(back.keys[1].time == 0.5);
+  CHECK(height(back.keys[1]) == doctest::Approx(1));
+  CHECK(mesh_of({0, 1}, {0, 0, 0, 0, 1, 0}, "CUBICSPLINE").keys.size() > 8);
+  // Without a shutter the mesh is that of the moment
+  GltfBuilder gltf;
+  gltf.add_triangle()["targets"] = {{{"POSITION", gltf.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3")}}};
+  animate(gltf, 0, "weights", {0, 1}, {0, 1}, "SCALAR");
+  CHECK(std::holds_alternative<Mesh>(read_at(gltf, 0.5, std::nullopt).shapes.at(0).geometry));
+}
+
+TEST_CASE("gltf motion: skins deform meshes, and nodes that share a mesh deform on their own") {
   GltfBuilder gltf;
   json& primitive = gltf.add_triangle();
-  primitive["targets"] = {{{"POSITION", gltf.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3")}}};
-  animate(gltf, 0, "weights", {0, 1}, {0, 1}, "SCALAR");
-  const auto has_note = [](const Description& d) {
-    for (const std::string& note : d.notes)
-      if (contains(note, "skins and morph targets stand still")) return true;
-    return false;
+  primitive["attributes"]["JOINTS_0"] = gltf.add<std::uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  primitive["attributes"]["WEIGHTS_0"] = gltf.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  gltf.json["nodes"][0]["skin"] = 0;
+  gltf.json["nodes"].push_back(json::object());
+  gltf.json["nodes"].push_back(json::object());
+  gltf.json["nodes"].push_back({{"mesh", 0}, {"skin", 1}});
+  std::vector<float> identities(32, 0.0f);
+  for (std::size_t i = 0; i < 32; i += i % 16 == 15 ? 1 : 5) identities[i] = 1;
+  const int bind = gltf.add<float>(identities, "MAT4");
+  gltf.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", bind}},
+                        {{"joints", {1, 1}}, {"inverseBindMatrices", bind}}};
+  gltf.json["scenes"][0]["nodes"] = {0, 1, 2, 3};
+  const float half = std::sqrt(0.5f);
+  animate(gltf, 2, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, half, half}, "VEC4");
+  const Description d = read_at(gltf, 0, ShutterDescription{0, 1, 0});
+  REQUIRE(d.shapes.size() >= 2);
+  const auto& mesh = std::get<DeformingMesh>(d.shapes[0].geometry);
+  // A quarter turn needs many keys: 90 degrees / 32 deviates by 3e-4 of the radius
+  CHECK(mesh.keys.size() >= 33);
+  const auto position = [&](std::size_t key, std::size_t vertex) {
+    return std::get<Mesh>(mesh.keys[key].mesh).positions.at(vertex);
   };
-  CHECK(has_note(read_at(gltf, 0, ShutterDescription{0, 1, 0})));
-  CHECK_FALSE(has_note(read_at(gltf, 0, std::nullopt)));
+  check_near(position(0, 1), {1, 0, 0});
+  check_near(position(mesh.keys.size() / 2, 1), {half, half, 0});
+  check_near(position(mesh.keys.size() - 1, 1), {0, 1, 0});
+  check_near(position(mesh.keys.size() - 1, 0), {0, 0, 0});
+  // The joint of the other node does not move
+  CHECK(std::get<DeformingMesh>(d.shapes[1].geometry).keys.size() == 2);
 }
 
 }  // namespace sheaf::test_gltf_motion

@@ -358,4 +358,26 @@ TEST_CASE("motion: the shutter of the options replaces that of the scene") {
   CHECK(d.notes.empty());
 }
 
+TEST_CASE("motion: deformable shapes are meshes at several times") {
+  const auto shape = [](const std::string& times, const std::string& inside) {
+    return mitsuba_scene("<shape type='deformable'>\n<string name='times' value='" + times + "'/>" + inside +
+                         "</shape>");
+  };
+  const std::string first = "<shape type='rectangle'><bsdf type='diffuse' id='paint'/></shape>";
+  const std::string second =
+      "<shape type='rectangle'><transform name='to_world'><translate z='2'/></transform></shape>";
+  const Description d = read_text(shape("0.5, 2", first + second));
+  REQUIRE(d.shapes.size() == 1);
+  const auto& mesh = std::get<DeformingMesh>(d.shapes[0].geometry);
+  REQUIRE(mesh.keys.size() == 2);
+  CHECK(mesh.keys[0].time == 0.5);
+  CHECK(mesh.keys[1].time == 2);
+  CHECK(mesh.keys[1].to_shape.point({0, 0, 0}) == Vec3f{0, 0, 2});
+  REQUIRE(d.shapes[0].material.has_value());
+  CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[0].material)).id == "paint");
+  CHECK(contains(error_of_text(shape("0 1 2", first + second)), "2 shapes for 3 times"));
+  CHECK(contains(error_of_text(shape("0 0", first + second)), "not finite and increasing"));
+  CHECK(contains(error_of_text(shape("0 1", first + "<shape type='sphere'/>")), "is not a mesh"));
+}
+
 }  // namespace sheaf::test_motion_reading

@@ -55,6 +55,11 @@ void grow(Box& box, const ShapeDescription& shape) {
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     for (const auto& triangle : mesh->triangles)
       for (const std::uint32_t vertex : triangle) box.grow(t.point(mesh->positions[vertex]));
+  } else if (const auto* deforming = std::get_if<DeformingMesh>(&shape.geometry)) {
+    // Only those of glTF, which are in memory, need a camera
+    for (const DeformingMesh::Key& key : deforming->keys)
+      if (const auto* at_key = std::get_if<Mesh>(&key.mesh))
+        for (const Vec3f p : at_key->positions) box.grow((t * key.to_shape).point(p));
   } else if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
     const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
     box.grow(t, sphere->center - r, sphere->center + r);

@@ -9,7 +9,6 @@ namespace sheaf::gltf {
 
 namespace {
 
-using Channel = GltfAnimation::Channel;
 using Values = std::vector<double>;
 
 /// Position of a time between two keys.
@@ -56,7 +55,7 @@ Values slerp(const Values& a, Values b, double t) {
 }  // namespace
 
 Values AnimationKeys::part(std::size_t key, Part part) const {
-  const bool is_cubic = interpolation == Channel::Interpolation::kCubic;
+  const bool is_cubic = interpolation == GltfAnimation::Channel::Interpolation::kCubic;
   const std::size_t first = (is_cubic ? 3 * key + part : key) * size;
   return {values.begin() + static_cast<std::ptrdiff_t>(first),
           values.begin() + static_cast<std::ptrdiff_t>(first + size)};
@@ -66,8 +65,8 @@ Values AnimationKeys::at(double time) const {
   const KeyPair pair = find_keys(times, time);
   Values first = part(pair.first, kValue);
   const Values second = part(pair.second, kValue);
-  if (interpolation == Channel::Interpolation::kStep || pair.first == pair.second) return first;
-  if (interpolation == Channel::Interpolation::kLinear) {
+  if (interpolation == GltfAnimation::Channel::Interpolation::kStep || pair.first == pair.second) return first;
+  if (interpolation == GltfAnimation::Channel::Interpolation::kLinear) {
     if (is_rotation) return slerp(first, second, pair.t);
     Values out(first.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = first[i] + pair.t * (second[i] - first[i]);
@@ -83,21 +82,21 @@ Values AnimationKeys::at(double time) const {
   return out;
 }
 
-AnimationKeys load_keys(const GltfFile& file, const Channel& channel, const std::string& part) {
+AnimationKeys load_keys(const GltfFile& file, const GltfAnimation::Channel& channel, const std::string& part) {
   AnimationKeys keys;
   keys.interpolation = channel.interpolation;
-  keys.is_rotation = channel.path == Channel::Path::kRotation;
+  keys.is_rotation = channel.path == GltfAnimation::Channel::Path::kRotation;
   keys.times = read_floats(file, channel.times, 1);
   constexpr int kComponents[] = {3, 4, 3, 1};
   const int components = kComponents[static_cast<int>(channel.path)];
   keys.values = read_floats(file, channel.values, components);
-  const bool is_cubic = channel.interpolation == Channel::Interpolation::kCubic;
+  const bool is_cubic = channel.interpolation == GltfAnimation::Channel::Interpolation::kCubic;
   const std::size_t parts = keys.times.size() * (is_cubic ? 3 : 1);
   if (parts == 0 || keys.values.size() % parts != 0 || keys.values.empty())
     throw file.error(part, "its keys do not match: " + std::to_string(keys.times.size()) + " times and " +
                                std::to_string(keys.values.size()) + " numbers");
   keys.size = keys.values.size() / parts;
-  if (channel.path != Channel::Path::kWeights && keys.size != static_cast<std::size_t>(components))
+  if (channel.path != GltfAnimation::Channel::Path::kWeights && keys.size != static_cast<std::size_t>(components))
     throw file.error(part,
                      "has " + std::to_string(keys.size) + " numbers per key, expected " + std::to_string(components));
   const auto bad = [](float x) { return !std::isfinite(x); };

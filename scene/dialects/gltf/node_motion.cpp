@@ -145,13 +145,14 @@ constexpr int kMaxTracks = 32;
 
 }  // namespace
 
-bool deforms_meshes(const GltfFile& file, const ModelMoment& moment) {
+bool deforms_mesh(const GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter,
+                  std::size_t node) {
   const GltfAnimation* animation = find_animation(file, moment);
-  if (animation == nullptr) return false;
-  return std::any_of(animation->channels.begin(), animation->channels.end(),
-                     [](const GltfAnimation::Channel& channel) { return channel.path == Path::kWeights; }) ||
-         std::any_of(file.nodes.begin(), file.nodes.end(),
-                     [](const GltfNode& node) { return node.skin != kNoIndex && node.mesh != kNoIndex; });
+  if (animation == nullptr || !(shutter.close > shutter.open)) return false;
+  return file.nodes[node].skin != kNoIndex ||
+         std::any_of(animation->channels.begin(), animation->channels.end(), [&](const GltfAnimation::Channel& c) {
+           return c.path == Path::kWeights && static_cast<std::size_t>(c.node) == node;
+         });
 }
 
 std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const ModelMoment& moment,

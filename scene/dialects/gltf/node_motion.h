@@ -14,8 +14,8 @@ inline constexpr std::size_t kTabulatedTimes = 129;
 std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const ModelMoment& moment,
                                                            const ShutterDescription& shutter, const Pose& pose);
 
-/// Whether the animation deforms meshes, by skins or morph targets.
-bool deforms_meshes(const GltfFile& file, const ModelMoment& moment);
+/// Whether the animation may deform the mesh of a node while the shutter is open, by a skin or by morph targets.
+bool deforms_mesh(const GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter, std::size_t node);
 
 /// A track of kTabulatedTimes keys with the values of at(time).
 template <class At> AnimatedTransform tabulate(const ShutterDescription& shutter, At&& at) {

@@ -1,6 +1,7 @@
 // Scenes of glTF: nodes, instances, and what is chosen of cameras.
 #include "scene/dialects/common/choose_camera.h"
 #include "scene/dialects/common/moving_groups.h"
+#include "scene/dialects/gltf/deformation.h"
 #include "scene/dialects/gltf/node_motion.h"
 #include "scene/dialects/gltf/reader.h"
 #include "scene/formats/mesh.h"
@@ -26,12 +27,10 @@ class SceneReader {
       : file_(file),
         pose_(pose_at(file, {moment_of_opening(moment, out.shutter), moment.animation})),
         motions_(node_motions(file, moment, out.shutter, pose_)),
+        deformations_(file, moment, out.shutter, lenient),
         lenient_(lenient),
         out_(out),
-        materials_(file, out) {
-    if (out.shutter.close > out.shutter.open && deforms_meshes(file, moment))
-      file.notes.push_back(file.file.string() + ": skins and morph targets stand still while the shutter is open");
-  }
+        materials_(file, out) {}
 
   GltfContents read(const std::string& camera) {
     list_nodes();
@@ -53,9 +52,10 @@ class SceneReader {
   }
 
  private:
-  /// What a node shows: a mesh with its morph weights. Nodes with skins share nothing.
+  /// What a node shows: a mesh with its morph weights. Nodes with skins and nodes whose meshes deform while the shutter
+  /// is open share nothing.
   struct MeshKey {
-    int mesh = kNoIndex, skinned_node = kNoIndex;
+    int mesh = kNoIndex, unshared_node = kNoIndex;
     std::vector<float> weights;
     auto operator<=>(const MeshKey&) const = default;
   };
@@ -95,10 +95,8 @@ class SceneReader {
 
   MeshKey key_of(std::size_t i) const {
     const GltfNode& node = file_.nodes[i];
-    const bool skinned = node.skin != kNoIndex;
-    const std::vector<float>& mesh_weights = file_.meshes[static_cast<std::size_t>(node.mesh)].weights;
-    return {node.mesh, skinned ? static_cast<int>(i) : kNoIndex,
-            pose_.weights[i].empty() ? mesh_weights : pose_.weights[i]};
+    const bool is_unshared = node.skin != kNoIndex || deformations_.deforms(i);
+    return {node.mesh, is_unshared ? static_cast<int>(i) : kNoIndex, weights_of(file_, pose_, i)};
   }
 
   void count_uses() {
@@ -106,31 +104,23 @@ class SceneReader {
       if (file_.nodes[i].mesh != kNoIndex) uses_[key_of(i)].count += file_.nodes[i].instances.empty() ? 1 : 2;
   }
 
-  Deformation deformation(std::size_t i, const MeshKey& key) const {
-    Deformation out{key.weights, {}};
-    const GltfNode& node = file_.nodes[i];
-    if (node.skin == kNoIndex) return out;
-    const GltfSkin& skin = file_.skins[static_cast<std::size_t>(node.skin)];
-    std::vector<float> inverse;
-    if (skin.inverse_bind_matrices != kNoIndex) inverse = read_floats(file_, skin.inverse_bind_matrices, 16);
-    for (std::size_t joint = 0; joint < skin.joints.size(); ++joint) {
-      Matrix4 bind;
-      if (!inverse.empty())
-        for (std::size_t k = 0; k < 16; ++k) bind.m[k % 4][k / 4] = inverse[16 * joint + k];
-      out.joint_to_world.push_back(pose_.to_world[static_cast<std::size_t>(skin.joints[joint])] * bind);
-    }
-    return out;
-  }
-
   /// The shapes of a mesh in its own space.
   std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
     std::vector<ShapeDescription> out;
-    for (Primitive& primitive : load_mesh(file_, key.mesh, deformation(i, key), lenient_)) {
-      degenerate_ += drop_degenerate_triangles(primitive.mesh);
-      if (primitive.mesh.triangles.empty()) continue;
-      const Surface surface = materials_.surface(primitive.material, primitive.vertex_data);
+    std::vector<Primitive> primitives = load_mesh(file_, key.mesh, deformation_of(file_, pose_, i), lenient_);
+    std::vector<DeformingMesh> deforming;
+    if (deformations_.deforms(i)) deforming = deformations_.meshes(i);
+    for (std::size_t k = 0; k < primitives.size(); ++k) {
+      Primitive& primitive = primitives[k];
       ShapeDescription shape;
-      shape.geometry = std::move(primitive.mesh);
+      if (deforming.empty()) {
+        degenerate_ += drop_degenerate_triangles(primitive.mesh);
+        if (primitive.mesh.triangles.empty()) continue;
+        shape.geometry = std::move(primitive.mesh);
+      } else {
+        shape.geometry = std::move(deforming[k]);
+      }
+      const Surface surface = materials_.surface(primitive.material, primitive.vertex_data);
       shape.face_normals = !primitive.has_normals;
       shape.material = surface.material;
       shape.radiance = surface.radiance;
@@ -149,7 +139,7 @@ class SceneReader {
     const MeshKey key = key_of(i);
     MeshUse& use = uses_.at(key);
     // Skins have the transforms of their joints
-    const NodePlacement node = key.skinned_node == kNoIndex ? placement_of(i) : NodePlacement{};
+    const NodePlacement node = file_.nodes[i].skin == kNoIndex ? placement_of(i) : NodePlacement{};
     if (use.count == 1) {
       Matrix4 inverse;
       if (node.motion == nullptr && !invert(node.to_world, inverse)) return note_singular(i);
@@ -221,6 +211,7 @@ class SceneReader {
   GltfFile& file_;
   Pose pose_;
   std::vector<std::optional<AnimatedTransform>> motions_;  ///< by node; empty: does not move
+  Deformations deformations_;
   bool lenient_;
   Description& out_;
   Materials materials_;

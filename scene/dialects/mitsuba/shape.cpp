@@ -4,8 +4,11 @@
 #include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/formats/ellipsoids.h"
+#include "scene/formats/mesh.h"
 #include "scene/materials/reading.h"
 #include "scene/xml/read_arrays.h"
+
+#include <cmath>
 
 namespace sheaf::mitsuba {
 
@@ -49,6 +52,45 @@ std::vector<Transform> read_many_ellipsoids(Properties& p) {
 constexpr NameTable<std::vector<Transform> (*)(Properties&)> kEllipsoids{
     {{"ellipsoids", read_many_ellipsoids}, {"ellipsoidsmesh", read_many_ellipsoids}}};
 
+/// The mesh of a nested shape of a deformable shape.
+decltype(DeformingMesh::Key::mesh) mesh_at_key(const XmlElement& element, const ShapeDescription& shape) {
+  if (const auto* file = std::get_if<MeshFileShape>(&shape.geometry)) return *file;
+  if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) return *mesh;
+  if (std::holds_alternative<RectangleShape>(shape.geometry)) return rectangle_mesh();
+  if (std::holds_alternative<CubeShape>(shape.geometry)) return cube_mesh();
+  throw ElementError(element, "is not a mesh, expected only meshes in a 'deformable' shape");
+}
+
+/// Reads a mesh that deforms: nested shapes for the times of the string `times`, as in Mitsuba 0.6. It has the material
+/// of the first one.
+void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
+  const std::vector<float> times = read_numbers(p, "times");
+  const std::vector<const XmlElement*> children = p.objects("shape");
+  if (times.size() != children.size())
+    p.fail("has " + std::to_string(children.size()) + " shapes for " + std::to_string(times.size()) +
+           " times, expected one for each of its 'times'");
+  DeformingMesh mesh;
+  for (std::size_t i = 0; i < children.size(); ++i) {
+    if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1])))
+      p.fail_at("times", "are not finite and increasing");
+    Properties child(*children[i], p.context());
+    ShapeDescription at_key;
+    child.plugin(kSharedShapes)(child, true, at_key);
+    mesh.keys.push_back({double{times[i]}, mesh_at_key(*children[i], at_key), child.transform("to_world")});
+    if (i == 0) {
+      shape.face_normals = at_key.face_normals;
+      if (const XmlElement* bsdf = child.object("bsdf")) shape.material = material_of(*bsdf, reader);
+      shape.flip_normals = child.boolean("flip_normals", false);
+    }
+    child.ignore_all();
+  }
+  if (mesh.keys.empty()) p.fail("has no shapes, expected meshes for at least one of its 'times'");
+  shape.geometry = std::move(mesh);
+}
+
+/// Shapes made of other shapes.
+constexpr NameTable<void (*)(Properties&, Reader&, ShapeDescription&)> kDeformable{{{"deformable", read_deformable}}};
+
 void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
   if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
   if (const XmlElement* medium = p.named_object("medium", "exterior")) shape.exterior = medium_of(*medium, reader);
@@ -71,12 +113,14 @@ void read_shape(const XmlElement& element, Reader& reader) {
   } else if (p.type() == "mesh" && p.find_array("vertices") != nullptr) {
     shape.face_normals = p.boolean("face_normals", false);
     shape.geometry = read_mesh_arrays(p);
+  } else if (const auto* read_keys = kDeformable.find(p.type())) {
+    (*read_keys)(p, reader, shape);
   } else {
-    p.plugin(kSharedShapes, kEllipsoids, kAggregates)(p, true, shape);
+    p.plugin(kSharedShapes, kEllipsoids, kDeformable, kAggregates)(p, true, shape);
   }
   const Placement placement = p.placement("to_world");
   shape.to_world = placement.to_world;
-  shape.flip_normals = p.boolean("flip_normals", false);
+  shape.flip_normals = p.boolean("flip_normals", false) != shape.flip_normals;
   // Read material, emitter and sensor
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter"))

@@ -1,0 +1,177 @@
+// Meshes that deform: reads their keys, checks that they agree, and tabulates them over the shutter.
+#include "scene/compile/prepare_mesh.h"
+#include "scene/formats/mesh.h"
+#include "scene/formats/mesh_io.h"
+#include "scene/tables/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Number of segments for keys that lie at no common multiple of a fraction of the shutter interval.
+constexpr int kDefaultSegments = 16;
+
+/// A mesh at the time of a key, in world space.
+struct KeyMesh {
+  double time = 0;
+  Mesh mesh;
+  bool is_split = false, makes_normals = false;  ///< see MeshFile, MeshFileShape::smooth_normals
+};
+
+KeyMesh read_key(const ShapeDescription& shape, const DeformingMesh::Key& key, std::vector<std::string>& warnings) {
+  KeyMesh out;
+  out.time = key.time;
+  bool face_normals = shape.face_normals;
+  if (const auto* from = std::get_if<MeshFileShape>(&key.mesh)) {
+    MeshFile file = read_mesh(*from);
+    out.mesh = std::move(file.mesh);
+    out.is_split = file.is_split;
+    out.makes_normals = from->smooth_normals;
+    face_normals = face_normals || file.face_normals;
+    for (const std::string& warning : file.warnings) warnings.push_back(from->file.string() + ": " + warning);
+  } else {
+    out.mesh = std::get<Mesh>(key.mesh);
+  }
+  check_mesh(out.mesh, shape.where);
+  if (face_normals) {
+    out.mesh.normals.clear();
+    out.makes_normals = false;
+  }
+  return out;
+}
+
+/// Throws SceneError unless the meshes have the same vertices and triangles.
+void check_same_topology(const KeyMesh& first, const KeyMesh& later, std::size_t number, const SourceLocation& where) {
+  const auto differ = [&](const char* what, std::size_t a, std::size_t b) {
+    throw SceneError(where, "the meshes of a deformation differ in their " + std::string(what) + ": number 1 has " +
+                                std::to_string(a) + ", number " + std::to_string(number) + " has " + std::to_string(b));
+  };
+  const Mesh &a = first.mesh, &b = later.mesh;
+  if (a.positions.size() != b.positions.size()) differ("vertices", a.positions.size(), b.positions.size());
+  if (a.triangles.size() != b.triangles.size()) differ("triangles", a.triangles.size(), b.triangles.size());
+  if (a.triangles != b.triangles)
+    throw SceneError(where, "the meshes of a deformation have different triangles: those of numbers 1 and " +
+                                std::to_string(number) + " connect different vertices");
+  if (a.normals.empty() != b.normals.empty())
+    throw SceneError(
+        where, "only some meshes of a deformation have normals: numbers 1 and " + std::to_string(number) + " differ");
+}
+
+/// Whether a triangle can be traced at all times and has an area at one of them.
+bool is_usable(const std::vector<KeyMesh>& keys, const std::vector<std::vector<bool>>& usable, std::uint32_t triangle) {
+  bool has_area = false;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (!is_traceable_triangle(keys[k].mesh, triangle)) return false;
+    has_area = has_area || usable[k][triangle];
+  }
+  return has_area;
+}
+
+/// Drops the triangles that are degenerate at all times; returns their number.
+std::size_t drop_degenerate_triangles(std::vector<KeyMesh>& keys) {
+  const std::size_t count = keys[0].mesh.triangles.size();
+  std::vector<std::vector<bool>> usable;
+  for (const KeyMesh& key : keys) {
+    usable.emplace_back(count, false);
+    for (const std::uint32_t triangle : usable_triangles(key.mesh)) usable.back()[triangle] = true;
+  }
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (is_usable(keys, usable, i)) kept.push_back(i);
+  if (kept.size() < count)
+    for (KeyMesh& key : keys) key.mesh = extract_triangles(key.mesh, kept);
+  return count - kept.size();
+}
+
+/// Replaces normals by smooth ones. `places`: for each vertex the one that it shares its normal with, or empty.
+void compute_normals(Mesh& mesh, const std::vector<std::uint32_t>& places) {
+  if (places.empty()) return compute_vertex_normals(mesh);
+  Mesh welded{mesh.positions, {}, {}, mesh.triangles};
+  for (auto& triangle : welded.triangles)
+    for (std::uint32_t& vertex : triangle) vertex = places[vertex];
+  compute_vertex_normals(welded);
+  mesh.normals.resize(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) mesh.normals[i] = welded.normals[places[i]];
+}
+
+/// The number of equidistant segments of the shutter interval between which all keys lie.
+int segments_of(const std::vector<KeyMesh>& keys, const ShutterDescription& shutter) {
+  constexpr double kTolerance = 1e-4;
+  for (int segments = 1; segments <= kMaxMotionSegments; ++segments) {
+    const bool fits = std::all_of(keys.begin(), keys.end(), [&](const KeyMesh& key) {
+      const double at = (key.time - shutter.open) / (shutter.close - shutter.open) * segments;
+      return at <= kTolerance || at >= segments - kTolerance || std::fabs(at - std::round(at)) <= kTolerance;
+    });
+    if (fits) return segments;
+  }
+  return kDefaultSegments;
+}
+
+/// The vertices at a time.
+MeshStep step_at(const std::vector<KeyMesh>& keys, double time) {
+  const auto after = std::find_if(keys.begin(), keys.end(), [&](const KeyMesh& key) { return key.time > time; });
+  if (after == keys.begin()) return {keys.front().mesh.positions, keys.front().mesh.normals};
+  const KeyMesh& a = *(after - 1);
+  if (after == keys.end() || a.time == time) return {a.mesh.positions, a.mesh.normals};
+  const auto t = static_cast<float>((time - a.time) / (after->time - a.time));
+  MeshStep out{a.mesh.positions, a.mesh.normals};
+  for (std::size_t i = 0; i < out.positions.size(); ++i)
+    out.positions[i] = out.positions[i] * (1 - t) + after->mesh.positions[i] * t;
+  for (std::size_t i = 0; i < out.normals.size(); ++i) {
+    const Vec3f sum = out.normals[i] * (1 - t) + after->mesh.normals[i] * t;
+    const float size = length(sum);
+    if (size > 0) out.normals[i] = sum / size;
+  }
+  return out;
+}
+
+/// Reads all keys, in world space, with the triangles of the first one.
+std::vector<KeyMesh> read_keys(const ShapeDescription& shape, const DeformingMesh& from, PreparedMesh& prepared) {
+  std::vector<KeyMesh> keys;
+  for (const DeformingMesh::Key& key : from.keys) {
+    keys.push_back(read_key(shape, key, prepared.warnings));
+    check_same_topology(keys[0], keys.back(), keys.size(), shape.where);
+  }
+  for (std::size_t i = 0; i < keys.size(); ++i) transform_mesh(keys[i].mesh, shape.to_world * from.keys[i].to_shape);
+  // The normals of the first key determine the front side
+  for (KeyMesh& key : keys) key.mesh.triangles = keys[0].mesh.triangles;
+  return keys;
+}
+
+}  // namespace
+
+PreparedMesh prepare_deforming_mesh(const ShapeDescription& shape, const DeformingMesh& from,
+                                    const ShutterDescription& shutter) {
+  PreparedMesh prepared;
+  std::vector<KeyMesh> keys = read_keys(shape, from, prepared);
+  if (shape.interior != shape.exterior) prepared.open_edges = OpenBoundaries::find(keys[0].mesh, shape.where);
+  prepared.dropped = drop_degenerate_triangles(keys);
+  // Compute missing normals, and flip all
+  std::vector<std::uint32_t> places;
+  if (keys[0].is_split) places = same_places(keys[0].mesh);
+  for (KeyMesh& key : keys) {
+    if (key.makes_normals && key.mesh.normals.empty()) compute_normals(key.mesh, places);
+    if (shape.flip_normals) flip_mesh(key.mesh);
+  }
+  // Tabulate the vertices over the shutter
+  const bool moves = shutter.close > shutter.open && keys.size() > 1;
+  const int segments = moves ? segments_of(keys, shutter) : 0;
+  bool changes = false;
+  MeshStep first = step_at(keys, shutter.open);
+  for (int i = 1; i <= segments; ++i) {
+    prepared.later_steps.push_back(
+        step_at(keys, shutter.open + (shutter.close - shutter.open) * i / static_cast<double>(segments)));
+    const MeshStep& step = prepared.later_steps.back();
+    changes = changes || step.positions != first.positions || step.normals != first.normals;
+  }
+  if (!changes) prepared.later_steps.clear();
+  prepared.mesh = std::move(keys[0].mesh);
+  prepared.mesh.positions = std::move(first.positions);
+  prepared.mesh.normals = std::move(first.normals);
+  return prepared;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,107 @@
+#include "scene/dialects/gltf/deformation.h"
+
+#include <algorithm>
+
+namespace sheaf::gltf {
+
+namespace {
+
+constexpr int kMaxSegments = 64;
+
+/// Maximum error of positions between keys, as a fraction of the size of the mesh.
+constexpr float kMaxDeformationError = 2e-4f;
+
+using Primitives = std::map<int, std::vector<Primitive>>;
+
+float size_of(const Mesh& mesh) {
+  if (mesh.positions.empty()) return 0;
+  Vec3f lower = mesh.positions[0], upper = lower;
+  for (const Vec3f p : mesh.positions) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  return length(upper - lower);
+}
+
+/// Whether linear interpolation between every `stride`th index reproduces all primitives.
+bool interpolate(const Primitives& at, int stride) {
+  for (const auto& [index, primitives] : at) {
+    const int first = index / stride * stride;
+    if (first == index) continue;
+    const auto t = static_cast<float>(index - first) / static_cast<float>(stride);
+    const std::vector<Primitive>&a = at.at(first), &b = at.at(first + stride);
+    for (std::size_t k = 0; k < primitives.size(); ++k) {
+      const std::vector<Vec3f>&p = a[k].mesh.positions, &q = b[k].mesh.positions, &r = primitives[k].mesh.positions;
+      const float tolerance = kMaxDeformationError * std::max(size_of(a[k].mesh), size_of(b[k].mesh));
+      for (std::size_t i = 0; i < r.size(); ++i)
+        if (length(p[i] * (1 - t) + q[i] * t - r[i]) > tolerance) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+const std::vector<float>& weights_of(const GltfFile& file, const Pose& pose, std::size_t node) {
+  const std::vector<float>& own = pose.weights[node];
+  return own.empty() ? file.meshes[static_cast<std::size_t>(file.nodes[node].mesh)].weights : own;
+}
+
+Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node) {
+  Deformation out{weights_of(file, pose, node), {}};
+  if (file.nodes[node].skin == kNoIndex) return out;
+  const GltfSkin& skin = file.skins[static_cast<std::size_t>(file.nodes[node].skin)];
+  std::vector<float> inverse;
+  if (skin.inverse_bind_matrices != kNoIndex) inverse = read_floats(file, skin.inverse_bind_matrices, 16);
+  for (std::size_t joint = 0; joint < skin.joints.size(); ++joint) {
+    Matrix4 bind;
+    if (!inverse.empty())
+      for (std::size_t k = 0; k < 16; ++k) bind.m[k % 4][k / 4] = inverse[16 * joint + k];
+    out.joint_to_world.push_back(pose.to_world[static_cast<std::size_t>(skin.joints[joint])] * bind);
+  }
+  return out;
+}
+
+Deformations::Deformations(GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter, bool lenient)
+    : file_(file), moment_(moment), shutter_(shutter), lenient_(lenient) {
+  for (std::size_t i = 0; i < file.nodes.size(); ++i)
+    deforms_.push_back(file.nodes[i].mesh != kNoIndex && deforms_mesh(file, moment, shutter, i));
+}
+
+std::vector<Primitive> Deformations::primitives_at(std::size_t node, int index) {
+  if (!poses_.contains(index)) {
+    const double t = static_cast<double>(index) / kMaxSegments;
+    const double time = *moment_.time + shutter_.open + t * (shutter_.close - shutter_.open);
+    poses_.emplace(index, pose_at(file_, {time, moment_.animation}));
+  }
+  // The mesh at the first time has already made the notes
+  const std::size_t notes = file_.notes.size();
+  std::vector<Primitive> primitives =
+      load_mesh(file_, file_.nodes[node].mesh, deformation_of(file_, poses_.at(index), node), lenient_);
+  file_.notes.resize(notes);
+  return primitives;
+}
+
+std::vector<DeformingMesh> Deformations::meshes(std::size_t node) {
+  // Halve the segments until interpolation is accurate
+  Primitives at;
+  int stride = kMaxSegments / 4;
+  for (;; stride /= 2) {
+    for (int index = 0; index <= kMaxSegments; index += stride)
+      if (!at.contains(index)) at.emplace(index, primitives_at(node, index));
+    if (stride == 1 || interpolate(at, 2 * stride)) break;
+  }
+  // Omit times that are not needed
+  while (stride < kMaxSegments && interpolate(at, 2 * stride)) stride *= 2;
+  std::vector<DeformingMesh> out(at.at(0).size());
+  for (int index = 0; index <= kMaxSegments; index += stride) {
+    std::vector<Primitive>& primitives = at.at(index);
+    const double t = static_cast<double>(index) / kMaxSegments;
+    for (std::size_t k = 0; k < out.size(); ++k)
+      out[k].keys.push_back(
+          {shutter_.open + t * (shutter_.close - shutter_.open), std::move(primitives[k].mesh), Transform()});
+  }
+  return out;
+}
+
+}  // namespace sheaf::gltf

@@ -1,0 +1,244 @@
+// Meshes that deform while the shutter is open: closed forms, and agreement of estimators.
+#include "tests/support/envmap_testing.h"
+#include "tests/support/motion_testing.h"
+#include "tests/support/render_testing.h"
+
+namespace sheaf::test_deformation {
+
+namespace {
+
+constexpr double kAllowed = 2e-4;
+
+/// A quadrilateral with corners in counter-clockwise order, as seen from its front.
+Mesh quad(Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
+  return {{a, b, c, d}, {}, {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+}
+
+/// The same with one normal.
+Mesh quad(Vec3f a, Vec3f b, Vec3f c, Vec3f d, Vec3f normal) {
+  Mesh mesh = quad(a, b, c, d);
+  mesh.normals.assign(4, normal);
+  return mesh;
+}
+
+/// A strip of the plane z = 0 from x = -3 to `right`.
+Mesh strip(float right) { return quad({-3, -1, 0}, {right, -1, 0}, {right, 1, 0}, {-3, 1, 0}); }
+
+ShapeDescription& add_deforming(Description& d, std::vector<DeformingMesh::Key> keys,
+                                std::optional<MaterialId> material = {}) {
+  return add_shape(d, DeformingMesh{std::move(keys)}, {}, material);
+}
+
+/// A camera above the origin that sees the point (x, 0, 0).
+Description view_of(float x, int samples) {
+  Description d = one_point_scene(samples);
+  look_at_point(d, {x, 0, 5}, {x, 0, 0}, {0, 1, 0});
+  d.integrator.max_depth = 1;
+  return d;
+}
+
+/// The plane z = 0 seen from the side, lit by nothing yet.
+Description floor_scene(int samples) {
+  Description d = one_point_scene(samples);
+  look_at_point(d, {0, -4, 4}, {0, 0, 0});
+  d.integrator.max_depth = 2;
+  add_rectangle(d, Transform::scale({50, 50, 1}), add_diffuse(d, 0.5f));
+  return d;
+}
+
+MeanVariance green(const Description& d) { return pixel_means(d)[1]; }
+
+/// A lamp above the plane z = 0 that bends, turns and grows.
+std::vector<DeformingMesh::Key> bending_lamp() {
+  return {{0, quad({-1, 1, 2}, {1, 1, 2}, {1, -1, 2}, {-1, -1, 2})},
+          {0.5, quad({-1, 0.5f, 2}, {1, 1, 1.5f}, {1.5f, -1, 2.5f}, {-1, -0.5f, 2})},
+          {1, quad({-0.5f, 1, 3}, {0, 1, 1.5f}, {0, -1, 1.5f}, {-0.5f, -1, 3})}};
+}
+
+}  // namespace
+
+TEST_CASE("deformation: an edge that moves leaves the ramp of a rigid edge") {
+  const double level = significance_of_each(6);
+  for (const float x : {-0.6f, 0.3f, 0.7f}) {
+    CAPTURE(x);
+    // The right edge moves from -1 to 1
+    Description d = view_of(x, 64);
+    emit(add_deforming(d, {{0, strip(-1)}, {1, strip(1)}}), 1);
+    expose(d, 0, 1);
+    check_mean(green(d), 0.5 * (1 - x), level, kAllowed);
+    // In the second quarter of the interval of the keys, from -0.5 to 0
+    expose(d, 0.25, 0.5);
+    check_mean(green(d), x > 0 ? 0.0 : x < -0.5f ? 1.0 : -2.0 * x, level, kAllowed);
+  }
+}
+
+TEST_CASE("deformation: several keys give several speeds, and outside of them the mesh stands still") {
+  Description d = view_of(0, 64);
+  // The edge passes the origin at 0.2, stands at 1 from 0.3 to 0.4, and passes it again at 0.6
+  emit(add_deforming(d, {{0.1, strip(-1)}, {0.3, strip(1)}, {0.4, strip(1)}, {0.8, strip(-1)}}), 1);
+  expose(d, 0, 1);
+  check_mean(green(d), 0.4, kSignificance, kAllowed);
+  // With a closed shutter the mesh is as it is at that time
+  for (const double time : {0.19, 0.21, 0.59, 0.61}) {
+    expose(d, time, time);
+    const auto scene = compile_scene(d);
+    CHECK_FALSE(scene->view().motion.any());
+    CHECK(render(*scene, {}).to_image().at(3, 3, 1) == (time > 0.2 && time < 0.6 ? 1.0f : 0.0f));
+  }
+}
+
+TEST_CASE("deformation: normals are interpolated") {
+  Description d = view_of(0.2f, 64);
+  d.integrator.max_depth = 2;
+  const auto tilted = [](Vec3f normal) { return quad({-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, normal); };
+  add_deforming(d, {{0, tilted({0, 0, 1})}, {1, tilted({0.8f, 0, 0.6f})}}, add_diffuse(d, 0.5f));
+  d.lights.push_back({DirectionalLightDescription{{0, 0, -1}}, {}});
+  expose(d, 0, 1);
+  double cosine = 0;
+  constexpr int kSteps = 1000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double t = (i + 0.5) / kSteps, z = 1 - 0.4 * t;
+    cosine += z / std::hypot(0.8 * t, z) / kSteps;
+  }
+  check_mean(green(d), 0.5 / double(kPi) * cosine, kSignificance, 2e-5);
+}
+
+TEST_CASE("deformation: a blocker that grows casts its shadow for part of the time") {
+  Description d = floor_scene(64);
+  add_point_light(d, {0, 0, 4}, 1);
+  // Half way to the light: its edge passes the axis at 0.3
+  const auto blocker = [](float right) { return quad({-2, -1, 2}, {right, -1, 2}, {right, 1, 2}, {-2, 1, 2}); };
+  add_deforming(d, {{0, blocker(-0.6f)}, {1, blocker(1.4f)}});
+  expose(d, 0, 1);
+  check_mean(green(d), 0.3 * 0.5 / double(kPi) / 16, kSignificance, 1e-5);
+}
+
+TEST_CASE("deformation: a lamp that grows gives the mean of its irradiance, however it is sampled") {
+  const double level = significance_of_each(3);
+  for (const NamedStrategy& strategy : kLightStrategies) {
+    CAPTURE(strategy.name);
+    Description d = floor_scene(256);
+    d.integrator.strategy = strategy.strategy;
+    // The width of a small lamp far above grows from 0 to 2 w
+    const float w = 0.3f;
+    const auto lamp = [](float half) {
+      return quad({-half, 0.3f, 9}, {half, 0.3f, 9}, {half, -0.3f, 9}, {-half, -0.3f, 9});
+    };
+    emit(add_deforming(d, {{0, lamp(0)}, {1, lamp(w)}}), 1000);
+    if (strategy.strategy == LightStrategy::kBsdfOnly) d.sampler.sample_count = 4096;
+    expose(d, 0, 1);
+    // Irradiance of a rectangle of half sides a, b at height h, on its axis
+    const auto irradiance = [](double a, double b, double h) {
+      const double u = std::sqrt(a * a + h * h), v = std::sqrt(b * b + h * h);
+      return 2 * (a / u * std::atan(b / u) + b / v * std::atan(a / v));
+    };
+    double mean = 0;
+    constexpr int kSteps = 1000;
+    for (int i = 0; i < kSteps; ++i) mean += irradiance(double{w} * (i + 0.5) / kSteps, 0.3, 9) / kSteps;
+    check_mean(green(d), 0.5 / double(kPi) * 1000 * mean, level, 1e-5);
+  }
+}
+
+TEST_CASE("deformation: light and BSDF sampling agree on lamps that bend, also in instances that move") {
+  const double level = significance_of_each(2 * 9);
+  for (const bool instanced : {false, true}) {
+    CAPTURE(instanced);
+    Description d = floor_scene(128);
+    ShapeDescription lamp;
+    lamp.geometry = DeformingMesh{bending_lamp()};
+    emit(lamp, 3);
+    if (!instanced) {
+      d.shapes.push_back(lamp);
+    } else {
+      d.groups.emplace_back();
+      d.groups.back().shapes.push_back(lamp);
+      for (const float side : {-1.0f, 1.0f}) {
+        InstanceDescription instance;
+        instance.motion =
+            add_motion(d, {{0, Transform::translate({side, 0, 0})},
+                           {1, Transform::translate({side, 1, 0.2f}) * Transform::scale({0.5f, 1, 0.8f})}});
+        if (side > 0)
+          instance.motion = add_motion(d, {{0, Transform::translate({side, 0, 0})},
+                                           {1, Transform::translate({side, 1, 0}) * Transform::rotate({0, 1, 0}, 20)}});
+        d.instances.push_back(instance);
+      }
+    }
+    add_area_light_rectangle(d, Transform::translate({0, 3, 3}) * Transform::rotate({1, 0, 0}, 140), 1);
+    expose(d, 0, 1);
+    check_strategies_agree(d, level);
+  }
+}
+
+TEST_CASE("deformation: light tracing and path tracing agree") {
+  Description d = empty_scene(24, 24);
+  d.sampler.sample_count = 256;
+  look_at(d, {0, -6, 3}, {0, 0, 0.5f}, {0, 0, 1}, 50);
+  d.integrator.max_depth = 3;
+  add_rectangle(d, Transform::scale({6, 6, 1}), add_diffuse(d, 0.6f));
+  add_deforming(d,
+                {{0, quad({-1, 0, 0}, {1, 0, 0.3f}, {1, 0, 1}, {-1, 0, 1})},
+                 {1, quad({-1, 1, 0}, {1, 0, 0.3f}, {2, 0, 1}, {-1, -1, 1.5f})}},
+                add_two_sided(d, add_diffuse(d, 0.7f)));
+  emit(add_deforming(d, bending_lamp()), 4);
+  expose(d, 0, 1);
+  const auto mean = [&](IntegratorKind kind, std::uint32_t seed) {
+    d.integrator.kind = kind;
+    d.sampler.seed = seed;
+    const Image image = render(*compile_scene(d), {}).to_image();
+    MeanVariance sum;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width / 2; ++x) sum.add(image.at(x, y, 1));
+    return sum.mean();
+  };
+  MeanVariance paths, photons;
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    paths.add(mean(IntegratorKind::kPath, seed));
+    photons.add(mean(IntegratorKind::kLightTracer, 100 + seed));
+  }
+  check_same_mean(paths, photons, kSignificance, 8);
+}
+
+TEST_CASE("deformation: keys with different meshes are errors") {
+  const auto error = [](Mesh second) {
+    Description d = view_of(0, 1);
+    add_deforming(d, {{0, strip(0)}, {1, std::move(second)}});
+    expose(d, 0, 1);
+    try {
+      compile_scene(d);
+    } catch (const SceneError& e) { return std::string(e.what()); }
+    return std::string();
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  Mesh other = strip(1);
+  std::swap(other.triangles[0], other.triangles[1]);
+  CHECK(has(error(other), "different triangles"));
+  other = strip(1);
+  other.triangles.pop_back();
+  CHECK(has(error(other), "number 1 has 2, number 2 has 1"));
+  other = strip(1);
+  other.positions.push_back({});
+  other.uvs.push_back({});
+  CHECK(has(error(other), "number 1 has 4, number 2 has 5"));
+  other = strip(1);
+  other.normals.assign(4, {0, 0, 1});
+  CHECK(has(error(other), "only some meshes of a deformation have normals"));
+}
+
+TEST_CASE("deformation: a mesh that has an area for part of the time is kept") {
+  Description d = view_of(0, 64);
+  // Grows out of a point
+  const auto square = [](float half) {
+    return quad({-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0});
+  };
+  look_at_point(d, {0.5f, 0, 5}, {0.5f, 0, 0}, {0, 1, 0});
+  emit(add_deforming(d, {{0, square(0)}, {1, square(1)}}), 1);
+  expose(d, 0, 1);
+  check_mean(green(d), 0.5, kSignificance, kAllowed);
+  // Vertices that are not finite at any time drop their triangles
+  Mesh broken = square(1);
+  broken.positions[1].x = kInfinity;
+  std::get<DeformingMesh>(d.shapes[0].geometry).keys[1].mesh = broken;
+  CHECK(compile_scene(d)->info().triangles == 1);
+}
+
+}  // namespace sheaf::test_deformation
