@@ -9,3 +9,10 @@ if(NOT CMAKE_CXX_COMPILER AND NOT CMAKE_TOOLCHAIN_FILE AND (SKBUILD OR NOT DEFIN
     set(CMAKE_CXX_COMPILER "${SHEAF_CLANG}")
   endif()
 endif()
+
+# Links with LLVM's linker if it is installed, which is three times as fast on programs with sanitizers.
+find_program(SHEAF_LLD NAMES ld.lld)
+mark_as_advanced(SHEAF_LLD)
+if(SHEAF_LLD)
+  add_link_options(-fuse-ld=lld)
+endif()

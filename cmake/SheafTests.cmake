@@ -139,8 +139,8 @@ function(sheaf_find_python consequence)
 endfunction()
 
 # sheaf_smoke_tests(<kind>... [OPTIONS <option>...]): runs each of the benchmarks, scripts or scenes (the examples) once
-# with the shortest settings; `generate`, which writes the files of scenes, must be among the kinds. OPTIONS: passed to
-# tests/smoke/smoke.py. That script finds what to run, and fails for scripts and programs without a known command line.
+# with the shortest settings; `generate`, which writes the files of scenes, must be among the kinds. It is left out if
+# SHEAF_GENERATED_SCENES names a folder that it wrote in another build. OPTIONS: passed to tests/smoke/smoke.py. That script finds what to run, and fails for scripts and programs without a known command line.
 function(sheaf_smoke_tests)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "OPTIONS")
   sheaf_find_python("benchmarks, scripts and example scenes are not tested")
@@ -148,12 +148,19 @@ function(sheaf_smoke_tests)
     return()
   endif()
   get_property(programs GLOBAL PROPERTY SHEAF_PROGRAMS)
+  if(SHEAF_GENERATED_SCENES)
+    list(REMOVE_ITEM arg_UNPARSED_ARGUMENTS generate)
+    list(APPEND arg_OPTIONS --generated "${SHEAF_GENERATED_SCENES}")
+  endif()
   foreach(kind IN LISTS arg_UNPARSED_ARGUMENTS)
     add_test(NAME smoke_${kind} COMMAND "${SHEAF_PYTHON}" tests/smoke/smoke.py ${kind} --build "${PROJECT_BINARY_DIR}"
       ${arg_OPTIONS} --programs ${programs} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     sheaf_test_cost(smoke_${kind})
     set_tests_properties(smoke_${kind} PROPERTIES LABELS smoke)
   endforeach()
+  if(SHEAF_GENERATED_SCENES)
+    return()
+  endif()
   # The copy of the tree with generated files
   set_tests_properties(smoke_generate PROPERTIES FIXTURES_SETUP generated_scenes)
   foreach(kind IN ITEMS scenes scripts)

@@ -341,6 +341,8 @@ def main():
     kinds = {"generate": check_generated, "scenes": check_scenes, "scripts": check_scripts, "benchmarks": check_benchmarks}
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("--build", type=lambda p: Path(p).resolve(), default=ROOT / "build/release")
+    parser.add_argument("--generated", type=Path,
+                        help="folder with the copy of the tree that `generate` made (default: BUILD/smoke)")
     parser.add_argument("--one-color", action="store_true",
                         help="alternate between RGB and spectral mode instead of using both")
     parser.add_argument("--programs", nargs="*", default=[], help="programs of the build except tests")
@@ -348,7 +350,7 @@ def main():
     failures = Failures()
     with tempfile.TemporaryDirectory() as folder:
         if arguments.kind in ("scenes", "scripts"):
-            shutil.copytree(arguments.build / "smoke", folder, dirs_exist_ok=True)
+            shutil.copytree(arguments.generated or arguments.build / "smoke", folder, dirs_exist_ok=True)
         kinds[arguments.kind](arguments, Path(folder), failures)
     sys.exit(1 if failures.count else 0)
 
