@@ -16,7 +16,7 @@ template <class V> class LaneArray {
  public:
   using Word =
       std::conditional_t<std::is_same_v<V, WideUint> || std::is_same_v<V, std::uint32_t>, std::uint32_t, float>;
-  static constexpr int kLanes = static_cast<int>(sizeof(V) / sizeof(Word));
+  static constexpr int kLanes = std::is_same_v<V, Word> ? 1 : kWidth;
 
   /// Values are not initialized.
   SHEAF_INLINE LaneArray() {}

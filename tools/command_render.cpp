@@ -18,6 +18,7 @@
 #include "tools/render_job.h"
 #include "tools/render_scene.h"
 #include "tools/render_summary.h"
+#include "tools/similar_messages.h"
 #include "tools/standard_streams.h"
 #include "tools/terminal.h"
 
@@ -136,8 +137,12 @@ void print_start(const RenderJob& job, FrameRun* frames) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
   for (const std::string& detail : job.details) print(print_detail, detail);
-  for (const std::string& note : job.description.notes) print(print_note, note);
-  for (const std::string& warning : scene_warnings(job)) print(print_warning, warning);
+  const bool all = verbosity() == Verbosity::kVerbose;
+  const auto print_each = [&](void (*kind)(std::string_view), const std::vector<std::string>& messages) {
+    for (const std::string& message : all ? messages : without_similar(messages)) print(kind, message);
+  };
+  print_each(print_note, job.description.notes);
+  print_each(print_warning, scene_warnings(job));
 }
 
 /// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.

@@ -112,7 +112,7 @@ inline constexpr float kCurveOffset = 1e-3f;
 
 /// Surface point of a curve at a hit, with `u` along the segment and `hit` near it. Splines sweep a circle
 /// perpendicular to the axis; lines sweep a sphere. Not inlined: curves are rare.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 [[gnu::noinline]] SurfacePoint<L> curve_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                               Uint<L> primitive, Float<L> u, Vec3<L> hit) {
   using F = typename L::Float;
@@ -131,7 +131,7 @@ template <class L, bool WithUv>
   out.p = axis.p + away * axis.r;
   out.ng = out.ns = select<L>(spline, detail::normalize_or<L>(slanted, away), away);
   out.offset = F(kOffsetUlps) * F(4.0f) * axis.extent + F(kCurveOffset) * axis.r;
-  if constexpr (WithUv) {
+  if constexpr (kWithUv) {
     const F count = to_float(select(active, shape.triangle_count, U(1u)));
     Vec3<L> cosine, sine;
     detail::curve_frame<L>(tangent, cosine, sine);

@@ -30,8 +30,8 @@ template <template <class> class Parameters> constexpr ClosureSpectra closure_sp
   int word = 0;
   const auto visit = [&]<class Field>(const Field*) {
     using Element = std::remove_all_extents_t<Field>;
-    constexpr std::size_t kWords = sizeof(Element) / sizeof(float), kElements = sizeof(Field) / sizeof(Element);
-    const int end = word + static_cast<int>(kWords * kElements);
+    constexpr std::size_t kBytes = sizeof(Field);
+    const int end = word + static_cast<int>(kBytes / sizeof(float));
     if (std::is_same_v<Element, Spectrum4>)
       for (int at = word; at < end; at += 4) found.word[found.count++] = at;
     word = end;

@@ -111,7 +111,7 @@ SHEAF_INLINE Vec3<L> smooth_sdf_normal(const SceneView& scene, const SdfGridReco
 
 /// Surface point of a signed distance grid near `hit`, found by two Newton steps along the gradient. uv are 0 and the
 /// tangents arbitrary. Not inlined: such grids are rare.
-template <class L, bool WithUv>
+template <class L, bool kWithUv>
 [[gnu::noinline]] SurfacePoint<L> sdf_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                             Uint<L> primitive, Vec3<L> hit) {
   using F = typename L::Float;
@@ -156,7 +156,7 @@ template <class L, bool WithUv>
   // Rounding errors of the position and of the value at the root.
   const F in_value = min(largest / max(length(slope), F(1e-30f)), F(1e3f) * width);
   out.offset = F(kOffsetUlps) * (extent + width + in_value);
-  if constexpr (WithUv) {
+  if constexpr (kWithUv) {
     const auto frame = Frame<L>::from_normal(out.ng);
     out.uv = {F(0.0f), F(0.0f)};
     out.dp_du = frame.s;

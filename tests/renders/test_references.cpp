@@ -1,7 +1,8 @@
 // Renders the scenes of tests/references/scenes and both versions of the Cornell box, and compares them with references
-// of another renderer (tests/references/make_references.py). The expected noise is taken from the variances of the
-// reference. Where independently seeded batches vary more, because lights are selected differently, the larger variance
-// is used, up to a limit.
+// of another renderer (tests/references/make_references.py). Moving scenes, tests/references/pbrt, are compared with
+// references of pbrt-v4 (tests/references/make_pbrt_references.py). The expected noise is taken from the variances of
+// the reference. Where independently seeded batches vary more, because lights are selected differently, the larger
+// variance is used, up to a limit.
 #include "core/exr.h"
 #include "core/image_compare.h"
 #include "kernels/passes/render.h"
@@ -179,10 +180,11 @@ void check(const std::string& name, const Estimate& estimate, const Estimate& re
   CHECK(v.worst_variance_ratio <= kMaxVarianceRatio);
 }
 
-std::vector<std::string> scene_names() {
+/// The names of the scenes in a folder, without the extension.
+std::vector<std::string> scene_names(const std::string& folder = "scenes", const std::string& extension = ".xml") {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kFolder / "scenes"))
-    if (entry.path().extension() == ".xml" && entry.path().stem().string()[0] != '.')
+  for (const auto& entry : fs::directory_iterator(kFolder / folder))
+    if (entry.path().extension() == extension && entry.path().stem().string()[0] != '.')
       names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;
@@ -213,6 +215,14 @@ TEST_SUITE("slow") {
             read_reference(name + suffix));
     }
     CHECK(found == 10);
+  }
+
+  TEST_CASE("moving scenes agree with references of a third renderer") {
+    const auto names = scene_names("pbrt", ".pbrt");
+    CHECK(names.size() == 3);
+    for (const std::string& name : names)
+      check(name, render_batches(kFolder / "pbrt" / (name + ".pbrt"), kBatches, kBatchSamples, 1),
+            read_reference(name));
   }
 
   TEST_CASE("the Cornell box agrees with its reference in both dialects") {

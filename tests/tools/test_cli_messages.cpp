@@ -58,6 +58,31 @@ TEST_CASE("messages: a render prints one line with size, samples, time, noise an
     }
 }
 
+TEST_CASE("messages: of similar warnings, the first three are printed and the others counted") {
+  const Workplace place;
+  write_bytes(place.folder / "flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+  const auto with_shapes = [](int count) {
+    std::string scene = kScene, shapes;
+    for (int i = 0; i < count; ++i)
+      shapes += "<shape type=\"obj\"><string name=\"filename\" value=\"flat.obj\"/></shape>\n";
+    return scene.insert(scene.find("<emitter"), shapes);
+  };
+  const std::string warning = "degenerate or non-finite triangles left out";
+  const auto count_warnings = [&](const std::string& text) {
+    int count = 0;
+    for (std::size_t at = 0; (at = text.find(warning, at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  write_bytes(place.folder / "few.xml", with_shapes(4));
+  write_bytes(place.folder / "many.xml", with_shapes(6));
+  const std::string few = place.messages("render few.xml -q"), many = place.messages("render many.xml -q");
+  CHECK(count_warnings(few) == 4);
+  CHECK_FALSE(contains(few, "more like"));
+  CHECK(line_count(many) == 4);
+  CHECK(contains(many, "sheaf: warning: 3 more like \"1 " + warning + "\"; -v prints them\n"));
+  CHECK(count_warnings(place.messages("render many.xml -v")) == 6);
+}
+
 TEST_CASE("messages: each verbosity adds to the one below") {
   const Workplace place;
   write_bytes(place.folder / "dark.xml", dark_scene());
