@@ -22,7 +22,7 @@ scene = sheaf.load_dict({
     "type": "scene",
     "integrator": {"type": "path"},
     "camera": {"type": "perspective", "fov": 35,
-               "to_world": T.look_at(origin=(0, 2, 6), target=(0, 0.7, 0), up=(0, 1, 0)),
+               "to_world": T.look_at(origin=(0, 2, 7.5), target=(0, 0.7, 0), up=(0, 1, 0)),
                "film": {"type": "hdrfilm", "width": 320, "height": 240}},
     "grey": {"type": "diffuse", "reflectance": {"type": "rgb", "value": (0.5, 0.5, 0.5)}},
     "clay": {"type": "diffuse", "reflectance": {"type": "rgb", "value": (0.6, 0.25, 0.15)}},

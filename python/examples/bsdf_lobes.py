@@ -18,7 +18,7 @@ def main():
     parser.add_argument("--samples", type=int, default=20000, help="of the albedo, for each angle")
     arguments = parser.parse_args()
 
-    scene = sheaf.load_dict({"type": "scene", "sky": {"type": "constant"},
+    scene = sheaf.load_dict({"type": "scene", "camera": {"type": "perspective"}, "sky": {"type": "constant"},
                              "gold": {"type": "roughconductor", "material": "Au", "alpha": 0.1},
                              "ball": {"type": "sphere", "bsdf": {"type": "ref", "id": "gold"}}})
     angles = np.radians(np.linspace(-90, 90, 361))

@@ -66,7 +66,7 @@ BitmapDescription BitmapDescription::read(Properties& p) {
   bitmap.wrap_u = read_wrap(p, {"wrap_mode_u"}, both);
   bitmap.wrap_v = read_wrap(p, {"wrap_mode_v"}, both);
   bitmap.raw = read_raw(p);
-  if (p.has("data")) {
+  if (p.find_array("data") != nullptr) {
     bitmap.made = std::make_shared<const Image>(read_image_array(p, "data", bitmap.raw));
   } else {
     bitmap.file = p.file("filename");

@@ -11,11 +11,11 @@ TAU = 2 * np.pi
 
 
 def scene_of(**materials):
-    """A scene with a unit sphere for each material, three units apart."""
-    out = {"type": "scene", "sky": {"type": "constant"}}
+    """A scene with a unit sphere for each material, far apart."""
+    out = {"type": "scene", "camera": {"type": "perspective"}, "sky": {"type": "constant"}}
     for k, (name, material) in enumerate(materials.items()):
         out[name] = material
-        out["ball_" + name] = {"type": "sphere", "center": (3 * k, 0, 0), "radius": 1.0,
+        out["ball_" + name] = {"type": "sphere", "center": (30 * k, 0, 0), "radius": 1.0,
                                "bsdf": {"type": "ref", "id": name}}
     return sheaf.load_dict(out)
 
@@ -35,12 +35,12 @@ class Trace(unittest.TestCase):
     def test_sphere(self):
         scene = scene_of(a={"type": "diffuse"}, b={"type": "diffuse"})
         random = np.random.default_rng(1)
-        origins = np.array([3, 0, 0]) + 4 * uniform_directions(100, 2)
-        targets = np.array([3, 0, 0]) + 1.4 * random.uniform(-1, 1, (100, 3))
+        origins = np.array([30, 0, 0]) + 4 * uniform_directions(100, 2)
+        targets = np.array([30, 0, 0]) + 1.4 * random.uniform(-1, 1, (100, 3))
         directions = (targets - origins) * random.uniform(0.5, 2, (100, 1))
         hits = sheaf.trace(scene, origins, directions)
         # The nearest root of |o + t d - c|^2 = 1
-        o, a = origins - [3, 0, 0], (directions ** 2).sum(1)
+        o, a = origins - [30, 0, 0], (directions ** 2).sum(1)
         b = (o * directions).sum(1)
         discriminant = b * b - a * ((o ** 2).sum(1) - 1)
         in_b = hits.hit & (hits.object == hits.object_names.index("ball_b"))
@@ -52,7 +52,7 @@ class Trace(unittest.TestCase):
         np.testing.assert_allclose(hits.distance[both], t[both], rtol=1e-4)
         normal = (o + t[:, None] * directions)[both]
         np.testing.assert_allclose(hits.normal[both], normal, atol=1e-4)
-        np.testing.assert_allclose(hits.position[both], normal + [3, 0, 0], atol=1e-4)
+        np.testing.assert_allclose(hits.position[both], normal + [30, 0, 0], atol=1e-4)
         self.assertEqual({hits.material_names[k] for k in hits.material[both]}, {"b"})
         misses = ~hits.hit
         self.assertTrue(misses.any() and np.isinf(hits.distance[misses]).all())
@@ -97,7 +97,7 @@ class BsdfTest(unittest.TestCase):
         rough = {"type": "roughconductor", "alpha": 0.3, "eta": rgb(0.2, 0.9, 1.0), "k": rgb(3.0, 2.4, 2.2)}
         cls.scene = scene_of(
             wall={"type": "diffuse", "reflectance": rgb(0.2, 0.4, 0.6)}, metal=rough,
-            glass={"type": "dielectric", "int_ior": 1.5}, both={"type": "twosided", "bsdf": dict(rough)},
+            glass={"type": "dielectric", "int_ior": 1.5, "ext_ior": 1.0}, both={"type": "twosided", "bsdf": dict(rough)},
             mixed={"type": "blendbsdf", "weight": 0.25, "a": {"type": "diffuse", "reflectance": rgb(0.8, 0.8, 0.8)},
                    "b": dict(rough)},
             half={"type": "mask", "opacity": 0.25, "bsdf": {"type": "diffuse", "reflectance": rgb(1.0, 1.0, 1.0)}},

@@ -186,7 +186,7 @@ std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const Vo
 
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {
   Grid grid;
-  if (!format && p.has("data")) {
+  if (!format && p.find_array("data") != nullptr) {
     grid.format = Grid::Format::kInMemory;
     grid.made = std::make_shared<const DenseVolume>(read_volume_array(p, "data"));
   } else {
