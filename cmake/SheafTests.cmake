@@ -185,6 +185,17 @@ function(sheaf_docs_tests)
   endforeach()
 endfunction()
 
+# sheaf_blender_test(): tests the Blender add-on with a fake of Blender's modules.
+function(sheaf_blender_test)
+  sheaf_find_python("the Blender add-on is not tested")
+  if(NOT SHEAF_PYTHON)
+    return()
+  endif()
+  add_test(NAME blender_addon COMMAND "${SHEAF_PYTHON}" tests/blender/test_sheaf_render.py --sheaf
+    "$<TARGET_FILE:sheaf>" WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+  set_tests_properties(blender_addon PROPERTIES SKIP_REGULAR_EXPRESSION "skipped: ")
+endfunction()
+
 # sheaf_python_tests(): runs the tests of the Python package. tests/python/run.py writes the coverage of its lines to
 # python/coverage.txt.
 function(sheaf_python_tests)

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/image_compare.h"
 #include "core/simd.h"
+#include "python/bindings/module_queries.h"
 #include "python/bindings/session.h"
 #include "scene/xml/xml_values.h"
 
@@ -361,6 +362,7 @@ PYBIND11_MODULE(_sheaf, m) {
   translate_errors(m);
   add_scene(m);
   add_image(m);
+  add_queries(m);
   m.def("render_options", [] { return option_list(render_option_list()); });
   m.def("read_options", [] { return option_list(read_option_list()); });
   m.def("output_options", [] { return option_list(output_option_list()); });

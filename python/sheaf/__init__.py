@@ -12,14 +12,15 @@ from ._native import native as _module
 from .errors import (CheckpointError, Error, OutputError, RuntimeError, SceneError, SheafWarning, UsageError,
                      converted_errors as _converted_errors)
 from .options import options, words as _words
+from .query import Bsdf, BsdfSample, Hits, bsdf, trace
 from .result import Result, compare, denoise, merge, read_image
 from .scene import Object, Objects, Scene, load, load_dict
 from .transform import Transform
 
 __version__ = _module.version
-__all__ = ["CheckpointError", "Error", "Object", "Objects", "OutputError", "Result", "RuntimeError", "Scene",
-           "SceneError", "SheafWarning", "Transform", "UsageError", "compare", "denoise", "load", "load_dict", "merge",
-           "options", "read_image", "render"]
+__all__ = ["Bsdf", "BsdfSample", "CheckpointError", "Error", "Hits", "Object", "Objects", "OutputError", "Result",
+           "RuntimeError", "Scene", "SceneError", "SheafWarning", "Transform", "UsageError", "bsdf", "compare",
+           "denoise", "load", "load_dict", "merge", "options", "read_image", "render", "trace"]
 
 
 def render(scene: Scene, progress: Optional[Callable[[int, int], Any]] = None, stop: Any = None,

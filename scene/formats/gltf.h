@@ -183,6 +183,10 @@ struct GltfCamera {
   double yfov = 0.8, aspect = 0;  ///< perspective: radians; width over height, 0: that of the image
   double xmag = 1, ymag = 1;      ///< orthographic: half of the width and of the height
   double near_clip = 0, far_clip = kInfinity;
+  // Members of "extras" with Mitsuba's names
+  double aperture_radius = 0, focus_distance = kInfinity;  ///< of a thin lens; 0: pinhole
+  double principal_point_offset_x = 0,
+         principal_point_offset_y = 0;  ///< to the left and upwards, fractions of the film
 };
 
 /// KHR_lights_punctual.

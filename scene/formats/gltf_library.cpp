@@ -268,6 +268,16 @@ class Converter : GltfChecker {
     if (far > 0) to.far_clip = far;
     if (to.perspective && !(to.yfov > 0 && to.yfov < 3.14159)) throw out.error(part, "'yfov' is not in (0, pi)");
     if (!to.perspective && (to.xmag == 0 || to.ymag == 0)) throw out.error(part, "'xmag' or 'ymag' is zero");
+    const auto read_extra = [&](const char* name, double& value) {
+      if (!from.extras.IsObject() || !from.extras.Has(name)) return;
+      const tinygltf::Value& extra = from.extras.Get(name);
+      if (!extra.IsNumber()) throw out.error(part, in_quotes(name) + " of 'extras' is not a number");
+      value = number(extra.GetNumberAsDouble(), part, name);
+    };
+    read_extra("aperture_radius", to.aperture_radius);
+    read_extra("focus_distance", to.focus_distance);
+    read_extra("principal_point_offset_x", to.principal_point_offset_x);
+    read_extra("principal_point_offset_y", to.principal_point_offset_y);
     return to;
   }
 

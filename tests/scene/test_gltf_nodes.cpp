@@ -195,6 +195,32 @@ TEST_CASE("gltf: cameras look along -z and are chosen by name") {
   CHECK_THROWS_WITH_AS(read_document(gltf, options), doctest::Contains("did you mean 'flat'"), SceneError);
 }
 
+TEST_CASE("gltf: extras of cameras set the lens and the centre of the image") {
+  GltfBuilder gltf;
+  gltf.add_triangle();
+  gltf.json["cameras"] = {{{"type", "orthographic"},
+                           {"orthographic", {{"xmag", 4.0}, {"ymag", 2.0}, {"znear", 0.1}, {"zfar", 9.0}}},
+                           {"extras",
+                            {{"aperture_radius", 0.5},
+                             {"focus_distance", 3},
+                             {"principal_point_offset_x", 0.25},
+                             {"principal_point_offset_y", -0.125},
+                             {"note", "of another program"}}}}};
+  gltf.json["nodes"].push_back({{"camera", 0}});
+  gltf.json["scenes"][0]["nodes"] = {0, 1};
+  const CameraDescription camera = read_document(gltf).camera;
+  check_near(camera.to_world.vector({camera.aperture_radius, 0, 0}), {-0.5f, 0, 0});
+  CHECK(camera.focus_distance == 3);
+  CHECK(camera.principal_point_x == 0.25f);
+  CHECK(camera.principal_point_y == -0.125f);
+
+  gltf.json["cameras"][0]["extras"] = "text";
+  CHECK(read_document(gltf).camera.aperture_radius == 0);
+  gltf.json["cameras"][0]["extras"] = {{"focus_distance", "far"}};
+  CHECK_THROWS_WITH_AS(read_document(gltf), doctest::Contains("'focus_distance' of 'extras' is not a number"),
+                       SceneError);
+}
+
 TEST_CASE("gltf: punctual lights keep their place, direction and photometric intensity") {
   GltfBuilder gltf;
   gltf.add_triangle();

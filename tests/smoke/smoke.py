@@ -73,6 +73,7 @@ SCRIPTS = {
     "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
     "tools/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
                               "layers"],
+    "tools/make_notebook.py": ["--check"],
     "tools/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
     "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],

@@ -99,6 +99,11 @@ void set_camera(const GltfCamera& camera, const NodePlacement& node, const GltfF
     const auto half_width = static_cast<float>(std::abs(camera.xmag));
     placement = placement * Transform::scale({half_width, half_width, 1});
   }
+  const double lens_scale = camera.perspective ? 1 : std::abs(camera.xmag);
+  to.aperture_radius = static_cast<float>(camera.aperture_radius / lens_scale);
+  to.focus_distance = static_cast<float>(camera.focus_distance);
+  to.principal_point_x = static_cast<float>(camera.principal_point_offset_x);
+  to.principal_point_y = static_cast<float>(camera.principal_point_offset_y);
   to.to_world = placement.to_world;
   to.motion = add_motion(out.motions, placement);
 }
