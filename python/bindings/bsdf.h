@@ -27,8 +27,9 @@ struct BsdfSamples {
 /// The row of the material with this name. Throws Error (exit code 2): no shape of the scene has it.
 std::uint32_t material_row(const Scene& scene, const std::string& name);
 
-/// Evaluates the BSDF of a material of an RGB scene, with the parameters of its row. Directions are unit vectors in the shading frame and
-/// point away from the surface; `wi` is as long as `wo`. Throws Error (exit code 2) if textures or maps vary it.
+/// Evaluates the BSDF of a material of an RGB scene, with the parameters of its row. Directions are unit vectors in the
+/// shading frame and point away from the surface; `wi` is as long as `wo`. Throws Error (exit code 2) if textures or
+/// maps vary it.
 BsdfValues evaluate_bsdf(const Scene& scene, std::uint32_t row, const std::vector<Vec3f>& wo,
                          const std::vector<Vec3f>& wi);
 

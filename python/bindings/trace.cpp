@@ -24,7 +24,7 @@ RayHits make_hits(std::size_t count) {
   return hits;
 }
 
-/// Stores the hits of lanes [at, at + kWidth) of a packet as those of the rays from `first`, of which there are `count`.
+/// Stores the hits of lanes [at, at + count) of a packet, at most kWidth, as those of the rays from `first`.
 void store_tile(const SceneView& scene, const RayPacket& packet, int at, int count, std::size_t first, RayHits& hits) {
   using L = Wide;
   using F = Float<L>;
