@@ -114,29 +114,49 @@ TEST_CASE("deformation: a blocker that grows casts its shadow for part of the ti
 }
 
 TEST_CASE("deformation: a lamp that grows gives the mean of its irradiance, however it is sampled") {
-  const double level = significance_of_each(3);
-  for (const NamedStrategy& strategy : kLightStrategies) {
-    CAPTURE(strategy.name);
-    Description d = floor_scene(256);
-    d.integrator.strategy = strategy.strategy;
-    // The width of a small lamp far above grows from 0 to 2 w
-    const float w = 0.3f;
-    const auto lamp = [](float half) {
-      return quad({-half, 0.3f, 9}, {half, 0.3f, 9}, {half, -0.3f, 9}, {-half, -0.3f, 9});
-    };
-    emit(add_deforming(d, {{0, lamp(0)}, {1, lamp(w)}}), 1000);
-    if (strategy.strategy == LightStrategy::kBsdfOnly) d.sampler.sample_count = 4096;
-    expose(d, 0, 1);
-    // Irradiance of a rectangle of half sides a, b at height h, on its axis
-    const auto irradiance = [](double a, double b, double h) {
-      const double u = std::sqrt(a * a + h * h), v = std::sqrt(b * b + h * h);
-      return 2 * (a / u * std::atan(b / u) + b / v * std::atan(a / v));
-    };
-    double mean = 0;
-    constexpr int kSteps = 1000;
-    for (int i = 0; i < kSteps; ++i) mean += irradiance(double{w} * (i + 0.5) / kSteps, 0.3, 9) / kSteps;
-    check_mean(green(d), 0.5 / double(kPi) * 1000 * mean, level, 1e-5);
-  }
+  // A rectangle, whose half width grows from 0: small and far away, where lights are sampled, and large and near, where
+  // both techniques matter
+  struct Lamp {
+    float width, depth, height, radiance;
+  };
+  const double level = significance_of_each(6);
+  for (const Lamp& lamp : {Lamp{0.3f, 0.3f, 9, 1000}, Lamp{4, 0.5f, 1, 1}})
+    for (const NamedStrategy& strategy : kLightStrategies) {
+      CAPTURE(lamp.height);
+      CAPTURE(strategy.name);
+      Description d = floor_scene(256);
+      d.integrator.strategy = strategy.strategy;
+      const auto of_width = [&](float half) {
+        const float y = lamp.depth, z = lamp.height;
+        return quad({-half, y, z}, {half, y, z}, {half, -y, z}, {-half, -y, z});
+      };
+      emit(add_deforming(d, {{0, of_width(0)}, {1, of_width(lamp.width)}}), lamp.radiance);
+      if (strategy.strategy == LightStrategy::kBsdfOnly) d.sampler.sample_count = 4096;
+      expose(d, 0, 1);
+      // Irradiance of a rectangle of half sides a, b at height h, on its axis
+      const auto irradiance = [](double a, double b, double h) {
+        const double u = std::sqrt(a * a + h * h), v = std::sqrt(b * b + h * h);
+        return 2 * (a / u * std::atan(b / u) + b / v * std::atan(a / v));
+      };
+      double mean = 0;
+      constexpr int kSteps = 1000;
+      for (int i = 0; i < kSteps; ++i)
+        mean += irradiance(double{lamp.width} * (i + 0.5) / kSteps, lamp.depth, lamp.height) / kSteps;
+      check_mean(green(d), 0.5 / double(kPi) * lamp.radiance * mean, level, 1e-5);
+    }
+}
+
+TEST_CASE("deformation: a lamp that turns over lights what it faces later") {
+  // Turned about the x axis, it faces upwards at first and downwards in the end
+  const auto turned = [](float degrees) {
+    const float angle = degrees * kPi / 180, y = std::cos(angle), z = std::sin(angle);
+    return quad({-1, y, 2 + z}, {1, y, 2 + z}, {1, -y, 2 - z}, {-1, -y, 2 - z});
+  };
+  Description d = floor_scene(128);
+  emit(add_deforming(d, {{0, turned(180)}, {0.5, turned(90)}, {1, turned(0)}}), 3);
+  add_area_light_rectangle(d, Transform::translate({0, 3, 3}) * Transform::rotate({1, 0, 0}, 140), 1);
+  expose(d, 0, 1);
+  check_strategies_agree(d, significance_of_each(9));
 }
 
 TEST_CASE("deformation: light and BSDF sampling agree on lamps that bend, also in instances that move") {
