@@ -37,7 +37,8 @@ inline constexpr NameTable<GuidingMode> kGuidingModes{
     {{"on", GuidingMode::kOn}, {"off", GuidingMode::kOff}, {"auto", GuidingMode::kAuto}}};
 
 /// Values of --caustics.
-inline constexpr NameTable<CausticMode> kCausticModes{{{"none", CausticMode::kNone}, {"mnee", CausticMode::kManifold}}};
+inline constexpr NameTable<CausticMode> kCausticModes{
+    {{"none", CausticMode::kSampled}, {"mnee", CausticMode::kManifold}}};
 
 /// Inputs, outputs and image quality.
 struct ImageArguments {

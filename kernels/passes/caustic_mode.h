@@ -5,7 +5,7 @@ namespace sheaf {
 
 /// How camera paths find caustics.
 enum class CausticMode {
-  kNone,      ///< by sampling BSDFs and the guide
+  kSampled,   ///< by sampling BSDFs and the guide
   kManifold,  ///< by manifold next-event estimation, in place of BSDF sampling
 };
 

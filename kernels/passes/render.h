@@ -48,7 +48,7 @@ struct RenderOptions {
   bool chooses_candidates = false;
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
   /// participating media, transparent surfaces and motion.
-  CausticMode caustics = CausticMode::kNone;
+  CausticMode caustics = CausticMode::kSampled;
   std::optional<PixelRect> crop;  ///< default: that of the scene, otherwise the whole frame
   /// Called concurrently by workers after each task, with the number of samples done and in total.
   std::function<void(std::uint64_t done, std::uint64_t total)> on_progress;

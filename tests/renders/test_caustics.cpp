@@ -45,7 +45,7 @@ Rendered render_with(const Description& d, CausticMode mode, ColorMode color = C
   RenderOptions options;
   options.caustics = mode;
   options.guiding = guiding;
-  options.seed = mode == CausticMode::kNone ? 5 : 6;
+  options.seed = mode == CausticMode::kSampled ? 5 : 6;
   const RenderResult result = render(*compile_scene(d, {false, color}), options);
   Rendered out;
   const Image image = result.film.to_image();
@@ -58,7 +58,7 @@ Rendered render_with(const Description& d, CausticMode mode, ColorMode color = C
 /// Checks that both ways have the same mean. `max_variance`: of manifold connections over that of BSDF sampling.
 void check_agreement(const Description& d, double max_variance, ColorMode color = ColorMode::kRgb,
                      GuidingMode guiding = GuidingMode::kOff) {
-  const Rendered sampled = render_with(d, CausticMode::kNone, color, guiding);
+  const Rendered sampled = render_with(d, CausticMode::kSampled, color, guiding);
   const Rendered connected = render_with(d, CausticMode::kManifold, color, guiding);
   check_same_mean(sampled.pixels, connected.pixels, kLevel, 16 * 16);
   CHECK(connected.chains.solutions > 0);
@@ -93,7 +93,7 @@ TEST_CASE("caustics: chains that are too long for the depth or for connections a
   add_lamp(d, {0.4f, 0.1f, 3}, 1, 10);
   d.integrator.max_depth = 3;
   CHECK(render_with(d, CausticMode::kManifold).pixels.mean() == 0);
-  CHECK(render_with(d, CausticMode::kNone).pixels.mean() == 0);
+  CHECK(render_with(d, CausticMode::kSampled).pixels.mean() == 0);
   d.integrator.max_depth = -1;
   check_agreement(d, 1.5);
   add_shape(d, CubeShape{}, Transform::translate({0, 0, 1.8f}) * Transform::scale({3, 3, 0.2f}), add_glass(d, 1.3f));
@@ -169,7 +169,7 @@ TEST_CASE("caustics: a mirror shows the image of a light at a point") {
   const Rendered connected = render_with(d, CausticMode::kManifold);
   check_mean(connected.pixels, direct + image, kLevel, 1e-3 * direct);
   // BSDF sampling cannot find the light.
-  CHECK(render_with(d, CausticMode::kNone).pixels.mean() == doctest::Approx(direct).epsilon(2e-3));
+  CHECK(render_with(d, CausticMode::kSampled).pixels.mean() == doctest::Approx(direct).epsilon(2e-3));
 }
 
 TEST_CASE("caustics: lights at a point and in a direction shine through a slab of glass") {
@@ -206,10 +206,10 @@ TEST_CASE("caustics: images do not depend on threads and waves, and without cast
     options.wave_size = wave_size;
     return render(*compile_scene(d, {}), options).film.to_image().data;
   };
-  CHECK(pixels(CausticMode::kManifold, 1, 0) == pixels(CausticMode::kNone, 1, 0));
+  CHECK(pixels(CausticMode::kManifold, 1, 0) == pixels(CausticMode::kSampled, 1, 0));
   add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
   const auto expected = pixels(CausticMode::kManifold, 1, 0);
-  CHECK(expected != pixels(CausticMode::kNone, 1, 0));
+  CHECK(expected != pixels(CausticMode::kSampled, 1, 0));
   CHECK(expected == pixels(CausticMode::kManifold, 3, 64));
 }
 
