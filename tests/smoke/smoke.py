@@ -148,9 +148,8 @@ def run(command, folder):
 def copy_tree(folder):
     """Copies the files that scripts read and write, without generated ones."""
     generated = shutil.ignore_patterns("generated", "__pycache__")
-    for part in ("scenes", "tools", "bench", "core", "tests/references/scenes", "tests/smoke"):
+    for part in ("scenes", "tools", "bench", "core", "docs/tutorials", "tests/references/scenes", "tests/smoke"):
         shutil.copytree(ROOT / part, folder / part, ignore=generated)
-    (folder / "docs").mkdir()
     shutil.copy(ROOT / "docs/gallery.md", folder / "docs")
 
 
