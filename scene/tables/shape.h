@@ -183,7 +183,7 @@ template <class L, bool kWithUv>
   const auto mesh = is(ShapeKind::kMesh);
   const Mask<L> curve = is(ShapeKind::kLinearCurves) | is(ShapeKind::kBsplineCurves), field = is(ShapeKind::kSdfGrid);
   const auto quadric = !(mesh | curve | field);
-  SurfacePoint<L> out;
+  SurfacePoint<L> out{};
   if (any(quadric)) out = quadric_point<L, kWithUv>(scene, shape, quadric, hit_point);
   if (any(curve | field)) {
     if (any(curve))
