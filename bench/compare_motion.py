@@ -4,6 +4,7 @@ moving camera, in alternation. Needs only Python and a build.
 
   bench/compare_motion.py [--sheaf build/release/sheaf] [--side 316] [--spp 32] [--runs 5]
 
+The mesh that deforms has the shape of the others in the middle of the exposure.
 Prints for each scene the median of the user CPU time of the process and of the wall-clock time of rendering, over
 those of the static scene, and the wall-clock time of building the acceleration structure.
 """
@@ -30,8 +31,8 @@ CASES = [
         <transform time="0"> <translate y="1"/> </transform>
         <transform time="1"> <rotate y="1" angle="40"/> <translate y="1"/> </transform> </animation>"""), CAMERA),
     ("mesh deforms", """<shape type="deformable"> <string name="times" value="0, 1"/>
-        <shape type="obj"> <string name="filename" value="mesh.obj"/> </shape>
-        <shape type="obj"> <string name="filename" value="deformed.obj"/> </shape>
+        <shape type="obj"> <string name="filename" value="start.obj"/> </shape>
+        <shape type="obj"> <string name="filename" value="end.obj"/> </shape>
         <transform name="to_world"> <translate y="1"/> </transform> </shape>""", CAMERA),
     ("camera moves", MESH.format(STILL), """<animation name="to_world">
         <transform time="0"> <lookat origin="0, 2, 4" target="0, 1, 0" up="0, 1, 0"/> </transform>
@@ -82,7 +83,8 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         write_mesh(folder / "mesh.obj", arguments.side, 0.08)
-        write_mesh(folder / "deformed.obj", arguments.side, 0.3)
+        write_mesh(folder / "start.obj", arguments.side, 0.02)
+        write_mesh(folder / "end.obj", arguments.side, 0.14)
         reports = {name: [] for name, *_ in CASES}
         for _ in range(arguments.runs):
             for name, mesh, camera in CASES:
