@@ -46,7 +46,7 @@ def still_life():
         "middle": ball(0.3, -0.7, 0.9, "metal"),
         "right": ball(1.0, 0.6, 0.5, "glass"),
         "lamp": {"type": "rectangle",
-                 "to_world": T.look_at(origin=(-2, 4, 2), target=(0, 0, 0), up=(0, 1, 0)) @ T.scale(0.7),
+                 "to_world": T.look_at(origin=(-4, 8, 4), target=(0, 0, 0), up=(0, 1, 0)) @ T.scale(1.4),
                  "emitter": {"type": "area", "radiance": rgb(20, 18, 15)}},
         "sky": {"type": "constant", "radiance": rgb(0.2, 0.25, 0.3)},
     })
