@@ -60,9 +60,9 @@ template <class F> void with_bsdf(const MaterialView& materials, std::uint32_t r
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if constexpr (!kIsPhaseFunction<Bsdf<L>>) {
       if (kind != material.kind) return;
-      const auto bsdf = bsdf_of_words<Bsdf<L>>(
-          materials.closure_tables,
-          [&](int k, auto& word) { word = std::remove_reference_t<decltype(word)>(material.words[k]); });
+      const auto bsdf = bsdf_of_words<Bsdf<L>>(materials.closure_tables, [&](int k, auto& word) {
+        word = std::remove_reference_t<decltype(word)>(material.words[k]);
+      });
       f(bsdf, material);
     }
   });

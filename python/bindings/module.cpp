@@ -34,10 +34,14 @@ std::shared_ptr<const void> owner_of(py::object object) {
 
 std::shared_ptr<const ArrayValue> array_from(const py::array& given) {
   ArrayValue array;
-  if (py::isinstance<py::array_t<float>>(given)) array.type = ArrayValue::Type::kFloat;
-  else if (py::isinstance<py::array_t<std::uint32_t>>(given)) array.type = ArrayValue::Type::kIndex;
-  else if (py::isinstance<py::array_t<std::uint8_t>>(given)) array.type = ArrayValue::Type::kByte;
-  else throw Error(ExitCode::kUsage, "arrays must have the type float32, uint32 or uint8");
+  if (py::isinstance<py::array_t<float>>(given))
+    array.type = ArrayValue::Type::kFloat;
+  else if (py::isinstance<py::array_t<std::uint32_t>>(given))
+    array.type = ArrayValue::Type::kIndex;
+  else if (py::isinstance<py::array_t<std::uint8_t>>(given))
+    array.type = ArrayValue::Type::kByte;
+  else
+    throw Error(ExitCode::kUsage, "arrays must have the type float32, uint32 or uint8");
   if ((given.flags() & py::array::c_style) == 0) throw Error(ExitCode::kUsage, "arrays must be contiguous");
   for (py::ssize_t axis = 0; axis < given.ndim(); ++axis)
     array.shape.push_back(static_cast<std::size_t>(given.shape(axis)));
@@ -137,7 +141,8 @@ std::vector<double> matrix_of(const Session& session, const TreePath& path) {
 
 /// Calls run() in another thread. Meanwhile handles signals and calls the functions of the user. A signal that raises
 /// KeyboardInterrupt requests a stop. Other exceptions do so as well and are raised at the end.
-template <class Run> void run_watched(RenderWatch& watch, const py::object& progress, const py::object& stop, Run&& run) {
+template <class Run>
+void run_watched(RenderWatch& watch, const py::object& progress, const py::object& stop, Run&& run) {
   constexpr std::chrono::milliseconds kInterval(100);
   std::mutex mutex;
   std::condition_variable ended;
@@ -228,8 +233,8 @@ py::list option_list(const std::vector<OptionHelp>& options) {
   for (const OptionHelp& option : options) {
     std::string name = option.names.back();
     name.erase(0, name.find_first_not_of('-'));
-    out.append(py::make_tuple(name, option.text, kKinds[static_cast<std::size_t>(option.kind)], option.words,
-                              option.repeats));
+    out.append(
+        py::make_tuple(name, option.text, kKinds[static_cast<std::size_t>(option.kind)], option.words, option.repeats));
   }
   return out;
 }
@@ -291,10 +296,9 @@ void add_scene(py::module_& m) {
       .def_property_readonly("name", &Session::name)
       .def_property_readonly("notes", [](const Session& s) { return s.description().notes; })
       .def_property_readonly("stand_ins", [](const Session& s) { return s.description().stand_ins; })
-      .def_property_readonly("size",
-                             [](const Session& s) {
-                               return py::make_tuple(s.description().film.width, s.description().film.height);
-                             })
+      .def_property_readonly(
+          "size",
+          [](const Session& s) { return py::make_tuple(s.description().film.width, s.description().film.height); })
       .def("list",
            [](const Session& s, const std::vector<std::string>& names) {
              py::list out;
@@ -316,10 +320,8 @@ void add_image(py::module_& m) {
       .def_property_readonly("height", [](const RenderedImage& r) { return r.image.height; })
       .def_property_readonly("channels", [](const RenderedImage& r) { return r.image.channels; })
       .def_property_readonly("offset", [](const RenderedImage& r) { return py::make_tuple(r.image.x0, r.image.y0); })
-      .def_property_readonly("frame",
-                             [](const RenderedImage& r) {
-                               return py::make_tuple(r.image.frame_width, r.image.frame_height);
-                             })
+      .def_property_readonly(
+          "frame", [](const RenderedImage& r) { return py::make_tuple(r.image.frame_width, r.image.frame_height); })
       .def_property_readonly("attributes", attributes_of)
       .def_readonly("stats", &RenderedImage::stats)
       .def_readonly("warnings", &RenderedImage::warnings)

@@ -102,7 +102,8 @@ std::map<std::string, std::vector<std::string>> plugin_names() {
   const XmlElement sensor = around("sensor", "perspective", {});
   const auto in_sensor = [](XmlElement child) { return around("sensor", "perspective", {std::move(child)}); };
   std::vector<std::vector<XmlElement>> scenes;
-  for (const char* element : {"bsdf", "emitter", "medium", "shape", "texture"}) scenes.push_back({unknown_plugin(element)});
+  for (const char* element : {"bsdf", "emitter", "medium", "shape", "texture"})
+    scenes.push_back({unknown_plugin(element)});
   scenes.push_back({sensor, unknown_plugin("integrator")});
   scenes.push_back({unknown_plugin("sensor")});
   scenes.push_back({in_sensor(unknown_plugin("film"))});

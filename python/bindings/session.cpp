@@ -52,9 +52,9 @@ std::unique_lock<std::mutex> claim(std::mutex& mutex) {
 
 /// Options that the compiled scene does not depend on.
 const std::set<std::string>& options_of_render_only() {
-  static const std::set<std::string> names{"seed",       "threads",       "wave-size", "aov",     "light-groups", "float",
-                                           "replicates", "guiding",       "caustics",  "samples", "crop",
-                                           "spectral-bins", "no-timestamps"};
+  static const std::set<std::string> names{"seed",  "threads",       "wave-size",    "aov",      "light-groups",
+                                           "float", "replicates",    "guiding",      "caustics", "samples",
+                                           "crop",  "spectral-bins", "no-timestamps"};
   return names;
 }
 

@@ -41,9 +41,9 @@ void store_tile(const SceneView& scene, const RayPacket& packet, int at, int cou
   if (!any(found)) return;
   const auto safe = [&](U row) { return select(found, row, U(0u)); };
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, safe(shape_row));
-  const SurfacePoint<L> point =
-      surface_point<L, true>(scene, shape, safe(primitive), select(found, u, F(0.0f)), select(found, v, F(0.0f)),
-                             origin + direction * select(found, t, F(0.0f)), select(found, instance, U(kNone)), F(0.0f));
+  const SurfacePoint<L> point = surface_point<L, true>(
+      scene, shape, safe(primitive), select(found, u, F(0.0f)), select(found, v, F(0.0f)),
+      origin + direction * select(found, t, F(0.0f)), select(found, instance, U(kNone)), F(0.0f));
   const LaneRows<L, Vec3> position(point.p), normal(point.ng), shading_normal(point.ns);
   const LaneRows<L, Vec2> uv(point.uv);
   for (int lane = 0; lane < count; ++lane) {
