@@ -1,5 +1,6 @@
 // Meshes that deform while the shutter is open: closed forms, and agreement of estimators.
 #include "tests/support/envmap_testing.h"
+#include "tests/support/light_tracing_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/render_testing.h"
 
@@ -201,21 +202,7 @@ TEST_CASE("deformation: light tracing and path tracing agree") {
                 add_two_sided(d, add_diffuse(d, 0.7f)));
   emit(add_deforming(d, bending_lamp()), 4);
   expose(d, 0, 1);
-  const auto mean = [&](IntegratorKind kind, std::uint32_t seed) {
-    d.integrator.kind = kind;
-    d.sampler.seed = seed;
-    const Image image = render(*compile_scene(d), {}).to_image();
-    MeanVariance sum;
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width / 2; ++x) sum.add(image.at(x, y, 1));
-    return sum.mean();
-  };
-  MeanVariance paths, photons;
-  for (std::uint32_t seed = 0; seed < 8; ++seed) {
-    paths.add(mean(IntegratorKind::kPath, seed));
-    photons.add(mean(IntegratorKind::kLightTracer, 100 + seed));
-  }
-  check_same_mean(paths, photons, kSignificance, 8);
+  check_light_tracing_agrees(d);
 }
 
 TEST_CASE("deformation: keys with different meshes are errors") {

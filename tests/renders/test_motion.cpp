@@ -1,6 +1,7 @@
 // Motion blur: closed forms of moving edges, lights and cameras, and agreement of estimators on moving scenes.
 #include "kernels/wave/wave_needs.h"
 #include "tests/support/envmap_testing.h"
+#include "tests/support/light_tracing_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/render_testing.h"
@@ -377,22 +378,7 @@ TEST_CASE("motion: light tracing and path tracing agree on a moving scene") {
        {{0, shift(0, 2, 2) * Transform::rotate({1, 0, 0}, 150) * Transform::scale({0.3f, 0.3f, 1})},
         {1, shift(0, 2, 2) * Transform::rotate({1, 0, 0}, 150) * Transform::scale({1, 0.5f, 1})}});
   d.integrator.hide_emitters = false;
-  const auto mean = [&](IntegratorKind kind, std::uint32_t seed) {
-    d.integrator.kind = kind;
-    d.sampler.seed = seed;
-    const Image image = render(*compile_scene(d), {}).to_image();
-    // Of the left half, so that a camera in the wrong place shows
-    MeanVariance sum;
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width / 2; ++x) sum.add(image.at(x, y, 1));
-    return sum.mean();
-  };
-  MeanVariance paths, photons;
-  for (std::uint32_t seed = 0; seed < 8; ++seed) {
-    paths.add(mean(IntegratorKind::kPath, seed));
-    photons.add(mean(IntegratorKind::kLightTracer, 100 + seed));
-  }
-  check_same_mean(paths, photons, kSignificance, 8);
+  check_light_tracing_agrees(d);
 }
 
 TEST_CASE("motion: a slab of an absorbing medium that passes attenuates for part of the time") {
