@@ -9,7 +9,6 @@
 #include "core/frame.h"
 #include "core/warp.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -56,17 +55,15 @@ template <class L> SHEAF_INLINE Float<L> sum_parts(const float (*parts)[kGuideLo
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/// Chooses a lobe by its weight, with `u` in [0, 1). Rescales `u` to a new uniform number.
-SHEAF_INLINE int choose_lobe(const GuideMixture& m, float& u) {
-  int lobe = 0;
-  for (int k = 0; k < kGuideLobes; k += kWidth) {
-    WideFloat below;
-    load(m.below + k, below);
-    lobe += std::popcount(mask_bits(below <= WideFloat(u)));
+/// Chooses lobes by their weights, with `u` in [0, 1). `below`: cumulative weights, of each lane from `first` on.
+template <class L> SHEAF_INLINE Uint<L> choose_lobe(const float* below, Uint<L> first, Float<L> u) {
+  using U = Uint<L>;
+  static_assert(std::has_single_bit(static_cast<unsigned>(kGuideLobes)));
+  U lobe(0u);
+  for (std::uint32_t step = kGuideLobes / 2; step > 0; step /= 2) {
+    const U middle = lobe + U(step);
+    lobe = select(gather(below, first + middle - U(1u)) <= u, middle, lobe);
   }
-  lobe = std::min(lobe, kGuideLobes - 1);
-  const float begin = lobe == 0 ? 0.0f : m.below[lobe - 1], share = m.below[lobe] - begin;
-  u = clamp((u - begin) / max(share, 1e-20f), 0.0f, kOneMinusEpsilon);
   return lobe;
 }
 

@@ -7,32 +7,22 @@ namespace sheaf {
 
 template <class L>
 GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, const Random4<L>& u) noexcept {
-  const LaneArray<Uint<L>> row(rows);
-  const LaneArray<Float<L>> number(u.x);
-  LaneArray<Float<L>> rest, kappa;
-  LaneArray<Uint<L>> taken(Uint<L>(0u));
-  LaneRows<L, Vec3> mean;
-  // Choose between BSDF and guide, and a lobe
-  for (int lane = 0; lane < L::width; ++lane) {
-    const GuideMixture& m = guide.mixtures[lane < count ? row[lane] : 0];
-    const float a = m.bsdf_share;
-    // The BSDF uses the lower part of u, rescaled, so that its lobes are as well stratified as without guiding.
-    rest[lane] = min(number[lane] / a, kOneMinusEpsilon);
-    kappa[lane] = 1;
-    mean.set(lane, {0, 0, 1});
-    if (number[lane] < a) continue;
-    taken[lane] = 1;
-    float v = clamp((number[lane] - a) / (1 - a), 0.0f, kOneMinusEpsilon);
-    const int k = choose_lobe(m, v);
-    kappa[lane] = m.kappa[k];
-    mean.set(lane, {m.x[k], m.y[k], m.z[k]});
-  }
-  // Sample the lobes
+  using F = Float<L>;
+  using U = Uint<L>;
+  constexpr auto kWords = static_cast<std::uint32_t>(sizeof(GuideMixture) / sizeof(float));
+  const U first = select(L::first(count), rows, U(0u)) * U(kWords);
+  // Choose between BSDF and guide
+  const F a = gather(&guide.mixtures->bsdf_share, first);
   GuideSample<L> out{};
-  out.bsdf_u = rest.load();
-  out.taken = taken.load() != Uint<L>(0u);
+  // The BSDF uses the lower part of u, rescaled, so that its lobes are as well stratified as without guiding.
+  out.bsdf_u = min(u.x / a, F(kOneMinusEpsilon));
+  out.taken = u.x >= a;
   if (!any(out.taken)) return out;
-  out.direction = sample_lobe<L>(mean.load(), kappa.load(), u.y, u.z);
+  // Choose a lobe by binary search, and sample it
+  const U lobe = first + choose_lobe<L>(guide.mixtures->below, first, (u.x - a) / (F(1.0f) - a));
+  const GuideMixture& m = *guide.mixtures;
+  const Vec3<L> mean{gather(m.x, lobe), gather(m.y, lobe), gather(m.z, lobe)};
+  out.direction = sample_lobe<L>(mean, gather(m.kappa, lobe), u.y, u.z);
   return out;
 }
 
