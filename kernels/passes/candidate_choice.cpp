@@ -84,7 +84,7 @@ double candidate_cost(const SceneView& scene) {
 }
 
 CandidateChoice choose_candidates(const TrialPass& pass, double cost) {
-  const TrialBrightness brightness({&pass});
+  const TrialBrightness brightness(pass);
   if (!(brightness.of_frame > 0) || pass.light_vertices == 0 || pass.squared_radiance.empty()) return {};
   // Add up the errors of each group of pixels
   std::array<ErrorSums, kTrialGroups> groups;

@@ -3,7 +3,12 @@
 
 #include "kernels/passes/trial_pass.h"
 
+#include <cstddef>
+
 namespace sheaf {
+
+/// Number of training passes whose samples a trial compares. Only the first one is unguided.
+inline constexpr std::size_t kTrialPasses = 4;
 
 /// How many times the cost of a guided render an unguided one needs for the same error: the ratio of the products of
 /// error and number of rays.
@@ -13,12 +18,15 @@ struct GuidingGain {
 
   /// Whether the ratio is above 1 by twice its standard error, and by at least a quarter.
   bool is_significant() const;
+  /// Whether more training may make it significant. `training_passes`: at least 1, passes that the guide has learned
+  /// from.
+  bool is_promising(std::size_t training_passes) const;
 };
 
 /// Estimates the gain. The error is the geometric mean of the squared error and of the squared error relative to the
 /// brightness of the surroundings, each without the worst 0.1 % of the pixels. It is estimated from half the squared
-/// difference of a pixel's two samples. A guided ray counts as 1.1 rays. The passes consist of the same tasks. The
-/// standard error is that of the jackknife (Efron and Stein 1981). The ratio is 1 if the passes hold no light.
+/// difference of a pixel's two samples. A guided ray counts as 1.1 rays. The passes may differ in size. The standard
+/// error is that of the jackknife (Efron and Stein 1981). The ratio is 1 if a pass holds no light.
 GuidingGain guiding_gain(const TrialPass& unguided, const TrialPass& guided);
 
 }  // namespace sheaf

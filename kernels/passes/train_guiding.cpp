@@ -168,13 +168,14 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
   RenderReport::Guiding& report = training.report;
   report.is_used = true;
   std::vector<TrialPass> trials;
+  const std::size_t trial_passes = std::min(kTrialPasses, passes.size());
   for (const TrainingPass& pass : passes) {
     if (training.stopped()) break;
     // Take the samples
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
     StageContext of_pass = of_passes;
-    if (tries_candidates && trials.size() < 2) of_pass.try_candidates();
+    if (tries_candidates && trials.size() < kTrialPasses) of_pass.try_candidates();
     const auto records =
         run_pass(of_pass, workers, width, height, pass, field.means(), training, trials.emplace_back());
     report.trace_seconds += seconds_since(start);
@@ -185,15 +186,17 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(size_ratio(pass, passes[0]))));
     report.fit_seconds += seconds_since(start);
     ++report.passes;
-    if (trials.size() != 2 || training.stopped()) continue;
+    if (trials.size() < 2 || trials.size() > trial_passes || training.stopped()) continue;
     // Decide whether guiding pays, and how many light candidates do
+    const bool is_last = trials.size() == trial_passes;
     if (mode == GuidingMode::kAuto) {
-      const GuidingGain gain = guiding_gain(trials[0], trials[1]);
+      const GuidingGain gain = guiding_gain(trials.front(), trials.back());
       report.gain = gain.ratio;
-      report.is_used = gain.is_significant();
+      report.is_used = is_last ? gain.is_significant() : gain.is_promising(trials.size() - 1);
     }
-    if (tries_candidates) {
-      training.candidates = choose_candidates(trials[report.is_used ? 1 : 0], candidate_cost(context.scene));
+    if (tries_candidates && (is_last || !report.is_used)) {
+      training.candidates =
+          choose_candidates(report.is_used ? trials.back() : trials.front(), candidate_cost(context.scene));
       of_passes.integrator.candidates = training.candidates.count;
     }
     if (report.is_used) continue;

@@ -1,7 +1,7 @@
 // Training passes of path guiding: camera samples of the whole frame that only train the guide. Each pass is guided by
 // what the previous ones have learned. Their images are discarded, because the guide must not depend on the samples of
-// the final image that it guides. The first two passes also show whether guiding pays (guiding_gain()) and how many
-// light candidates do (choose_candidates()).
+// the final image that it guides. The first kTrialPasses passes also show whether guiding pays (guiding_gain()) and
+// how many light candidates do (choose_candidates()).
 #pragma once
 
 #include "kernels/guiding/guide_field.h"
@@ -43,8 +43,8 @@ bool is_trial_worthwhile(int width, int height, std::uint32_t samples);
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes);
 
 /// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass. With
-/// GuidingMode::kAuto, training ends after two passes if guiding does not pay. `tries_candidates`: the first two passes
-/// are a trial of light candidates, and the following ones have the number that it has found.
+/// GuidingMode::kAuto, training ends as soon as guiding is not promising, or after the trial if it does not pay.
+/// `tries_candidates`: the passes of the trial try light candidates, and the following ones have the number that pays.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
                        std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
                        GuideTraining& training);

@@ -23,14 +23,13 @@ struct Mean {
 
 }  // namespace
 
-TrialBrightness::TrialBrightness(std::initializer_list<const TrialPass*> passes) {
+TrialBrightness::TrialBrightness(const TrialPass& pass) {
   Mean frame;
-  std::vector<Mean> tasks((*passes.begin())->radiance.size());
-  for (const TrialPass* pass : passes)
-    for (std::size_t i = 0; i < tasks.size(); ++i) {
-      frame.add(pass->radiance[i]);
-      tasks[i].add(pass->radiance[i]);
-    }
+  std::vector<Mean> tasks(pass.radiance.size());
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    frame.add(pass.radiance[i]);
+    tasks[i].add(pass.radiance[i]);
+  }
   if (!(frame.value() > 0)) return;
   of_frame = frame.value() * frame.value();
   for (const Mean& task : tasks) of_task.push_back(task.value() * task.value() + kDarkest * of_frame);

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 #include <vector>
 
 namespace sheaf {
@@ -25,13 +24,12 @@ struct TrialPass {
 };
 
 /// Errors of a trial are in relation to the brightness of the frame: of each task, squared, but not below a share of
-/// that of the frame. Tasks are those of all passes together.
+/// that of the frame.
 struct TrialBrightness {
-  double of_frame = 0;          ///< squared; 0: the passes hold no light
+  double of_frame = 0;          ///< squared; 0: the pass holds no light
   std::vector<double> of_task;  ///< squared
 
-  /// Of passes that consist of the same tasks.
-  explicit TrialBrightness(std::initializer_list<const TrialPass*> passes);
+  explicit TrialBrightness(const TrialPass& pass);
 };
 
 /// Share of the pixels whose error is left out: the error of a few bright pixels is known too badly.

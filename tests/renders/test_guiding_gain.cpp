@@ -70,6 +70,13 @@ TEST_CASE("guiding gain: it is the ratio of error times rays, and a guided ray c
   CHECK(ratio(noisy, noisy_pass(2, 0.5f, 1000)) == doctest::Approx(4 / 1.1).epsilon(0.1));
   CHECK(ratio(noisy, noisy_pass(2, 0.5f, 2000)) == doctest::Approx(2 / 1.1).epsilon(0.1));
   CHECK(ratio(noisy_pass(2, 0.5f, 2000), noisy) == doctest::Approx(0.5 / 1.1).epsilon(0.1));
+  // A larger pass of as many rays per sample.
+  TrialPass twice = noisy_pass(2, 0.5f, 2000);
+  for (std::vector<float>& radiance : twice.radiance) {
+    const std::vector<float> once = radiance;
+    radiance.insert(radiance.end(), once.begin(), once.end());
+  }
+  CHECK(ratio(noisy, twice) == doctest::Approx(4 / 1.1).epsilon(0.1));
 }
 
 TEST_CASE("guiding gain: dark parts of the image count as much as bright ones") {
@@ -109,6 +116,10 @@ TEST_CASE("guiding gain: the standard error tells how far estimates scatter") {
   CHECK(GuidingGain{1.3, 0.1}.is_significant());
   CHECK_FALSE(GuidingGain{1.3, 0.2}.is_significant());
   CHECK_FALSE(GuidingGain{1.2, 0.001}.is_significant());
+  CHECK(GuidingGain{1.1, 1}.is_promising(1));
+  CHECK_FALSE(GuidingGain{0.9, 1}.is_promising(1));
+  CHECK_FALSE(GuidingGain{1.1, 0.001}.is_promising(2));
+  CHECK(GuidingGain{1.2, 0.001}.is_promising(2));
 }
 
 TEST_CASE("guiding gain: automatic guiding renders as the better of both modes, bit by bit") {
