@@ -35,8 +35,8 @@ TrialBrightness::TrialBrightness(const TrialPass& pass) {
   for (const Mean& task : tasks) of_task.push_back(task.value() * task.value() + kDarkest * of_frame);
 }
 
-double trimmed_mean(std::vector<float>& values) {
-  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(static_cast<double>(values.size()) * (1 - kTrialLeftOut)));
+double trimmed_mean(std::vector<float>& values, double left_out) {
+  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(static_cast<double>(values.size()) * (1 - left_out)));
   if (kept == 0) return 0;
   const auto end = values.begin() + kept;
   std::nth_element(values.begin(), end - 1, values.end());

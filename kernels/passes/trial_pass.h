@@ -35,8 +35,8 @@ struct TrialBrightness {
 /// Share of the pixels whose error is left out: the error of a few bright pixels is known too badly.
 inline constexpr double kTrialLeftOut = 0.001;
 
-/// Mean without the largest values, by kTrialLeftOut. Reorders `values`.
-double trimmed_mean(std::vector<float>& values);
+/// Mean without the largest values. `left_out`: their share. Reorders `values`.
+double trimmed_mean(std::vector<float>& values, double left_out = kTrialLeftOut);
 
 /// Number of groups of pixels, each of which the jackknife leaves out once.
 inline constexpr std::size_t kTrialGroups = 16;
