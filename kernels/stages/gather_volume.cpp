@@ -16,6 +16,7 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 
 #include <algorithm>
@@ -24,13 +25,14 @@ namespace sheaf {
 
 namespace {
 
-/// Finds the photons near the ray that count, in the order of their distance from its origin.
-void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_t medium, std::uint32_t edges_left,
-                  BeamScratch& scratch) {
+/// Finds the photons near the path's ray that count, in the order of their distance from its origin. `ray`: the same
+/// ray in the medium.
+void find_photons(const VolumePhotonMap& map, const RayState<Scalar>& path, const MediumRay& ray, std::uint32_t medium,
+                  std::uint32_t edges_left, BeamScratch& scratch) {
   if (edges_left == 0 || !ray.has(kMediumScatters)) return;
   std::vector<NearPoint>& found = scratch.found;
   found.clear();
-  map.points().near_ray(ray.origin, ray.direction, ray.length, found);
+  map.points().near_ray(path.origin, path.direction, ray.length, found);
   const auto counts = [&](const NearPoint& point) {
     const std::uint32_t place = map.photon(point.index).place;
     return (place & kMaxPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
@@ -91,12 +93,12 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
   return {emitted, passed};
 }
 
-/// Radiance due to the photons.
+/// Radiance due to the photons. `direction`: of the ray, in world space.
 template <class L>
-Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
-                     const std::vector<NearPhoton>& near) {
+Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, Vec3f direction,
+                     bool single_wavelength, const std::vector<NearPhoton>& near) {
   using F = Float<L>;
-  const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
+  const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-direction));
   Float4 sum;
   for (std::size_t first = 0; first < near.size(); first += L::width) {
     LaneArray<Uint<L>> directions(Uint<L>(0u));
@@ -139,7 +141,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   PathState<Scalar>& path = wave.paths.row(slot);
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
-                                        state.direction, min(hit.t, end));
+                                        state.direction, min(hit.t, end), path_time(scene, wave, slot));
   const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left =
@@ -149,7 +151,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const bool single = has_single_wavelength(context, wave, slot);
   const bool beams = keeps_beams(context.integrator.photons, ray.medium);
   wave.beam.photons.clear();
-  if (!beams) find_photons(maps.volume->points, ray, medium, edges_left, wave.beam);
+  if (!beams) find_photons(maps.volume->points, state, ray, medium, edges_left, wave.beam);
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
@@ -159,7 +161,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
       beams
           ? gather_beams<L>(context, maps.volume->beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
-          : gather_points<L>(scene, maps.volume->points, ray, single, wave.beam.photons);
+          : gather_points<L>(scene, maps.volume->points, ray, state.direction, single, wave.beam.photons);
   wave.stats.volume_gathering += {1, beams ? wave.beam.lines.size() : wave.beam.photons.size()};
   add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
