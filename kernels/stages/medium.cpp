@@ -176,7 +176,7 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
   const RadianceState<Scalar>& row = wave.radiance.row(path.slot);
   const float over = 1.0f / lane_mean<Scalar>(context.scene.color, r_u);
   PhotonBeam beam;
-  beam.start = path.ray.origin, beam.direction = path.ray.direction;
+  beam.start = ray.origin, beam.direction = ray.direction;
   beam.length = min(length, kLongestBeam);
   beam.power = path.state.beta * (row.weight * over);
   beam.odds = r_u * over;
