@@ -92,6 +92,15 @@ bool is_rigid(const AnimatedTransform& motion) {
   });
 }
 
+GridBox intersection(const GridBox& a, const GridBox& b) {
+  return {{std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
+          {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
+}
+
+bool is_empty(const GridBox& box) {
+  return !(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z);
+}
+
 std::array<float, 12> matrix_rows(const Transform& transform) {
   std::array<float, 12> out;
   for (std::size_t i = 0; i < 12; ++i) out[i] = static_cast<float>(transform.matrix().m[i / 4][i % 4]);
@@ -139,6 +148,20 @@ GridBox SceneCompiler::box_of_grids(std::size_t medium) const {
   return box.min.x <= box.max.x ? box : GridBox{lower_, upper_};
 }
 
+std::optional<GridBox> SceneCompiler::box_of_extinction(std::size_t medium) const {
+  const MediumRow& row = out_->media_.rows[medium];
+  const std::uint32_t grid = row.density != kNone ? row.density : row.first_grid;
+  if (grid == kNone || places_of_grids_[grid].size[0] == 0) return std::nullopt;
+  const PlacedGrid& place = places_of_grids_[grid];
+  if ((row.flags & kMediumBoxed) != 0) return place.box;
+  // Towards a background the outermost voxels are interpolated over less than the diagonal of a voxel
+  const auto& size = place.size;
+  const float margin =
+      length(place.box.max - place.box.min) / static_cast<float>(std::min({size[0], size[1], size[2]}));
+  const Vec3f around{margin, margin, margin};
+  return GridBox{place.box.min - around, place.box.max + around};
+}
+
 std::vector<GridBox> SceneCompiler::boxes_at_rest(std::size_t medium, const AnimatedTransform* motion) const {
   constexpr int kSteps = 64;
   std::vector<GridBox> out;
@@ -157,6 +180,12 @@ std::vector<GridBox> SceneCompiler::boxes_at_rest(std::size_t medium, const Anim
     }
     out.push_back(all);
   }
+  // A grid that moves is often much smaller than the shape in which it does
+  const std::optional<GridBox> extent = motion != nullptr ? box_of_extinction(medium) : std::nullopt;
+  if (extent) {
+    for (GridBox& box : out) box = intersection(box, *extent);
+    std::erase_if(out, is_empty);
+  }
   return out;
 }
 
@@ -171,7 +200,7 @@ void SceneCompiler::move_media() {
       if (medium_motions_[i].segment_count == 0 || (out_->media_.rows[i].flags & kMediumHomogeneous) != 0) continue;
       out_->motion_.media.resize(i);
       out_->motion_.media.push_back(medium_motions_[i]);
-    } catch (const SceneError& error) { throw at_place(in_.media[i].where, error); }
+    } catch (const Error& error) { throw at_place(in_.media[i].where, SceneError(error.what())); }
   }
 }
 

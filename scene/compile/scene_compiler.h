@@ -186,6 +186,8 @@ class SceneCompiler {
   const AnimatedTransform* motion_of_medium(std::size_t medium) const;
   /// Where the grids of a medium are, in world space at the first key: the box around them.
   GridBox box_of_grids(std::size_t medium) const;
+  /// Outside of this box, in world space at the first key, the medium has no extinction. Nothing if it has no bounds.
+  std::optional<GridBox> box_of_extinction(std::size_t medium) const;
   /// The boxes of a medium's shapes relative to its grids, at any time while the shutter is open.
   std::vector<GridBox> boxes_at_rest(std::size_t medium, const AnimatedTransform* motion) const;
   /// Adds the motions of all media. Call after their grids have been compiled.

@@ -57,16 +57,29 @@ Grid::Wrap read_wrap(Properties& p) {
   return p.choice("wrap_mode", kWraps, Grid::Wrap::kClamp);
 }
 
-Placement read_to_world(Properties& p, bool may_move) {
-  return may_move ? p.placement("to_world") : Placement(p.transform("to_world"));
+/// Interpolates the keys of a motion about the centre of the unit cube, so that a cube that turns stays in place, as
+/// shapes around their origin do.
+Placement about_centre(const Placement& placement) {
+  if (!placement.motion) return placement;
+  const Transform centre = Transform::translate({0.5f, 0.5f, 0.5f});
+  std::vector<AnimatedTransform::Key> keys;
+  for (const double time : placement.motion->key_times()) keys.push_back({time, placement.motion->at(time) * centre});
+  return Placement(AnimatedTransform(std::move(keys)) * AnimatedTransform(centre.inverse()));
+}
+
+/// Reads where a volume lies. `in_cube`: it fills the unit cube.
+Placement read_to_world(Properties& p, bool may_move, bool in_cube) {
+  if (!may_move) return Placement(p.transform("to_world"));
+  return in_cube ? about_centre(p.placement("to_world")) : p.placement("to_world");
 }
 
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   const bool placed = p.has("to_world");
-  const Placement placement = read_to_world(p, dialect.may_move);
+  grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
+  const bool in_cube = grid.format != Grid::Format::kNanoVdb && !grid.use_grid_bbox;
+  const Placement placement = read_to_world(p, dialect.may_move, in_cube);
   grid.to_world = placement.to_world;
   grid.motion = add_motion(p.context().description.motions, placement);
-  grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
   if (!dialect.fits_shapes) return;
   grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
   if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true together with 'toWorld', expected one of them");
@@ -141,7 +154,7 @@ constexpr NameTable<MatrixVolume (*)(Properties&, const VolumeDialect&)> kMatrix
 Placement place_of_constant(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   const XmlElement* cached = p.object("volume");
-  return cached != nullptr ? place_of_constant(*cached, context) : read_to_world(p, true);
+  return cached != nullptr ? place_of_constant(*cached, context) : read_to_world(p, true, true);
 }
 
 /// Whether the transform maps axes to axes, in any order, up to rounding.
