@@ -29,7 +29,9 @@ std::vector<NamedGrid> grids_of(const MediumDescription& m, const PhaseDescripti
                           add("sigma_s", c.sigma_s);
                         }},
              m.coefficients);
-  if (m.density) out.push_back({"density", &*m.density});
+  // Without a grid of the extinction, a voxel in memory holds its bounds
+  const bool is_bounds = m.density && m.density->format == GridVolumeDescription::Format::kInMemory;
+  if (m.density) out.push_back({is_bounds ? "sigma_t" : "density", &*m.density});
   if (m.emission) add("emission", *m.emission);
   if (m.temperature) out.push_back({"temperature", &*m.temperature});
   if (m.emission_factor) out.push_back({"emission factor", &*m.emission_factor});

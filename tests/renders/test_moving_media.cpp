@@ -3,6 +3,7 @@
 #include "tests/support/light_tracing_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
+#include "tests/support/photon_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/temporary_folder.h"
@@ -318,6 +319,59 @@ TEST_CASE("moving media: path tracing and light tracing agree on a dense cloud t
   }
   SUBCASE("light tracing") { check_light_tracing_agrees(d); }
   SUBCASE("threads, waves and crops") { check_same_bits(*compile_scene(d), {64, 256, 1000}, {}); }
+}
+
+namespace {
+
+/// A cloud lit by a point light, by photons in media. `keys`: of the cloud; with `all`, also of the light and the
+/// camera.
+Description photon_scene(const std::filesystem::path& lumps, const Transform& place, const MotionKeys& keys, bool all) {
+  Description d = empty_scene(12, 12);
+  d.sampler.sample_count = 8;
+  look_at(d, {0.5f, -5, 1}, {0, 0, 0}, {0, 0, 1}, 30);
+  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  d.integrator.photons.global.count = 100;
+  d.integrator.photons.volume = {10000, 0.1f, 0};
+  d.integrator.max_depth = 6;
+  MediumDescription m = fog_on_grid(d, lumps, 0.9f, place, keys);
+  m.phase = add_phase(d, 0.5f);
+  ShapeDescription& box = fill_box(d, 2.5f, m);
+  add_point_light(d, {2, -3, 1.5f}, 20);
+  if (all) {
+    const auto moved = [&](const Transform& at_rest) {
+      const MotionId id = add_motion(d, keys);
+      d.motions.back() = d.motions.back() * AnimatedTransform(at_rest);
+      return id;
+    };
+    box.motion = moved(box.to_world);
+    d.lights[0].motion = moved({});
+    d.camera.motion = moved(d.camera.to_world);
+  }
+  return d;
+}
+
+void check_same_photons(const Description& a, const Description& b, double level) {
+  const Mean x = mean_of(a), y = mean_of(b);
+  INFO("means " << x.value << " and " << y.value);
+  CHECK(student_t_p_value((x.value - y.value) / std::sqrt(x.variance + y.variance), 14) >= level);
+}
+
+}  // namespace
+
+TEST_CASE("moving media: photons in media move with the grids") {
+  const TemporaryFolder folder;
+  const auto lumps = write_vol(folder / "lumps.vol", 8, 1, [](Vec3f p, int) { return p.x < 0.5f ? 3.0f : 0.3f; });
+  const double level = significance_of_each(2);
+  const MotionKeys still{{0, {}}, {1, {}}};
+  // All together: nothing moves relative to the camera
+  Description d = photon_scene(lumps, centred(), {{0, {}}, {0.5, about_z(60)}, {1, shift(2, 1) * about_z(120)}}, true);
+  expose(d, 0, 1);
+  check_same_photons(d, photon_scene(lumps, centred(), still, false), level);
+  // A cloud that has been stretched
+  const Transform stretch = Transform::scale({0.5f, 2, 1});
+  d = photon_scene(lumps, centred(), {{0, {}}, {1, stretch}}, false);
+  expose(d, 1, 1);
+  check_same_photons(d, photon_scene(lumps, stretch * centred(), still, false), level);
 }
 
 TEST_CASE("moving media: with a closed shutter grids are where they are at that time") {
