@@ -38,7 +38,9 @@ SHEAF_INLINE void move_light_sample(const SceneView& scene, const MotionSample<L
   const auto moves = motion.moves;
   s.direction = select<L>(moves, direction * inverse, s.direction);
   s.target = select<L>(moves, motion.placed.point(s.target), s.target);
-  const F factor = solid_angle_factor<L>(motion.placed, stretched);
+  F factor = solid_angle_factor<L>(motion.placed, stretched);
+  // Pdfs of points in volumes are per length as well
+  factor = select(s.target_medium != Uint<L>(kNone), factor * inverse, factor);
   s.pdf_solid_angle = select(moves & !s.delta, s.pdf_solid_angle * factor, s.pdf_solid_angle);
   // The intensity of lights at a point holds for distances in the world.
   const auto at_point = moves & s.delta & (light < Uint<L>(scene.lights.bounded_count));
@@ -60,15 +62,18 @@ template <class L> SHEAF_INLINE Float<L> rest_hit(const MotionSample<L>& motion,
   return select(moves, solid_angle_factor<L>(placed, F(1.0f) / scale), F(1.0f));
 }
 
-/// Moves photons from lights at rest to where the lights are.
+/// Moves photons from lights at rest to where the lights are. Volumes emit in all directions alike, however they are
+/// stretched.
 template <class L>
 SHEAF_INLINE void move_photon(const MotionSample<L>& motion, PhotonEmission<L>& e, Mask<L> on_shape) {
   using F = Float<L>;
   const Vec3<L> direction = motion.placed.vector(e.direction);
   const F squared = dot(direction, direction), ratio = motion.placed.determinant / squared;
+  const auto in_volume = motion.moves & (e.medium != Uint<L>(kNone));
   e.origin = select<L>(motion.moves, motion.placed.point(e.origin), e.origin);
-  e.direction = select<L>(motion.moves, direction / sqrt(squared), e.direction);
+  e.direction = select<L>(motion.moves & !in_volume, direction / sqrt(squared), e.direction);
   e.flux = select<L>(motion.moves & on_shape, e.flux * (ratio * ratio), e.flux);
+  e.flux = select<L>(in_volume, e.flux * abs(motion.placed.determinant), e.flux);
 }
 
 }  // namespace sheaf

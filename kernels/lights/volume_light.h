@@ -9,6 +9,7 @@
 #include "kernels/lights/light_kind.h"
 #include "scene/lights/volume_light.h"
 #include "scene/tables/medium_lookup.h"
+#include "scene/tables/motion_sample.h"
 
 namespace sheaf {
 
@@ -27,6 +28,14 @@ inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f
   if (x == kNone || y == kNone || z == kNone) return 0.0f;
   const AliasEntry& cell = scene.lights.triangle_alias[light.first_cell + (z * cells.y + y) * cells.x + x];
   return cell.pdf * static_cast<float>(cells.count()) / (size.x * size.y * size.z);
+}
+
+/// The same for the point `p` of world space at a time in [0, 1], wherever the light is then.
+inline float volume_light_pdf_at(const SceneView& scene, std::uint32_t index, Vec3f p, float time) {
+  if (scene.motion.lights == nullptr || scene.motion.lights[index].segment_count == 0)
+    return volume_light_pdf(scene, index, p);
+  const InstancePlacement<Scalar> placed = sample_motion<Scalar>(scene.motion, scene.motion.lights[index], time).placed;
+  return volume_light_pdf(scene, index, placed.object_point(p)) / std::fabs(placed.determinant);
 }
 
 /// A point of a volume light.

@@ -38,7 +38,7 @@ inline constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.25f;
 
 /// A ray to track.
 template <class L> struct DensityRay {
-  Vec3<L> origin, direction;  ///< world space; unit length
+  Vec3<L> origin, direction;  ///< as in MediumRay
   Float<L> length;            ///< metres
   Float<L> extinction;        ///< extinction of the hero lane at density 1
   Float<L> largest;           ///< maximum over all lanes of the extinction at density 1

@@ -33,14 +33,15 @@ struct PathWeights {
 /// Longer than any scene, but short enough that products with coefficients stay finite.
 inline constexpr float kLongestStretch = 1e18f;
 
-/// A segment of a ray within one medium.
+/// A segment of a ray within one medium. Points are relative to the grids of the medium: if these move, to where the
+/// tables place them (kernels/media/moving_medium.h).
 struct MediumRay {
   const SceneView& scene;
   const MediumRow& medium;
   MediumSpectra spectra;    ///< for this ray's direction, if extinction depends on it
   Spectrum4 lambda;         ///< the path's wavelengths
-  Vec3f origin, direction;  ///< world space; unit length
-  float length;             ///< metres, at most kLongestStretch
+  Vec3f origin, direction;  ///< unit length, unless the medium is stretched
+  float length;             ///< metres of world space, at most kLongestStretch
   int hero;                 ///< lane by which distances are sampled
   bool weighted;            ///< the other lanes have their own pdfs
 

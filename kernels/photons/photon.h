@@ -13,7 +13,7 @@ inline constexpr int kVertexBits = 16;
 
 /// A photon at one vertex of its path.
 struct Photon {
-  Vec3f p;                      ///< world space
+  Vec3f p;                      ///< world space; in media whose grids move, relative to the grids
   Spectrum4 power;              ///< W, times the number of emitted photons
   std::uint32_t direction = 0;  ///< octahedral; towards the previous vertex
   std::uint32_t surface = 0;    ///< see photon_surface(), photon_place()

@@ -51,7 +51,7 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
 class FlightShares {
  public:
   FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
-      : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f)),
+      : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f, 0.0f)),
         sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
 
   Float4 operator()(const PhotonBeamMap::Record& beam, float along) const {

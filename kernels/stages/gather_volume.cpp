@@ -5,6 +5,8 @@
 // Photon i lies at distance t_i along the ray and d_i across it. T is the transmittance, p the phase function, and k
 // the kernel over the disc of the lookup radius. Photons are stored after scattering, so Phi includes the albedo.
 //
+// Photons in media whose grids move are kept relative to the grids, as they were stored at any time of the shutter.
+//
 // Homogeneous media may store beams instead (kernels/stages/gather_beams.h). Transmittance is exact in homogeneous
 // media. Other media take one walk of ratio tracking for all photons and for the light from behind the medium.
 #include "core/frame.h"
@@ -16,21 +18,24 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace sheaf {
 
 namespace {
 
-/// Finds the photons near the ray that count, in the order of their distance from its origin.
-void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_t medium, std::uint32_t edges_left,
-                  BeamScratch& scratch) {
+/// Finds the photons near the ray that count, in the order of their distance from its origin. `stretch`: length of the
+/// ray's direction.
+void find_photons(const VolumePhotonMap& map, const MediumRay& ray, float stretch, std::uint32_t medium,
+                  std::uint32_t edges_left, BeamScratch& scratch) {
   if (edges_left == 0 || !ray.has(kMediumScatters)) return;
   std::vector<NearPoint>& found = scratch.found;
   found.clear();
-  map.points().near_ray(ray.origin, ray.direction, ray.length, found);
+  map.points().near_ray(ray.origin, ray.direction * (1.0f / stretch), ray.length * stretch, found);
   const auto counts = [&](const NearPoint& point) {
     const std::uint32_t place = map.photon(point.index).place;
     return (place & kMaxPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
@@ -39,7 +44,10 @@ void find_photons(const VolumePhotonMap& map, const MediumRay& ray, std::uint32_
               found.end());
   std::sort(found.begin(), found.end(),
             [](const NearPoint& a, const NearPoint& b) { return a.t != b.t ? a.t < b.t : a.index < b.index; });
-  for (const NearPoint& point : found) scratch.photons.push_back({point, {}});
+  for (NearPoint& point : found) {
+    point.t *= 1.0f / stretch;
+    scratch.photons.push_back({point, {}});
+  }
 }
 
 /// Emission of the medium along the ray, and transmittance of the whole ray.
@@ -91,12 +99,24 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
   return {emitted, passed};
 }
 
-/// Radiance due to the photons.
+/// Where the grids of a medium are at the time of a ray.
+struct GridPlace {
+  std::optional<InstancePlacement<Scalar>> moved;  ///< from where the tables place them; nothing if they stand still
+  float stretch = 1;                               ///< length of the direction of the ray in the medium
+
+  GridPlace(const SceneView& scene, std::uint32_t medium, float time, const MediumRay& ray) {
+    if (scene.motion.media == nullptr || scene.motion.media[medium].segment_count == 0) return;
+    moved = medium_motion(scene, medium, time).placed;
+    stretch = length(ray.direction);
+  }
+};
+
+/// Radiance due to the photons. `direction`: of the ray, in world space.
 template <class L>
-Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, bool single_wavelength,
-                     const std::vector<NearPhoton>& near) {
+Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, const GridPlace& place,
+                     Vec3f direction, bool single_wavelength, const std::vector<NearPhoton>& near) {
   using F = Float<L>;
-  const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-ray.direction));
+  const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-direction));
   Float4 sum;
   for (std::size_t first = 0; first < near.size(); first += L::width) {
     LaneArray<Uint<L>> directions(Uint<L>(0u));
@@ -106,7 +126,13 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
       directions[i] = map.photon(near[first + static_cast<std::size_t>(i)].point.index).direction;
       squared[i] = near[first + static_cast<std::size_t>(i)].point.squared;
     }
-    const Vec3<L> wi = frame.to_local(decode_octahedral<L>(directions.load()));
+    Vec3<L> from = decode_octahedral<L>(directions.load());
+    if (place.moved) {
+      const Vec3f* const rows = place.moved->rows;
+      from = normalize(Vec3<L>{dot(broadcast<L>(rows[0]), from), dot(broadcast<L>(rows[1]), from),
+                               dot(broadcast<L>(rows[2]), from)});
+    }
+    const Vec3<L> wi = frame.to_local(from);
     const LaneArray<F> weights(phase_value<L>(scene, ray.medium.phase, wi) *
                                photon_kernel<L>(map.kernel(), squared.load()));
     for (int i = 0; i < count; ++i) {
@@ -117,7 +143,7 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
       sum = sum + Float4(photon.power) * Float4(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }
-  return sum * (kInvPi / (map.radius() * map.radius()));
+  return sum * (kInvPi / (map.radius() * map.radius() * place.stretch));
 }
 
 /// Whether the path adds the emission of the medium along its ray.
@@ -139,17 +165,18 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   PathState<Scalar>& path = wave.paths.row(slot);
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
-                                        state.direction, min(hit.t, end));
+                                        state.direction, min(hit.t, end), path_time(scene, wave, slot));
   const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left =
       max_depth > depth && context.photon_maps().gathers_volume(state.flags) ? max_depth - depth : 0u;
   const PhotonMaps& maps = context.photon_maps();
   const std::uint32_t medium = state.flags >> kRayMediumShift;
+  const GridPlace place(scene, medium - 1, path_time(scene, wave, slot), ray);
   const bool single = has_single_wavelength(context, wave, slot);
   const bool beams = keeps_beams(context.integrator.photons, ray.medium);
   wave.beam.photons.clear();
-  if (!beams) find_photons(maps.volume->points, ray, medium, edges_left, wave.beam);
+  if (!beams) find_photons(maps.volume->points, ray, place.stretch, medium, edges_left, wave.beam);
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
@@ -159,7 +186,7 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
       beams
           ? gather_beams<L>(context, maps.volume->beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
-          : gather_points<L>(scene, maps.volume->points, ray, single, wave.beam.photons);
+          : gather_points<L>(scene, maps.volume->points, ray, place, state.direction, single, wave.beam.photons);
   wave.stats.volume_gathering += {1, beams ? wave.beam.lines.size() : wave.beam.photons.size()};
   add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))

@@ -16,6 +16,7 @@
 #include "kernels/stages/route_hits.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -30,6 +31,7 @@ struct MediumPath {
   PathState<Scalar> state;
   float scatter_pdf;
   float distance_since_vertex;  ///< see Wave::distance_since_vertex
+  float time;                   ///< see kernels/wave/path_time.h
 };
 
 /// Emission of the medium towards the path, with its MIS weight.
@@ -95,8 +97,9 @@ class MediumEmission {
     // Light sampling passes homogeneous media with probability 1.
     const Float4 on_the_way = ray_.has(kMediumHomogeneous) ? Float4(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
     const float r = t + path_.distance_since_vertex;
-    const float by_light =
-        lane_mean(scene_, path.r_l * on_the_way) * choice_ * volume_light_pdf(scene_, ray_.medium.light, p) * r * r;
+    const Vec3f in_world = scene_.motion.lights != nullptr ? path_.ray.origin + path_.ray.direction * t : p;
+    const float by_light = lane_mean(scene_, path.r_l * on_the_way) * choice_ *
+                           volume_light_pdf_at(scene_, ray_.medium.light, in_world, path_.time) * r * r;
     return power_heuristic(by_path, by_light);
   }
 
@@ -141,13 +144,14 @@ float track(const StageContext& context, const MediumRay& ray, float u, MediumRa
   return track_null_collisions(ray, random, estimator == MediumEstimator::kDelta, counts, weights, emit);
 }
 
-MediumPath load_path(const Wave& wave, Slot slot) {
+MediumPath load_path(const SceneView& scene, const Wave& wave, Slot slot) {
   return {slot,
           wave.rays.get(slot),
           wave.hits.get(slot),
           wave.paths.get(slot),
           wave.radiance.row(slot).scatter_pdf,
-          wave.distance_since_vertex[slot]};
+          wave.distance_since_vertex[slot],
+          path_time(scene, wave, slot)};
 }
 
 void store_weights(Wave& wave, Slot slot, const PathWeights& weights) {
@@ -199,7 +203,7 @@ MediumRay ray_of(const StageContext& context, const Wave& wave, const MediumPath
   const float end =
       path.hit.shape == kNone ? medium_end(context.scene, path.ray.origin, path.ray.direction) : kInfinity;
   return make_medium_ray(context, path.ray.flags, lane_wavelengths(context.scene, wave, path.slot), path.ray.origin,
-                         path.ray.direction, min(path.hit.t, end));
+                         path.ray.direction, min(path.hit.t, end), path.time);
 }
 
 PathWeights load_weights(const Wave& wave, const MediumPath& path) {
@@ -255,7 +259,7 @@ class DensityPaths {
     for (int i = 0; i < queue_.size(); ++i) {
       const MediumRay& ray = queue_.ray(i);
       const TrackResult<Scalar>& end = queue_.end(i);
-      MediumPath path = load_path(wave_, slots_[static_cast<std::size_t>(i)]);
+      MediumPath path = load_path(context_.scene, wave_, slots_[static_cast<std::size_t>(i)]);
       PathWeights weights = load_weights(wave_, path);
       weigh_scattering(ray, end, delta, weights);
       counts_.null += end.nulls;
@@ -290,7 +294,7 @@ template <class L> void medium(const StageContext& context, Wave& wave) noexcept
     LaneArray<Float<L>> u;
     bool is_drawn = false;
     for (int lane = 0; lane < count; ++lane) {
-      MediumPath path = load_path(wave, slots[lane]);
+      MediumPath path = load_path(context.scene, wave, slots[lane]);
       const MediumRay ray = ray_of(context, wave, path);
       if (is_tracked_by_density(ray, context.integrator.medium_estimator) && !ray.has(kMediumEmits)) {
         by_density.add<L>(path, ray);

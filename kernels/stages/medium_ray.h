@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/media/medium_tracking.h"
+#include "kernels/media/moving_medium.h"
 #include "kernels/wave/lane_mean.h"
 #include "kernels/wave/path_wavelengths.h"
 
@@ -31,10 +32,13 @@ inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
   return max(b > 0.0f ? -c / (b + root) : root - b, 0.0f);
 }
 
-/// The segment of `length` metres from `origin` in the medium given by `flags` (RayState::flags).
+/// The segment of `length` metres from `origin` in the medium given by `flags` (RayState::flags), at a time in [0, 1].
 inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
-                                 Vec3f origin, Vec3f direction, float length) {
-  const MediumRow& medium = context.scene.media.rows[(flags >> kRayMediumShift) - 1u];
+                                 Vec3f origin, Vec3f direction, float length, float time) {
+  const std::uint32_t row = (flags >> kRayMediumShift) - 1u;
+  const MediumRow& medium = context.scene.media.rows[row];
+  if (context.scene.motion.media != nullptr) [[unlikely]]
+    rest_ray(context.scene, row, time, origin, direction);
   MediumSpectra spectra = medium_spectra(context.scene, medium, lambda);
   if ((medium.flags & kMediumFlakes) != 0) weigh_by_flakes(medium, direction, spectra);
   const MediumEstimator estimator = context.integrator.medium_estimator;

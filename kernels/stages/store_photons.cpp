@@ -3,6 +3,7 @@
 // mapped normals and weights photons for it.
 #include "core/octahedral.h"
 #include "kernels/bsdf/list.h"
+#include "kernels/media/moving_medium.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"
@@ -37,6 +38,16 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
                              });
 }
 
+/// Moves a photon to where it would be relative to the grids of its medium if these stood still. Its power per volume
+/// stays that of the world. `direction`: of travel.
+void rest_photon(const SceneView& scene, std::uint32_t medium, float time, Vec3f& direction, Photon& photon) {
+  if (scene.motion.media[medium].segment_count == 0) return;
+  const InstancePlacement<Scalar> placed = medium_motion(scene, medium, time).placed;
+  photon.p = placed.object_point(photon.p);
+  photon.power = photon.power * (1.0f / std::fabs(placed.determinant));
+  direction = normalize(placed.object_vector(direction));
+}
+
 void store_path(const StageContext& context, Wave& wave, Slot slot, int column, bool in_medium) {
   LightTask& task = context.light_task();
   const RayState<Scalar> ray = wave.rays.get(slot);
@@ -58,13 +69,17 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   Photon photon;
   photon.p = item.p;
   photon.power = path.beta * (row.weight / (divisor * max(share, 1e-20f)));
-  photon.direction = encode_octahedral<Scalar>(-ray.direction);
+  Vec3f direction = ray.direction;
+  if (in_medium && context.scene.motion.media != nullptr)
+    rest_photon(context.scene, (ray.flags >> kRayMediumShift) - 1u, path_time(context.scene, wave, slot), direction,
+                photon);
+  photon.direction = encode_octahedral<Scalar>(-direction);
   const bool single = has_single_wavelength(context, wave, slot);
   photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
   photon.order = row.task_sample << kVertexBits | path.dimension();
   // Store it, or count it as dropped
-  if (is_finite(max_component(photon.power)) && is_finite(item.p)) {
+  if (is_finite(max_component(photon.power)) && is_finite(photon.p)) {
     task.stored.push_back(photon);
     return;
   }

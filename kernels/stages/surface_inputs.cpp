@@ -2,12 +2,12 @@
 // shading frame, and the closure's parameters.
 #include "core/lane_array.h"
 #include "kernels/bsdf/list.h"
+#include "kernels/media/moving_medium.h"
 #include "kernels/stages/shading_frame.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/medium_lookup.h"
 #include "scene/tables/shape.h"
 
 namespace sheaf {
@@ -94,17 +94,19 @@ SHEAF_INLINE void medium_item(Wave& wave, const RayState<L>& ray, const HitState
 
 /// Writes the microflake parameters of the paths' media to the closure's columns.
 template <class L>
-[[gnu::noinline]] void flake_words(const SceneView& scene, Wave& wave, const RayState<L>& ray, int column) {
+[[gnu::noinline]] void flake_words(const SceneView& scene, Wave& wave, const Slot* slots, const RayState<L>& ray,
+                                   int column) {
   using F = Float<L>;
   const VertexItem<L> item = wave.vertices.load<L>(column);
   const LaneRows<L, Vec3> p(item.p);
   const LaneArray<Uint<L>> flags(ray.flags);
+  const LaneArray<F> times(path_times<L>(scene, wave, slots));
   alignas(kSimdAlignment) float entries[6][L::width] = {};
   for (int lane = 0; lane < L::width; ++lane) {
     const std::uint32_t medium = flags[lane] >> kRayMediumShift;
     // Lanes behind the end of the run may hold anything.
     if (medium == 0 || (scene.media.rows[medium - 1].flags & kMediumFlakes) == 0) continue;
-    const FlakeMatrix s = flake_matrix(scene, scene.media.rows[medium - 1], p[lane]);
+    const FlakeMatrix s = flake_matrix_at(scene, medium - 1, p[lane], times[lane]);
     for (int k = 0; k < 6; ++k) entries[k][lane] = s.entries[k];
   }
   F matrix[6];
@@ -127,7 +129,7 @@ SHEAF_INLINE void surface_tile(const SceneView& scene, Wave& wave, const Slot* s
   if (kind.in_medium) {
     medium_item<L>(wave, ray, hit, column);
     closure_words<L>(scene, wave, hit.material, kind.words, column);
-    if (kind.flakes) flake_words<L>(scene, wave, ray, column);
+    if (kind.flakes) flake_words<L>(scene, wave, slots, ray, column);
     return;
   }
   const Uint<L> flags = gather_member<L>(scene.materials.rows, &MaterialRow::flags, hit.material);

@@ -17,6 +17,7 @@
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/add_radiance.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {
@@ -53,10 +54,12 @@ std::optional<MediumRay> stretch_of(const StageContext& context, const Wave& wav
   const Vec3f d = ray.item.direction;
   const float whole = length(d);
   if (!(whole > 0.0f)) return std::nullopt;
-  const Spectrum4 lambda = lane_wavelengths(context.scene, wave, static_cast<Slot>(ray.item.slot));
+  const auto slot = static_cast<Slot>(ray.item.slot);
+  const Spectrum4 lambda = lane_wavelengths(context.scene, wave, slot);
   const Vec3f direction = d * (1.0f / whole);
   const float end = to_end ? medium_end(context.scene, ray.item.origin, direction) : kInfinity;
-  return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(whole * t, end));
+  return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(whole * t, end),
+                         path_time(context.scene, wave, slot));
 }
 
 void apply(PathWeights& weights, ShadowRay& ray) {
@@ -140,9 +143,11 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
   if (end != kNone) {
     // For a point in a medium, BSDF sampling must produce a collision there.
     if (ray.state.flags >> kRayMediumShift != end) return;
-    const Spectrum4 lambda = lane_wavelengths(context.scene, wave, static_cast<Slot>(ray.item.slot));
+    const auto slot = static_cast<Slot>(ray.item.slot);
     const Vec3f p = ray.item.origin + ray.item.direction;
-    r_u = r_u * collision_density(make_medium_ray(context, ray.state.flags, lambda, p, {0, 0, 1}, 0.0f), p);
+    const MediumRay at = make_medium_ray(context, ray.state.flags, lane_wavelengths(context.scene, wave, slot), p,
+                                         {0, 0, 1}, 0.0f, path_time(context.scene, wave, slot));
+    r_u = r_u * collision_density(at, at.origin);
   }
   const float by_light = lane_mean(context.scene, Float4(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;

@@ -30,15 +30,16 @@ std::uint32_t SceneCompiler::hold(std::optional<MediumId> medium, const ShapeDes
               [&](const ExtinctionAlbedoDescription& c) { return is_grid(c.sigma_t) || is_grid(c.albedo); },
               [&](const AbsorptionScatteringDescription& c) { return is_grid(c.sigma_a) || is_grid(c.sigma_s); }},
           m.coefficients);
-  if (group_emitters_ != nullptr && (has_grid || m.emission))
+  const bool in_group = group_emitters_ != nullptr && shape_motion_ == nullptr;
+  if (in_group && (has_grid || m.emission))
     throw SceneError(shape.where, "a medium in a shape group must be homogeneous and must not emit");
-  medium_boxes_.resize(in_.media.size());
-  medium_boxes_[index].push_back(box);
+  medium_shapes_.resize(in_.media.size());
+  medium_shapes_[index].push_back({box, shape_motion_});
   return static_cast<std::uint32_t>(index) + 1;
 }
 
 void SceneCompiler::add_media() {
-  medium_boxes_.resize(in_.media.size());
+  medium_shapes_.resize(in_.media.size());
   if (in_.media.size() > kMaxMedia) throw SceneError("more than " + std::to_string(kMaxMedia) + " media");
   // Collect the media with their phase functions and bounds
   std::vector<PlacedMedium> placed;
@@ -51,7 +52,9 @@ void SceneCompiler::add_media() {
       throw SceneError(m.where,
                        "photons cannot be gathered in a medium of microflakes (expected a phase function other than "
                        "'sggx', or no photons in media)");
-    placed.push_back({&m, row_of_phase_.at(phase), flakes, medium_boxes_[i], {lower_, upper_}});
+    std::vector<GridBox> boxes;
+    for (const MediumShape& shape : medium_shapes_[i]) boxes.push_back(shape.box);
+    placed.push_back({&m, row_of_phase_.at(phase), flakes, std::move(boxes), {lower_, upper_}});
     if (m.temperature && !spectra_ && !out_->media_.blackbodies) out_->media_.blackbodies.emplace();
   }
   // Compile and check them
@@ -60,6 +63,7 @@ void SceneCompiler::add_media() {
   if (spectra_) out_->spectra_.samples = spectra_->samples();
   out_->warnings_.insert(out_->warnings_.end(), media.warnings.begin(), media.warnings.end());
   places_of_grids_ = std::move(media.places);
+  move_media();
   check_media(out_->make_view(), in_.media, out_->media_);
   if (in_.camera.medium) out_->media_.camera_medium = static_cast<std::uint32_t>(*in_.camera.medium) + 1;
 }

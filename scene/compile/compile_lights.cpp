@@ -69,6 +69,10 @@ void SceneCompiler::add_volume_lights() {
     if (!light) continue;
     out_->media_.rows[i].light = static_cast<std::uint32_t>(out_->lights_.rows.size());
     add_light_row(light->row, {}, {}, in_.media.at(i).id);
+    if (medium_motions_[i].segment_count > 0) {
+      out_->motion_.lights.resize(out_->lights_.rows.size() - 1);
+      out_->motion_.lights.push_back(medium_motions_[i]);
+    }
     out_->lights_.triangle_alias.insert(out_->lights_.triangle_alias.end(), light->alias.begin(), light->alias.end());
   }
 }

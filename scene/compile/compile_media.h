@@ -14,7 +14,7 @@ struct PlacedMedium {
   const MediumDescription* description;
   std::uint32_t phase = 0;                  ///< row of its phase function's material
   const SggxDescription* flakes = nullptr;  ///< the phase function, if it is SGGX
-  std::vector<GridBox> boxes;               ///< of all shapes that contain it; world space, metres
+  std::vector<GridBox> boxes;               ///< of all shapes that contain it, at the first key; world space, metres
   GridBox scene;                            ///< of the whole scene, for media that no shape contains
 };
 

@@ -1,4 +1,5 @@
-// Compiles motions: tabulates the transforms of moving instances, lights and cameras over the shutter.
+// Compiles motions: tabulates the transforms of moving instances, lights and cameras over the shutter. Those of media
+// are in scene/compile/compile_medium_motion.cpp.
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/instance.h"
 
@@ -86,9 +87,11 @@ MotionRow SceneCompiler::add_motion(const std::vector<MotionStepRow>& steps) {
 
 void SceneCompiler::add_moving_shapes() {
   for (const ShapeDescription* shape : moving_shapes_) {
-    const GroupContents group = add_group(std::span(shape, 1), {});
-    if (group.range.shape_count == 0) continue;
     const AnimatedTransform& motion = motion_of(*shape->motion);
+    shape_motion_ = &motion;
+    const GroupContents group = add_group(std::span(shape, 1), {});
+    shape_motion_ = nullptr;
+    if (group.range.shape_count == 0) continue;
     try {
       add_moving_instance(group, {motion, motion.reference().inverse()}, {});
     } catch (const SceneError& error) { throw at_place(shape->where, error); }
@@ -134,13 +137,18 @@ void SceneCompiler::add_moving_instance(const GroupContents& group, const Motion
   out_->counts_.instanced_triangles += group.triangles;
 }
 
-void SceneCompiler::add_light_motion(std::size_t first, const Motion& motion, const GridBox& box) {
+MotionRow SceneCompiler::add_motion_from_rest(const Motion& motion, const GridBox& box) {
   std::vector<MotionStepRow> steps = tabulate(motion, box, kMaxMotionError * diagonal(box));
   const Matrix identity = rows_of({});
-  if (steps.size() == 1 && std::equal(identity.begin(), identity.end(), steps[0].matrix)) return;
-  // A light that only lies elsewhere has two equal steps
+  if (steps.size() == 1 && std::equal(identity.begin(), identity.end(), steps[0].matrix)) return {};
+  // An object that only lies elsewhere has two equal steps
   if (steps.size() == 1) steps.push_back(steps[0]);
-  const MotionRow row = add_motion(steps);
+  return add_motion(steps);
+}
+
+void SceneCompiler::add_light_motion(std::size_t first, const Motion& motion, const GridBox& box) {
+  const MotionRow row = add_motion_from_rest(motion, box);
+  if (row.segment_count == 0) return;
   out_->motion_.lights.resize(first);
   out_->motion_.lights.resize(out_->lights_.rows.size(), row);
 }
@@ -208,6 +216,7 @@ void SceneCompiler::finish_motion() {
   if (!motion.instances.empty()) motion.instances.resize(out_->geometry_.instances.size());
   if (!motion.lights.empty()) motion.lights.resize(out_->lights_.rows.size());
   if (!motion.cameras.empty()) motion.cameras.resize(cameras_.size());
+  if (!motion.media.empty()) motion.media.resize(out_->media_.rows.size());
   motion.shutter_ramp = in_.shutter.ramp;
 }
 

@@ -86,6 +86,12 @@ class SceneCompiler {
     std::vector<Emitter> emitters;
   };
 
+  /// A shape that contains a medium.
+  struct MediumShape {
+    GridBox box;                      ///< its bounds; of a shape that moves, at the first key
+    const AnimatedTransform* motion;  ///< null: the shape stands still
+  };
+
   // compile.cpp
   /// Makes rows of spectra; null in RGB mode.
   SpectrumSet* spectra() { return spectra_ ? &*spectra_ : nullptr; }
@@ -164,12 +170,28 @@ class SceneCompiler {
   CameraDescription place_camera(CameraDescription camera, std::size_t index);
   /// Where the point `p` of camera `index` is at each step.
   std::vector<Vec3f> places_of_camera(std::size_t index, Vec3f p) const;
+  /// Adds the motion of an object from where its tables place it, with the bounds `box`. Returns a row without segments
+  /// if it is always there.
+  MotionRow add_motion_from_rest(const Motion& motion, const GridBox& box);
   /// A row with the transform of a step.
   InstanceRow step_placement(std::uint32_t step) const;
   /// Bounds of a light at all steps of its motion.
   LightBounds moved_bounds(LightBounds bounds, std::size_t light) const;
   /// Extends the tables of motions to all instances, lights and cameras.
   void finish_motion();
+
+  // compile_medium_motion.cpp
+  /// The motion of the grids of a medium; null: they stand still. A medium without grids that emits moves with its
+  /// shapes if all of them move alike. Throws SceneError if grids move in different ways.
+  const AnimatedTransform* motion_of_medium(std::size_t medium) const;
+  /// Where the grids of a medium are, in world space at the first key: the box around them.
+  GridBox box_of_grids(std::size_t medium) const;
+  /// Outside of this box, in world space at the first key, the medium has no extinction. Nothing if it has no bounds.
+  std::optional<GridBox> box_of_extinction(std::size_t medium) const;
+  /// The boxes of a medium's shapes relative to its grids, at any time while the shutter is open.
+  std::vector<GridBox> boxes_at_rest(std::size_t medium, const AnimatedTransform* motion) const;
+  /// Adds the motions of all media. Call after their grids have been compiled.
+  void move_media();
 
   // compile_lights.cpp
   LightContext light_context();
@@ -217,13 +239,16 @@ class SceneCompiler {
   /// shapes with textured emission, and its texture
   std::vector<std::pair<std::uint32_t, std::uint32_t>> emission_textures_;
   std::vector<std::uint32_t> vertex_counts_;
-  std::vector<std::uint32_t> row_of_phase_;         ///< the last one is isotropic
-  std::vector<std::vector<GridBox>> medium_boxes_;  ///< bounding boxes of the shapes that contain each medium
-  std::vector<PlacedGrid> places_of_grids_;         ///< grids of media
+  std::vector<std::uint32_t> row_of_phase_;              ///< the last one is isotropic
+  std::vector<std::vector<MediumShape>> medium_shapes_;  ///< the shapes that contain each medium
+  std::vector<std::vector<GridBox>> medium_boxes_;       ///< their bounds, relative to the grids of the medium
+  std::vector<MotionRow> medium_motions_;                ///< of each medium, with or without grids
+  std::vector<PlacedGrid> places_of_grids_;              ///< grids of media
   std::vector<PlacedGrid> places_of_texture_grids_;
   std::vector<std::uint32_t> surrounded_shapes_;  ///< shapes whose exterior medium must be found
   std::vector<const ShapeDescription*> moving_shapes_;
-  std::vector<CameraDescription> cameras_;  ///< when the shutter opens
+  const AnimatedTransform* shape_motion_ = nullptr;  ///< motion of the shape that is being added as a group
+  std::vector<CameraDescription> cameras_;           ///< when the shutter opens
   std::uint32_t ungrouped_shapes_ = 0;
   std::vector<ShapeRange> group_ranges_;
   std::vector<Emitter>* group_emitters_ = nullptr;  ///< emitters of the group whose shapes are being added

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "core/transform.h"
+#include "scene/description/motion.h"
 #include "scene/tables/interpolation.h"
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace sheaf {
@@ -33,6 +35,7 @@ struct GridVolumeDescription {
   Wrap wrap = Wrap::kClamp;
   bool raw = false;                              ///< three channels are data, not colours
   std::shared_ptr<const DenseVolume> made = {};  ///< kInMemory
+  std::optional<MotionId> motion = {};           ///< media only; see MediumDescription
 };
 
 }  // namespace sheaf

@@ -57,7 +57,8 @@ struct AbsorptionScatteringDescription {
   VolumeInput sigma_a, sigma_s;  ///< if one is a grid, both must be, with the same voxels
 };
 
-/// A medium inside or outside of shapes. Coefficients are in 1/m of world space.
+/// A medium inside or outside of shapes. Coefficients are in 1/m of world space. All grids of a medium move alike: from
+/// their places at the first key, by the same affine map.
 struct MediumDescription {
   std::variant<ExtinctionAlbedoDescription, AbsorptionScatteringDescription> coefficients;
   std::optional<GridVolumeDescription> density;  ///< multiplies the coefficients; one channel

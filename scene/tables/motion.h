@@ -1,5 +1,5 @@
-// Tables of moving instances, lights and cameras: matrices at equidistant times over the shutter; and of meshes that
-// deform. scene/tables/motion_sample.h interpolates them.
+// Tables of moving instances, lights, media and cameras: matrices at equidistant times over the shutter; and of meshes
+// that deform. scene/tables/motion_sample.h interpolates them.
 #pragma once
 
 #include "core/record_table.h"
@@ -44,6 +44,7 @@ struct MotionView {
   /// By row of light; null: no light moves. From where the light's tables place it to where it is.
   const MotionRow* lights = nullptr;
   const MotionRow* cameras = nullptr;  ///< the same for the cameras, in the order of the film's columns; or null
+  const MotionRow* media = nullptr;    ///< the same for the grids of media, by row of medium; null: no grid moves
   /// The meshes that deform, to which shapes refer by their flags; null: none.
   const MeshMotionRow* meshes = nullptr;
   float shutter_ramp = 0;  ///< see ShutterDescription::ramp
@@ -60,17 +61,17 @@ struct MotionView {
 /// Owns the tables of motion.
 struct MotionTables {
   std::vector<MotionStepRow> steps;
-  std::vector<MotionRow> instances, lights, cameras;
+  std::vector<MotionRow> instances, lights, cameras, media;
   std::vector<MeshMotionRow> meshes;
   float shutter_ramp = 0;
 
   MotionView view() const {
     const auto table = [](const std::vector<MotionRow>& rows) { return rows.empty() ? nullptr : rows.data(); };
-    return {steps.empty() ? nullptr : steps.data(),   table(instances), table(lights), table(cameras),
+    return {steps.empty() ? nullptr : steps.data(),   table(instances), table(lights), table(cameras), table(media),
             meshes.empty() ? nullptr : meshes.data(), shutter_ramp};
   }
   /// Memory in bytes.
-  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, meshes); }
+  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, media, meshes); }
 };
 
 }  // namespace sheaf

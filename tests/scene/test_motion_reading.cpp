@@ -2,6 +2,7 @@
 // shutter, and errors.
 #include "core/error.h"
 #include "tests/support/capture.h"
+#include "tests/support/media_testing.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -264,6 +265,40 @@ TEST_CASE("motion: what cannot move is an error, and stands at its first key if 
   CHECK(d.textures.size() == 1);
   REQUIRE(d.stand_ins.size() >= 1);
   CHECK(contains(d.stand_ins[0], "placed as at the first key"));
+}
+
+TEST_CASE("motion: an animation moves the grids of Mitsuba's media, about the centre of their cube") {
+  const TemporaryFolder folder;
+  write_vol(folder / "a.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
+  const auto read = [&](const std::string& volume, const std::string& type = "heterogeneous") {
+    return read_scene(write_below(folder, "scene.xml",
+                                  mitsuba_scene("<shape type='cube'><medium name='interior' type='" + type + "'>" +
+                                                volume + "</medium></shape>")));
+  };
+  const Transform about = Transform::translate({1, 0.5f, 0.5f}) * Transform::rotate({0, 0, 1}, 45) *
+                          Transform::translate({-0.5f, -0.5f, -0.5f});
+  const std::string file = "<string name='filename' value='a.vol'/>";
+  const auto grid_of = [](const VolumeInput& input) { return std::get<GridVolumeDescription>(input); };
+  Description d = read("<volume name='sigma_t' type='gridvolume'>" + file + animation() + "</volume>");
+  const auto& pair = std::get<ExtinctionAlbedoDescription>(d.media.at(0).coefficients);
+  CHECK(difference(motion_of(d, grid_of(pair.sigma_t).motion, Transform()).at(2), about) < kTolerance);
+  // The box of a file lies relative to its origin
+  d = read("<volume name='sigma_t' type='gridvolume'><boolean name='use_grid_bbox' value='true'/>" + file +
+           animation() + "</volume>");
+  const auto& boxed = std::get<ExtinctionAlbedoDescription>(d.media.at(0).coefficients);
+  CHECK(difference(motion_of(d, grid_of(boxed.sigma_t).motion, Transform()).at(2), half_way()) < kTolerance);
+  // The bounds of a constant
+  d = read("<volume name='sigma_t' type='constvolume'><float name='value' value='1'/>" + animation() + "</volume>");
+  REQUIRE(d.media.at(0).density.has_value());
+  CHECK(difference(motion_of(d, d.media[0].density->motion, Transform()).at(2), about) < kTolerance);
+  // Volume textures stand still
+  const std::string texture =
+      "<bsdf type='diffuse'><texture name='reflectance' type='volume'><volume name='volume' "
+      "type='gridvolume'>" +
+      file + animation() + "</volume></texture></bsdf>";
+  const auto path = write_below(folder, "texture.xml", mitsuba_scene("<shape type='cube'>" + texture + "</shape>"));
+  const std::string error = error_of(path);
+  CHECK(contains(error, "it cannot move"));
 }
 
 TEST_CASE("motion: ActiveTransform of pbrt moves shapes, instances and cameras") {

@@ -37,7 +37,7 @@ PhaseModel read_blend(Properties& p) {
 PhaseModel read_sggx(Properties& p) {
   const XmlElement* matrix = p.named_object("volume", "S");
   if (matrix == nullptr) p.fail("needs the <volume> 'S'");
-  return SggxDescription{read_matrix_volume(*matrix, p.context(), {})};
+  return SggxDescription{read_matrix_volume(*matrix, p.context(), {.may_move = true})};
 }
 
 /// Combines the phase functions [first, last) with their weights into a balanced tree of blends.

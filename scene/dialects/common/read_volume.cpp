@@ -57,10 +57,29 @@ Grid::Wrap read_wrap(Properties& p) {
   return p.choice("wrap_mode", kWraps, Grid::Wrap::kClamp);
 }
 
+/// Interpolates the keys of a motion about the centre of the unit cube, so that a cube that turns stays in place, as
+/// shapes around their origin do.
+Placement about_centre(const Placement& placement) {
+  if (!placement.motion) return placement;
+  const Transform centre = Transform::translate({0.5f, 0.5f, 0.5f});
+  std::vector<AnimatedTransform::Key> keys;
+  for (const double time : placement.motion->key_times()) keys.push_back({time, placement.motion->at(time) * centre});
+  return Placement(AnimatedTransform(std::move(keys)) * AnimatedTransform(centre.inverse()));
+}
+
+/// Reads where a volume lies. `in_cube`: it fills the unit cube.
+Placement read_to_world(Properties& p, bool may_move, bool in_cube) {
+  if (!may_move) return Placement(p.transform("to_world"));
+  return in_cube ? about_centre(p.placement("to_world")) : p.placement("to_world");
+}
+
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   const bool placed = p.has("to_world");
-  grid.to_world = p.transform("to_world");
   grid.use_grid_bbox = p.boolean("use_grid_bbox", dialect.bbox_of_file);
+  const bool in_cube = grid.format != Grid::Format::kNanoVdb && !grid.use_grid_bbox;
+  const Placement placement = read_to_world(p, dialect.may_move, in_cube);
+  grid.to_world = placement.to_world;
+  grid.motion = add_motion(p.context().description.motions, placement);
   if (!dialect.fits_shapes) return;
   grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
   if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true together with 'toWorld', expected one of them");
@@ -132,10 +151,10 @@ constexpr NameTable<MatrixVolume (*)(Properties&, const VolumeDialect&)> kMatrix
      {"vol", read_matrix_grid}}};
 
 /// Returns the `to_world` of a constant volume, which may be nested in caches.
-Transform place_of_constant(const XmlElement& element, ReadContext& context) {
+Placement place_of_constant(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   const XmlElement* cached = p.object("volume");
-  return cached != nullptr ? place_of_constant(*cached, context) : p.transform("to_world");
+  return cached != nullptr ? place_of_constant(*cached, context) : read_to_world(p, true, true);
 }
 
 /// Whether the transform maps axes to axes, in any order, up to rounding.
@@ -176,12 +195,17 @@ std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const Vo
   const auto* grid = std::get_if<Grid>(&volume);
   if (grid == nullptr) {
     const XmlElement* nested = p.named_object("volume", name);
-    return world_box(nested != nullptr ? place_of_constant(*nested, p.context()) : Transform());
+    const Placement placement = nested != nullptr ? place_of_constant(*nested, p.context()) : Placement();
+    Grid box = world_box(placement.to_world);
+    box.motion = add_motion(p.context().description.motions, placement);
+    return box;
   }
   if (grid->format == Grid::Format::kNanoVdb || keeps_axes(grid->to_world)) return std::nullopt;
   Transform to_world = grid->to_world;
   if (grid->use_grid_bbox && grid->format == Grid::Format::kVol) to_world = to_world * vol_box(grid->file);
-  return world_box(to_world);
+  Grid box = world_box(to_world);
+  box.motion = grid->motion;
+  return box;
 }
 
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std::optional<Grid::Format> format) {

@@ -10,6 +10,7 @@ struct VolumeDialect {
   bool bbox_of_file = false;  ///< Mitsuba before 2: a .vol file fills its own bounding box
   bool fits_shapes = false;   ///< Nori: grids may stretch over the enclosing shapes, and do by default
   bool in_shape = true;       ///< a shape encloses the medium
+  bool may_move = false;      ///< `to_world` may be an <animation>
 };
 
 /// Reads a grid: `filename` (.vol or .nvdb, otherwise recognised by its first bytes), `grid_name`, `to_world`,
@@ -34,8 +35,9 @@ bool has_volume_input(Properties& p, const char* name);
 GridVolumeDescription world_box(const Transform& to_world);
 
 /// Returns the axis-aligned box in which Mitsuba 2 and later evaluate a `heterogeneous` medium: the world bounds of the
-/// volume `name`, already read as `volume`. Returns nullopt if the volume already ends there, as axis-aligned grids
-/// do. Reads the bounding box of a .vol file if `use_grid_bbox` is set. Throws SceneError.
+/// volume `name`, already read as `volume`, at the first key of its motion. They move with it. Returns nullopt if the
+/// volume already ends there, as axis-aligned grids do. Reads the bounding box of a .vol file if `use_grid_bbox` is
+/// set. Throws SceneError.
 std::optional<GridVolumeDescription> find_volume_bounds(Properties& p, const char* name, const VolumeInput& volume);
 
 /// find_volume_input() for a constant volume. Throws SceneError for a grid.

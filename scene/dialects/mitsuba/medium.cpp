@@ -85,7 +85,7 @@ constexpr NameTable<void (*)(Properties&, const VolumeDialect&, bool before_vers
 MediumId medium_of(const XmlElement& element, Reader& reader) {
   if (const auto known = find_read_medium(element, reader.context)) return *known;
   Properties p(element, reader.context);
-  const VolumeDialect dialect{.bbox_of_file = reader.before_version_2};
+  const VolumeDialect dialect{.bbox_of_file = reader.before_version_2, .may_move = true};
   MediumDescription medium;
   p.plugin(kMedia)(p, dialect, reader.before_version_2, medium);
   p.ignore({"has_spectral_extinction", "sample_emitters", "majorant_grid", "majorant_factor",
