@@ -63,7 +63,7 @@ class Errors {
 
 }  // namespace
 
-bool GuidingGain::is_significant() const { return ratio >= std::exp(2 * standard_error) && ratio >= kMinGain; }
+bool GuidingGain::is_significant() const { return ratio >= std::exp(3 * standard_error) && ratio >= kMinGain; }
 
 bool GuidingGain::is_promising(std::size_t training_passes) const {
   return ratio >= kPromisingGain[std::min(training_passes, kPromisingGain.size()) - 1];
