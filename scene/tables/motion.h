@@ -47,6 +47,9 @@ struct MotionView {
   /// The meshes and curves that deform, to which shapes refer by their flags; null: none.
   const DeformationRow* deformations = nullptr;
   float shutter_ramp = 0;  ///< see ShutterDescription::ramp
+  /// Rows of the instances that place one shape with a motion of its own, whether or not it moves during the exposure:
+  /// [first, end).
+  std::uint32_t first_moving_shape = 0, end_of_moving_shapes = 0;
 
   /// Whether paths have a time.
   bool any() const { return steps != nullptr || deformations != nullptr; }
@@ -63,6 +66,7 @@ struct MotionTables {
   std::vector<MotionRow> instances, lights, cameras;
   std::vector<DeformationRow> deformations;
   float shutter_ramp = 0;
+  std::uint32_t first_moving_shape = 0, end_of_moving_shapes = 0;  ///< see MotionView
 
   MotionView view() const {
     const auto table = [](const std::vector<MotionRow>& rows) { return rows.empty() ? nullptr : rows.data(); };
@@ -71,7 +75,9 @@ struct MotionTables {
             table(lights),
             table(cameras),
             deformations.empty() ? nullptr : deformations.data(),
-            shutter_ramp};
+            shutter_ramp,
+            first_moving_shape,
+            end_of_moving_shapes};
   }
   /// Memory in bytes.
   std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, deformations); }

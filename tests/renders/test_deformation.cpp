@@ -3,6 +3,7 @@
 #include "tests/support/light_tracing_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/render_testing.h"
+#include "tests/support/trace_testing.h"
 
 namespace sheaf::test_deformation {
 
@@ -401,6 +402,50 @@ TEST_CASE("deformation: curves that bend give the mean of their images at fixed 
     }
     d.shapes.back().geometry = between;
     CHECK(at_time.data == render(*compile_scene(d), {}).to_image().data);
+  }
+}
+
+TEST_CASE("deformation: hits of curves are those of the curves at that time") {
+  for (const Curves::Basis basis : kBases) {
+    CAPTURE(static_cast<int>(basis));
+    const Curves first = hairs(basis, {-0.5f, 0, 0}), last = bent_hairs(basis);
+    Description d = empty_scene(4, 4);
+    add_deforming(d, {{0, first}, {0.5, last}, {1, first}});
+    expose(d, 0, 1);
+    const auto moving = compile_scene(d);
+    for (const float time : {0.2f, 0.85f}) {
+      expose(d, double{time}, double{time});
+      const auto still = compile_scene(d);
+      int hits = 0;
+      for (int i = 0; i < 64; ++i) {
+        const Vec3f origin{0.3f * static_cast<float>(i % 8) - 1, 0.3f * static_cast<float>(i / 8) - 1, 5};
+        const Vec3f direction{0, 0, -1};
+        RayPacket packet;
+        packet.set_ray(0, origin, direction);
+        packet.time[0] = time;
+        packet.shape[0] = kNone;
+        moving->view().accel->intersect(packet, 1);
+        const auto expected = trace_ray(still->view(), origin, direction);
+        REQUIRE((packet.shape[0] != kNone) == expected.has_value());
+        if (!expected) continue;
+        ++hits;
+        const auto y =
+            surface_point<Scalar, true>(moving->view(), moving->view().geometry.shapes[0], packet.primitive[0],
+                                        packet.u[0], packet.v[0], origin + direction * packet.t_far[0], kNone, time);
+        const auto x = surface_at(still->view(), origin, direction, *expected);
+        CHECK(length(y.p - x.p) < 1e-4f);
+        CHECK(length(y.ng - x.ng) < 2e-3f);
+        CHECK(length(y.dp_du - x.dp_du) < 2e-3f * length(x.dp_du));
+        CHECK(length(y.dp_dv - x.dp_dv) < 2e-3f * length(x.dp_dv));
+        CHECK(std::fabs(y.uv.y - x.uv.y) < 1e-4f);
+        // The error of the time is added
+        CHECK(y.offset > x.offset);
+        CHECK(y.offset < 1.1f * x.offset);
+      }
+      CHECK(hits > 5);
+    }
+    // Bounds are those of all times
+    CHECK(moving->view().radius > compile_scene(d)->view().radius);
   }
 }
 
