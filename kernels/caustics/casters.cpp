@@ -4,6 +4,7 @@
 #include "core/warp.h"
 #include "kernels/lights/list.h"
 #include "scene/materials/list.h"
+#include "scene/tables/shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +23,14 @@ bool is_specular(const MaterialRow& material) {
          (material.flags & (kMapped | kComposite | kPart)) == 0;
 }
 
+constexpr std::uint32_t kNotCaster = kNone - 1;
+
 float triangle_area(const SceneView& scene, const ShapeRow& shape, std::uint32_t triangle) {
-  const std::uint32_t* corners = scene.geometry.triangles + std::size_t{3} * (shape.first_triangle + triangle);
-  const VertexRow* vertices = scene.geometry.vertices + shape.first_vertex;
-  const Vec3f p = vertices[corners[0]].position;
-  return 0.5f * length(cross(vertices[corners[1]].position - p, vertices[corners[2]].position - p));
+  const CasterTriangle t = caster_triangle(scene, shape, triangle, 0);
+  return 0.5f * length(cross(t.p[1] - t.p[0], t.p[2] - t.p[0]));
 }
 
-/// Surface area of a shape, m^2; approximate for quadrics.
+/// Surface area of a shape, m^2; approximate for quadrics. In the space of the shape when the shutter opens.
 float area(const SceneView& scene, const ShapeRow& shape) {
   if (static_cast<ShapeKind>(shape.kind) != ShapeKind::kMesh) {
     const float scale = std::cbrt(scene.geometry.quadrics[shape.first_triangle].determinant);
@@ -68,17 +69,43 @@ bool ends_chains(const LightRow& light) {
   return kind == LightHitKind::kNever || (kind == LightHitKind::kSurface && !light.is_along_normal());
 }
 
-CausticCasters::CausticCasters(const SceneView& scene) : is_caster_(scene.geometry.shape_count) {
+CasterTriangle caster_triangle(const SceneView& scene, const ShapeRow& shape, std::uint32_t triangle, float time) {
+  const std::uint32_t* row = scene.geometry.triangles + std::size_t{3} * (shape.first_triangle + triangle);
+  const VertexRow* vertices = scene.geometry.vertices + shape.first_vertex;
+  const std::uint32_t corners[3] = {row[0], row[1], row[2]};
+  CasterTriangle out;
+  for (int k = 0; k < 3; ++k) out.p[k] = vertices[corners[k]].position, out.n[k] = vertices[corners[k]].normal;
+  if (scene.motion.deformations != nullptr) {
+    Vec3f extent{0, 0, 0};
+    deform_triangles<Scalar>(scene, shape, true, corners, time, out.p, out.n, extent);
+  }
+  return out;
+}
+
+std::optional<InstancePlacement<Scalar>> caster_placement(const SceneView& scene, std::uint32_t instance, float time) {
+  if (instance == kNone) return {};
+  return place_at<Scalar>(scene.motion, scene.geometry.instances[instance], instance, true, time).placed;
+}
+
+CausticCasters::CausticCasters(const SceneView& scene) : instance_of_(scene.geometry.shape_count, kNotCaster) {
+  // Find the instances of moving shapes
+  std::vector<std::uint32_t> instances(scene.geometry.shape_count, kNone);
+  for (std::uint32_t i = scene.motion.first_moving_shape; i < scene.motion.end_of_moving_shapes; ++i)
+    instances[scene.geometry.instances[i].first_shape] = i;
   // Collect the casters
   std::vector<float> weights;
   for (std::uint32_t i = 0; i < scene.geometry.shape_count; ++i) {
     const ShapeRow& shape = scene.geometry.shapes[i];
     if (shape.light != kNone || !is_supported(shape)) continue;
     const MaterialRow& front = scene.materials.rows[shape.material];
-    const float size = area(scene, shape);
+    float size = area(scene, shape);
+    if (const auto placed = caster_placement(scene, instances[i], 0)) {
+      const float scale = std::cbrt(std::fabs(placed->determinant));
+      size *= scale * scale;
+    }
     if (!is_specular(front) || !is_specular(scene.materials.rows[front.back]) || !(size > 0) || !is_finite(size))
       continue;
-    is_caster_[i] = 1;
+    instance_of_[i] = instances[i];
     has_glass_ = has_glass_ || is_glass(front);
     casters_.push_back(i);
     weights.push_back(size);
@@ -97,20 +124,20 @@ CausticCasters::CausticCasters(const SceneView& scene) : is_caster_(scene.geomet
   for (std::size_t i = 0; i < lights_.size(); ++i) light_probability_[lights_[i]] = light_alias_[i].pdf;
 }
 
-Vec3f CausticCasters::sample_point(const SceneView& scene, const Random4<Scalar>& u) const {
+Vec3f CausticCasters::sample_point(const SceneView& scene, const Random4<Scalar>& u, float time) const {
   const auto count = static_cast<std::uint32_t>(casters_.size());
-  const ShapeRow& shape =
-      scene.geometry.shapes[casters_[sample_alias<Scalar>(caster_alias_.data(), 0, count, u.x).index]];
+  const std::uint32_t index = casters_[sample_alias<Scalar>(caster_alias_.data(), 0, count, u.x).index];
+  const ShapeRow& shape = scene.geometry.shapes[index];
   const auto kind = static_cast<ShapeKind>(shape.kind);
+  const auto placed = caster_placement(scene, instance_of_[index], time);
+  const auto in_world = [&](Vec3f p) { return placed ? placed->point(p) : p; };
   if (kind != ShapeKind::kMesh)
-    return scene.geometry.quadrics[shape.first_triangle].world_point(canonical_point(kind, u.y, u.z));
+    return in_world(scene.geometry.quadrics[shape.first_triangle].world_point(canonical_point(kind, u.y, u.z)));
   const auto triangle =
       std::min(static_cast<std::uint32_t>(u.w * static_cast<float>(shape.triangle_count)), shape.triangle_count - 1);
-  const std::uint32_t* corners = scene.geometry.triangles + std::size_t{3} * (shape.first_triangle + triangle);
-  const VertexRow* vertices = scene.geometry.vertices + shape.first_vertex;
   const Vec2f b = square_to_triangle<Scalar>(u.y, u.z);
-  const Vec3f p = vertices[corners[0]].position;
-  return p + (vertices[corners[1]].position - p) * b.x + (vertices[corners[2]].position - p) * b.y;
+  const CasterTriangle t = caster_triangle(scene, shape, triangle, time);
+  return in_world(t.p[0] + (t.p[1] - t.p[0]) * b.x + (t.p[2] - t.p[0]) * b.y);
 }
 
 CausticCasters::Light CausticCasters::sample_light(float u) const {

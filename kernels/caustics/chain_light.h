@@ -21,23 +21,25 @@ struct ChainLight {
   float pdf;            ///< probability of the light; area lights: times the density of the point, 1/m^2
 };
 
-/// Samples a light and a point on it, independently of the vertex that it shines on. `lambda`: spectral mode. `p`: any
-/// point outside of the lights. Empty if the sample is unusable.
-std::optional<ChainLight> sample_chain_light(const SceneView& scene, const CausticCasters& casters, Vec3f p,
+/// Samples a light and a point on it, independently of the vertex that it shines on, at a time in [0, 1]. `lambda`:
+/// spectral mode. `p`: any point outside of the lights. Empty if the sample is unusable.
+std::optional<ChainLight> sample_chain_light(const SceneView& scene, const CausticCasters& casters, Vec3f p, float time,
                                              const Spectrum4& lambda, MediumRandom& random);
 
-/// What arrives at the start of a chain along its direction, over the pdf of `end` and weighted: radiance times solid
-/// angle, with the specular vertices taken as lossless. 0 if something lies between the chain and the light. `cosine`:
-/// absolute, of the first direction to the geometric normal of the vertex.
+/// What arrives at the start of a chain along its direction at the time of the tracer, over the pdf of `end` and
+/// weighted: radiance times solid angle, with the specular vertices taken as lossless. 0 if something lies between the
+/// chain and the light. `cosine`: absolute, of the first direction to the geometric normal of the vertex.
 Spectrum4 arriving_light(ChainTracer& tracer, const SceneView& scene, const CausticCasters& casters,
                          const ChainLight& end, const ConnectedChain& chain, float cosine, const Spectrum4& lambda);
 
 /// A point on an area light that the last ray of a chain hits.
 struct ChainEnd {
-  Vec3f from, direction;  ///< the last ray; unit length
-  float t;                ///< distance, m
-  Vec3f ng;               ///< geometric normal of the light
-  std::uint32_t light;    ///< row
+  Vec3f from, direction;    ///< the last ray; unit length
+  float t;                  ///< distance, m
+  Vec3f ng;                 ///< geometric normal of the light
+  std::uint32_t light;      ///< row
+  std::uint32_t primitive;  ///< triangle of the light
+  float time;               ///< in [0, 1]
 };
 
 /// The weight of BSDF sampling for a chain; that of manifold walks is 1 minus it. `ratio`:

@@ -106,13 +106,13 @@ float solid_angle_ratio_at(const DifferentialRay& last, float t) {
   return std::isfinite(ratio) ? ratio : 0.0f;
 }
 
-Vec3f sample_seed_direction(const SceneView& scene, const CausticCasters& casters, const ChainStart& start,
-                            const ChainTarget& target, MediumRandom& random) {
+Vec3f sample_seed_direction(const ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
+                            MediumRandom& random) {
   // Towards a point on a caster, or near the straight line to the target
   const float choice = random.next();
   Random4<Scalar> u{random.next(), random.next(), random.next(), random.next()};
-  if (casters.has_glass() && choice < 0.5f) return direction_near(start, target, u.x, u.y, u.z);
-  return normalize(casters.sample_point(scene, u) - start.p);
+  if (tracer.has_glass() && choice < 0.5f) return direction_near(start, target, u.x, u.y, u.z);
+  return normalize(tracer.sample_caster_point(u) - start.p);
 }
 
 std::optional<ChainSeed> sample_seed_type(ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,

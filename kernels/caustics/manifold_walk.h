@@ -56,8 +56,8 @@ struct ChainSeed {
 };
 /// The first direction of a seed, of unit length; may not be finite. Together with sample_seed_type(), each chain of at
 /// most `max_length` vertices has a positive density in its neighbourhood.
-Vec3f sample_seed_direction(const SceneView& scene, const CausticCasters& casters, const ChainStart& start,
-                            const ChainTarget& target, MediumRandom& random);
+Vec3f sample_seed_direction(const ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
+                            MediumRandom& random);
 /// Samples the type of a seed with a finite direction. Empty if no chain begins in that direction.
 std::optional<ChainSeed> sample_seed_type(ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
                                           Vec3f direction, int max_length, MediumRandom& random);

@@ -34,42 +34,56 @@ template <class Closure> bool has_closure(const SceneView& scene, std::uint32_t 
 }
 
 /// Derivative of an interpolated normal by a displacement `d` in the plane of a triangle. Not normalised.
-Vec3f interpolated_change(const VertexRow& a, const VertexRow& b, const VertexRow& c, Vec3f d) {
-  const Vec3f e1 = b.position - a.position, e2 = c.position - a.position;
+Vec3f interpolated_change(const CasterTriangle& at, Vec3f d) {
+  const Vec3f e1 = at.p[1] - at.p[0], e2 = at.p[2] - at.p[0];
   const float e11 = dot(e1, e1), e12 = dot(e1, e2), e22 = dot(e2, e2), d1 = dot(d, e1), d2 = dot(d, e2);
   const float determinant = e11 * e22 - e12 * e12;
   if (!(determinant > 0)) return {};
   const float du = (e22 * d1 - e12 * d2) / determinant, dv = (e11 * d2 - e12 * d1) / determinant;
-  return (b.normal - a.normal) * du + (c.normal - a.normal) * dv;
+  return (at.n[1] - at.n[0]) * du + (at.n[2] - at.n[0]) * dv;
 }
 
 /// Normal of a hit before normalisation, and its derivatives by displacements.
 struct NormalChange {
-  float length;  ///< before normalisation; 0: the normal is constant
+  Vec3f normal;  ///< 0: the normal is constant
   Vec3f d[2];
 };
 
-NormalChange mesh_change(const SceneView& scene, const ShapeRow& shape, const SurfaceHit& hit, const Vec3f (&d_p)[2]) {
-  if ((shape.flags & kHasNormals) == 0) return {0, {}};
-  const std::uint32_t* corners = scene.geometry.triangles + std::size_t{3} * (shape.first_triangle + hit.primitive);
-  const VertexRow* vertices = scene.geometry.vertices + shape.first_vertex;
-  const VertexRow &a = vertices[corners[0]], &b = vertices[corners[1]], &c = vertices[corners[2]];
-  const Vec3f sum = a.normal * (1 - hit.u - hit.v) + b.normal * hit.u + c.normal * hit.v;
-  const float squared = dot(sum, sum);
-  if (!(squared > 1e-12f)) return {0, {}};
-  return {std::sqrt(squared), {interpolated_change(a, b, c, d_p[0]), interpolated_change(a, b, c, d_p[1])}};
+NormalChange mesh_change(const SceneView& scene, const ShapeRow& shape, const SurfaceHit& hit, const Vec3f (&d_p)[2],
+                         float time) {
+  if ((shape.flags & kHasNormals) == 0) return {};
+  const CasterTriangle at = caster_triangle(scene, shape, hit.primitive, time);
+  const Vec3f sum = at.n[0] * (1 - hit.u - hit.v) + at.n[1] * hit.u + at.n[2] * hit.v;
+  if (!(dot(sum, sum) > 1e-12f)) return {};
+  return {sum, {interpolated_change(at, d_p[0]), interpolated_change(at, d_p[1])}};
 }
 
 NormalChange quadric_change(const SceneView& scene, const ShapeRow& shape, Vec3f p, const Vec3f (&d_p)[2]) {
   const auto kind = static_cast<ShapeKind>(shape.kind);
-  if (kind == ShapeKind::kDisk) return {0, {}};
+  if (kind == ShapeKind::kDisk) return {};
   const QuadricRow& q = scene.geometry.quadrics[shape.first_triangle];
   const float with_z = kind == ShapeKind::kSphere ? 1.0f : 0.0f;
   // The gradient of the canonical shape is linear in the object-space point.
   const auto gradient = [&](Vec3f x) { return q.world_normal({x.x, x.y, x.z * with_z}); };
   const Vec3f zero = q.object_point({0, 0, 0});
   const auto vector = [&](Vec3f v) { return q.object_point(v) - zero; };
-  return {length(gradient(q.object_point(p))), {gradient(vector(d_p[0])), gradient(vector(d_p[1]))}};
+  return {gradient(q.object_point(p)), {gradient(vector(d_p[0])), gradient(vector(d_p[1]))}};
+}
+
+/// The change at a point `p` of any shape, in world space.
+NormalChange normal_change(const SceneView& scene, const ShapeRow& shape, const SurfaceHit& hit, Vec3f p,
+                           const Vec3f (&d_p)[2], float time) {
+  const auto in_shape = [&](Vec3f q, const Vec3f(&d_q)[2]) {
+    return static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh ? mesh_change(scene, shape, hit, d_q, time)
+                                                                  : quadric_change(scene, shape, q, d_q);
+  };
+  const auto placed = caster_placement(scene, hit.instance, time);
+  if (!placed) return in_shape(p, d_p);
+  NormalChange change =
+      in_shape(placed->object_point(p), {placed->object_vector(d_p[0]), placed->object_vector(d_p[1])});
+  change.normal = placed->normal(change.normal);
+  for (Vec3f& d : change.d) d = placed->normal(d);
+  return change;
 }
 
 /// Derivative of the normalised normal `n` from that of the normal before normalisation.
@@ -112,7 +126,7 @@ bool ChainTracer::is_open(Vec3f origin, Vec3f direction) {
 CasterHit ChainTracer::surface(const DifferentialRay& ray, const SurfaceHit& hit) const {
   const ShapeRow& shape = scene_.geometry.shapes[hit.shape];
   const auto y = surface_point<Scalar>(scene_, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
-                                       kNone, 0.0f);
+                                       hit.instance, time());
   CasterHit out;
   out.p = y.p;
   out.ng = y.ng;
@@ -127,13 +141,12 @@ CasterHit ChainTracer::surface(const DifferentialRay& ray, const SurfaceHit& hit
   }
   // Differentiate the shading normal
   const bool mesh = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh;
-  const NormalChange change =
-      mesh ? mesh_change(scene_, shape, hit, out.d_p) : quadric_change(scene_, shape, y.p, out.d_p);
+  const NormalChange change = normal_change(scene_, shape, hit, y.p, out.d_p, time());
+  const float size = length(change.normal);
   const float sign = mesh || static_cast<ShapeKind>(shape.kind) == ShapeKind::kDisk
                          ? 1.0f
                          : scene_.geometry.quadrics[shape.first_triangle].normal_sign;
-  for (int i = 0; i < 2; ++i)
-    out.d_normal[i] = change.length > 0 ? normalized_change(y.ns, change.d[i] * sign, change.length) : Vec3f{};
+  for (int i = 0; i < 2; ++i) out.d_normal[i] = size > 0 ? normalized_change(y.ns, change.d[i] * sign, size) : Vec3f{};
   // Flip the frame of two-sided materials
   if ((scene_.materials.rows[out.material].flags & kTwoSided) != 0 && dot(out.ns, ray.direction) > 0) {
     out.ns = -out.ns;

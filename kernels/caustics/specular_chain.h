@@ -51,6 +51,9 @@ class ChainTracer {
 
   /// Wavelengths of the next chains, nm, in spectral mode. The first of them determines refracted directions.
   void set_wavelengths(const Spectrum4& lambda) { lambda_ = lambda; }
+  /// Time of the next chains, in [0, 1] over the shutter; 0 by default.
+  void set_time(float time) { packet_.time[0] = time; }
+  float time() const { return packet_.time[0]; }
 
   SurfaceHit intersect(Vec3f origin, Vec3f direction);
   /// Whether nothing lies between `origin` and `origin` + `direction`.
@@ -68,6 +71,11 @@ class ChainTracer {
   /// Follows a ray along a chain of a given type to the ray that leaves its last vertex. Returns false if there is no
   /// such chain. `weight`: as for scatter().
   bool follow(const ChainType& type, DifferentialRay& ray, Spectrum4* weight = nullptr);
+
+  /// CausticCasters::sample_point() at the time of the chains.
+  Vec3f sample_caster_point(const Random4<Scalar>& u) const { return casters_.sample_point(scene_, u, time()); }
+  /// Whether any caster is a dielectric.
+  bool has_glass() const { return casters_.has_glass(); }
 
   std::uint64_t rays() const { return rays_; }
 

@@ -21,7 +21,7 @@ struct MeshLight {
   template <class L> static SHEAF_INLINE Float<L> pdf_solid_angle(const LightQuery<L>& lights, const LightHit<L>& hit) {
     const MeshLightData<L> mesh = lights.light.template data<MeshLightData>();
     Float<L> pdf_area = Float<L>(1.0f) / mesh.area;
-    if (lights.scene.motion.meshes != nullptr) {
+    if (lights.scene.motion.deformations != nullptr) {
       LightTriangleRecord<L> triangle{};
       deform<L>(lights, mesh, hit.primitive, triangle, pdf_area);
     }
@@ -45,7 +45,7 @@ struct MeshLight {
     // Find the segment
     const SceneView& scene = lights.scene;
     const U flags = gather_member<L>(scene.geometry.shapes, &ShapeRow::flags, select(lights.active, mesh.shape, U(0u)));
-    const MeshSegment<L> segment = mesh_segment<L>(scene.motion, flags, lights.active, lights.time);
+    const DeformationSegment<L> segment = deformation_segment<L>(scene.motion, flags, lights.active, lights.time);
     const auto deforms = segment.deforms;
     if (!any(deforms)) return;
     const U first = select(deforms, mesh.first_triangle + index, U(0u));
@@ -88,7 +88,7 @@ struct MeshLight {
         sample_alias<L>(scene.lights.triangle_alias, first, select(lights.active, mesh.triangle_count, U(1u)), u.w);
     LightTriangleRecord<L> triangle = gather_rows<L>(scene.lights.triangles, first + chosen.index);
     out.pdf_area = F(1.0f) / mesh.area;
-    if (scene.motion.meshes != nullptr) deform<L>(lights, mesh, chosen.index, triangle, out.pdf_area);
+    if (scene.motion.deformations != nullptr) deform<L>(lights, mesh, chosen.index, triangle, out.pdf_area);
     const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
     // Compute position and normal
     out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;

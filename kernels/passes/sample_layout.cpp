@@ -105,7 +105,6 @@ void check_caustics(const SceneView& scene, const IntegratorSettings& integrator
     refuse(
         "caustics by mnee are not supported in scenes with participating media, masks or thin dielectrics that "
         "shadow rays pass");
-  if (scene.motion.any()) refuse("caustics by mnee are not supported in scenes where something moves");
 }
 
 /// Sets the light groups with layers.

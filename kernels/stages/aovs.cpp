@@ -84,20 +84,29 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
 template <class L>
 Vec3<L> surface_at(const SceneView& scene, const HitState<L>& hit, Vec3<L> p, Float<L> now, Float<L> then) {
   using U = Uint<L>;
-  Vec3<L> at = p;
   const auto instanced = hit.instance != U(kNone);
-  if (scene.motion.instances != nullptr && any(instanced)) {
+  const bool any_deforms = scene.motion.deformations != nullptr;
+  const bool any_placed =
+      scene.geometry.instances != nullptr && (scene.motion.instances != nullptr || any_deforms) && any(instanced);
+  const auto placed = [&](Float<L> time) SHEAF_LAMBDA_INLINE {
     const auto row = gather_rows<L>(scene.geometry.instances, select(instanced, hit.instance, U(0u)));
-    const auto placed = [&](Float<L> time) SHEAF_LAMBDA_INLINE {
-      return place_at<L>(scene.motion, row, hit.instance, instanced, time).placed;
-    };
-    at = select<L>(instanced, placed(then).point(placed(now).object_point(p)), at);
+    return place_at<L>(scene.motion, row, hit.instance, instanced, time).placed;
+  };
+  Vec3<L> at = any_placed ? select<L>(instanced, placed(now).object_point(p), p) : p;
+  // Curves that deform
+  ShapeRecord<L> shape{};
+  Mask<L> deforms(false);
+  if (any_deforms) {
+    shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
+    deforms = (shape.flags >> kDeformationShift) != U(0u);
+    const Mask<L> curve = deforms & (shape.kind != U(static_cast<std::uint32_t>(ShapeKind::kMesh)));
+    if (any(curve))
+      at = select<L>(curve, follow_curve<L>(scene, shape, curve, hit.primitive, hit.u, at, now, then), at);
+    deforms = deforms & !curve;
   }
-  if (scene.motion.meshes == nullptr) return at;
-  // Triangles of meshes that deform, possibly in instances
-  const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
-  const auto deforms = (shape.flags >> kMeshMotionShift) != U(0u);
-  if (!any(deforms)) return at;
+  if (any_placed) at = select<L>(instanced, placed(then).point(at), at);
+  // Triangles of meshes that deform
+  if (!any_deforms || !any(deforms)) return at;
   return select<L>(deforms, surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, p, hit.instance, then).p, at);
 }
 

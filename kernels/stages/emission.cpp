@@ -122,11 +122,14 @@ float chain_weight(const StageContext& context, const Wave& wave, Slot slot, Vec
   const HitState<Scalar>& hit = wave.hits.row(slot);
   ChainTracer tracer(scene, context.caustic_casters());
   if (scene.color == ColorMode::kSpectral) tracer.set_wavelengths(path_wavelengths<Scalar>(wave, &slot));
+  const float time = path_time(scene, wave, slot);
+  tracer.set_time(time);
   DifferentialRay last = start_ray(start.origin, start.direction);
   const auto length = static_cast<int>(chain_state<Scalar>(ray.flags)) - 1;
   // Rounding may lose a chain at an edge. Walks can find it neither.
   if (!tracer.follow({length, start.refracted}, last)) return 1;
-  return chain_bsdf_weight(scene, context.caustic_casters(), {ray.origin, ray.direction, hit.t, ng, hit.light},
+  return chain_bsdf_weight(scene, context.caustic_casters(),
+                           {ray.origin, ray.direction, hit.t, ng, hit.light, hit.primitive, time},
                            solid_angle_ratio_at(last, hit.t), start.cosine);
 }
 

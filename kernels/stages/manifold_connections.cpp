@@ -14,6 +14,7 @@
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/load_bsdf.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 
@@ -78,7 +79,7 @@ template <template <class> class Bsdf> struct ChainSearch {
   MediumRandom& random;
 
   std::optional<ConnectedChain> walk() {
-    const Vec3f direction = sample_seed_direction(context.scene, context.caustic_casters(), start, target, random);
+    const Vec3f direction = sample_seed_direction(tracer, start, target, random);
     if (!is_finite(direction) || !start.accepts(direction)) return {};
     const auto seed = sample_seed_type(tracer, start, target, direction, max_length, random);
     if (!seed) return {};
@@ -119,8 +120,10 @@ void connect_vertex(const StageContext& context, Wave& wave, ChainTracer& tracer
   Spectrum4 lambda;
   if (scene.color == ColorMode::kSpectral) lambda = path_wavelengths<Scalar>(wave, &slot);
   tracer.set_wavelengths(lambda);
+  const float time = path_time(scene, wave, slot);
+  tracer.set_time(time);
   const BsdfStart<Bsdf> start(scene, wave, column, mapped);
-  const auto end = sample_chain_light(scene, context.caustic_casters(), start.p, lambda, random);
+  const auto end = sample_chain_light(scene, context.caustic_casters(), start.p, time, lambda, random);
   if (!end) return;
   ChainSearch<Bsdf> search{context, tracer, start, end->target, max_length, random};
   const auto chain = search.walk();

@@ -1,4 +1,5 @@
 // Compiles curves.
+#include "scene/compile/key_times.h"
 #include "scene/compile/scene_compiler.h"
 
 #include <cmath>
@@ -33,11 +34,15 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
 }
 
 /// Throws SceneError for properties that curves do not support.
-void check_curves(const ShapeDescription& shape, const Curves& curves) {
+void check_shape(const ShapeDescription& shape) {
   if (shape.radiance) throw SceneError("curves cannot emit light (expected no <emitter>)");
   if (shape.interior || shape.exterior)
     throw SceneError("curves cannot bound media (expected neither 'interior' nor 'exterior')");
   if (shape.flip_normals) throw SceneError("the normals of curves point outwards (expected no 'flip_normals')");
+}
+
+/// Throws SceneError for curves without points or with invalid radii.
+void check_curves(const Curves& curves) {
   if (curves.points.empty() || curves.starts.empty() || curves.starts.front() != 0)
     throw SceneError("the curves have no points");
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
@@ -48,58 +53,152 @@ void check_curves(const ShapeDescription& shape, const Curves& curves) {
   }
 }
 
+/// Throws SceneError unless the curves have the same number of points each.
+void check_same_topology(const Curves& first, const Curves& later, std::size_t number) {
+  const auto differ = [&](const char* what, std::size_t a, std::size_t b) {
+    throw SceneError("the curves of a deformation differ in their " + std::string(what) + ": number 1 has " +
+                     std::to_string(a) + ", number " + std::to_string(number) + " has " + std::to_string(b));
+  };
+  if (first.basis != later.basis)
+    throw SceneError("the curves of a deformation are of different types: numbers 1 and " + std::to_string(number));
+  if (first.starts.size() != later.starts.size()) differ("number of curves", first.starts.size(), later.starts.size());
+  if (first.points.size() != later.points.size()) differ("points", first.points.size(), later.points.size());
+  if (first.starts != later.starts)
+    throw SceneError("the curves of a deformation differ in the points per curve: numbers 1 and " +
+                     std::to_string(number));
+}
+
+using CurveStep = std::vector<CurvePointRow>;
+
+CurveStep transformed(const Curves& curves, const Transform& to_world) {
+  CurveStep points;
+  points.reserve(curves.points.size());
+  for (const Curves::Point& point : curves.points) points.push_back({to_world.point(point.position), point.radius});
+  return points;
+}
+
+GridBox empty_box() { return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}}; }
+
+/// A segment at one time.
+struct SegmentBounds {
+  GridBox box = empty_box();  ///< of the control points
+  float radius = 0;           ///< the largest one
+  bool is_finite = true;      ///< else it cannot be traced
+
+  bool has_surface() const { return radius > 0.0f && box.min != box.max; }
+};
+
+SegmentBounds bounds_of(const CurvePointRow* points, std::uint32_t order) {
+  SegmentBounds out;
+  for (const CurvePointRow* point = points; point < points + order; ++point) {
+    out.is_finite = out.is_finite && is_finite(point->position) &&
+                    max_component(abs(point->position)) + std::fabs(point->radius) <= kMaxCurveCoordinate;
+    out.radius = std::max(out.radius, point->radius);
+    grow_box(out.box.min, out.box.max, point->position, point->position);
+  }
+  return out;
+}
+
 /// Segments that can be intersected, given by their first points.
 struct UsableSegments {
   std::vector<std::uint32_t> first;
   std::size_t left_out = 0, short_lines = 0;
-  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 };
 
-UsableSegments usable_segments(const Curves& curves, const std::vector<CurvePointRow>& points) {
+/// The segments that can be traced at all times and have a surface at one of them. `keys`: the control points at each
+/// time.
+UsableSegments usable_segments(const Curves& curves, const std::vector<CurveStep>& keys) {
   const std::uint32_t order = curves.order();
   UsableSegments out;
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
-    const auto end = static_cast<std::uint32_t>(i + 1 < curves.starts.size() ? curves.starts[i + 1] : points.size());
+    const auto end =
+        static_cast<std::uint32_t>(i + 1 < curves.starts.size() ? curves.starts[i + 1] : curves.points.size());
     for (std::uint32_t first = curves.starts[i]; first + order <= end; ++first) {
-      // Bound the control points
-      GridBox around{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-      float radius = 0;
-      bool usable = true;
-      for (std::uint32_t k = first; k < first + order; ++k) {
-        const CurvePointRow& point = points[k];
-        usable = usable && is_finite(point.position) &&
-                 max_component(abs(point.position)) + std::fabs(point.radius) <= kMaxCurveCoordinate;
-        radius = std::max(radius, point.radius);
-        grow_box(around.min, around.max, point.position, point.position);
+      bool is_finite = true, has_surface = false, is_short = false;
+      for (const CurveStep& points : keys) {
+        const SegmentBounds bounds = bounds_of(points.data() + first, order);
+        is_finite = is_finite && bounds.is_finite;
+        has_surface = has_surface || bounds.has_surface();
+        is_short = is_short || (order == 2 && length(bounds.box.max - bounds.box.min) < kShortLine);
       }
-      // Skip segments that cannot be intersected
-      if (!usable || !(radius > 0.0f) || around.min == around.max) {
+      if (!is_finite || !has_surface) {
         ++out.left_out;
         continue;
       }
-      const Vec3f margin{radius, radius, radius};
-      grow_box(out.box.min, out.box.max, around.min - margin, around.max + margin);
       out.first.push_back(first);
-      out.short_lines += order == 2 && length(around.max - around.min) < kShortLine;
+      out.short_lines += is_short;
     }
   }
   return out;
 }
 
+/// Bounds of the segments at all steps; in between they are in their convex hull.
+GridBox bounds_of(const UsableSegments& segments, const std::vector<CurveStep>& steps, std::uint32_t order) {
+  GridBox box = empty_box();
+  for (const CurveStep& points : steps)
+    for (const std::uint32_t first : segments.first) {
+      const SegmentBounds bounds = bounds_of(points.data() + first, order);
+      const Vec3f margin{bounds.radius, bounds.radius, bounds.radius};
+      grow_box(box.min, box.max, bounds.box.min - margin, bounds.box.max + margin);
+    }
+  return box;
+}
+
+/// The control points between two keys.
+CurveStep points_at(const std::vector<CurveStep>& keys, const KeyInterval& interval) {
+  CurveStep out = keys[interval.before];
+  if (interval.before == interval.after) return out;
+  const CurveStep& after = keys[interval.after];
+  const float t = interval.t;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = {out[i].position * (1 - t) + after[i].position * t, out[i].radius * (1 - t) + after[i].radius * t};
+  return out;
+}
+
+bool differ(const CurveStep& a, const CurveStep& b) {
+  return !std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const CurvePointRow& p, const CurvePointRow& q) {
+    return p.position == q.position && p.radius == q.radius;
+  });
+}
+
 }  // namespace
 
 void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves) {
-  check_curves(shape, curves);
-  if (4 * (out_->geometry_.curve_points.size() + curves.points.size()) > kMaxWords)
-    throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
-  // Transform the control points
-  std::vector<CurvePointRow> points;
-  points.reserve(curves.points.size());
-  for (const Curves::Point& point : curves.points)
-    points.push_back({shape.to_world.point(point.position), point.radius});
+  check_shape(shape);
+  check_curves(curves);
+  const std::vector<CurveStep> steps{transformed(curves, shape.to_world)};
+  add_curve_steps(row, shape, curves, steps, steps);
+}
 
+void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const DeformingCurves& from) {
+  check_shape(shape);
+  // Transform the keys
+  std::vector<CurveStep> keys;
+  std::vector<double> times;
+  for (const DeformingCurves::Key& key : from.keys) {
+    check_curves(key.curves);
+    keys.push_back(transformed(key.curves, shape.to_world * key.to_shape));
+    times.push_back(key.time);
+    check_same_topology(from.keys[0].curves, key.curves, keys.size());
+  }
+  // Tabulate the control points over the shutter
+  std::vector<CurveStep> steps;
+  bool changes = false;
+  for (const double time : step_times(times, in_.shutter)) {
+    steps.push_back(points_at(keys, interval_at(times, time)));
+    changes = changes || differ(steps[0], steps.back());
+  }
+  if (!changes) steps.resize(1);
+  add_curve_steps(row, shape, from.keys[0].curves, keys, steps);
+}
+
+void SceneCompiler::add_curve_steps(ShapeRow row, const ShapeDescription& shape, const Curves& curves,
+                                    const std::vector<CurveStep>& keys, const std::vector<CurveStep>& steps) {
+  std::vector<CurvePointRow>& all = out_->geometry_.curve_points;
+  if (4 * (all.size() + steps.size() * curves.points.size()) > kMaxWords)
+    throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
   // Find the usable segments, and report the others
-  const UsableSegments segments = usable_segments(curves, points);
+  const UsableSegments segments = usable_segments(curves, keys);
   if (segments.left_out > 0)
     warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
   if (segments.short_lines > 0)
@@ -112,18 +211,20 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
     return;
   }
   // Append points, segments and shape
-  grow(segments.box.min, segments.box.max);
+  const GridBox box = bounds_of(segments, steps, curves.order());
+  grow(box.min, box.max);
   row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
                                                                                : ShapeKind::kBsplineCurves);
-  row.first_vertex = static_cast<std::uint32_t>(out_->geometry_.curve_points.size());
+  row.first_vertex = static_cast<std::uint32_t>(all.size());
   row.first_triangle = static_cast<std::uint32_t>(out_->geometry_.curve_segments.size());
   row.triangle_count = static_cast<std::uint32_t>(segments.first.size());
-  out_->geometry_.curve_points.insert(out_->geometry_.curve_points.end(), points.begin(), points.end());
+  for (const CurveStep& step : steps) all.insert(all.end(), step.begin(), step.end());
+  if (steps.size() > 1) add_deformation(row, steps.size() - 1, curves.points.size());
   out_->geometry_.curve_segments.insert(out_->geometry_.curve_segments.end(), segments.first.begin(),
                                         segments.first.end());
-  vertex_counts_.push_back(static_cast<std::uint32_t>(points.size()));
+  vertex_counts_.push_back(static_cast<std::uint32_t>(curves.points.size()));
   out_->counts_.curve_segments += segments.first.size();
-  push_shape(row, shape, segments.box);
+  push_shape(row, shape, box);
 }
 
 }  // namespace sheaf

@@ -34,7 +34,7 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
 
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
   const ShapeTables tables{out_->geometry_.vertices.data(), out_->geometry_.triangles.data(),
-                           out_->geometry_.quadrics.data(), out_->motion_.view().meshes};
+                           out_->geometry_.quadrics.data(), out_->motion_.view().deformations};
   // Build the light
   LightPlaces places{static_cast<std::uint32_t>(out_->lights_.triangle_alias.size()),
                      static_cast<std::uint32_t>(out_->lights_.uvs.size()), row.first_triangle};

@@ -86,6 +86,8 @@ MotionRow SceneCompiler::add_motion(const std::vector<MotionStepRow>& steps) {
 }
 
 void SceneCompiler::add_moving_shapes() {
+  const auto count = [&] { return static_cast<std::uint32_t>(out_->geometry_.instances.size()); };
+  out_->motion_.first_moving_shape = count();
   for (const ShapeDescription* shape : moving_shapes_) {
     const AnimatedTransform& motion = motion_of(*shape->motion);
     shape_motion_ = &motion;
@@ -96,6 +98,7 @@ void SceneCompiler::add_moving_shapes() {
       add_moving_instance(group, {motion, motion.reference().inverse()}, {});
     } catch (const SceneError& error) { throw at_place(shape->where, error); }
   }
+  out_->motion_.end_of_moving_shapes = count();
 }
 
 void SceneCompiler::add_moving_instance(const GroupContents& group, const Motion& motion, const Transform& rest) {

@@ -74,6 +74,7 @@ void SceneCompiler::add_shape(const ShapeDescription& shape) {
                      add_mesh(row, shape, prepare_mesh(shape, std::move(mesh), shape.face_normals));
                    },
                    [&](const Curves& curves) { add_curves(row, shape, curves); },
+                   [&](const DeformingCurves& curves) { add_curves(row, shape, curves); },
                    [&](const SdfGrid& grid) { add_sdf_grid(row, shape, grid); },
                    [&](const IsQuadric auto& quadric) {
                      const Placement placement = place(quadric, shape.to_world);
@@ -139,11 +140,15 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
 }
 
 void SceneCompiler::add_mesh_steps(ShapeRow& row, const Mesh& mesh, const std::vector<MeshStep>& later) {
-  std::vector<MeshMotionRow>& motions = out_->motion_.meshes;
   for (const MeshStep& step : later) append(out_->geometry_.vertices, mesh, step);
-  motions.push_back({static_cast<std::uint32_t>(later.size()), static_cast<std::uint32_t>(mesh.positions.size())});
-  if (motions.size() >= std::size_t(1) << (32 - kMeshMotionShift)) throw SceneError("too many meshes that deform");
-  row.flags |= static_cast<std::uint32_t>(motions.size()) << kMeshMotionShift;
+  add_deformation(row, later.size(), mesh.positions.size());
+}
+
+void SceneCompiler::add_deformation(ShapeRow& row, std::size_t segment_count, std::size_t vertex_count) {
+  std::vector<DeformationRow>& motions = out_->motion_.deformations;
+  motions.push_back({static_cast<std::uint32_t>(segment_count), static_cast<std::uint32_t>(vertex_count)});
+  if (motions.size() >= std::size_t(1) << (32 - kDeformationShift)) throw SceneError("too many shapes that deform");
+  row.flags |= static_cast<std::uint32_t>(motions.size()) << kDeformationShift;
 }
 
 void SceneCompiler::add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where) {

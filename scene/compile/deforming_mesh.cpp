@@ -1,18 +1,12 @@
 // Meshes that deform: reads their keys, checks that they agree, and tabulates them over the shutter.
+#include "scene/compile/key_times.h"
 #include "scene/compile/prepare_mesh.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
-#include "scene/tables/motion.h"
-
-#include <algorithm>
-#include <cmath>
 
 namespace sheaf {
 
 namespace {
-
-/// Number of segments for keys that lie at no common multiple of a fraction of the shutter interval.
-constexpr int kDefaultSegments = 16;
 
 /// A mesh at the time of a key, in world space.
 struct KeyMesh {
@@ -97,31 +91,16 @@ void compute_normals(Mesh& mesh, const std::vector<std::uint32_t>& places) {
   for (std::size_t i = 0; i < places.size(); ++i) mesh.normals[i] = welded.normals[places[i]];
 }
 
-/// The number of equidistant segments of the shutter interval between which all keys lie.
-int segments_of(const std::vector<KeyMesh>& keys, const ShutterDescription& shutter) {
-  constexpr double kTolerance = 1e-4;
-  for (int segments = 1; segments <= kMaxMotionSegments; ++segments) {
-    const bool fits = std::all_of(keys.begin(), keys.end(), [&](const KeyMesh& key) {
-      const double at = (key.time - shutter.open) / (shutter.close - shutter.open) * segments;
-      return at <= kTolerance || at >= segments - kTolerance || std::fabs(at - std::round(at)) <= kTolerance;
-    });
-    if (fits) return segments;
-  }
-  return kDefaultSegments;
-}
-
 /// The vertices at a time.
-MeshStep step_at(const std::vector<KeyMesh>& keys, double time) {
-  const auto after = std::find_if(keys.begin(), keys.end(), [&](const KeyMesh& key) { return key.time > time; });
-  if (after == keys.begin()) return {keys.front().mesh.positions, keys.front().mesh.normals};
-  const KeyMesh& a = *(after - 1);
-  if (after == keys.end() || a.time == time) return {a.mesh.positions, a.mesh.normals};
-  const auto t = static_cast<float>((time - a.time) / (after->time - a.time));
-  MeshStep out{a.mesh.positions, a.mesh.normals};
+MeshStep step_at(const std::vector<KeyMesh>& keys, const KeyInterval& interval) {
+  const Mesh &a = keys[interval.before].mesh, &b = keys[interval.after].mesh;
+  MeshStep out{a.positions, a.normals};
+  if (interval.before == interval.after) return out;
+  const float t = interval.t;
   for (std::size_t i = 0; i < out.positions.size(); ++i)
-    out.positions[i] = out.positions[i] * (1 - t) + after->mesh.positions[i] * t;
+    out.positions[i] = out.positions[i] * (1 - t) + b.positions[i] * t;
   for (std::size_t i = 0; i < out.normals.size(); ++i) {
-    const Vec3f sum = out.normals[i] * (1 - t) + after->mesh.normals[i] * t;
+    const Vec3f sum = out.normals[i] * (1 - t) + b.normals[i] * t;
     const float size = length(sum);
     if (size > 0) out.normals[i] = sum / size;
   }
@@ -157,13 +136,13 @@ PreparedMesh prepare_deforming_mesh(const ShapeDescription& shape, const Deformi
     if (shape.flip_normals) flip_mesh(key.mesh);
   }
   // Tabulate the vertices over the shutter
-  const bool moves = shutter.close > shutter.open && keys.size() > 1;
-  const int segments = moves ? segments_of(keys, shutter) : 0;
+  std::vector<double> times;
+  for (const KeyMesh& key : keys) times.push_back(key.time);
   bool changes = false;
-  MeshStep first = step_at(keys, shutter.open);
-  for (int i = 1; i <= segments; ++i) {
-    prepared.later_steps.push_back(
-        step_at(keys, shutter.open + (shutter.close - shutter.open) * i / static_cast<double>(segments)));
+  const std::vector<double> steps = step_times(times, shutter);
+  MeshStep first = step_at(keys, interval_at(times, steps[0]));
+  for (std::size_t i = 1; i < steps.size(); ++i) {
+    prepared.later_steps.push_back(step_at(keys, interval_at(times, steps[i])));
     const MeshStep& step = prepared.later_steps.back();
     changes = changes || step.positions != first.positions || step.normals != first.normals;
   }

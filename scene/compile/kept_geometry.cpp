@@ -30,7 +30,7 @@ bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input)
     return a.first_shape == b.first_shape && a.shape_count == b.shape_count;
   };
   // The acceleration structure refers to the motions of the scene that it was built for
-  if (input.motion.instances != nullptr || input.motion.meshes != nullptr) return false;
+  if (input.motion.instances != nullptr || input.motion.deformations != nullptr) return false;
   if (accel == nullptr || watertight != input.watertight || layout != input.layout ||
       ungrouped_shapes != input.shape_count)
     return false;
@@ -100,7 +100,7 @@ void SceneCompiler::build_accel() {
 }
 
 void SceneCompiler::keep_geometry(Scene& scene, KeptGeometry& kept) {
-  if (!scene.motion_.instances.empty() || !scene.motion_.meshes.empty()) {
+  if (!scene.motion_.instances.empty() || !scene.motion_.deformations.empty()) {
     kept = {};
     return;
   }

@@ -119,6 +119,8 @@ class SceneCompiler {
   void add_mesh(ShapeRow row, const ShapeDescription& shape, PreparedMesh prepared);
   /// Adds the later steps of a mesh that deforms, whose first step has just been added.
   void add_mesh_steps(ShapeRow& row, const Mesh& mesh, const std::vector<MeshStep>& later);
+  /// Adds the row of a shape that deforms to the tables of motion. `vertex_count`: of each step.
+  void add_deformation(ShapeRow& row, std::size_t segment_count, std::size_t vertex_count);
   /// Adds the attributes that textures use of a mesh that becomes the next shape.
   void add_attributes(const ShapeRow& row, const Mesh& mesh, const SourceLocation& where);
   void add_quadric(ShapeRow row, const ShapeDescription& shape, const QuadricRow& quadric);
@@ -137,7 +139,13 @@ class SceneCompiler {
   void check_attributes();
 
   // compile_curves.cpp
+  /// The control points of curves at one time, in world space.
+  using CurveStep = std::vector<CurvePointRow>;
   void add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves);
+  void add_curves(ShapeRow row, const ShapeDescription& shape, const DeformingCurves& from);
+  /// Adds curves at equidistant times over the shutter. `keys`: the same at all times at which they are given.
+  void add_curve_steps(ShapeRow row, const ShapeDescription& shape, const Curves& curves,
+                       const std::vector<CurveStep>& keys, const std::vector<CurveStep>& steps);
 
   // compile_sdf_grid.cpp
   void add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid);

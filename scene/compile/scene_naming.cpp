@@ -20,6 +20,7 @@ std::string kind_of(const ShapeDescription& shape) {
                         [](const SdfGrid&) { return std::string("sdfgrid"); },
                         [](const HeightFieldShape&) { return std::string("heightfield"); },
                         [](const DeformingMesh&) { return std::string("deformable"); },
+                        [](const DeformingCurves&) { return std::string("deformable"); },
                     },
                     shape.geometry);
 }

@@ -86,6 +86,17 @@ struct Curves {
   std::uint32_t order() const { return basis == Basis::kLinear ? 2 : 4; }
 };
 
+/// Curves that deform: the same curves at several times. Between them positions and radii change linearly; before the
+/// first and after the last one they stand still.
+struct DeformingCurves {
+  struct Key {
+    double time = 0;  ///< in the unit of ShutterDescription
+    Curves curves;
+    Transform to_shape = {};  ///< of the points, to the space of the shape
+  };
+  std::vector<Key> keys;  ///< at least one; times increase; all have the same `basis`, `starts` and number of points
+};
+
 /// Zero level set of a function on [0, 1]^3, usually a signed distance. Its values are given at grid points, x fastest,
 /// with trilinear interpolation. Normals point towards positive values. No uv.
 struct SdfGrid {
@@ -105,7 +116,7 @@ struct HeightFieldShape {
 
 struct ShapeDescription {
   std::variant<MeshFileShape, Mesh, SphereShape, RectangleShape, CubeShape, DiskShape, CylinderShape, Curves, SdfGrid,
-               HeightFieldShape, DeformingMesh>
+               HeightFieldShape, DeformingMesh, DeformingCurves>
       geometry;
   Transform to_world;
   bool flip_normals = false;

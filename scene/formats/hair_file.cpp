@@ -26,7 +26,9 @@ class HairBuilder {
   }
 
   void add(Vec3f p) {
-    if (left_out_ || (!points_.empty() && p == points_.back())) return;
+    if (left_out_) return;
+    if (reading_.keep_straight) return points_.push_back(p);
+    if (!points_.empty() && p == points_.back()) return;
     const std::size_t n = points_.size();
     if (n >= 2) {
       const Vec3f before = normalize(points_[n - 1] - points_[n - 2]);

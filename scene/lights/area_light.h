@@ -13,7 +13,7 @@ struct ShapeTables {
   const VertexRow* vertices;
   const std::uint32_t* triangles;
   const QuadricRow* quadrics;
-  const MeshMotionRow* mesh_motions;  ///< null: no mesh deforms
+  const DeformationRow* deformations;  ///< null: no shape deforms
 };
 
 /// Future positions of a light's parts in the scene's tables.

@@ -87,9 +87,9 @@ LightUvRow make_uvs(const ShapeRow& shape, const VertexRow* const (&corners)[3])
 }
 
 /// The steps of a shape's mesh; no segments: it does not deform.
-MeshMotionRow motion_of(const MeshMotionRow* motions, const ShapeRow& shape) {
-  const std::uint32_t row = shape.flags >> kMeshMotionShift;
-  return row == 0 ? MeshMotionRow{} : motions[row - 1];
+DeformationRow motion_of(const DeformationRow* motions, const ShapeRow& shape) {
+  const std::uint32_t row = shape.flags >> kDeformationShift;
+  return row == 0 ? DeformationRow{} : motions[row - 1];
 }
 
 /// Triangles at the steps of a mesh, and for each pair of successive steps triangles whose normals complete the cone of
@@ -165,7 +165,7 @@ Vec3f MeshLightKind::power(const SceneView&, const LightRow& light) {
 LightBounds MeshLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
   const auto mesh = light.data<MeshLightData>();
   const double area = double{sides_of(light)} * mesh.area;
-  const std::uint32_t segments = motion_of(scene.motion.meshes, scene.geometry.shapes[mesh.shape]).segment_count;
+  const std::uint32_t segments = motion_of(scene.motion.deformations, scene.geometry.shapes[mesh.shape]).segment_count;
   const std::span<const LightTriangleRow> first(scene.lights.triangles + mesh.first_triangle,
                                                 (segments + std::size_t(1)) * mesh.triangle_count);
   const auto radiance = static_cast<float>(power / (double(kPi) * area));
@@ -215,7 +215,7 @@ IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightR
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                          const LightPlaces& places, const InstanceRow* instance) {
   const bool textured = light.row.texture != kNone;
-  const MeshMotionRow motion = motion_of(tables.mesh_motions, shape);
+  const DeformationRow motion = motion_of(tables.deformations, shape);
   std::vector<float> areas(shape.triangle_count);
   double area = 0;
   for (std::uint32_t step = 0; step <= motion.segment_count; ++step)

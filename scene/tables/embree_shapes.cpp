@@ -67,7 +67,7 @@ template <class Surface> void occluded_callback(const RTCOccludedFunctionNArgume
 
 RTCGeometry make_mesh(RTCDevice device, const AccelInput& in, const ShapeRow& shape, std::uint32_t vertex_count) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  const MeshMotionRow* motion = in.motion.mesh(shape);
+  const DeformationRow* motion = in.motion.deformation(shape);
   const std::uint32_t segments = motion != nullptr ? motion->segment_count : 0;
   if (segments > 0) rtcSetGeometryTimeStepCount(geometry, segments + 1);
   for (std::uint32_t step = 0; step <= segments; ++step)
@@ -115,8 +115,13 @@ RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& 
   const bool linear = static_cast<ShapeKind>(shape.kind) == ShapeKind::kLinearCurves;
   RTCGeometry geometry =
       rtcNewGeometry(device, linear ? RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE : RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4,
-                             in.curve_points + shape.first_vertex, 0, sizeof(CurvePointRow), point_count);
+  const DeformationRow* motion = in.motion.deformation(shape);
+  const std::uint32_t segments = motion != nullptr ? motion->segment_count : 0;
+  if (segments > 0) rtcSetGeometryTimeStepCount(geometry, segments + 1);
+  for (std::uint32_t step = 0; step <= segments; ++step)
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT4,
+                               in.curve_points + shape.first_vertex + std::size_t(step) * point_count, 0,
+                               sizeof(CurvePointRow), point_count);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT,
                              in.curve_segments + shape.first_triangle, 0, sizeof(std::uint32_t), shape.triangle_count);
   rtcSetGeometryIntersectFilterFunction(geometry, cull_inside);

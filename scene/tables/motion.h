@@ -1,5 +1,5 @@
 // Tables of moving instances, lights, media and cameras: matrices at equidistant times over the shutter; and of meshes
-// that deform. scene/tables/motion_sample.h interpolates them.
+// and curves that deform. scene/tables/motion_sample.h interpolates them.
 #pragma once
 
 #include "core/record_table.h"
@@ -27,14 +27,14 @@ template <class L> struct MotionRecord {
 };
 using MotionRow = MotionRecord<Scalar>;
 
-/// The steps of a mesh that deforms, at equidistant times over the shutter. In GeometryView::vertices, the vertices of
-/// each step follow those of the step before.
-struct MeshMotionRow {
+/// The steps of a mesh or of curves that deform, at equidistant times over the shutter. In GeometryView::vertices or
+/// GeometryView::curve_points, the points of each step follow those of the step before.
+struct DeformationRow {
   std::uint32_t segment_count;  ///< number of steps - 1; at least 1
-  std::uint32_t vertex_count;   ///< of each step
+  std::uint32_t vertex_count;   ///< of each step; curves: number of control points
 };
 
-/// Maximum of MotionRecord::segment_count and MeshMotionRow::segment_count: Embree accepts 129 time steps.
+/// Maximum of MotionRecord::segment_count and DeformationRow::segment_count: Embree accepts 129 time steps.
 inline constexpr int kMaxMotionSegments = 128;
 
 /// The motions of a scene for kernels. Static scenes have none of these tables.
@@ -45,16 +45,19 @@ struct MotionView {
   const MotionRow* lights = nullptr;
   const MotionRow* cameras = nullptr;  ///< the same for the cameras, in the order of the film's columns; or null
   const MotionRow* media = nullptr;    ///< the same for the grids of media, by row of medium; null: no grid moves
-  /// The meshes that deform, to which shapes refer by their flags; null: none.
-  const MeshMotionRow* meshes = nullptr;
+  /// The meshes and curves that deform, to which shapes refer by their flags; null: none.
+  const DeformationRow* deformations = nullptr;
   float shutter_ramp = 0;  ///< see ShutterDescription::ramp
+  /// Rows of the instances that place one shape with a motion of its own, whether or not it moves during the exposure:
+  /// [first, end).
+  std::uint32_t first_moving_shape = 0, end_of_moving_shapes = 0;
 
   /// Whether paths have a time.
-  bool any() const { return steps != nullptr || meshes != nullptr; }
-  /// The steps of the mesh of a shape; null: it does not deform.
-  const MeshMotionRow* mesh(const ShapeRow& shape) const {
-    const std::uint32_t row = shape.flags >> kMeshMotionShift;
-    return row == 0 ? nullptr : meshes + (row - 1);
+  bool any() const { return steps != nullptr || deformations != nullptr; }
+  /// The steps of the points of a shape; null: it does not deform.
+  const DeformationRow* deformation(const ShapeRow& shape) const {
+    const std::uint32_t row = shape.flags >> kDeformationShift;
+    return row == 0 ? nullptr : deformations + (row - 1);
   }
 };
 
@@ -62,16 +65,24 @@ struct MotionView {
 struct MotionTables {
   std::vector<MotionStepRow> steps;
   std::vector<MotionRow> instances, lights, cameras, media;
-  std::vector<MeshMotionRow> meshes;
+  std::vector<DeformationRow> deformations;
   float shutter_ramp = 0;
+  std::uint32_t first_moving_shape = 0, end_of_moving_shapes = 0;  ///< see MotionView
 
   MotionView view() const {
     const auto table = [](const std::vector<MotionRow>& rows) { return rows.empty() ? nullptr : rows.data(); };
-    return {steps.empty() ? nullptr : steps.data(),   table(instances), table(lights), table(cameras), table(media),
-            meshes.empty() ? nullptr : meshes.data(), shutter_ramp};
+    return {steps.empty() ? nullptr : steps.data(),
+            table(instances),
+            table(lights),
+            table(cameras),
+            table(media),
+            deformations.empty() ? nullptr : deformations.data(),
+            shutter_ramp,
+            first_moving_shape,
+            end_of_moving_shapes};
   }
   /// Memory in bytes.
-  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, media, meshes); }
+  std::size_t bytes() const { return bytes_of(steps, instances, lights, cameras, media, deformations); }
 };
 
 }  // namespace sheaf

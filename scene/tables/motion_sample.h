@@ -1,4 +1,4 @@
-// Transforms of moving objects and triangles of deforming meshes at given times: linear interpolation, as Embree does
+// Transforms of moving objects and segments of deforming shapes at given times: linear interpolation, as Embree does
 // it. Generic in the lane policy.
 #pragma once
 
@@ -60,8 +60,8 @@ SHEAF_INLINE MotionSample<L> sample_motion(const MotionView& view, const MotionR
           {change[3], change[7], change[11]}};
 }
 
-/// Where times lie between the steps of meshes.
-template <class L> struct MeshSegment {
+/// Where times lie between the steps of shapes that deform.
+template <class L> struct DeformationSegment {
   typename L::Mask deforms;  ///< other lanes: undefined
   typename L::Uint step;     ///< the step before
   typename L::Float t;       ///< from 0 at that step to 1 at the next one
@@ -69,20 +69,21 @@ template <class L> struct MeshSegment {
   typename L::Uint vertex_count;
 };
 
-/// The segments at times in [0, 1] of the meshes of shapes with these flags. Requires MotionView::meshes.
+/// The segments at times in [0, 1] of shapes with these flags. Requires MotionView::deformations.
 template <class L>
-SHEAF_INLINE MeshSegment<L> mesh_segment(const MotionView& view, Uint<L> shape_flags, Mask<L> active, Float<L> time) {
+SHEAF_INLINE DeformationSegment<L> deformation_segment(const MotionView& view, Uint<L> shape_flags, Mask<L> active,
+                                                       Float<L> time) {
   using U = Uint<L>;
-  MeshSegment<L> out;
-  const U number = shape_flags >> kMeshMotionShift;
+  DeformationSegment<L> out;
+  const U number = shape_flags >> kDeformationShift;
   out.deforms = active & (number != U(0u));
   const U row = select(out.deforms, number - U(1u), U(0u));
-  const U segment_count = gather_member<L>(view.meshes, &MeshMotionRow::segment_count, row);
+  const U segment_count = gather_member<L>(view.deformations, &DeformationRow::segment_count, row);
   out.segments = to_float(segment_count);
   const Float<L> scaled = time * out.segments;
   out.step = min(to_uint(scaled), segment_count - U(1u));
   out.t = scaled - to_float(out.step);
-  out.vertex_count = gather_member<L>(view.meshes, &MeshMotionRow::vertex_count, row);
+  out.vertex_count = gather_member<L>(view.deformations, &DeformationRow::vertex_count, row);
   return out;
 }
 

@@ -36,7 +36,7 @@ template <class L>
                                         const Uint<L> (&corners)[3], Float<L> time, Vec3<L> (&p)[3], Vec3<L> (&n)[3],
                                         Vec3<L>& extent) {
   using U = Uint<L>;
-  const MeshSegment<L> segment = mesh_segment<L>(scene.motion, shape.flags, active, time);
+  const DeformationSegment<L> segment = deformation_segment<L>(scene.motion, shape.flags, active, time);
   if (!any(segment.deforms)) return;
   const U first = shape.first_vertex + segment.step * segment.vertex_count;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -69,7 +69,7 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
     t[k] = vertex.uv;
   }
   Vec3<L> moved{F(0.0f), F(0.0f), F(0.0f)};
-  if (scene.motion.meshes != nullptr)
+  if (scene.motion.deformations != nullptr)
     deform_triangles<L>(scene, shape, active, {corners[0], corners[1], corners[2]}, time, p, n, moved);
   const F b0 = F(1.0f) - u - v;
   SurfacePoint<L> out;
@@ -78,7 +78,7 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
   const Vec3<L> a0 = abs(p[0]), a1 = abs(p[1]), a2 = abs(p[2]);
   const Vec3<L> largest{max(a0.x, max(a1.x, a2.x)), max(a0.y, max(a1.y, a2.y)), max(a0.z, max(a1.z, a2.z))};
   out.offset = F(kOffsetUlps) * (dot(abs(out.ng), largest) + max_component(abs(out.p)));
-  if (scene.motion.meshes != nullptr) out.offset = out.offset + F(kOffsetUlps) * (dot(abs(out.ng), moved));
+  if (scene.motion.deformations != nullptr) out.offset = out.offset + F(kOffsetUlps) * (dot(abs(out.ng), moved));
   out.ns = out.ng;
   const auto smooth = active & ((shape.flags & U(kHasNormals)) != U(0u));
   if (any(smooth)) {
@@ -187,7 +187,7 @@ template <class L, bool kWithUv>
   if (any(quadric)) out = quadric_point<L, kWithUv>(scene, shape, quadric, hit_point);
   if (any(curve | field)) {
     if (any(curve))
-      out = select<L, kWithUv>(curve, curve_point<L, kWithUv>(scene, shape, curve, primitive, u, hit_point), out);
+      out = select<L, kWithUv>(curve, curve_point<L, kWithUv>(scene, shape, curve, primitive, u, hit_point, time), out);
     if (any(field))
       out = select<L, kWithUv>(field, sdf_point<L, kWithUv>(scene, shape, field, primitive, hit_point), out);
   }

@@ -14,8 +14,8 @@ enum ShapeFlags : std::uint32_t {
   kHasNormals = 1,  ///< vertices have normals; else the shape is faceted
   kHasUvs = 2,      ///< vertices have uv; else barycentric coordinates are used as uv
 };
-/// The bits from here on: 0, or 1 + the row of a mesh that deforms in MotionView::meshes.
-inline constexpr int kMeshMotionShift = 2;
+/// The bits from here on: 0, or 1 + the row of a shape that deforms in MotionView::deformations.
+inline constexpr int kDeformationShift = 2;
 
 /// One shape. Shapes of groups follow all others, group by group, in their group's space. Half a cache line.
 template <class L> struct ShapeRecord {
@@ -26,7 +26,7 @@ template <class L> struct ShapeRecord {
   /// Meshes: into GeometryView::vertices. Curves: into GeometryView::curve_points. SDF grids: into
   /// GeometryView::sdf_grids.
   typename L::Uint first_vertex{};
-  typename L::Uint flags{};     ///< ShapeFlags and kMeshMotionShift
+  typename L::Uint flags{};     ///< ShapeFlags and kDeformationShift
   typename L::Uint material{};  ///< into MaterialView::rows
   /// Into LightView::rows; in groups, relative to the instance's first light. kNone: does not emit.
   typename L::Uint light{kNone};

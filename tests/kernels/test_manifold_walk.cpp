@@ -3,6 +3,7 @@
 #include "kernels/caustics/chain_light.h"
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
+#include "tests/support/motion_testing.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -124,6 +125,23 @@ TEST_CASE("manifold walks: the solid angle ratio is that of finite differences o
   };
   const auto add_ball = [](Description& d, MaterialId m) { add_sphere(d, {0, 0, 0}, 1, m); };
   const auto add_mesh = [](Description& d, MaterialId m) { add_shape(d, smooth_ball(6, 9), Transform(), m); };
+  // Round at half of the exposure only, and elsewhere before
+  const auto add_moving = [](Description& d, MaterialId m) {
+    move(d, add_sphere(d, {0, 0, 0}, 1, m),
+         {{0, Transform::translate({2, 0, 3}) * Transform::scale({0.6f, 1, 2})},
+          {1, Transform::translate({-2, 0, -3}) * Transform::scale({1.2f, 0.8f, 0.4f})}});
+    expose(d, 0, 1);
+  };
+  const auto add_deforming = [](Description& d, MaterialId m) {
+    Mesh first = smooth_ball(6, 9), last = first;
+    for (std::size_t i = 0; i < first.positions.size(); ++i) {
+      first.positions[i].z -= 0.6f, last.positions[i].z += 0.6f;
+      first.positions[i].x *= 0.7f, last.positions[i].x *= 1.3f;
+    }
+    for (Vec3f& n : last.normals) n = normalize(Vec3f{n.x, 0.6f * n.y, n.z});
+    add_shape(d, DeformingMesh{{{0, first}, {1, last}}}, Transform(), m);
+    expose(d, 0, 1);
+  };
   struct Case {
     const char* name;
     void (*add)(Description&, MaterialId);
@@ -139,11 +157,14 @@ TEST_CASE("manifold walks: the solid angle ratio is that of finite differences o
                         {"mirror cylinder", add_cylinder, true, reflected},
                         {"glass cylinder", add_cylinder, false, through},
                         {"mirror mesh", add_mesh, true, reflected},
-                        {"glass mesh", add_mesh, false, through}}) {
+                        {"glass mesh", add_mesh, false, through},
+                        {"moving glass ball", add_moving, false, through},
+                        {"deforming glass mesh", add_deforming, false, through}}) {
     CAPTURE(c.name);
     Description d = empty_scene(1, 1);
     c.add(d, c.mirror ? add_mirror(d) : add_glass(d, 1.4f));
     Traced t(d);
+    t.tracer.set_time(0.5f);
     std::mt19937 random(7);
     std::uniform_real_distribution<float> u(-1, 1);
     int compared = 0, equal = 0;
@@ -181,12 +202,12 @@ TEST_CASE("manifold walks: seeds find all chains of a mirror ball and a glass ba
   Traced t(d);
   const ChainStart start = start_at({4, 0.2f, 0.1f});
   MediumRandom random(1, 2, 3, 4, MediumStream::kCaustics);
-  const auto end = sample_chain_light(t.scene->view(), t.casters, start.p, {}, random);
+  const auto end = sample_chain_light(t.scene->view(), t.casters, start.p, 0, {}, random);
   REQUIRE(end);
   CHECK(end->pdf == 1);
   int straight = 0, mirrored = 0;
   for (int i = 0; i < 400; ++i) {
-    const Vec3f towards = sample_seed_direction(t.scene->view(), t.casters, start, end->target, random);
+    const Vec3f towards = sample_seed_direction(t.tracer, start, end->target, random);
     if (!is_finite(towards)) continue;
     const auto seed = sample_seed_type(t.tracer, start, end->target, towards, kMaxChainLength, random);
     if (!seed) continue;

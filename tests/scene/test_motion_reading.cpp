@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "tests/support/capture.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -413,6 +414,23 @@ TEST_CASE("motion: deformable shapes are meshes at several times") {
   CHECK(contains(error_of_text(shape("0 1 2", first + second)), "2 shapes for 3 times"));
   CHECK(contains(error_of_text(shape("0 0", first + second)), "not finite and increasing"));
   CHECK(contains(error_of_text(shape("0 1", first + "<shape type='sphere'/>")), "is not a mesh"));
+  // Curves and hairs, which keep all points
+  const TemporaryFile straight("straight.txt", "0 0 0\n0 0 1\n0 0 2\n0 0 2\n"),
+      bent("bent.txt", "0 0 0\n0 0 1\n1 0 2\n2 0 2\n");
+  const auto hair = [](const TemporaryFile& file, const std::string& inside) {
+    return "<shape type='hair'><string name='filename' value='" + file.path().string() + "'/>" + inside + "</shape>";
+  };
+  const Description h =
+      read_text(shape("0, 1", hair(straight, "<float name='radius' value='0.1'/>") +
+                                  hair(bent, "<transform name='to_world'><scale value='2'/></transform>")));
+  const auto& curves = std::get<DeformingCurves>(h.shapes.at(0).geometry);
+  REQUIRE(curves.keys.size() == 2);
+  CHECK(curves.keys[1].time == 1);
+  for (const DeformingCurves::Key& key : curves.keys) CHECK(key.curves.points.size() == 4);
+  CHECK(curves.keys[0].curves.points[0].radius == 0.1f);
+  CHECK(curves.keys[1].curves.points[0].radius == 0.05f);
+  CHECK(curves.keys[1].to_shape.point({1, 0, 0}) == Vec3f{2, 0, 0});
+  CHECK(contains(error_of_text(shape("0 1", first + hair(bent, ""))), "expected only meshes or only curves"));
 }
 
 }  // namespace sheaf::test_motion_reading

@@ -57,7 +57,7 @@ SCRIPTS = {
     "bench/compare_loading.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--files", "4", "--runs", "1"],
     "bench/compare_media.py": ["--sheaf", "{build}/sheaf", "--width", "32", "--spp", "2", "--seeds", "1",
                                "--reference-spp", "2", "--steps", "0.1"],
-    "bench/compare_motion.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--spp", "1", "--runs", "1"],
+    "bench/compare_motion.py": ["--sheaf", "{build}/sheaf", "--side", "8", "--curves", "8", "--spp", "1", "--runs", "1"],
     "bench/compare_photons.py": ["--sheaf", "{build}/sheaf", "--seconds", "0.01", "--width", "24", "--seeds", "1",
                                  "--reference-spp", "1", "--photons", "0.01"],
     "bench/compare_renderers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--runs", "2", "--reference-spp", "2",

@@ -50,6 +50,14 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
   shape.geometry = std::move(file.mesh);
 }
 
+void grow(Box& box, const Curves& curves, const Transform& to_world) {
+  for (const Curves::Point& point : curves.points) {
+    const Vec3f p = to_world.point(point.position), r{point.radius, point.radius, point.radius};
+    box.grow(p - r);
+    box.grow(p + r);
+  }
+}
+
 void grow(Box& box, const ShapeDescription& shape) {
   const Transform& t = shape.to_world;
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
@@ -68,11 +76,9 @@ void grow(Box& box, const ShapeDescription& shape) {
     box.grow(t, cylinder->p0 - r, cylinder->p0 + r);
     box.grow(t, cylinder->p1 - r, cylinder->p1 + r);
   } else if (const auto* curves = std::get_if<Curves>(&shape.geometry)) {
-    for (const Curves::Point& point : curves->points) {
-      const Vec3f p = t.point(point.position), r{point.radius, point.radius, point.radius};
-      box.grow(p - r);
-      box.grow(p + r);
-    }
+    grow(box, *curves, t);
+  } else if (const auto* moving = std::get_if<DeformingCurves>(&shape.geometry)) {
+    for (const DeformingCurves::Key& key : moving->keys) grow(box, key.curves, t * key.to_shape);
   } else if (std::holds_alternative<CubeShape>(shape.geometry)) {
     box.grow(t, {-1, -1, -1}, {1, 1, 1});
   } else if (std::holds_alternative<SdfGrid>(shape.geometry)) {

@@ -51,8 +51,10 @@ void read_curves(Properties& p, bool, ShapeDescription& shape) {
   shape.geometry = read_curve_file(p.file("filename"), basis);
 }
 
-void read_hair(Properties& p, bool, ShapeDescription& shape) {
+/// `keep_straight`: keep points where hairs are straight.
+void read_hair(Properties& p, ShapeDescription& shape, bool keep_straight) {
   HairReading reading;
+  reading.keep_straight = keep_straight;
   reading.radius = p.number("radius", reading.radius, kPositive);
   // The transform scales radii by its length along z.
   reading.radius *= length(p.placement("to_world").to_world.vector({0, 0, 1}));
@@ -61,6 +63,9 @@ void read_hair(Properties& p, bool, ShapeDescription& shape) {
   if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less than 1");
   shape.geometry = read_hair_file(p.file("filename"), reading);
 }
+
+void read_reduced_hair(Properties& p, bool, ShapeDescription& shape) { read_hair(p, shape, false); }
+void read_whole_hair(Properties& p, bool, ShapeDescription& shape) { read_hair(p, shape, true); }
 
 /// Reads a height field: a mesh if the heights are an image, else a grid of points at which the texture is evaluated.
 void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
@@ -117,7 +122,7 @@ constexpr NameTable<GeometryReader> kSharedShapes{{{"bsplinecurve", read_curves}
                                                    {"cube", read_unit_shape<CubeShape>},
                                                    {"cylinder", read_cylinder},
                                                    {"disk", read_unit_shape<DiskShape>},
-                                                   {"hair", read_hair},
+                                                   {"hair", read_reduced_hair},
                                                    {"heightfield", read_height_field_shape},
                                                    {"linearcurve", read_curves},
                                                    {"obj", read_mesh_file},
@@ -126,5 +131,7 @@ constexpr NameTable<GeometryReader> kSharedShapes{{{"bsplinecurve", read_curves}
                                                    {"sdfgrid", read_sdf_grid},
                                                    {"serialized", read_mesh_file},
                                                    {"sphere", read_sphere}}};
+
+constexpr NameTable<GeometryReader> kShapesWithAllPoints{{{"hair", read_whole_hair}}};
 
 }  // namespace sheaf

@@ -12,4 +12,8 @@ using GeometryReader = void (*)(Properties& p, bool flips_obj, ShapeDescription&
 /// Readers of shape plugins.
 extern const NameTable<GeometryReader> kSharedShapes;
 
+/// Readers of plugins whose points must correspond to those of the same shape at another time, where they differ from
+/// those above: hairs keep all points.
+extern const NameTable<GeometryReader> kShapesWithAllPoints;
+
 }  // namespace sheaf

@@ -58,11 +58,11 @@ decltype(DeformingMesh::Key::mesh) mesh_at_key(const XmlElement& element, const 
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) return *mesh;
   if (std::holds_alternative<RectangleShape>(shape.geometry)) return rectangle_mesh();
   if (std::holds_alternative<CubeShape>(shape.geometry)) return cube_mesh();
-  throw ElementError(element, "is not a mesh, expected only meshes in a 'deformable' shape");
+  throw ElementError(element, "is not a mesh, expected only meshes or only curves in a 'deformable' shape");
 }
 
-/// Reads a mesh that deforms: nested shapes for the times of the string `times`, as in Mitsuba 0.6. It has the material
-/// of the first one.
+/// Reads a mesh or curves that deform: nested shapes for the times of the string `times`, as in Mitsuba 0.6. They have
+/// the material of the first one.
 void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
   const std::vector<float> times = read_numbers(p, "times");
   const std::vector<const XmlElement*> children = p.objects("shape");
@@ -70,13 +70,28 @@ void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
     p.fail("has " + std::to_string(children.size()) + " shapes for " + std::to_string(times.size()) +
            " times, expected one for each of its 'times'");
   DeformingMesh mesh;
+  DeformingCurves curves;
   for (std::size_t i = 0; i < children.size(); ++i) {
     if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1])))
       p.fail_at("times", "are not finite and increasing");
+    // Read the geometry
     Properties child(*children[i], p.context());
     ShapeDescription at_key;
-    child.plugin(kSharedShapes)(child, true, at_key);
-    mesh.keys.push_back({double{times[i]}, mesh_at_key(*children[i], at_key), child.transform("to_world")});
+    const GeometryReader* read = kShapesWithAllPoints.find(child.type());
+    if (read != nullptr) {
+      (*read)(child, true, at_key);
+    } else {
+      child.plugin(kSharedShapes)(child, true, at_key);
+    }
+    const Transform to_shape = child.transform("to_world");
+    if (auto* at_time = std::get_if<Curves>(&at_key.geometry)) {
+      curves.keys.push_back({double{times[i]}, std::move(*at_time), to_shape});
+    } else {
+      mesh.keys.push_back({double{times[i]}, mesh_at_key(*children[i], at_key), to_shape});
+    }
+    if (!mesh.keys.empty() && !curves.keys.empty())
+      throw ElementError(*children[i], "follows shapes of another kind, expected only meshes or only curves");
+    // Read what the first shape decides
     if (i == 0) {
       shape.face_normals = at_key.face_normals;
       if (const XmlElement* bsdf = child.object("bsdf")) shape.material = material_of(*bsdf, reader);
@@ -84,8 +99,12 @@ void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
     }
     child.ignore_all();
   }
-  if (mesh.keys.empty()) p.fail("has no shapes, expected meshes for at least one of its 'times'");
-  shape.geometry = std::move(mesh);
+  if (children.empty()) p.fail("has no shapes, expected meshes or curves for at least one of its 'times'");
+  if (curves.keys.empty()) {
+    shape.geometry = std::move(mesh);
+  } else {
+    shape.geometry = std::move(curves);
+  }
 }
 
 /// Shapes made of other shapes.
