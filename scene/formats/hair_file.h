@@ -10,8 +10,8 @@ namespace sheaf {
 struct HairReading {
   float radius = 0.025f;
   float angle_threshold = 1;   ///< degrees; points with smaller direction changes are dropped
-  bool keep_straight = false;  ///< ignore the threshold, and keep points that equal the one before
   float reduction = 0;         ///< in [0, 1): fraction of hairs to drop; the others widen to compensate
+  bool keep_straight = false;  ///< ignore the threshold, and keep points that equal the one before
 };
 
 /// Reads hairs as linear curves (manual of Mitsuba 0.6, "Hair intersection shape"). Text files have a point "x y z" per

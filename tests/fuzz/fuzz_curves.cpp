@@ -10,6 +10,7 @@ void try_input(std::string_view input) {
   reads([&] { (void)read_curve_file(file, Curves::Basis::kBspline); });
   reads([&] { (void)read_curve_file(file, Curves::Basis::kLinear); });
   reads([&] { (void)read_hair_file(file, {0.5f, 10, 0.25f}); });
+  reads([&] { (void)read_hair_file(file, {0.5f, 10, 0.25f, true}); });
 }
 
 }  // namespace sheaf::fuzz
