@@ -11,28 +11,19 @@ namespace {
 /// Lower bound on the brightness that errors are relative to, as a share of that of the frame, squared.
 constexpr double kDarkest = 0.01;
 
-struct Mean {
-  double sum = 0, count = 0;
-
-  void add(const std::vector<float>& values) {
-    sum = std::accumulate(values.begin(), values.end(), sum);
-    count += static_cast<double>(values.size());
-  }
-  double value() const { return count > 0 ? sum / count : 0; }
-};
-
 }  // namespace
 
 TrialBrightness::TrialBrightness(const TrialPass& pass) {
-  Mean frame;
-  std::vector<Mean> tasks(pass.radiance.size());
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    frame.add(pass.radiance[i]);
-    tasks[i].add(pass.radiance[i]);
+  double sum = 0, count = 0;
+  for (const std::vector<float>& radiance : pass.radiance) {
+    std::vector<float> values = radiance;
+    of_task.push_back(trimmed_mean(values));
+    sum += of_task.back() * static_cast<double>(values.size());
+    count += static_cast<double>(values.size());
   }
-  if (!(frame.value() > 0)) return;
-  of_frame = frame.value() * frame.value();
-  for (const Mean& task : tasks) of_task.push_back(task.value() * task.value() + kDarkest * of_frame);
+  if (!(sum > 0)) return;
+  of_frame = std::pow(sum / count, 2);
+  for (double& task : of_task) task = task * task + kDarkest * of_frame;
 }
 
 double trimmed_mean(std::vector<float>& values, double left_out) {

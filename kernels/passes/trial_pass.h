@@ -24,7 +24,7 @@ struct TrialPass {
 };
 
 /// Errors of a trial are in relation to the brightness of the frame: of each task, squared, but not below a share of
-/// that of the frame.
+/// that of the frame. Fireflies must not hide the error around them, so the brightest samples do not count.
 struct TrialBrightness {
   double of_frame = 0;          ///< squared; 0: the pass holds no light
   std::vector<double> of_task;  ///< squared

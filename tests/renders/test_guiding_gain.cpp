@@ -95,7 +95,7 @@ TEST_CASE("guiding gain: a few outliers and black passes do not decide") {
   const TrialPass noisy = noisy_pass(1, 1, 1000);
   TrialPass outliers = noisy;
   outliers.radiance[0][0] = outliers.radiance[3][10] = 1e6f;
-  // They are left out, but raise the brightness of their tasks.
+  // They are left out of errors and brightness.
   CHECK(ratio(outliers, noisy) == doctest::Approx(1 / 1.1).epsilon(0.01));
   CHECK(ratio(noisy, outliers) == doctest::Approx(1 / 1.1).epsilon(0.01));
   TrialPass black = noisy;

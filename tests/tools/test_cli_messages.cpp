@@ -122,7 +122,7 @@ TEST_CASE("messages: other commands print one line or none") {
 TEST_CASE("messages: adaptive and interrupted renders report the samples taken") {
   const Workplace place;
   CHECK(contains(place.messages("render scene.xml --noise-target 40%"), " spp on average in "));
-  const std::string stop = "timeout --preserve-status -s INT 2 ";
+  const std::string stop = "timeout --foreground --preserve-status -s INT 2 ";
   const Outcome stopped = run(place.folder, "render scene.xml -D size=512 --spp 16000000 --threads 1", stop);
   CHECK(stopped.code == 130);
   const std::regex expected(

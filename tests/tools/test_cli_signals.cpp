@@ -157,7 +157,7 @@ TEST_CASE("a killed or interrupted render resumes from its checkpoint to the sam
   const std::string part = render + "-o part.exr --checkpoint part.state --checkpoint-every 0.02 --resume --threads 1";
   for (const char* delay : {"0.6", "0.9", "0.7"})
     run_script("timeout -s KILL " + std::string(delay) + " " + part + "\n");
-  run_script("timeout -s INT 1 " + part + "\n");
+  run_script("timeout --foreground -s INT 1 " + part + "\n");
   REQUIRE(std::filesystem::exists(folder / "part.state"));
   CHECK(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").code == 5);
   CHECK(contains(run(folder, "render scene.xml -D size=64 --spp 2999 --checkpoint part.state --resume").err,
