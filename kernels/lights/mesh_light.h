@@ -88,7 +88,14 @@ struct MeshLight {
         sample_alias<L>(scene.lights.triangle_alias, first, select(lights.active, mesh.triangle_count, U(1u)), u.w);
     LightTriangleRecord<L> triangle = gather_rows<L>(scene.lights.triangles, first + chosen.index);
     out.pdf_area = F(1.0f) / mesh.area;
-    if (scene.motion.deformations != nullptr) deform<L>(lights, mesh, chosen.index, triangle, out.pdf_area);
+    if (scene.motion.deformations != nullptr) [[unlikely]] {
+      // Copies, so that static meshes stay in registers
+      LightTriangleRecord<L> now = triangle;
+      F pdf_area = out.pdf_area;
+      deform<L>(lights, mesh, chosen.index, now, pdf_area);
+      triangle = now;
+      out.pdf_area = pdf_area;
+    }
     const Vec2<L> b = square_to_triangle<L>(u.y, u.z);
     // Compute position and normal
     out.y.p = triangle.p + triangle.edge1 * b.x + triangle.edge2 * b.y;
