@@ -3,6 +3,8 @@
 
 #include "core/lane_array.h"
 
+#include <algorithm>
+
 namespace sheaf {
 
 template <class L>
