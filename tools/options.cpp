@@ -38,7 +38,7 @@ std::optional<double> number_of(std::string_view text) {
 }
 
 /// The shortest text that represents the number exactly.
-std::string shortest(double value) {
+template <class T> std::string shortest(T value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value).ptr;
   return std::string(text, end);
@@ -50,6 +50,17 @@ CLI::Validator finite() {
       [](const std::string& text) {
         const std::optional<double> value = number_of(text);
         return value && std::isfinite(*value) ? std::string() : "'" + text + "' is not a finite number";
+      },
+      "");
+}
+
+/// Rejects numbers outside of [low, high]. CLI::Range does so too, but its message depends on the version of CLI11.
+template <class T> CLI::Validator within(T low, T high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        const std::optional<double> value = number_of(text);
+        if (value && *value >= static_cast<double>(low) && *value <= static_cast<double>(high)) return std::string();
+        return "Value " + text + " not in range " + shortest(low) + " to " + shortest(high);
       },
       "");
 }
@@ -197,7 +208,7 @@ Option& Option::required() {
 
 template <class T> Option& Option::in_range(T low, T high) {
   if constexpr (std::is_floating_point_v<T>) option_->check(finite());
-  option_->check(CLI::Range(low, high));
+  option_->check(within(low, high));
   help_->min = static_cast<double>(low);
   help_->max = static_cast<double>(high);
   return *this;
