@@ -25,15 +25,19 @@ make_debian_root() {
   touch "$root/.complete"
 }
 
-# open_debian_root FOLDER: copies the network settings and mounts proc and sysfs. Unmounts them when the script exits.
+# open_debian_root FOLDER: copies the network settings, and mounts proc, sysfs and devpts (for pseudo-terminals).
+# Unmounts them when the script exits.
 open_debian_root() {
   debian_root=$1
   cp /etc/resolv.conf /etc/hosts "$debian_root/etc/"
   debian_mounted=()
   trap close_debian_root EXIT
   local kind folder
-  for kind in proc sysfs; do
-    folder=$debian_root/${kind%fs}
+  for kind in proc sysfs devpts; do
+    case $kind in
+      devpts) folder=$debian_root/dev/pts ;;
+      *) folder=$debian_root/${kind%fs} ;;
+    esac
     if ! mountpoint -q "$folder"; then
       mount -t "$kind" "$kind" "$folder"
       debian_mounted+=("$folder")
