@@ -133,17 +133,19 @@ void check_pnm(const ImageSource& source) {
   check_memory("reading the image '" + source.path().string() + "'", {&copies, 1});
 }
 
-/// Checks the lengths of the chunks of a PNG file. The library allocates the length of a chunk, up to 2 GB. A chunk has
-/// a length, four letters, the data, and a checksum.
+/// Checks the lengths of the chunks of a PNG file. The library allocates the length of a chunk, up to 2 GB, and libpng
+/// itself prints an error if the file ends within one. A chunk has a length, four letters, the data, and a checksum.
 void check_png(ImageSource& source) {
   constexpr std::uint64_t kSignature = 8, kAround = 12;
+  constexpr const char* kEndsEarly = "the file is damaged or ends too early";
   const std::uint64_t size = source.size();
-  for (std::uint64_t at = kSignature; at + kAround <= size;) {
+  for (std::uint64_t at = kSignature; at < size;) {
+    if (size - at < kAround) reject_image(source.path(), kEndsEarly);
     std::array<unsigned char, 8> head{};
     source.read(at, head);
     std::uint32_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | head[i];
-    if (length > size - at - kAround) reject_image(source.path(), "the file is damaged or ends too early");
+    if (length > size - at - kAround) reject_image(source.path(), kEndsEarly);
     if (std::memcmp(&head[4], "IEND", 4) == 0) return;
     at += kAround + length;
   }
