@@ -1,14 +1,14 @@
-// Photon maps: photons in blocks of 16 along a Morton curve, below a tree of bounding boxes, for lookups around a
+// Photon maps: photons in blocks of 16 along a Hilbert curve, below a tree of bounding boxes, for lookups around a
 // point.
 //
 // Node i of level 0 is block i; node i of level l + 1 encloses nodes 16 i to 16 i + 15 of level l, a group. So the tree
 // needs no pointers, and the boxes of a group are tested in registers.
 //
-// Lookups of final gathering wait for memory, so the map is small. Boxes are stored relative to the box of their group,
-// in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie, Karras and Laine, "Efficient Incoherent Ray
-// Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are stored relative to the box of the group, and
-// powers relative to the largest component in the block, both in 16 bits and rounded to the nearest.
-// kernels/photons/photon_search.h searches maps.
+// Lookups of final gathering are far from each other, so the map is small: they then read little memory. Boxes are
+// stored relative to the box of their group, in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie, Karras
+// and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are stored
+// relative to the box of the group, and powers relative to the largest component in the block, both in 16 bits and
+// rounded to the nearest. kernels/photons/photon_search.h searches maps.
 #pragma once
 
 #include "core/large_table.h"

@@ -1,4 +1,4 @@
-// The photons of a map along a Morton curve (Morton 1966): photons that are close in space become close in memory.
+// The photons of a map along a Hilbert curve: photons that are close in space become close in memory.
 #pragma once
 
 #include "kernels/photons/photon.h"

@@ -166,26 +166,44 @@ SHEAF_INLINE int append_near_blocks(const PhotonMapView& map, std::uint32_t inde
   return count;
 }
 
-/// Visits groups of a level in ascending order. `within` may shrink meanwhile.
-template <class L, class F>
-void visit_groups(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within, SummedPhotons<L>* sum,
-                  int level, const std::uint32_t* groups, int count, F& f) {
+/// Searches groups in ascending order: calls append(group, out), which appends nodes to a list and returns their
+/// number, and passes lists on to f.
+template <class A, class F> SHEAF_INLINE void search_groups(const std::uint32_t* groups, int count, A&& append, F&& f) {
   std::uint32_t found[kListed + kPhotonBlock];
   int length = 0;
   for (int i = 0; i < count; ++i) {
-    const Float<L> radius(within);
-    if (level == 0)
-      length += append_near_blocks<L>(map, groups[i], query, radius, sum, found + length);
-    else
-      length += append_near_groups<L>(map.groups[static_cast<std::size_t>(level)][groups[i]], groups[i] * kPhotonBlock,
-                                      query, radius, found + length);
+    length += append(groups[i], found + length);
     if (length == 0 || (i + 1 < count && length + static_cast<int>(kPhotonBlock) <= kListed)) continue;
-    if (level == 0)
-      f(static_cast<const std::uint32_t*>(found), length);
-    else
-      visit_groups<L>(map, query, within, sum, level - 1, found, length, f);
+    f(static_cast<const std::uint32_t*>(found), length);
     length = 0;
   }
+}
+
+/// Visits groups of level 0 in ascending order. `within` may shrink meanwhile. A function of its own, so that the calls
+/// for the levels above do not save the many constants that only blocks need.
+template <class L, class F>
+void visit_block_groups(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within,
+                        SummedPhotons<L>* sum, const std::uint32_t* groups, int count, F& f) {
+  search_groups(
+      groups, count,
+      [&](std::uint32_t group, std::uint32_t* out)
+          SHEAF_LAMBDA_INLINE { return append_near_blocks<L>(map, group, query, Float<L>(within), sum, out); },
+      f);
+}
+
+/// The same for groups of any level.
+template <class L, class F>
+void visit_groups(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within, SummedPhotons<L>* sum,
+                  int level, const std::uint32_t* groups, int count, F& f) {
+  if (level == 0) return visit_block_groups<L>(map, query, within, sum, groups, count, f);
+  const PhotonGroup* of_level = map.groups[static_cast<std::size_t>(level)];
+  search_groups(
+      groups, count,
+      [&](std::uint32_t group, std::uint32_t* out) SHEAF_LAMBDA_INLINE {
+        return append_near_groups<L>(of_level[group], group * kPhotonBlock, query, Float<L>(within), out);
+      },
+      [&](const std::uint32_t* found, int length)
+          SHEAF_LAMBDA_INLINE { visit_groups<L>(map, query, within, sum, level - 1, found, length, f); });
 }
 
 }  // namespace photon_search

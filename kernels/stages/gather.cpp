@@ -108,15 +108,18 @@ template <class L, template <class> class Bsdf> struct GatheringVertex {
                      Spectrum<L>(F(0.0f)));
   }
 
-  /// The same over reflected_evenly(), if reflects_evenly(): the cosines of f_cos and flux cancel.
-  SHEAF_INLINE Spectrum<L> arriving(PhotonKernel kernel, const NearBlock<L>& block, std::uint32_t at,
-                                    const NearPhotons<L>& near, float within) const {
+  /// Adds the same over reflected_evenly(), if reflects_evenly(): the cosines of f_cos and flux cancel.
+  SHEAF_INLINE void add_arriving(PhotonKernel kernel, const NearBlock<L>& block, std::uint32_t at,
+                                 const NearPhotons<L>& near, float within, Spectrum<L>& sum) const {
     using F = Float<L>;
     Mask<L> lanes = near.lanes;
     if (!block.is_lit()) lanes = lanes & (dot(decode_octahedral_direction<L>(block.direction(at)), item.ng) > F(0.0f));
     F factor(block.power_step());
     if (kernel != PhotonKernel::kDisc) factor = factor * photon_kernel<L>(kernel, near.squared * F(1.0f / within));
-    return block.power(at) * select(lanes, factor, F(0.0f));
+    factor = select(lanes, factor, F(0.0f));
+    const Spectrum<L> power = block.power(at);
+    sum = {fma(power.c0, factor, sum.c0), fma(power.c1, factor, sum.c1), fma(power.c2, factor, sum.c2),
+           fma(power.c3, factor, sum.c3)};
   }
   SHEAF_INLINE Spectrum<L> reflected_evenly() const {
     using F = Float<L>;
@@ -141,26 +144,32 @@ template <class L> float sum_of_lanes(Float<L> value) {
   return sum;
 }
 
+/// Prefetches what a lookup reads of a block: directions only if some photons may arrive on the other side.
 SHEAF_INLINE void prefetch_block(const PhotonMapView& map, std::uint32_t entry) {
   const std::byte* block = map.block(entry & kBlockIndex);
-  for (std::uint32_t line = 0; line < photon_block_bytes(map.powers); line += 64) prefetch(block + line);
+  const std::uint32_t directions = photon_directions_offset(map.powers);
+  for (const std::uint32_t line : {0u, 64u, 128u}) prefetch(block + line);
+  if (directions > 192) prefetch(block + 192);  // the fourth power
+  if ((entry & kBlockLit) == 0) prefetch(block + directions);
 }
 
-/// Calls f(block, at, near) for each register of photons that may hold some within the distance of the vertex: photons
-/// [at, at + L::width) of the block, with `near` those that match. `within`: squared distance, m^2; f may shrink it.
-/// `sum`: see for_blocks_near().
-template <class L, class F>
+/// Calls f(total, block, at, near) for each register of photons that may hold some within the distance of the vertex:
+/// photons [at, at + L::width) of the block, with `near` those that match. f adds them to `total`. `within`: squared
+/// distance, m^2; f may shrink it. `sum`: see for_blocks_near().
+template <class L, class T, class F>
 SHEAF_INLINE void for_photons_near(const PhotonMapView& map, const PhotonQuery<L>& query, const float& within,
-                                   bool needs_distances, SummedPhotons<L>* sum, F&& f) {
+                                   bool needs_distances, SummedPhotons<L>* sum, T& total, F&& f) {
   constexpr int kAhead = 4;
   for_blocks_near<L>(map, query, within, sum, [&](const std::uint32_t* entries, int count) SHEAF_LAMBDA_INLINE {
     for (int i = 0; i < std::min(count, kAhead); ++i) prefetch_block(map, entries[i]);
+    T of_list = total;  // a copy that stays in registers
     for (int i = 0; i < count; ++i) {
       if (i + kAhead < count) prefetch_block(map, entries[i + kAhead]);
       const NearBlock<L> block(map, entries[i]);
       for (std::uint32_t at = 0; at < kPhotonBlock; at += static_cast<std::uint32_t>(L::width))
-        f(block, at, block.near(at, query, within, needs_distances));
+        f(of_list, block, at, block.near(at, query, within, needs_distances));
     }
+    total = of_list;
   });
 }
 
@@ -234,9 +243,10 @@ float squared_lookup_radius(const PhotonMapView& map, const PhotonQuery<L>& quer
   if (map.lookup_size == 0) return largest;
   for (float limit = std::min(guess, largest);; limit = std::min(4 * limit, largest)) {
     nearest.begin(limit);
-    for_photons_near<L>(map, query, nearest.limit(), true, nullptr,
-                        [&](const NearBlock<L>&, std::uint32_t, const NearPhotons<L>& near)
-                            SHEAF_LAMBDA_INLINE { nearest.add<L>(near.squared, near.lanes); });
+    NearestPhotons* all = &nearest;
+    for_photons_near<L>(map, query, nearest.limit(), true, nullptr, all,
+                        [](NearestPhotons* found, const NearBlock<L>&, std::uint32_t, const NearPhotons<L>& near)
+                            SHEAF_LAMBDA_INLINE { found->add<L>(near.squared, near.lanes); });
     const bool is_complete = nearest.is_complete();
     if (!is_complete && limit < largest) continue;
     const float within = is_complete ? nearest.last() : largest;
@@ -251,37 +261,44 @@ struct LookupCounts {
   std::uint64_t registers = 0, photons = 0, summed = 0;
 };
 
+/// What a lookup has found so far.
+template <class L> struct LookupTotal {
+  Spectrum<L> light{Float<L>(0.0f)};  ///< arriving, or reflected
+  LookupCounts counts = {};
+
+  SHEAF_INLINE void count(const NearPhotons<L>& near) {
+    ++counts.registers;
+    counts.photons += static_cast<std::uint32_t>(std::popcount(mask_bits(near.lanes)));
+  }
+};
+
 template <class L, template <class> class Bsdf>
 Spectrum4 gather_at(const PhotonMapView& map, const GatheringVertex<L, Bsdf>& vertex, float within,
                     LookupCounts& counts) {
   if (!(within > 0.0f)) return {};
   const bool needs_distances = map.kernel != PhotonKernel::kDisc;
-  Spectrum<L> sum(Float<L>(0.0f));
-  std::uint32_t registers = 0, photons = 0;
-  const auto count = [&](const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
-    ++registers;
-    photons += static_cast<std::uint32_t>(std::popcount(mask_bits(near.lanes)));
-  };
+  LookupTotal<L> total;
   if (vertex.reflects_evenly()) {
     SummedPhotons<L> summed{Spectrum<L>(Float<L>(0.0f))};
-    for_photons_near<L>(map, vertex.query, within, needs_distances, needs_distances ? nullptr : &summed,
-                        [&](const NearBlock<L>& block, std::uint32_t at, const NearPhotons<L>& near)
-                            SHEAF_LAMBDA_INLINE {
-                              count(near);
-                              sum = sum + vertex.arriving(map.kernel, block, at, near, within);
-                            });
-    sum = (sum + summed.power) * vertex.reflected_evenly();
+    for_photons_near<L>(map, vertex.query, within, needs_distances, needs_distances ? nullptr : &summed, total,
+                        [&](LookupTotal<L>& sum, const NearBlock<L>& block, std::uint32_t at,
+                            const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
+                          sum.count(near);
+                          vertex.add_arriving(map.kernel, block, at, near, within, sum.light);
+                        });
+    total.light = (total.light + summed.power) * vertex.reflected_evenly();
     counts.summed += summed.photons;
   } else {
-    for_photons_near<L>(map, vertex.query, within, needs_distances, nullptr,
-                        [&](const NearBlock<L>& block, std::uint32_t at, const NearPhotons<L>& near)
-                            SHEAF_LAMBDA_INLINE {
-                              count(near);
-                              if (!any(near.lanes)) return;
-                              sum = sum + vertex.reflected(map.kernel, block, at, near, within);
-                            });
+    for_photons_near<L>(map, vertex.query, within, needs_distances, nullptr, total,
+                        [&](LookupTotal<L>& sum, const NearBlock<L>& block, std::uint32_t at,
+                            const NearPhotons<L>& near) SHEAF_LAMBDA_INLINE {
+                          sum.count(near);
+                          if (!any(near.lanes)) return;
+                          sum.light = sum.light + vertex.reflected(map.kernel, block, at, near, within);
+                        });
   }
-  counts.registers += registers, counts.photons += photons;
+  counts.registers += total.counts.registers, counts.photons += total.counts.photons;
+  const Spectrum<L>& sum = total.light;
   const float scale = kInvPi / within;
   return {sum_of_lanes<L>(sum.c0) * scale, sum_of_lanes<L>(sum.c1) * scale, sum_of_lanes<L>(sum.c2) * scale,
           sum_of_lanes<L>(sum.c3) * scale};

@@ -13,7 +13,10 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <cstring>
+#include <map>
 #include <random>
 #include <set>
 
@@ -234,28 +237,38 @@ TEST_CASE("photon map: sums of blocks inside the sphere and photons on its bound
 
 TEST_CASE("photon map: photons follow the curve and keep the order of the tasks within its cells") {
   const auto tasks = random_photons(5, 20'000, 2);
-  const PhotonOrder order(tasks, 0.5f);  // 8 cells along each axis
+  constexpr int kCells = 8;  // along each axis
+  const PhotonOrder order(tasks, 0.5f);
   REQUIRE(order.size() == 100'000);
-  std::vector<const Photon*> expected;
+  Vec3f low = order[0].p;
+  std::map<const Photon*, std::size_t> position;
   for (const auto& task : tasks)
-    for (const Photon& photon : task) expected.push_back(&photon);
-  Vec3f low = expected[0]->p;
-  for (const Photon* photon : expected)
-    low = {min(low.x, photon->p.x), min(low.y, photon->p.y), min(low.z, photon->p.z)};
-  const auto code = [&](const Photon* photon) {
-    unsigned bits = 0;
-    const Vec3f d = photon->p - low;
-    for (int k = 0; k < 3; ++k) {
-      const auto bit = [&](float x) { return static_cast<unsigned>(std::min(7.0f, x * 2)) >> k & 1u; };
-      bits |= (bit(d.x) | bit(d.y) << 1 | bit(d.z) << 2) << 3 * k;
+    for (const Photon& photon : task) {
+      low = {min(low.x, photon.p.x), min(low.y, photon.p.y), min(low.z, photon.p.z)};
+      position.emplace(&photon, position.size());
     }
-    return bits;
+  const auto cell_of = [&](const Photon& photon) {
+    const Vec3f d = photon.p - low;
+    const auto along = [](float x) { return std::min(kCells - 1, static_cast<int>(x * 2)); };
+    return std::array{along(d.x), along(d.y), along(d.z)};
   };
-  std::stable_sort(expected.begin(), expected.end(),
-                   [&](const Photon* a, const Photon* b) { return code(a) < code(b); });
-  std::size_t differing = 0;
-  for (std::size_t i = 0; i < expected.size(); ++i) differing += &order[i] != expected[i] ? 1 : 0;
-  CHECK(differing == 0);
+  // The cells are visited once each, and every cell touches the one before it
+  std::set<std::array<int, 3>> visited{cell_of(order[0])};
+  int jumps = 0, unordered = 0;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const std::array cell = cell_of(order[i]), before = cell_of(order[i - 1]);
+    if (cell == before) {
+      unordered += position[&order[i]] > position[&order[i - 1]] ? 0 : 1;
+      continue;
+    }
+    CHECK(visited.insert(cell).second);
+    int steps = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) steps += std::abs(cell[axis] - before[axis]);
+    jumps += steps == 1 ? 0 : 1;
+  }
+  CHECK(visited.size() == kCells * kCells * kCells);
+  CHECK(jumps == 0);
+  CHECK(unordered == 0);
 }
 
 TEST_CASE("photon map: keys are sorted stably by the bits requested") {
