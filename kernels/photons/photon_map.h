@@ -4,11 +4,11 @@
 // Node i of level 0 is block i; node i of level l + 1 encloses nodes 16 i to 16 i + 15 of level l, a group. So the tree
 // needs no pointers, and the boxes of a group are tested in registers.
 //
-// Lookups of final gathering are far from each other, so the map is small: they then read little memory. Boxes are
-// stored relative to the box of their group, in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie, Karras
-// and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are stored
-// relative to the box of the group, and powers relative to the largest component in the block, both in 16 bits and
-// rounded to the nearest. kernels/photons/photon_search.h searches maps.
+// The map is compact, because lookups of final gathering are far from each other and find little in the caches. Boxes
+// are stored relative to the box of their group, in 8 bits and rounded outwards, as in compressed wide BVHs (Ylitie,
+// Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017). Positions are
+// stored relative to the box of the group, and powers relative to the largest component in the block, both in 16 bits
+// and rounded to the nearest. kernels/photons/photon_search.h searches maps.
 #pragma once
 
 #include "core/large_table.h"

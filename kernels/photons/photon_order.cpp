@@ -30,12 +30,13 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249u;
 }
 
-/// Coordinates of some cells, x of all before y of all.
+/// Cells whose indices are computed together.
 constexpr std::size_t kBatch = 16;
+/// Coordinates of these cells, axis by axis.
 using Cells = std::array<std::array<std::uint32_t, kBatch>, 3>;
 
 /// The indices along the Hilbert curve of the cells with coordinates `x` of `bits` bits each. Skilling, "Programming
-/// the Hilbert curve", AIP Conference Proceedings 707 (2004). The loops over cells take vector instructions.
+/// the Hilbert curve", AIP Conference Proceedings 707 (2004). The inner loops are vectorized.
 std::array<std::uint64_t, kBatch> hilbert_indices(Cells x, int bits) {
   // Undo the reflections and exchanges of axes, from the largest cubes to the smallest
   for (int bit = bits - 1; bit > 0; --bit) {
