@@ -79,4 +79,27 @@ template <class L> SHEAF_INLINE Vec2<L> square_to_triangle(typename L::Float u, 
   return {F(1.0f) - r, v * r};
 }
 
+/// Positive weights at the corners of the unit square: (0, 0), (1, 0), (0, 1), (1, 1).
+template <class L> struct CornerWeights { typename L::Float w00, w10, w01, w11; };
+
+/// A point in the unit square whose pdf is proportional to the bilinear interpolation of `w` (Hart et al., "Practical
+/// Product Sampling by Fitting and Composing Warps", 2020).
+template <class L>
+SHEAF_INLINE Vec2<L> square_to_bilinear(const CornerWeights<L>& w, typename L::Float u, typename L::Float v) {
+  using F = typename L::Float;
+  const auto sample_linear = [](F number, F a, F b) SHEAF_LAMBDA_INLINE {
+    const F at = number * (a + b) / (a + sqrt(a * a + number * (b * b - a * a)));
+    return min(at, F(kOneMinusEpsilon));
+  };
+  const F y = sample_linear(v, w.w00 + w.w10, w.w01 + w.w11);
+  return {sample_linear(u, w.w00 + y * (w.w01 - w.w00), w.w10 + y * (w.w11 - w.w10)), y};
+}
+
+/// Pdf of square_to_bilinear() at `p`.
+template <class L> SHEAF_INLINE Float<L> bilinear_pdf(const CornerWeights<L>& w, const Vec2<L>& p) {
+  using F = Float<L>;
+  const F left = w.w00 + p.y * (w.w01 - w.w00), right = w.w10 + p.y * (w.w11 - w.w10);
+  return F(4.0f) * (left + p.x * (right - left)) / (w.w00 + w.w10 + w.w01 + w.w11);
+}
+
 }  // namespace sheaf

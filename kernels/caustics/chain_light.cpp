@@ -60,7 +60,7 @@ std::optional<ChainLight> sample_end(const SceneView& scene, const CausticCaster
     if (!(e.pdf_position > 0) || !std::isfinite(e.pdf_position) || !is_finite(e.origin)) return {};
     return ChainLight{{e.origin, false}, choice.row, e.pdf_position * choice.probability};
   }
-  const LightSample<Scalar> s = sample_light<Scalar, kMode>(scene, p, {choice.row, 1}, u, time, lambda);
+  const LightSample<Scalar> s = sample_light<Scalar, kMode>(scene, {p, {}}, {choice.row, 1}, u, time, lambda);
   const bool is_infinite = choice.row >= scene.lights.bounded_count;
   return ChainLight{{is_infinite ? s.direction : s.target, is_infinite}, choice.row, choice.probability};
 }
@@ -100,7 +100,8 @@ Spectrum4 arriving(ChainTracer& tracer, const SceneView& scene, const CausticCas
   if (hit_kind(scene.lights.rows[end.light]) == LightHitKind::kSurface)
     return area_light_arriving<kMode>(tracer, scene, casters, end, chain, cosine, lambda);
   const Vec3f from = chain.origin;
-  const LightSample<Scalar> s = sample_light<Scalar, kMode>(scene, from, {end.light, 1}, {}, tracer.time(), lambda);
+  const LightSample<Scalar> s =
+      sample_light<Scalar, kMode>(scene, {from, {}}, {end.light, 1}, {}, tracer.time(), lambda);
   if (!s.valid) return {};
   const Vec3f to = s.target - from;
   if (!tracer.is_open(from, to * kOpenShare)) return {};

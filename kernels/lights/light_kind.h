@@ -50,6 +50,9 @@ template <class L> struct LightQuery {
   /// Cell that u.y and u.z have already sampled from the environment map, or null.
   const EnvmapDraw<L>* drawn = nullptr;
   Float<L> time{};  ///< in [0, 1]; for meshes that deform
+  /// Shading normal of the point to be lit, or 0 if light counts from all directions. sample() and pdf_solid_angle()
+  /// must get the same, since kinds may sample by its cosine.
+  Vec3<L> normal{};
 };
 
 /// Light that arrives at a reference point from a sampled direction.
@@ -70,6 +73,7 @@ template <class L> struct LightHit {
   typename L::Float t;           ///< distance
   Vec3<L> ng;                    ///< geometric normal of the light at the hit point
   typename L::Uint primitive{};  ///< triangle of the light; for meshes that deform
+  Vec3<L> normal{};              ///< at `from`; see LightQuery
 };
 
 /// A photon emitted by a light. The mean of `flux` over all photons is the total power of the lights; the flux of the

@@ -46,12 +46,11 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
 
 namespace light_detail {
 
-/// Samples a light of type `Light` in the lanes of `active`.
+/// Samples lights of type `Light` in the lanes of `lights.active`.
 template <class L, ColorMode kMode, class Light>
-SHEAF_INLINE LightSample<L> sample_kind(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
-                                        Mask<L> active, const Random4<L>& u, const Spectrum<L>& lambda,
-                                        const EnvmapDraw<L>* drawn, Float<L> time, TextureQuery<L>& texture) {
-  LightSample<L> s = Light::template sample<L, kMode>({scene, light, active, lambda, drawn, time}, from, u, texture);
+SHEAF_INLINE LightSample<L> sample_kind(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
+                                        TextureQuery<L>& texture) {
+  LightSample<L> s = Light::template sample<L, kMode>(lights, from, u, texture);
   s.delta = Mask<L>(Light::kHitKind == LightHitKind::kNever);
   return s;
 }
@@ -65,35 +64,39 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.valid = select(m, a.valid, into.valid);
 }
 
-/// sample_given_light() if not all lights are meshes. Not inlined, because the code of all kinds is large.
+/// sample_given_light() unless all lights are meshes or all are rectangles. Not inlined, because the code of all kinds
+/// is large.
 template <class L, ColorMode kMode>
-[[gnu::noinline]] LightSample<L> sample_mixed_lights(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
-                                                     const Random4<L>& u, const Spectrum<L>& lambda,
-                                                     const EnvmapDraw<L>* drawn, Float<L> time,
-                                                     TextureQuery<L>& query) {
+[[gnu::noinline]] LightSample<L> sample_mixed_lights(LightQuery<L> lights, Vec3<L> from, const Random4<L>& u,
+                                                     TextureQuery<L>& texture) {
   LightSample<L> s{};
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
-    const auto active = light.is(kLightKind<typename Light::Kind>);
-    if (any(active))
-      merge<L>(active, sample_kind<L, kMode, Light>(scene, from, light, active, u, lambda, drawn, time, query), s);
+    lights.active = lights.light.is(kLightKind<typename Light::Kind>);
+    if (any(lights.active)) merge<L>(lights.active, sample_kind<L, kMode, Light>(lights, from, u, texture), s);
   });
   return s;
 }
 
 }  // namespace light_detail
 
-/// Samples a direction towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the light. In
-/// spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
+/// Samples a direction from `at` towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the
+/// light. In spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
 template <class L, ColorMode kMode = ColorMode::kRgb>
-SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> from, const LightRecord<L>& light,
-                                               const Random4<L>& u, const Spectrum<L>& lambda = {},
-                                               const EnvmapDraw<L>* drawn = nullptr, Float<L> time = Float<L>(0.0f)) {
+SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, const LightSampleContext<L>& at,
+                                               const LightRecord<L>& light, const Random4<L>& u,
+                                               const Spectrum<L>& lambda = {}, const EnvmapDraw<L>* drawn = nullptr,
+                                               Float<L> time = Float<L>(0.0f)) {
   using namespace light_detail;
   TextureQuery<L> query{};
-  const auto mesh = light.is(kLightKind<MeshLightKind>);
-  LightSample<L> s = all(mesh)
-                         ? sample_kind<L, kMode, MeshLight>(scene, from, light, mesh, u, lambda, drawn, time, query)
-                         : sample_mixed_lights<L, kMode>(scene, from, light, u, lambda, drawn, time, query);
+  const LightQuery<L> lights{scene, light, Mask<L>(true), lambda, drawn, time, at.n};
+  LightSample<L> s;
+  if (all(light.is(kLightKind<MeshLightKind>))) {
+    s = sample_kind<L, kMode, MeshLight>(lights, at.p, u, query);
+  } else if (all(light.is(kLightKind<RectangleLightKind>))) {
+    s = sample_kind<L, kMode, RectangleLight>(lights, at.p, u, query);
+  } else {
+    s = sample_mixed_lights<L, kMode>(lights, at.p, u, query);
+  }
   const VolumeLightData<L> volume = light.template data<VolumeLightData>();
   s.target_medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
@@ -101,20 +104,20 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, Vec3<L> f
   return s;
 }
 
-/// Samples a direction from `from` towards the chosen lights at times in [0, 1]. The pdf includes the choice. `lambda`:
+/// Samples a direction from `at` towards the chosen lights at times in [0, 1]. The pdf includes the choice. `lambda`:
 /// wavelengths in spectral mode. `drawn`: see LightQuery.
 template <class L, ColorMode kMode = ColorMode::kRgb>
-SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, Vec3<L> from, const LightChoice<L>& choice,
-                                         const Random4<L>& u, Float<L> time, const Spectrum<L>& lambda = {},
-                                         const EnvmapDraw<L>* drawn = nullptr) {
+SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, const LightSampleContext<L>& at,
+                                         const LightChoice<L>& choice, const Random4<L>& u, Float<L> time,
+                                         const Spectrum<L>& lambda = {}, const EnvmapDraw<L>* drawn = nullptr) {
   LightRecord<L> light = load_lights<L>(scene, choice.light);
   if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(scene, choice.light, lambda);
   LightSample<L> s;
   if (scene.motion.lights == nullptr) {
-    s = sample_given_light<L, kMode>(scene, from, light, u, lambda, drawn, time);
+    s = sample_given_light<L, kMode>(scene, at, light, u, lambda, drawn, time);
   } else {
     const MotionSample<L> motion = light_motion<L>(scene, choice.light, Mask<L>(true), time);
-    s = sample_given_light<L, kMode>(scene, rest_point<L>(motion, from), light, u, lambda, drawn, time);
+    s = sample_given_light<L, kMode>(scene, {rest_point<L>(motion, at.p), {}}, light, u, lambda, drawn, time);
     move_light_sample<L>(scene, motion, choice.light, s);
   }
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
@@ -127,15 +130,19 @@ template <class L>
 SHEAF_INLINE Float<L> light_pdf_solid_angle(const SceneView& scene, Uint<L> row, const LightRecord<L>& light,
                                             Mask<L> active, LightHit<L> hit, Float<L> time) {
   Float<L> factor(1.0f);
-  if (scene.motion.lights != nullptr) factor = rest_hit<L>(light_motion<L>(scene, row, active, time), hit);
+  if (scene.motion.lights != nullptr) {
+    factor = rest_hit<L>(light_motion<L>(scene, row, active, time), hit);
+    hit.normal = {};  // as in sample_light()
+  }
   const Spectrum<L> no_lambda;
   Float<L> pdf(0.0f);
   Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
     if constexpr (Light::kHitKind == LightHitKind::kSurface) {
       const Mask<L> here = active & light.is(kLightKind<typename Light::Kind>);
       if (any(here))
-        pdf =
-            select(here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda, nullptr, time}, hit), pdf);
+        pdf = select(
+            here, Light::template pdf_solid_angle<L>({scene, light, here, no_lambda, nullptr, time, hit.normal}, hit),
+            pdf);
     }
   });
   return pdf * factor;

@@ -9,8 +9,8 @@
 
 #include "scene/tables/light_tree.h"
 
+#include "core/inverse_sqrt.h"
 #include "core/lane_array.h"
-#include "core/vec.h"
 
 namespace sheaf {
 
@@ -83,15 +83,6 @@ template <class L> SHEAF_INLINE NodeWords<L> broadcast(const LightNodeRow& row, 
   return node;
 }
 
-/// 1 / sqrt(x) for positive x away from the ends of the range, relative error below 1.7e-5. Gives the same bits in all
-/// lanes. An estimate g from the exponent is multiplied by a minimax polynomial in x g^2. A square root with a division
-/// takes longer, and so do two Newton steps.
-template <class L> SHEAF_INLINE Float<L> inverse_sqrt(typename L::Float x) {
-  using F = Float<L>;
-  const F guess = bits_float(Uint<L>(0x5f200000u) - (float_bits(x) >> 1)), r = x * guess * guess;
-  return guess * fma(fma(F(0.6630861f), r, F(-1.76082021f)), r, F(2.10231116f));
-}
-
 /// Estimated contribution of a child.
 template <class L> struct Importance {
   typename L::Float weight;  ///< 0 unless `shines`
@@ -105,7 +96,7 @@ template <class L> struct Importance {
 template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& child, const Receiver<L>& at) {
   using F = Float<L>;
   const Vec3<L> d = child.center;
-  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = inverse_sqrt<L>(squared);
+  const F squared = clamp(dot(d, d), F(kNearSquared), F(kFarSquared)), inverse = rough_inverse_sqrt<L>(squared);
   const F one(1.0f), min_cosine(kMinCosine);
   // Cosine at the light. Two-sided lights have two axes.
   const F cos_w = bits_float(float_bits(dot(child.tilt, d) * (inverse * F(1.0f / kLightFixedPoint))) & child.keep_sign);

@@ -173,9 +173,10 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   // Add the radiance, weighted by MIS
   const LightPath<L> from = light_path<L>(context.scene, wave, slots, ray, radiance);
   const F pdf = choice_probability<L>(context.scene, from.receiver, hit.light) *
-                light_pdf_solid_angle<L>(
-                    context.scene, hit.light, light, Mask<L>(true),
-                    {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng, hit.primitive}, time);
+                light_pdf_solid_angle<L>(context.scene, hit.light, light, Mask<L>(true),
+                                         {from.receiver.p, ray.direction, hit.t + from.distance_since_vertex, y.ng,
+                                          hit.primitive, from.receiver.n},
+                                         time);
   Spectrum<L> emitted = path.beta * light.radiance;
   const std::uint32_t chained = mask_bits(lit & is_connected_chain<L>(context, ray.flags) & L::first(count));
   if (chained != 0) emitted = emitted * chain_weights<L>(context, wave, slots, chained, y.ng);

@@ -26,24 +26,29 @@ template <class L> struct CandidateTile {
   Random4<L> u;
 };
 
+/// The vertices of a tile as light sampling sees them.
+template <class L>
+SHEAF_INLINE LightSampleContext<L> receivers(const SceneView& scene, const Wave& wave, const CandidateTile<L>& tile,
+                                             bool in_medium, bool mapped_parts) {
+  const auto item = wave.vertices.load<L>(tile.column);
+  if (in_medium) return {item.p, {}};
+  return surface_receiver<L>(
+      item.p, mapped_parts ? receiver_normal<L>(scene, wave, tile.slots, tile.column, item.ns) : item.ns);
+}
+
 /// Selects the lights of adjacent tiles. The first candidate of a vertex stores its cut of the light tree for the
 /// others.
 template <class L>
 SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTogether],
-                             bool is_first, bool in_medium, bool mapped_parts, LightChoice<L> (&choices)[kTogether]) {
-  LightSampleContext<L> at[kTogether];
+                             const LightSampleContext<L> (&at)[kTogether], bool is_first,
+                             LightChoice<L> (&choices)[kTogether]) {
   LightTreeCut<L> tops[kTogether];
   Float<L> u[kTogether];
   const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
   for (int i = 0; i < kTogether; ++i) {
     u[i] = tiles[i].u.x;
-    if (!chooses_by_place(context.scene)) continue;
-    const int column = tiles[i].column;
-    const auto item = wave.vertices.load<L>(column);
-    const Vec3<L> ns =
-        mapped_parts ? receiver_normal<L>(context.scene, wave, tiles[i].slots, column, item.ns) : item.ns;
-    at[i] = in_medium ? LightSampleContext<L>{item.p, {}} : surface_receiver<L>(item.p, ns);
     if (!shares_tops) continue;
+    const int column = tiles[i].column;
     if (!is_first) {
       tops[i] = wave.light_tops.load<L>(column);
     } else {
@@ -57,11 +62,12 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
 /// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.
 template <class L, ColorMode kMode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
-                                 const LightChoice<L>& choice, bool in_medium, const EnvmapDraw<L>* drawn) {
+                                 const LightSampleContext<L>& at, const LightChoice<L>& choice, bool in_medium,
+                                 const EnvmapDraw<L>* drawn) {
   using F = Float<L>;
-  const LightSample<L> light = sample_light<L, kMode>(context.scene, wave.vertices.load<L>(tile.column).p, choice,
-                                                      tile.u, path_times<L>(context.scene, wave, tile.slots),
-                                                      shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
+  const LightSample<L> light =
+      sample_light<L, kMode>(context.scene, at, choice, tile.u, path_times<L>(context.scene, wave, tile.slots),
+                             shading_wavelengths<L, kMode>(wave, tile.slots), drawn);
   LightCandidate<L> out;
   out.direction = light.direction;
   out.target = light.target;
@@ -128,9 +134,11 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
       if (group < 0) continue;
       // Choose lights and sample them
       const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
-      choose_for<L>(context, wave, now, set.index == 0, in_medium, mapped_parts, choices);
+      LightSampleContext<L> at[kTogether];
+      for (int i = 0; i < kTogether; ++i) at[i] = receivers<L>(scene, wave, now[i], in_medium, mapped_parts);
+      choose_for<L>(context, wave, now, at, set.index == 0, choices);
       for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)
-        candidate_tile<L, kMode>(context, wave, now[i], choices[i], in_medium,
+        candidate_tile<L, kMode>(context, wave, now[i], at[i], choices[i], in_medium,
                                  kDrawsMap ? &drawn[group % kRing][i] : nullptr);
     }
   });

@@ -1,5 +1,6 @@
-// A vertex as light selection sees it: where a light is sampled, and where a ray from the vertex hits a light. Both
-// must give the same selection probability; otherwise the MIS weights of light and BSDF sampling do not add up to 1.
+// A vertex as light sampling sees it: where a light is sampled, and where a ray from the vertex hits a light. Both must
+// give the same probability of the light and the same pdf; otherwise the MIS weights of light and BSDF sampling do not
+// add up to 1.
 #pragma once
 
 #include "core/octahedral.h"

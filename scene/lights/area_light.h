@@ -56,6 +56,8 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
 /// Sets the members of `light` that depend on the kind of shape.
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                          const LightPlaces& places, const InstanceRow* instance);
+/// Makes a mesh light a rectangle light if its triangles form a rectangle.
+void complete_rectangle_light(AreaLight& light);
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
                             const ShapeTables& tables, const LightPlaces& places, const InstanceRow* instance);
 

@@ -12,6 +12,7 @@
 #include "scene/lights/point_light.h"
 #include "scene/lights/projector_light.h"
 #include "scene/lights/quadric_light.h"
+#include "scene/lights/rectangle_light.h"
 #include "scene/lights/sphere_light.h"
 #include "scene/lights/spot_light.h"
 #include "scene/lights/sun_light.h"
@@ -57,6 +58,7 @@ template <CompilableLight... Kinds> struct LightKindList {
 
 /// All kinds of lights, in the order of LightKind.
 using LightKinds = LightKindList<MeshLightKind,         //
+                                 RectangleLightKind,    //
                                  SphereLightKind,       //
                                  QuadricLightKind,      //
                                  PointLightKind,        //

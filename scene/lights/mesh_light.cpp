@@ -236,6 +236,7 @@ void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t 
   light.row.kind = static_cast<std::uint32_t>(kLightKind<MeshLightKind>);
   light.row.set_data(MeshLightData<Scalar>{shape_index, places.first_triangle, shape.triangle_count,
                                            textured ? places.first_uv : 0u, light.area});
+  if (motion.segment_count == 0) complete_rectangle_light(light);
 }
 
 LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float radiance) {

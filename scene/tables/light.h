@@ -109,17 +109,17 @@ static_assert(sizeof(LightUvRow) == 32);
 /// One triangle of an area light, with all data for sampling a point on it. Sixteen words: one cache line replaces
 /// indirect accesses to indices and vertices.
 template <class L> struct LightTriangleRecord {
-  Vec3<L> p;                   ///< first vertex; world space
-  typename L::Float offset{};  ///< see SurfacePoint::offset; maximum over the triangle
-  Vec3<L> edge1;               ///< second vertex - first vertex
-  typename L::Float unused1{};
-  Vec3<L> edge2;  ///< third vertex - first vertex
-  typename L::Float unused2{};
-  Vec3<L> normal;  ///< geometric, unit length
-  typename L::Float unused3{};
+  Vec3<L> p;                            ///< first vertex; world space
+  typename L::Float offset{};           ///< see SurfacePoint::offset; maximum over the triangle
+  Vec3<L> edge1;                        ///< second vertex - first vertex
+  typename L::Float inverse_length1{};  ///< rectangle lights: 1 / |edge1|
+  Vec3<L> edge2;                        ///< third vertex - first vertex
+  typename L::Float inverse_length2{};  ///< rectangle lights: 1 / |edge2|
+  Vec3<L> normal;                       ///< geometric, unit length
+  typename L::Float unused{};
 
   static constexpr auto fields(auto& s) {
-    return std::tie(s.p, s.offset, s.edge1, s.unused1, s.edge2, s.unused2, s.normal, s.unused3);
+    return std::tie(s.p, s.offset, s.edge1, s.inverse_length1, s.edge2, s.inverse_length2, s.normal, s.unused);
   }
 };
 

@@ -47,7 +47,7 @@ template <class Warp> double worst_lane(Warp&& warp) {
   return worst;
 }
 
-constexpr int kTests = 8;  // chi-square tests in this file
+constexpr int kTests = 11;  // chi-square tests in this file
 
 }  // namespace
 
@@ -84,6 +84,10 @@ TEST_CASE("warp: SIMD results equal scalar ones") {
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_disk<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_sphere<L>(u, v); }) < 1e-6);
   CHECK(worst_lane([]<class L>(L, auto u, auto v) { return square_to_triangle<L>(u, v); }) < 1e-6);
+  const auto bilinear = []<class L>(L, auto u, auto v) {
+    return square_to_bilinear<L>({Float<L>(0.1f), Float<L>(2.0f), Float<L>(1.0f), Float<L>(0.3f)}, u, v);
+  };
+  CHECK(worst_lane(bilinear) < 1e-6);
   // Near the horizon z is the square root of a difference of nearly equal numbers, so the test compares its square.
   CHECK(worst_lane([]<class L>(L, auto u, auto v) {
           Vec3<L> w = square_to_cosine_hemisphere<L>(u, v);
@@ -174,6 +178,24 @@ TEST_CASE("warp: square_to_triangle is uniform") {
   };
   const auto density = [](double x, double y) { return x + y < 1.0 ? 2.0 : 0.0; };
   CHECK(chi_square_plane(warp, density, {0, 1, 0, 1, 20, 20}).p_value > significance_of_each(kTests));
+}
+
+TEST_CASE("warp: square_to_bilinear has a pdf proportional to the interpolated weights") {
+  for (const CornerWeights<Scalar>& w : {CornerWeights<Scalar>{1, 1, 1, 1}, {0.1f, 2, 1, 0.3f}, {1e-3f, 1, 2, 1e-3f}}) {
+    int outside = 0;
+    const auto warp = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
+      const Vec2f p = square_to_bilinear<Scalar>(w, u.x, u.y);
+      outside += !(p.x >= 0.0f && p.x < 1.0f && p.y >= 0.0f && p.y < 1.0f);
+      return std::array<double, 2>{p.x, p.y};
+    };
+    const auto pdf = [&](double x, double y) {
+      return double(bilinear_pdf<Scalar>(w, {static_cast<float>(x), static_cast<float>(y)}));
+    };
+    const ChiSquare test = chi_square_plane(warp, pdf, {0, 1, 0, 1, 20, 20});
+    CHECK(outside == 0);
+    CHECK(test.integral == doctest::Approx(1.0).epsilon(1e-5));
+    CHECK(test.p_value > significance_of_each(kTests));
+  }
 }
 
 }  // namespace sheaf::test_warp

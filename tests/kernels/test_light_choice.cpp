@@ -46,7 +46,7 @@ Description lamps(int count) {
 /// Whether a light emits towards `p`; rectangles are one-sided.
 bool shines(const SceneView& scene, std::uint32_t light, Vec3f p) {
   const LightRow& row = scene.lights.rows[light];
-  if (!row.is(kLightKind<MeshLightKind>)) return true;
+  if (!row.is(kLightKind<RectangleLightKind>)) return true;
   const LightTriangleRow& t = scene.lights.triangles[row.data<MeshLightData>().first_triangle];
   return dot(p - t.p, t.normal) > 0.0f;
 }

@@ -38,7 +38,7 @@ PhotonEmission<Scalar> photon(const SceneView& scene, std::uint32_t i) {
 LightSample<Scalar> any_sample(const SceneView& scene, Vec3f from, const Random4<Scalar>& u) {
   if (scene.color == ColorMode::kRgb) return sample_any_light<Scalar>(scene, from, u);
   const auto choice = choose_light<Scalar>(scene, {from, {}}, u.x);
-  return sample_light<Scalar, ColorMode::kSpectral>(scene, from, choice, u, 0.0f, kLambda);
+  return sample_light<Scalar, ColorMode::kSpectral>(scene, {from, {}}, choice, u, 0.0f, kLambda);
 }
 
 double weighed(const Spectrum4& s) { return double(s.c0) + 2.0 * s.c1 + 3.0 * s.c2; }

@@ -184,7 +184,7 @@ TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and 
 
 TEST_CASE_TEMPLATE("light candidates: each sampling strategy applies its MIS weight", L, SHEAF_STAGE_LANES) {
   Description d = squares(false);
-  emit(add_rectangle(d, Transform::translate({1, 0, -1})), 4);
+  emit(add_shape(d, DiskShape{}, Transform::translate({1, 0, -1})), 4);
   std::vector<ShadowItem<Scalar>> alone, mis;
   for (const LightStrategy strategy : {LightStrategy::kBsdfOnly, LightStrategy::kLightOnly, LightStrategy::kMis}) {
     d.integrator.strategy = strategy;
@@ -198,9 +198,9 @@ TEST_CASE_TEMPLATE("light candidates: each sampling strategy applies its MIS wei
   REQUIRE(alone.size() == 37);
   REQUIRE(mis.size() == 37);
   for (std::size_t i = 0; i < 37; ++i) {
-    // The light is 2 by 2 and parallel to the surface, so that both cosines are equal.
+    // The light, a disk of radius 1, is parallel to the surface, so that both cosines are equal.
     const double squared = length_squared(alone[i].direction), cos_theta = -alone[i].direction.z / std::sqrt(squared);
-    const double pdf_light = 0.25 * squared / cos_theta, pdf_bsdf = cos_theta / 3.14159265358979;
+    const double pdf_light = squared / cos_theta / 3.14159265358979, pdf_bsdf = cos_theta / 3.14159265358979;
     CHECK(alone[i].contribution.c0 ==
           doctest::Approx(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light).epsilon(1e-4));
     const double weight = pdf_light * pdf_light / (pdf_light * pdf_light + pdf_bsdf * pdf_bsdf);
@@ -440,8 +440,10 @@ TEST_CASE_TEMPLATE("emission: area lights emit from their front and are weighted
     Description d = empty_scene(4, 4);
     d.integrator.strategy = strategy;
     d.integrator.light_selector = LightSelector::kPower;
-    add_area_light_rectangle(d, Transform::translate({0, 0, 2}) * Transform::rotate({0, 1, 0}, 180), 3);
-    add_area_light_rectangle(d, Transform::translate({5, 0, 2}), 3);
+    // Disks of radius 1
+    const MaterialId black = add_diffuse(d, 0);
+    emit(add_shape(d, DiskShape{}, Transform::translate({0, 0, 2}) * Transform::rotate({0, 1, 0}, 180), black), 3);
+    emit(add_shape(d, DiskShape{}, Transform::translate({5, 0, 2}), black), 3);
     const auto scene = compile_scene(d);
     for (const int paths : kTailSizes) {
       TestWave test(paths);
@@ -462,7 +464,7 @@ TEST_CASE_TEMPLATE("emission: area lights emit from their front and are weighted
         const auto r = wave.radiance.get(slot);
         const auto i = r.task_sample;
         const double z = wave.rays.get(slot).direction.z, t = 2 / z;
-        const double light_pdf = 0.5 * 0.25 * t * t / z;
+        const double light_pdf = 0.5 / 3.14159265358979 * t * t / z;
         const double weight = i % 4 == 3 ? 0 : emission_weight(strategy, i % 2 == 0 ? 0.2 : 0, light_pdf);
         CHECK(r.radiance.c1 == doctest::Approx(3 * weight).epsilon(1e-4));
       }

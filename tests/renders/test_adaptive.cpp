@@ -17,9 +17,9 @@ namespace sheaf::test_adaptive {
 
 namespace {
 
-/// A floor below a lamp, and a sphere. With `by_chance`, the lamp is larger and only BSDF sampling finds it.
+/// A floor below a lamp, and a sphere. With `by_chance`, only BSDF sampling finds the lamp.
 Description lamp_scene(int width, int height, bool by_chance) {
-  const float size = by_chance ? 0.3f : 0.15f;
+  const float size = by_chance ? 0.3f : 0.5f;
   Description d = empty_scene(width, height);
   look_at(d, {0, 1.2f, -3}, {0, 0.3f, 0}, {0, 1, 0}, 50);
   d.sampler.kind = SamplerKind::kSobol;

@@ -29,7 +29,7 @@ const fs::path kCornell = fs::path(SHEAF_SOURCE_DIR) / "scenes" / "cornell";
 const std::vector<std::string> kRgb{"R", "G", "B"};
 
 constexpr int kBatchSamples = 96;
-constexpr int kBatches = 8;
+constexpr int kBatches = 10;
 /// Side of the pixel blocks whose means are compared in addition to single pixels.
 constexpr int kBlock = 8;
 /// Differences below this standard deviation are rounding errors: absolute, and relative to the reference.

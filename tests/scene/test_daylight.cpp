@@ -61,7 +61,7 @@ template <class Model> std::unique_ptr<Scene> lone(Model model) {
 
 /// Irradiance of the sun on a plane that faces it.
 Vec3f sun_irradiance(const SceneView& scene) {
-  const auto s = sample_given_light<Scalar>(scene, {0, 0, 0}, scene.lights.rows[0], {0.5f, 0.5f, 0.5f, 0.5f});
+  const auto s = sample_given_light<Scalar>(scene, {}, scene.lights.rows[0], {0.5f, 0.5f, 0.5f, 0.5f});
   const float scale = 1 / s.pdf_solid_angle;
   return {s.radiance.c0 * scale, s.radiance.c1 * scale, s.radiance.c2 * scale};
 }

@@ -83,7 +83,7 @@ TEST_CASE("lights: instances emit like shapes in their place") {
     CHECK(x.kind == y.kind);
     CHECK(a.lights.powers[i].x == doctest::Approx(b.lights.powers[i].x).epsilon(1e-4));
     CHECK(a.lights.powers[i].y == doctest::Approx(b.lights.powers[i].y).epsilon(1e-4));
-    if (!x.is(kLightKind<MeshLightKind>)) continue;
+    if (!x.is(kLightKind<MeshLightKind>) && !x.is(kLightKind<RectangleLightKind>)) continue;
     const auto m = x.data<MeshLightData>(), n = y.data<MeshLightData>();
     CHECK(m.area == doctest::Approx(n.area).epsilon(1e-4));
     for (std::uint32_t t = 0; t < m.triangle_count; ++t) {
@@ -174,9 +174,9 @@ TEST_CASE("lights: SIMD results of mixed lights equal scalar ones") {
     const auto wide_from = [&](auto member) { return wide_floats([&](int k) { return from(k).*member; }); };
     const Vec3<Wide> origin{wide_from(&Vec3f::x), wide_from(&Vec3f::y), wide_from(&Vec3f::z)};
     const auto lights = load_lights<Wide>(view, wide_uints([&](int k) { return light_of(k); }));
-    const auto wide = sample_given_light<Wide>(view, origin, lights, random);
+    const auto wide = sample_given_light<Wide>(view, {origin, {}}, lights, random);
     for (int k = 0; k < kWidth; ++k) {
-      const auto s = sample_given_light<Scalar>(view, from(k), load_lights<Scalar>(view, light_of(k)), u(k));
+      const auto s = sample_given_light<Scalar>(view, {from(k), {}}, load_lights<Scalar>(view, light_of(k)), u(k));
       CAPTURE(light_of(k));
       if (lane_of(wide.valid, k) != s.valid) continue;  // rounding at an edge, counted below
       if (!s.valid) continue;

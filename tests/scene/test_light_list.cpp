@@ -37,6 +37,7 @@ template <template <class> class Data> void check_data() {
 
 TEST_CASE("light list: rows keep the data of every kind") {
   check_data<MeshLightData>();
+  check_data<RectangleLightData>();
   check_data<SphereLightData>();
   check_data<QuadricLightData>();
   check_data<PointLightData>();
