@@ -5,11 +5,15 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace sheaf {
 
 namespace {
 
+/// Maximum number of groups of tasks whose records are sorted in parallel.
+constexpr std::size_t kSortGroups = 64;
 /// Factor on the earlier passes' vertices in a mean, and minimum number of vertices for a mean.
 constexpr double kMeanMemory = 0.5, kMinVertices = 16;
 
@@ -71,66 +75,94 @@ void GuideField::put(std::uint32_t cell) {
 /// Sorts the records of all tasks by cell; within a cell they keep their order. Returns the range of each cell.
 std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::vector<GuideRecord>>& tasks) {
   if (cells_.empty()) fit_cube(tasks);
-  const auto place_of = [](const GuideRecord& r) { return r.row() == 0 ? r.side() : r.row() - 1; };
   std::vector<Span> spans(cells_.size(), {0, 0});
   if (cells_.empty()) return spans;
-  for (const auto& task : tasks)
-    for (const GuideRecord& r : task) ++spans[place_of(r)].end;
-  // Reserve the range of each cell.
-  std::size_t begin = 0;
-  for (Span& span : spans) {
-    const std::size_t size = span.end;
-    span = {begin, begin};
-    begin += size;
+  // Count the records of successive groups of tasks in each cell
+  const std::size_t cells = cells_.size(), groups = std::min(tasks.size(), kSortGroups);
+  const auto for_each_in_group = [&](std::size_t group, auto&& f) {
+    for (std::size_t i = tasks.size() * group / groups; i < tasks.size() * (group + 1) / groups; ++i)
+      for (const GuideRecord& r : tasks[i]) f(r, group * cells + (r.row() == 0 ? r.side() : r.row() - 1));
+  };
+  std::vector<std::size_t> places(groups * cells);
+  for_each_parallel(groups, 1, [&](std::size_t group) {
+    for_each_in_group(group, [&](const GuideRecord&, std::size_t place) { ++places[place]; });
+  });
+  // Reserve the ranges
+  std::size_t end = 0;
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    spans[cell].begin = end;
+    for (std::size_t group = 0; group < groups; ++group) end += std::exchange(places[group * cells + cell], end);
+    spans[cell].end = end;
   }
-  records_.resize(begin);
-  for (const auto& task : tasks)
-    for (const GuideRecord& r : task) records_[spans[place_of(r)].end++] = r;
+  // Copy the records to them
+  records_.resize(end);
+  for_each_parallel(groups, 1, [&](std::size_t group) {
+    for_each_in_group(group, [&](const GuideRecord& r, std::size_t place) { records_[places[place]++] = r; });
+  });
   return spans;
 }
 
-/// Splits a cell, then its first half, while it holds more than `split_records` records. Second halves are appended to
-/// `spans` and split by train().
-void GuideField::split(std::size_t cell, std::vector<Span>& spans, std::size_t split_records) {
-  while (spans[cell].end - spans[cell].begin > split_records && cells_[cell].depth < kGuideBits) {
-    const auto [begin, end] = spans[cell];
-    const std::uint32_t bit = half_bit(cells_[cell].depth);
-    // Partition the records; both halves keep their order.
-    const GuideView guide = view();
-    std::vector<GuideRecord> upper;
-    std::size_t middle = begin;
-    for (std::size_t i = begin; i < end; ++i) {
-      if ((guide_code<Scalar>(guide, records_[i].p) & bit) != 0)
-        upper.push_back(records_[i]);
-      else
-        records_[middle++] = records_[i];
-    }
-    std::copy(upper.begin(), upper.end(), records_.begin() + static_cast<std::ptrdiff_t>(middle));
+/// Moves the records of the second half of a cell behind those of the first half; both keep their order. Returns where
+/// the second half begins.
+std::size_t GuideField::partition(std::size_t cell, const Span& span) {
+  const std::uint32_t bit = half_bit(cells_[cell].depth);
+  const GuideView guide = view();
+  std::vector<GuideRecord> upper;
+  std::size_t middle = span.begin;
+  for (std::size_t i = span.begin; i < span.end; ++i) {
+    if ((guide_code<Scalar>(guide, records_[i].p) & bit) != 0)
+      upper.push_back(records_[i]);
+    else
+      records_[middle++] = records_[i];
+  }
+  std::copy(upper.begin(), upper.end(), records_.begin() + static_cast<std::ptrdiff_t>(middle));
+  return middle;
+}
 
-    // Share the statistics between the halves.
-    halve(cells_[cell].sums);
-    cells_[cell].found *= 0.5, cells_[cell].vertices *= 0.5;
-    const int depth = ++cells_[cell].depth;
-    Cell other = cells_[cell];
-    // Create the nodes.
-    if (depth > kGuideTopBits) {
-      const auto pair = static_cast<std::uint32_t>(children_.size());
-      if (depth == kGuideTopBits + 1)
-        roots_[cells_[cell].node] = pair / 2;
-      else
-        children_[cells_[cell].node] = pair / 2;
-      children_.resize(pair + 2);
-      cells_[cell].node = pair;
-      other.node = pair + 1;
-    } else {
-      other.node += 1u << (kGuideTopBits - depth);
+/// Splits a cell whose records are partitioned. Appends the second half to the cells.
+void GuideField::split(std::size_t cell) {
+  // Share the statistics between the halves.
+  halve(cells_[cell].sums);
+  cells_[cell].found *= 0.5, cells_[cell].vertices *= 0.5;
+  const int depth = ++cells_[cell].depth;
+  Cell other = cells_[cell];
+  // Create the nodes.
+  if (depth > kGuideTopBits) {
+    const auto pair = static_cast<std::uint32_t>(children_.size());
+    if (depth == kGuideTopBits + 1)
+      roots_[cells_[cell].node] = pair / 2;
+    else
+      children_[cells_[cell].node] = pair / 2;
+    children_.resize(pair + 2);
+    cells_[cell].node = pair;
+    other.node = pair + 1;
+  } else {
+    other.node += 1u << (kGuideTopBits - depth);
+  }
+  const auto second = static_cast<std::uint32_t>(cells_.size());
+  cells_.push_back(other);
+  put(static_cast<std::uint32_t>(cell));
+  put(second);
+}
+
+/// Splits cells until none holds more than `split_records` records. Keeps `spans` up to date.
+void GuideField::split_cells(std::vector<Span>& spans, std::size_t split_records) {
+  std::vector<std::size_t> large(cells_.size()), middles;
+  std::iota(large.begin(), large.end(), std::size_t{0});
+  while (true) {
+    std::erase_if(large, [&](std::size_t cell) {
+      return spans[cell].end - spans[cell].begin <= split_records || cells_[cell].depth >= kGuideBits;
+    });
+    if (large.empty()) return;
+    const std::size_t count = large.size();
+    middles.resize(count);
+    for_each_parallel(count, 1, [&](std::size_t i) { middles[i] = partition(large[i], spans[large[i]]); });
+    for (std::size_t i = 0; i < count; ++i) {
+      split(large[i]);
+      spans.push_back({middles[i], spans[large[i]].end});
+      spans[large[i]].end = middles[i];
+      large.push_back(spans.size() - 1);
     }
-    const auto second = static_cast<std::uint32_t>(cells_.size());
-    cells_.push_back(other);
-    spans[cell] = {begin, middle};
-    spans.push_back({middle, end});
-    put(static_cast<std::uint32_t>(cell));
-    put(second);
   }
 }
 
@@ -147,8 +179,7 @@ void GuideField::fit(std::size_t cell, const Span& span) {
 
 void GuideField::train(const std::vector<std::vector<GuideRecord>>& tasks, std::size_t split_records) {
   std::vector<Span> spans = sort_records(tasks);
-  // Newly created cells are appended, and are split in turn.
-  for (std::size_t cell = 0; cell < spans.size(); ++cell) split(cell, spans, split_records);
+  split_cells(spans, split_records);
   mixtures_.resize(cells_.size() + 1);
   means_.assign(cells_.size() + 1, -1.0f);
   for_each_parallel(cells_.size(), 1, [&](std::size_t i) { fit(i, spans[i]); });

@@ -43,7 +43,9 @@ class GuideField {
 
   void fit_cube(const std::vector<std::vector<GuideRecord>>& tasks);
   std::vector<Span> sort_records(const std::vector<std::vector<GuideRecord>>& tasks);
-  void split(std::size_t cell, std::vector<Span>& spans, std::size_t split_records);
+  void split_cells(std::vector<Span>& spans, std::size_t split_records);
+  std::size_t partition(std::size_t cell, const Span& span);
+  void split(std::size_t cell);
   void put(std::uint32_t cell);
   void fit(std::size_t cell, const Span& span);
 
