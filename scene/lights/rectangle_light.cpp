@@ -2,6 +2,7 @@
 
 #include "scene/lights/area_light.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
