@@ -21,7 +21,7 @@ template <class L> class VisibleRectangle {
         y_(t.edge2 * t.inverse_length2),
         seen_(dot(corner_, x_), dot(corner_ + t.edge1, x_), dot(corner_, y_), dot(corner_ + t.edge2, y_),
               abs(dot(corner_, t.normal))) {
-    constexpr float kMinSolidAngle = 3e-3f, kMinHeight = 16.0f;
+    constexpr float kMinSolidAngle = 3e-3f, kMinHeight = 16.0f;  // sr; ray offsets
     const F height = dot(corner_, t.normal);
     by_angle_ = (seen_.solid_angle() > F(kMinSolidAngle)) & (abs(height) > F(kMinHeight) * t.offset);
     // Corners below the horizon get a small weight, since the surface may transmit light
