@@ -38,20 +38,19 @@ float lane(const Spectrum4& s, std::size_t i) { return (&s.c0)[i]; }
 /// The errors of all pixels but those with the largest ones.
 std::vector<PixelError> pixel_errors(const TrialPass& pass, const TrialBrightness& brightness) {
   std::vector<PixelError> errors;
-  for (std::size_t task = 0; task < pass.radiance.size(); ++task) {
-    const std::vector<float>& radiance = pass.radiance[task];
-    const std::vector<Spectrum4>& squared = pass.squared_radiance[task];
-    for (std::size_t i = 0; i + 1 < radiance.size(); i += 2) {
+  for (std::size_t task = 0; task < pass.tasks.size(); ++task) {
+    const auto& [radiance, squared] = pass.tasks[task];
+    for (std::size_t i = 0; i < radiance[0].size(); ++i) {
       // The variance with kTrialCandidates, and what the squared radiance differs by with other numbers
       PixelError error;
-      const float difference = radiance[i] - radiance[i + 1];
+      const float difference = radiance[0][i] - radiance[1][i];
       for (std::size_t k = 0; k < kCounts; ++k) {
-        const float first = lane(squared[i], k) - lane(squared[i], kCounts - 1);
-        const float second = lane(squared[i + 1], k) - lane(squared[i + 1], kCounts - 1);
+        const float first = lane(squared[0][i], k) - lane(squared[0][i], kCounts - 1);
+        const float second = lane(squared[1][i], k) - lane(squared[1][i], kCounts - 1);
         error.squared[k] = 0.5f * (difference * difference + first + second);
       }
       error.per_brightness = static_cast<float>(1 / brightness.of_task[task]);
-      error.group = static_cast<std::uint32_t>(errors.size() % kTrialGroups);
+      error.group = static_cast<std::uint32_t>(errors.size() / kTrialSet % kTrialGroups);
       errors.push_back(error);
     }
   }
@@ -85,7 +84,7 @@ double candidate_cost(const SceneView& scene) {
 
 CandidateChoice choose_candidates(const TrialPass& pass, double cost) {
   const TrialBrightness brightness(pass);
-  if (!(brightness.of_frame > 0) || pass.light_vertices == 0 || pass.squared_radiance.empty()) return {};
+  if (!(brightness.of_frame > 0) || pass.light_vertices == 0) return {};
   // Add up the errors of each group of pixels
   std::array<ErrorSums, kTrialGroups> groups;
   ErrorSums all;

@@ -25,9 +25,9 @@ struct GuidingGain {
 
 /// Estimates the gain. The error is the geometric mean of the squared error and of the squared error relative to the
 /// brightness of the surroundings, each without the worst pixels: 0.1 % or 0.5 % of them, whichever makes the gain
-/// smaller. It is estimated from half the squared difference of a pixel's two samples. A guided ray counts as 1.1 rays.
-/// The passes may differ in size. The standard error is that of the jackknife (Efron and Stein 1981). The ratio is 1 if
-/// a pass holds no light.
+/// smaller. It is estimated from half the squared difference of the means of a pixel's two sets. A guided ray counts as
+/// 1.2 rays. The passes may differ in size. The standard error is that of the jackknife (Efron and Stein 1981). The
+/// ratio is 1 if a pass holds no light.
 GuidingGain guiding_gain(const TrialPass& unguided, const TrialPass& guided);
 
 }  // namespace sheaf

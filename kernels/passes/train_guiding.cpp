@@ -21,48 +21,46 @@ namespace {
 /// number of samples, so that a longer render of the same frame has the same guide; otherwise training takes a larger
 /// share of the samples, if that is more.
 constexpr double kPerPixel = 2, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
-/// Samples of the first pass: one per eight pixels, within these bounds. The second is equally large, and every further
+/// Samples of the first pass: one per four pixels, within these bounds. The second is equally large, and every further
 /// one twice as large as the one before.
-constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 15;
+constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 16;
 /// Maximum share of training in the samples of a render.
 constexpr double kMaxShare = 0.125;
 /// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
 /// than kMinAutoPixels, whose gain two passes would tell badly.
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
 constexpr double kMinAutoPixels = 1 << 14;
-/// Samples per pixel of a pass with strides: two, from which guiding_gain() estimates the error.
-constexpr std::uint32_t kTrainingPixelSamples = 2;
-/// Camera samples per task.
-constexpr int kTrainingTaskSamples = 1024;
+/// Side of the squares of participating pixels that form a task, and the samples per pixel of a pair of sets.
+constexpr int kTaskSide = 16;
+constexpr std::uint32_t kPairSamples = 2 * kTrialSet;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
-constexpr double kSplitRecords = 1000;
+constexpr double kSplitRecords = 1400;
 
 /// Number of samples of a pass over that of another.
 double size_ratio(const TrainingPass& pass, const TrainingPass& other) {
   const double strides = static_cast<double>(other.stride) / pass.stride;
-  return static_cast<double>(pass.sample_count) / other.sample_count * strides * strides;
+  return static_cast<double>(pass.pairs) / other.pairs * strides * strides;
 }
 
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
 
 /// The pixels of a pass in the order of rows, divided into tasks.
-std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int height, const TrainingPass& pass) {
+std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& frame, int height,
+                                                        const TrainingPass& pass) {
   // Each pass uses other pixels than the one before.
   const auto stride = static_cast<std::uint32_t>(pass.stride);
-  std::uint32_t x = pass.first_sample, y = stride, z = 0, w = 0;
+  std::uint32_t x = pass.first_pair, y = stride, z = 0, w = 0;
   hash4(x, y, z, w);
-  const int side =
-      std::max(4, static_cast<int>(std::sqrt(kTrainingTaskSamples / static_cast<double>(pass.sample_count))));
   const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
-  std::vector<std::vector<PixelSamples>> tasks;
-  for (int y0 = 0; y0 < rows; y0 += side)
-    for (int x0 = 0; x0 < columns; x0 += side) {
-      std::vector<PixelSamples>& task = tasks.emplace_back();
-      for (int row = y0; row < std::min(y0 + side, rows); ++row)
-        for (int column = x0; column < std::min(x0 + side, columns); ++column) {
+  std::vector<std::vector<std::uint32_t>> tasks;
+  for (int y0 = 0; y0 < rows; y0 += kTaskSide)
+    for (int x0 = 0; x0 < columns; x0 += kTaskSide) {
+      std::vector<std::uint32_t>& task = tasks.emplace_back();
+      for (int row = y0; row < std::min(y0 + kTaskSide, rows); ++row)
+        for (int column = x0; column < std::min(x0 + kTaskSide, columns); ++column) {
           const int px = std::min(column * pass.stride + static_cast<int>(x % stride), frame.width - 1);
           const int py = std::min(row * pass.stride + static_cast<int>(y % stride), height - 1);
-          task.push_back({frame.pixel(px, py), pass.first_sample, pass.sample_count});
+          task.push_back(frame.pixel(px, py));
         }
     }
   return tasks;
@@ -72,7 +70,7 @@ std::vector<std::vector<PixelSamples>> tasks_of(const SampledFrame& frame, int h
 SamplerView training_sampler(const SamplerView& image_sampler) {
   std::uint32_t x = image_sampler.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
   hash4(x, y, z, w);
-  return make_sampler(SamplerKind::kSobol, x, 1);
+  return make_sampler(SamplerKind::kSobol, x, kTrialSet);
 }
 
 /// Number of rays that the workers have traced.
@@ -82,32 +80,40 @@ std::uint64_t traced_rays(const Workers& workers) {
   return rays;
 }
 
-/// Runs a pass. Returns the records of each task in order. `trial`: output.
+/// Runs a pass. Returns the records of each set of each task in order. `trial`: output.
 std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
                                                const TrainingPass& pass, std::span<const float> means,
                                                const GuideTraining& training, TrialPass& trial) {
   const SampledFrame frame{width};
-  const std::vector<std::vector<PixelSamples>> tasks = tasks_of(frame, height, pass);
-  std::vector<std::vector<GuideRecord>> records(tasks.size());
-  std::vector<TrainingSamples::Vertices> vertices(tasks.size());
-  trial.radiance.resize(tasks.size());
-  trial.squared_radiance.resize(tasks.size());
+  const std::vector<std::vector<std::uint32_t>> pixels = pixels_of_tasks(frame, height, pass);
+  // The first pair of sets of all pixels, then the next; the two sets of a task are taken one by one
+  trial.tasks.resize(pass.pairs * pixels.size());
+  const std::size_t sets = 2 * trial.tasks.size();
+  std::vector<std::vector<GuideRecord>> records(sets);
+  std::vector<TrainingSamples::Vertices> vertices(sets);
   const std::uint64_t rays_before = traced_rays(workers);
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, tasks.size(), 1),
+      tbb::blocked_range<std::size_t>(0, sets, 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
         for (std::size_t i = range.begin(); i < range.end() && !training.stopped(); ++i) {
           const FlushDenormals flush;
           Worker& worker = workers.local();
-          worker.camera.begin(tasks[i], frame, kBeautyChannels);
+          TrialTask& task = trial.tasks[i / 2];
+          const std::size_t set = i % 2, pair = pass.first_pair + i / 2 / pixels.size();
+          const auto replicate = static_cast<std::uint32_t>(2 * pair + set);
+          std::vector<PixelSamples> samples;
+          for (const std::uint32_t pixel : pixels[i / 2 % pixels.size()])
+            samples.push_back({pixel, replicate * kTrialSet, kTrialSet});
+          worker.camera.begin(samples, frame, kBeautyChannels);
           worker.guide.begin(worker.camera.total());
           StageContext of_task = context;
           of_task.set_camera_task(worker.camera);
           of_task.record_in(worker.guide);
+          of_task.sampler = sampler_of_replicate(context.sampler, replicate, kTrialSet);
           run_pass<Wide>(of_task, worker.wave);
           records[i] = worker.guide.records(context.guide(), means);
-          trial.radiance[i] = worker.guide.radiance();
-          trial.squared_radiance[i] = worker.guide.squared_radiance();
+          task.radiance[set] = worker.guide.radiance();
+          task.squared_radiance[set] = worker.guide.squared_radiance();
           vertices[i] = worker.guide.vertices();
           training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
         }
@@ -132,17 +138,14 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   const double total = std::min(wanted, kMaxShare * samples * pixels);
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
-  double size = std::min(std::clamp(pixels / 8, kMinPass, kMaxPass), total / 4);
+  double size = std::min(std::clamp(pixels / 4, kMinPass, kMaxPass), total / 4);
   for (double sum = 0; sum < 0.99 * total; sum += size) {
     if (passes.size() > 1) size *= 2;
-    // Sample some of the pixels twice, or all of them more often
-    const double per_pixel = size / pixels;
-    const auto stride = static_cast<int>(
-        std::lround(std::sqrt(kTrainingPixelSamples / std::min(per_pixel, double{kTrainingPixelSamples}))));
-    const std::uint32_t count =
-        std::max(1u, static_cast<std::uint32_t>(per_pixel / kTrainingPixelSamples)) * kTrainingPixelSamples;
-    passes.push_back({first, count, stride});
-    first += count;
+    // Sample some of the pixels with one pair of sets, or all of them with several
+    const double pairs = size / pixels / kPairSamples;
+    const auto stride = static_cast<int>(std::lround(1 / std::sqrt(std::min(pairs, 1.0))));
+    passes.push_back({first, std::max(1u, static_cast<std::uint32_t>(pairs)), stride});
+    first += passes.back().pairs;
   }
   return passes;
 }
@@ -155,7 +158,7 @@ std::uint64_t training_samples(int width, int height, std::span<const TrainingPa
   std::uint64_t sum = 0;
   for (const TrainingPass& pass : passes)
     sum += static_cast<std::uint64_t>(strided(width, pass.stride)) *
-           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.sample_count;
+           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.pairs * kPairSamples;
   return sum;
 }
 

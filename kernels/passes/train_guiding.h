@@ -25,8 +25,9 @@ struct GuideTraining {
 
 /// One training pass. The pixels of a pass are evenly distributed over the frame.
 struct TrainingPass {
-  std::uint32_t first_sample = 0, sample_count = 0;  ///< per participating pixel
-  int stride = 1;                                    ///< every `stride`-th pixel in each direction participates
+  /// Sets of kTrialSet samples of each participating pixel: the pairs [first_pair, first_pair + pairs).
+  std::uint32_t first_pair = 0, pairs = 0;
+  int stride = 1;  ///< every `stride`-th pixel in each direction participates
 
   bool operator==(const TrainingPass&) const = default;
 };

@@ -15,8 +15,9 @@ constexpr double kDarkest = 0.01;
 
 TrialBrightness::TrialBrightness(const TrialPass& pass) {
   double sum = 0, count = 0;
-  for (const std::vector<float>& radiance : pass.radiance) {
-    std::vector<float> values = radiance;
+  for (const TrialTask& task : pass.tasks) {
+    std::vector<float> values = task.radiance[0];
+    values.insert(values.end(), task.radiance[1].begin(), task.radiance[1].end());
     of_task.push_back(trimmed_mean(values));
     sum += of_task.back() * static_cast<double>(values.size());
     count += static_cast<double>(values.size());

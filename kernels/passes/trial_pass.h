@@ -10,15 +10,25 @@
 
 namespace sheaf {
 
-/// The samples of a training pass with two samples for each of its pixels.
-struct TrialPass {
-  /// Radiance of the samples of each task, all components added up: two of a pixel, then two of the next.
-  std::vector<std::vector<float>> radiance;
-  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
+/// Number of samples in a set. The samples of a set are stratified among themselves, as those of the image are, because
+/// that lowers the error of some estimators more than that of others.
+inline constexpr std::uint32_t kTrialSet = 4;
 
+/// Two independent sets of samples for each pixel of a task.
+struct TrialTask {
+  /// Radiance of the samples of each set, all components added up: those of a pixel, then those of the next.
+  std::array<std::vector<float>, 2> radiance;
   /// In a trial of light candidates: estimates of the squared radiance of the same samples, for each of
   /// kCandidateCounts. Otherwise empty.
-  std::vector<std::vector<Spectrum4>> squared_radiance;
+  std::array<std::vector<Spectrum4>, 2> squared_radiance;
+};
+
+/// The samples of a training pass.
+struct TrialPass {
+  std::vector<TrialTask> tasks;
+  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
+
+  // In a trial of light candidates:
   std::uint64_t light_vertices = 0;                                      ///< that sample lights
   std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};  ///< for each of kCandidateCounts
 };

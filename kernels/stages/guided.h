@@ -111,15 +111,15 @@ template <class L, template <class> class Bsdf>
 
 /// Russian roulette by expected contribution (Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in
 /// Light Transport Simulation", 2016; without splitting). A vertex of throughput b in a cell that scatters the mean
-/// radiance M is expected to contribute b M. Roulette starts where this falls below the path's first such expectation.
-/// Unlike roulette by throughput it may terminate paths below depth rr_depth; from there on the survival probability is
-/// below 1. Returns survival probabilities, or `default_value` if the cell has no mean or the path no reference. `sum`:
-/// the lanes of the throughput added up.
+/// radiance M is expected to contribute b M. Roulette starts where this falls below half the path's first such
+/// expectation, as roulette by throughput does (kernels/stages/roulette.h). Unlike that, it may terminate paths below
+/// depth rr_depth; from there on the survival probability is below 1. Returns survival probabilities, or
+/// `default_value` if the cell has no mean or the path no reference. `sum`: the lanes of the throughput added up.
 template <class L>
 Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* slots, int column, int count,
                            Uint<L> depth, Float<L> sum, Float<L> default_value) {
   using F = Float<L>;
-  constexpr float kMin = 0.5f;
+  constexpr float kMin = 1.0f / 3.0f;
   const F mean = gather(context.guide().means, wave.guide_cells.load<L>(column).row);
   LaneArray<F> references;
   const LaneArray<F> expected(sum * mean);
@@ -129,7 +129,7 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
       references[lane] = wave.guide_references[slots[lane]] = expected[lane];
   const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
-  const F ratio = sum * mean / select(known, reference, F(1.0f));
+  const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
   const F max_ratio = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
                              F(kLargestSurvival));
   return select(known, clamp(ratio, F(kMin), max_ratio), default_value);

@@ -182,6 +182,31 @@ TEST_CASE("guided vertices: dispersive parts of blends keep their own pdf and th
   CHECK(guided_pdf<Scalar>(none, blend) == doctest::Approx(blend.mixed_pdf));
 }
 
+TEST_CASE("guided vertices: roulette starts below half the first expectation of a path") {
+  const auto scene = compile_scene(empty_scene(1, 1));
+  const std::array<GuideMixture, 2> mixtures{mixture_of(0.5f), mixture_of(0.5f)};
+  const std::array<float, 2> means{2, -1};  // the second is unknown
+  TestWave test(1);
+  StageContext context = test.context(*scene);
+  context.integrator.rr_depth = 3;
+  context.sample_from({.mixtures = mixtures.data(), .means = means.data()});
+  const Slot slot = 0;
+  const auto survival = [&](std::uint32_t row, std::uint32_t depth, float throughput) {
+    test.wave.guide_cells.store<Scalar>(0, {row, 4u});
+    return expected_survival<Scalar>(context, test.wave, &slot, 0, 1, depth, throughput, 0.7f);
+  };
+  test.wave.guide_references[0] = 0;
+  CHECK(survival(1, 1, 5) == 0.7f);
+  // The first known cell gives the path its reference, 3 x 2.
+  CHECK(survival(0, 1, 3) == 1);
+  CHECK(survival(0, 1, 1.5f) == 1);
+  CHECK(survival(0, 1, 1.2f) == doctest::Approx(0.8f));
+  CHECK(survival(0, 4, 1.2f) == doctest::Approx(0.8f));
+  CHECK(survival(0, 4, 3) == kLargestSurvival);
+  CHECK(survival(0, 1, 0.01f) == doctest::Approx(1.0f / 3));
+  CHECK(survival(1, 2, 0.01f) == 0.7f);
+}
+
 TEST_CASE("guide: recorded radiance is divided by the throughput over the pdf of the path") {
   Description d = mixed_scene();
   fill(d, add_sphere(d, {0, 0, -9}, 1), add_medium(d, fog(1, 0.5f)));

@@ -106,13 +106,12 @@ TrialPass pass_with(const std::array<float, 4>& more) {
   pass.rays = 100'000;
   pass.light_vertices = 40'000;
   pass.shadow_rays = {30'000, 30'000, 30'000, 30'000};
-  for (std::uint32_t task = 0; task < 4; ++task) {
-    std::vector<float>& radiance = pass.radiance.emplace_back();
-    std::vector<Spectrum4>& squared = pass.squared_radiance.emplace_back();
-    for (std::uint32_t i = 0; i < 4000; ++i) {
-      const float x = 4 + 3.4641f * (random4<Scalar>(3, i, task, 0).x - 0.5f), square = x * x;
-      radiance.push_back(x);
-      squared.push_back({square + more[0], square + more[1], square + more[2], square + more[3]});
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    TrialTask& task = pass.tasks.emplace_back();
+    for (std::uint32_t k = 0; k < 4000; ++k) {
+      const float x = 4 + 3.4641f * (random4<Scalar>(3, k, i, 0).x - 0.5f), square = x * x;
+      task.radiance[k % 2].push_back(x);
+      task.squared_radiance[k % 2].push_back({square + more[0], square + more[1], square + more[2], square + more[3]});
     }
   }
   return pass;
@@ -191,12 +190,13 @@ TEST_CASE("candidate choice: the number with the lowest error x cost, if it gain
 TEST_CASE("candidate choice: a few outliers and black passes do not decide") {
   TrialPass pass = pass_with({1, 0.4f, 0.1f, 0});
   for (const std::size_t i : {0, 100, 200}) {
-    pass.radiance[1][i] = 1e4f;
-    pass.squared_radiance[1][i] = Spectrum4(1e8f);
-    pass.squared_radiance[1][i].c0 = 1e6f;
+    pass.tasks[1].radiance[0][i] = 1e4f;
+    pass.tasks[1].squared_radiance[0][i] = Spectrum4(1e8f);
+    pass.tasks[1].squared_radiance[0][i].c0 = 1e6f;
   }
   CHECK(choose_candidates(pass, 0.1).count == 4);
-  for (auto& radiance : pass.radiance) std::fill(radiance.begin(), radiance.end(), 0.0f);
+  for (TrialTask& task : pass.tasks)
+    for (std::vector<float>& radiance : task.radiance) std::fill(radiance.begin(), radiance.end(), 0.0f);
   CHECK(choose_candidates(pass, 0.1).count == 1);
   CHECK(choose_candidates({}, 0.1).count == 1);
 }
