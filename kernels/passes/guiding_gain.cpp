@@ -16,9 +16,9 @@ constexpr double kMinGain = 1.25;
 /// Shares of the worst pixels that estimates leave out. Where a few paths carry most of the error, estimates from two
 /// sets of samples depend on this share, and only a gain with each of them is believed.
 constexpr std::array kLeftOut{kTrialLeftOut, 5 * kTrialLeftOut};
-/// Minimum gain after one and two passes of training for which training goes on. Gains grow with training: from 1.6 to
-/// 3.0 in an interior under a sky.
-constexpr std::array kPromisingGain{1.0, 1.1};
+/// Minimum gain after one pass of training for which training goes on. Gains grow with training: from 1.6 to 2.1 in an
+/// interior under a sky.
+constexpr double kPromisingGain = 1;
 
 double rays_per_sample(const TrialPass& pass) {
   double samples = 0;
@@ -69,9 +69,7 @@ class Errors {
 
 bool GuidingGain::is_significant() const { return ratio >= std::exp(3 * standard_error) && ratio >= kMinGain; }
 
-bool GuidingGain::is_promising(std::size_t training_passes) const {
-  return ratio >= kPromisingGain[std::min(training_passes, kPromisingGain.size()) - 1];
-}
+bool GuidingGain::is_promising() const { return ratio >= kPromisingGain; }
 
 GuidingGain guiding_gain(const TrialPass& unguided, const TrialPass& guided) {
   const double of_frame = TrialBrightness(unguided).of_frame;

@@ -8,7 +8,7 @@
 namespace sheaf {
 
 /// Number of training passes whose samples a trial compares. Only the first one is unguided.
-inline constexpr std::size_t kTrialPasses = 4;
+inline constexpr std::size_t kTrialPasses = 3;
 
 /// How many times the cost of a guided render an unguided one needs for the same error: the ratio of the products of
 /// error and number of rays.
@@ -18,9 +18,8 @@ struct GuidingGain {
 
   /// Whether the ratio is above 1 by three times its standard error, and by at least a quarter.
   bool is_significant() const;
-  /// Whether more training may make it significant. `training_passes`: at least 1, passes that the guide has learned
-  /// from.
-  bool is_promising(std::size_t training_passes) const;
+  /// Whether more training may make it significant.
+  bool is_promising() const;
 };
 
 /// Estimates the gain. The error is the geometric mean of the squared error and of the squared error relative to the

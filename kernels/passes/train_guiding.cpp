@@ -30,16 +30,15 @@ constexpr double kMaxShare = 0.125;
 /// than kMinAutoPixels, whose gain two passes would tell badly.
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
 constexpr double kMinAutoPixels = 1 << 14;
-/// Side of the squares of participating pixels that form a task, and the samples per pixel of a pair of sets.
-constexpr int kTaskSide = 16;
-constexpr std::uint32_t kPairSamples = 2 * kTrialSet;
+/// Camera samples per task.
+constexpr int kTaskSamples = 1024;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
 constexpr double kSplitRecords = 1400;
 
 /// Number of samples of a pass over that of another.
 double size_ratio(const TrainingPass& pass, const TrainingPass& other) {
   const double strides = static_cast<double>(other.stride) / pass.stride;
-  return static_cast<double>(pass.pairs) / other.pairs * strides * strides;
+  return static_cast<double>(pass.samples()) / other.samples() * strides * strides;
 }
 
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
@@ -51,13 +50,14 @@ std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& fram
   const auto stride = static_cast<std::uint32_t>(pass.stride);
   std::uint32_t x = pass.first_pair, y = stride, z = 0, w = 0;
   hash4(x, y, z, w);
+  const int side = static_cast<int>(std::sqrt(kTaskSamples / pass.set_samples));
   const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
   std::vector<std::vector<std::uint32_t>> tasks;
-  for (int y0 = 0; y0 < rows; y0 += kTaskSide)
-    for (int x0 = 0; x0 < columns; x0 += kTaskSide) {
+  for (int y0 = 0; y0 < rows; y0 += side)
+    for (int x0 = 0; x0 < columns; x0 += side) {
       std::vector<std::uint32_t>& task = tasks.emplace_back();
-      for (int row = y0; row < std::min(y0 + kTaskSide, rows); ++row)
-        for (int column = x0; column < std::min(x0 + kTaskSide, columns); ++column) {
+      for (int row = y0; row < std::min(y0 + side, rows); ++row)
+        for (int column = x0; column < std::min(x0 + side, columns); ++column) {
           const int px = std::min(column * pass.stride + static_cast<int>(x % stride), frame.width - 1);
           const int py = std::min(row * pass.stride + static_cast<int>(y % stride), height - 1);
           task.push_back(frame.pixel(px, py));
@@ -103,7 +103,7 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
           const auto replicate = static_cast<std::uint32_t>(2 * pair + set);
           std::vector<PixelSamples> samples;
           for (const std::uint32_t pixel : pixels[i / 2 % pixels.size()])
-            samples.push_back({pixel, replicate * kTrialSet, kTrialSet});
+            samples.push_back({pixel, replicate * kTrialSet, pass.set_samples});
           worker.camera.begin(samples, frame, kBeautyChannels);
           worker.guide.begin(worker.camera.total());
           StageContext of_task = context;
@@ -142,10 +142,14 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   for (double sum = 0; sum < 0.99 * total; sum += size) {
     if (passes.size() > 1) size *= 2;
     // Sample some of the pixels with one pair of sets, or all of them with several
-    const double pairs = size / pixels / kPairSamples;
-    const auto stride = static_cast<int>(std::lround(1 / std::sqrt(std::min(pairs, 1.0))));
-    passes.push_back({first, std::max(1u, static_cast<std::uint32_t>(pairs)), stride});
-    first += passes.back().pairs;
+    TrainingPass pass;
+    pass.first_pair = first;
+    pass.set_samples = passes.size() < kTrialPasses ? kTrialSet : 1;
+    const double pairs = size / pixels / (2 * pass.set_samples);
+    pass.pairs = std::max(1u, static_cast<std::uint32_t>(pairs));
+    pass.stride = static_cast<int>(std::lround(1 / std::sqrt(std::min(pairs, 1.0))));
+    passes.push_back(pass);
+    first += pass.pairs;
   }
   return passes;
 }
@@ -158,7 +162,7 @@ std::uint64_t training_samples(int width, int height, std::span<const TrainingPa
   std::uint64_t sum = 0;
   for (const TrainingPass& pass : passes)
     sum += static_cast<std::uint64_t>(strided(width, pass.stride)) *
-           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.pairs * kPairSamples;
+           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.samples();
   return sum;
 }
 
@@ -195,7 +199,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     if (mode == GuidingMode::kAuto) {
       const GuidingGain gain = guiding_gain(trials.front(), trials.back());
       report.gain = gain.ratio;
-      report.is_used = is_last ? gain.is_significant() : gain.is_promising(trials.size() - 1);
+      report.is_used = is_last ? gain.is_significant() : gain.is_promising();
     }
     if (tries_candidates && (is_last || !report.is_used)) {
       training.candidates =

@@ -25,10 +25,15 @@ struct GuideTraining {
 
 /// One training pass. The pixels of a pass are evenly distributed over the frame.
 struct TrainingPass {
-  /// Sets of kTrialSet samples of each participating pixel: the pairs [first_pair, first_pair + pairs).
+  /// Each participating pixel takes the pairs [first_pair, first_pair + pairs) of sets of samples.
   std::uint32_t first_pair = 0, pairs = 0;
+  /// kTrialSet in the passes of the trial. Later passes take single samples of more pixels, from which the guide learns
+  /// more.
+  std::uint32_t set_samples = 1;
   int stride = 1;  ///< every `stride`-th pixel in each direction participates
 
+  /// Number of samples per participating pixel.
+  std::uint32_t samples() const { return 2 * pairs * set_samples; }
   bool operator==(const TrainingPass&) const = default;
 };
 
