@@ -31,7 +31,7 @@ constexpr double kMaxShare = 0.125;
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
 constexpr double kMinAutoPixels = 1 << 14;
 /// Camera samples per task.
-constexpr int kTaskSamples = 1024;
+constexpr int kTrainingTaskSamples = 1024;
 /// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
 constexpr double kSplitRecords = 1400;
 
@@ -50,7 +50,7 @@ std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& fram
   const auto stride = static_cast<std::uint32_t>(pass.stride);
   std::uint32_t x = pass.first_pair, y = stride, z = 0, w = 0;
   hash4(x, y, z, w);
-  const int side = static_cast<int>(std::sqrt(kTaskSamples / pass.set_samples));
+  const int side = static_cast<int>(std::sqrt(kTrainingTaskSamples / pass.set_samples));
   const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
   std::vector<std::vector<std::uint32_t>> tasks;
   for (int y0 = 0; y0 < rows; y0 += side)
