@@ -67,7 +67,7 @@ class Errors {
 
 }  // namespace
 
-bool GuidingGain::is_significant() const { return ratio >= std::exp(3 * standard_error) && ratio >= kMinGain; }
+bool GuidingGain::is_significant() const { return ratio >= std::exp(2 * standard_error) && ratio >= kMinGain; }
 
 bool GuidingGain::is_promising() const { return ratio >= kPromisingGain; }
 

@@ -16,7 +16,7 @@ struct GuidingGain {
   double ratio = 1;           ///< above 1: guiding pays
   double standard_error = 0;  ///< of the logarithm of `ratio`
 
-  /// Whether the ratio is above 1 by three times its standard error, and by at least a quarter.
+  /// Whether the ratio is above 1 by twice its standard error, and by at least a quarter.
   bool is_significant() const;
   /// Whether more training may make it significant.
   bool is_promising() const;

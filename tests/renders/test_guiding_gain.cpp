@@ -124,8 +124,8 @@ TEST_CASE("guiding gain: the standard error tells how far estimates scatter") {
   }
   CHECK(std::exp(logarithms.mean()) == doctest::Approx(1 / 0.64 / 1.2).epsilon(0.01));
   CHECK(errors.mean() == doctest::Approx(std::sqrt(logarithms.variance())).epsilon(0.3));
-  CHECK(GuidingGain{1.3, 0.08}.is_significant());
-  CHECK_FALSE(GuidingGain{1.3, 0.1}.is_significant());
+  CHECK(GuidingGain{1.3, 0.12}.is_significant());
+  CHECK_FALSE(GuidingGain{1.3, 0.14}.is_significant());
   CHECK_FALSE(GuidingGain{1.2, 0.001}.is_significant());
   CHECK(GuidingGain{1.1, 1}.is_promising());
   CHECK_FALSE(GuidingGain{0.9, 0.001}.is_promising());
