@@ -17,15 +17,15 @@ namespace sheaf {
 
 namespace {
 
-/// Camera samples of training: two per pixel of the frame, within these bounds. With kAuto it does not depend on the
+/// Camera samples of training: three per pixel of the frame, within these bounds. With kAuto it does not depend on the
 /// number of samples, so that a longer render of the same frame has the same guide; otherwise training takes a larger
 /// share of the samples, if that is more.
-constexpr double kPerPixel = 2, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
+constexpr double kPerPixel = 3, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
 /// Samples of the first pass: one per four pixels, within these bounds. The second is equally large, and every further
 /// one twice as large as the one before.
 constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 16;
 /// Maximum share of training in the samples of a render.
-constexpr double kMaxShare = 0.125;
+constexpr double kMaxShare = 3.0 / 16;
 /// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
 /// than kMinAutoPixels, whose gain two passes would tell badly.
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
@@ -37,8 +37,10 @@ constexpr double kSplitRecords = 1400;
 
 /// Number of samples of a pass over that of another.
 double size_ratio(const TrainingPass& pass, const TrainingPass& other) {
-  const double strides = static_cast<double>(other.stride) / pass.stride;
-  return static_cast<double>(pass.samples()) / other.samples() * strides * strides;
+  const auto per_pixel = [](const TrainingPass& p) {
+    return static_cast<double>(p.samples()) / (p.column_stride * p.row_stride);
+  };
+  return per_pixel(pass) / per_pixel(other);
 }
 
 int strided(int size, int stride) { return (size + stride - 1) / stride; }
@@ -47,19 +49,20 @@ int strided(int size, int stride) { return (size + stride - 1) / stride; }
 std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& frame, int height,
                                                         const TrainingPass& pass) {
   // Each pass uses other pixels than the one before.
-  const auto stride = static_cast<std::uint32_t>(pass.stride);
-  std::uint32_t x = pass.first_pair, y = stride, z = 0, w = 0;
+  const auto column_stride = static_cast<std::uint32_t>(pass.column_stride);
+  const auto row_stride = static_cast<std::uint32_t>(pass.row_stride);
+  std::uint32_t x = pass.first_pair, y = row_stride, z = 0, w = 0;
   hash4(x, y, z, w);
   const int side = static_cast<int>(std::sqrt(kTrainingTaskSamples / pass.set_samples));
-  const int columns = strided(frame.width, pass.stride), rows = strided(height, pass.stride);
+  const int columns = strided(frame.width, pass.column_stride), rows = strided(height, pass.row_stride);
   std::vector<std::vector<std::uint32_t>> tasks;
   for (int y0 = 0; y0 < rows; y0 += side)
     for (int x0 = 0; x0 < columns; x0 += side) {
       std::vector<std::uint32_t>& task = tasks.emplace_back();
       for (int row = y0; row < std::min(y0 + side, rows); ++row)
         for (int column = x0; column < std::min(x0 + side, columns); ++column) {
-          const int px = std::min(column * pass.stride + static_cast<int>(x % stride), frame.width - 1);
-          const int py = std::min(row * pass.stride + static_cast<int>(y % stride), height - 1);
+          const int px = std::min(column * pass.column_stride + static_cast<int>(x % column_stride), frame.width - 1);
+          const int py = std::min(row * pass.row_stride + static_cast<int>(y % row_stride), height - 1);
           task.push_back(frame.pixel(px, py));
         }
     }
@@ -139,17 +142,22 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
   std::vector<TrainingPass> passes;
   std::uint32_t first = 0;
   double size = std::min(std::clamp(pixels / 4, kMinPass, kMaxPass), total / 4);
-  for (double sum = 0; sum < 0.99 * total; sum += size) {
-    if (passes.size() > 1) size *= 2;
+  // The last pass takes what is left, unless that is less than half of what it should have
+  for (double left = total; left >= size / 2;) {
+    size = std::min(size, left);
+    left -= size;
     // Sample some of the pixels with one pair of sets, or all of them with several
     TrainingPass pass;
     pass.first_pair = first;
     pass.set_samples = passes.size() < kTrialPasses ? kTrialSet : 1;
     const double pairs = size / pixels / (2 * pass.set_samples);
     pass.pairs = std::max(1u, static_cast<std::uint32_t>(pairs));
-    pass.stride = static_cast<int>(std::lround(1 / std::sqrt(std::min(pairs, 1.0))));
+    const double pixels_apart = 1 / std::min(pairs, 1.0);
+    pass.row_stride = static_cast<int>(std::sqrt(pixels_apart));
+    pass.column_stride = static_cast<int>(std::ceil(pixels_apart / pass.row_stride));
     passes.push_back(pass);
     first += pass.pairs;
+    if (passes.size() > 1) size *= 2;
   }
   return passes;
 }
@@ -161,8 +169,8 @@ bool is_trial_worthwhile(int width, int height, std::uint32_t samples) {
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes) {
   std::uint64_t sum = 0;
   for (const TrainingPass& pass : passes)
-    sum += static_cast<std::uint64_t>(strided(width, pass.stride)) *
-           static_cast<std::uint64_t>(strided(height, pass.stride)) * pass.samples();
+    sum += static_cast<std::uint64_t>(strided(width, pass.column_stride)) *
+           static_cast<std::uint64_t>(strided(height, pass.row_stride)) * pass.samples();
   return sum;
 }
 

@@ -30,7 +30,8 @@ struct TrainingPass {
   /// kTrialSet in the passes of the trial. Later passes take single samples of more pixels, from which the guide learns
   /// more.
   std::uint32_t set_samples = 1;
-  int stride = 1;  ///< every `stride`-th pixel in each direction participates
+  /// Every `column_stride`-th pixel of every `row_stride`-th row participates.
+  int column_stride = 1, row_stride = 1;
 
   /// Number of samples per participating pixel.
   std::uint32_t samples() const { return 2 * pairs * set_samples; }
@@ -38,7 +39,8 @@ struct TrainingPass {
 };
 
 /// Passes for a render of `samples` samples per pixel, whose mode is not kOff; empty for renders too short to benefit.
-/// The first two are equally large.
+/// The first two are equally large. Together they take at most 3/16 of the samples of the render, apart from rounding in
+/// frames of few pixels.
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode);
 
 /// Whether a render with training passes is long and large enough for GuidingMode::kAuto and for a trial of light

@@ -1,6 +1,7 @@
 // Guided renders: the mean of unguided ones, less noise where light is hard to find, and bits that do not depend on
 // threads, waves or crop.
 #include "core/error.h"
+#include "kernels/passes/train_guiding.h"
 #include "kernels/wave/wave.h"
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
@@ -308,6 +309,27 @@ TEST_CASE("guiding: the bits do not depend on threads or wave size or crop") {
   options.guiding = GuidingMode::kOff;
   const Image unguided = render(*scene, options).film.to_image();
   CHECK(std::memcmp(unguided.data.data(), whole.data.data(), whole.data.size() * sizeof(float)) != 0);
+}
+
+TEST_CASE("guiding: training takes three samples per pixel and at most 3/16 of the render") {
+  for (const int width : {128, 200, 480, 1920})
+    for (const std::uint32_t samples : {8u, 9u, 16u, 31u, 64u, 100u, 1000u})
+      for (const GuidingMode mode : {GuidingMode::kAuto, GuidingMode::kOn}) {
+        const int height = width * 9 / 16 + (width == 128 ? 60 : 0);
+        const double pixels = double(width) * height;
+        const std::vector<TrainingPass> passes = training_passes(width, height, samples, mode);
+        CAPTURE(width);
+        CAPTURE(samples);
+        CAPTURE(mode == GuidingMode::kOn);
+        REQUIRE(passes.empty() == (mode == GuidingMode::kAuto && samples < 16));
+        if (passes.empty()) continue;
+        const double wanted = std::max(3.0, mode == GuidingMode::kOn ? samples / 16.0 : 0.0) * pixels;
+        const double most = std::min({std::max(wanted, 32768.0), 524288.0, samples * pixels * 3 / 16});
+        const double taken = double(training_samples(width, height, passes));
+        // Rows and columns are rounded up; the last pass may be left out if less than half of its samples remain
+        CHECK(taken <= 1.03 * most);
+        CHECK(taken > 0.6 * most);
+      }
 }
 
 TEST_CASE("guiding: integrators without guided paths are a usage error") {

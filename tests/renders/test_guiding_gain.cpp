@@ -139,7 +139,7 @@ TEST_CASE("guiding gain: automatic guiding renders as the better of both modes, 
     REQUIRE(automatic.report.guiding.gain.has_value());
     CAPTURE(*automatic.report.guiding.gain);
     CHECK(automatic.report.guiding.is_used == is_hidden);
-    CHECK(automatic.report.guiding.passes == (is_hidden ? 4 : 2));
+    CHECK(automatic.report.guiding.passes == (is_hidden ? 5 : 2));
     const RenderResult on = rendered(*scene, GuidingMode::kOn), off = rendered(*scene, GuidingMode::kOff);
     CHECK_FALSE(on.report.guiding.gain.has_value());
     CHECK_FALSE(same_bits(on, off));
