@@ -39,8 +39,8 @@ struct TrainingPass {
 };
 
 /// Passes for a render of `samples` samples per pixel, whose mode is not kOff; empty for renders too short to benefit.
-/// The first two are equally large. Together they take at most 3/16 of the samples of the render, apart from rounding in
-/// frames of few pixels.
+/// The first two are equally large. Together they take at most 3/16 of the samples of the render, apart from rounding
+/// in frames of few pixels.
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode);
 
 /// Whether a render with training passes is long and large enough for GuidingMode::kAuto and for a trial of light
