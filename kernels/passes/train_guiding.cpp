@@ -22,7 +22,7 @@ namespace {
 /// share of the samples, if that is more.
 constexpr double kPerPixel = 3, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
 /// Samples of the first pass: one per four pixels, within these bounds. The second is equally large, and every further
-/// one twice as large as the one before.
+/// one twice as large as the one before, except for the last, which takes the rest.
 constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 16;
 /// Maximum share of training in the samples of a render.
 constexpr double kMaxShare = 3.0 / 16;
