@@ -50,7 +50,7 @@ Transform::Transform(const Matrix4& matrix) : matrix_(matrix) {
   if (!invert(matrix, inverse_)) throw SceneError("transform is not invertible");
 }
 
-Transform Transform::translate(Vec3f by) {
+Transform Transform::translate(Vec3d by) {
   if (!is_finite(by)) throw SceneError("translation must be finite");
   Transform t;
   const double v[3] = {by.x, by.y, by.z};
@@ -61,7 +61,7 @@ Transform Transform::translate(Vec3f by) {
   return t;
 }
 
-Transform Transform::scale(Vec3f by) {
+Transform Transform::scale(Vec3d by) {
   Matrix4 m;
   m.m[0][0] = by.x;
   m.m[1][1] = by.y;
@@ -69,8 +69,8 @@ Transform Transform::scale(Vec3f by) {
   return Transform(m);
 }
 
-Transform Transform::rotate(Vec3f axis, double degrees) {
-  const double norm = std::sqrt(double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z);
+Transform Transform::rotate(Vec3d axis, double degrees) {
+  const double norm = length(axis);
   if (!(norm > 0.0) || !std::isfinite(norm)) throw SceneError("rotation axis must not be zero");
   const double u[3] = {axis.x / norm, axis.y / norm, axis.z / norm};
   const double angle = degrees * (3.14159265358979323846 / 180.0), c = std::cos(angle), s = std::sin(angle);
@@ -87,26 +87,26 @@ Transform Transform::rotate(Vec3f axis, double degrees) {
 }
 
 namespace {
-using Double3 = std::array<double, 3>;
-Double3 cross(const Double3& a, const Double3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-/// Normalises `v` in double precision, so that scenes of any size within the range of float work.
-Double3 unit(const Double3& v) {
-  const double norm = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+
+/// Normalises `v`. Double precision serves scenes of any size within the range of float.
+Vec3d unit(Vec3d v) {
+  const double norm = length(v);
   if (!(norm > 0.0) || !std::isfinite(norm)) throw SceneError("lookat: origin, target and up must span a frame");
-  return {v[0] / norm, v[1] / norm, v[2] / norm};
+  return {v.x / norm, v.y / norm, v.z / norm};
 }
+
 }  // namespace
 
-Transform Transform::look_at(Vec3f origin, Vec3f target, Vec3f up) {
-  const Double3 eye{origin.x, origin.y, origin.z};
-  const Double3 dir = unit({target.x - eye[0], target.y - eye[1], target.z - eye[2]});
-  const Double3 left = unit(cross(unit({up.x, up.y, up.z}), dir));
-  const Double3 columns[4] = {left, cross(dir, left), dir, eye};
+Transform Transform::look_at(Vec3d origin, Vec3d target, Vec3d up) {
+  const Vec3d forward = unit(target - origin);
+  const Vec3d left = unit(cross(unit(up), forward));
+  const Vec3d columns[4] = {left, cross(forward, left), forward, origin};
   Matrix4 m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) m.m[i][j] = columns[j][i];
+  for (std::size_t j = 0; j < 4; ++j) {
+    m.m[0][j] = columns[j].x;
+    m.m[1][j] = columns[j].y;
+    m.m[2][j] = columns[j].z;
+  }
   return Transform(m);
 }
 
@@ -138,6 +138,13 @@ Vec3f Transform::point(Vec3f p) const {
   const auto& row = matrix_.m[3];
   const double w = row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
   return w == 1.0 ? r : r / static_cast<float>(w);
+}
+
+Vec3d Transform::precise_point(Vec3d p) const {
+  const auto row = [&](std::size_t i) {
+    return matrix_.m[i][0] * p.x + matrix_.m[i][1] * p.y + matrix_.m[i][2] * p.z + matrix_.m[i][3];
+  };
+  return {row(0), row(1), row(2)};
 }
 
 Vec3f Transform::vector(Vec3f v) const { return apply(matrix_, v, 0.0); }

@@ -62,7 +62,10 @@ std::string describe_integrator(const IntegratorSettings& integrator) {
                      integrator.hide_emitters ? ", emitters hidden" : "");
 }
 
-std::string describe(Vec3f v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
+/// `digits`: significant ones.
+std::string describe(Vec3d v, int digits = 6) {
+  return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", v.x, digits, v.y, digits, v.z, digits);
+}
 
 /// The location of each grid, and the environment map.
 std::string describe(const CompileReport& report) {
@@ -136,7 +139,8 @@ std::string describe(const Description& description, const Scene& scene, const C
   if (!description.media.empty()) fmt::format_to(out, "media       {}\n", description.media.size());
   fmt::format_to(out, "lights      {}\n", info.lights);
   if (info.shapes > 0) {
-    fmt::format_to(out, "bounds      {} to {}\n", describe(info.bounds_min), describe(info.bounds_max));
+    const int digits = scene.origin() == Vec3d() ? 6 : 12;
+    fmt::format_to(out, "bounds      {} to {}\n", describe(info.bounds_min, digits), describe(info.bounds_max, digits));
   }
   // Describe memory and messages
   text += describe(report);

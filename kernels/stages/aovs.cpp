@@ -141,6 +141,13 @@ template <class L>
   out.put_words(channel, {right, up});
 }
 
+/// A point of the scene in world space.
+template <class L> SHEAF_INLINE Vec3<L> world_point(const SceneView& scene, Vec3<L> p) {
+  if (scene.origin == Vec3d()) return p;
+  const Vec3f high = scene.origin.rounded(), low = (scene.origin - Vec3d(high)).rounded();
+  return p + broadcast<L>(low) + broadcast<L>(high);
+}
+
 template <class L>
 SHEAF_INLINE void put_uv(const SceneView& scene, const Wave& wave, const Slot* slots, const RayState<L>& ray,
                          int channel, const SampleLanes<L>& out) {
@@ -167,7 +174,7 @@ template <class L>
   const Vec3<L> ng = select<L>(dot(item.ng, ray.direction) > F(0.0f), -item.ng, item.ng);
   out.put(channels[aov_named("normal")], select<L>(dot(item.ns, ng) < F(0.0f), -item.ns, item.ns));
   out.put(channels[aov_named("geometric_normal")], ng);
-  out.put(channels[aov_named("position")], item.p);
+  out.put(channels[aov_named("position")], world_point<L>(scene, item.p));
   if (const int depth = channels[aov_named("depth")]; depth >= 0) {
     const Uint<L> pixel = wave.paths.gather<L>(slots).pixel;
     out.put_words(depth, {depth_of<L>(scene, task, pixel, item.p, path_times<L>(scene, wave, slots))});

@@ -16,20 +16,29 @@ namespace sheaf {
 
 namespace {
 
-static_assert(sizeof(Vec3f) == 3 * sizeof(float));
-using Vectors = py::array_t<float, py::array::c_style | py::array::forcecast>;
+static_assert(sizeof(Vec3f) == 3 * sizeof(float) && sizeof(Vec3d) == 3 * sizeof(double));
+template <class Number> using VectorsOf = py::array_t<Number, py::array::c_style | py::array::forcecast>;
+using Vectors = VectorsOf<float>;
+using Points = VectorsOf<double>;
 
 /// The package has checked the shape.
-std::vector<Vec3f> vectors_of(const Vectors& values) {
+template <class Vector, class Number> std::vector<Vector> rows_of(const VectorsOf<Number>& values) {
   if (values.ndim() != 2 || values.shape(1) != 3) throw Error(ExitCode::kUsage, "expected an array N x 3");
-  std::vector<Vec3f> out(static_cast<std::size_t>(values.shape(0)));
-  if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), values.data(), out.size() * sizeof(Vec3f));
+  std::vector<Vector> out(static_cast<std::size_t>(values.shape(0)));
+  if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), values.data(), out.size() * sizeof(Vector));
   return out;
 }
+std::vector<Vec3f> vectors_of(const Vectors& values) { return rows_of<Vec3f>(values); }
+std::vector<Vec3d> points_of(const Points& values) { return rows_of<Vec3d>(values); }
 
 py::array array_of(const std::vector<Vec3f>& values) {
   return py::array_t<float>({static_cast<py::ssize_t>(values.size()), py::ssize_t{3}},
                             reinterpret_cast<const float*>(values.data()));
+}
+
+py::array array_of(const std::vector<Vec3d>& values) {
+  return py::array_t<double>({static_cast<py::ssize_t>(values.size()), py::ssize_t{3}},
+                             reinterpret_cast<const double*>(values.data()));
 }
 
 py::array pairs_of(const std::vector<float>& values) {
@@ -48,8 +57,9 @@ py::array numbers_of(const std::vector<std::uint32_t>& rows, const std::vector<s
   return array_of(out);
 }
 
-py::dict trace_arrays(Session& session, const Vectors& origins, const Vectors& directions) {
-  const std::vector<Vec3f> from = vectors_of(origins), along = vectors_of(directions);
+py::dict trace_arrays(Session& session, const Points& origins, const Vectors& directions) {
+  const std::vector<Vec3d> from = points_of(origins);
+  const std::vector<Vec3f> along = vectors_of(directions);
   if (from.size() != along.size()) throw Error(ExitCode::kUsage, "origins and directions differ in length");
   RayHits hits;
   SceneNames names;

@@ -51,7 +51,7 @@ void store_tile(const SceneView& scene, const RayPacket& packet, int at, int cou
     if (packet.shape[k] == kNone) continue;
     const std::size_t i = first + static_cast<std::size_t>(lane);
     hits.distance[i] = packet.t_far[k];
-    hits.position[i] = position[lane];
+    hits.position[i] = Vec3d(position[lane]) + scene.origin;
     hits.normal[i] = normal[lane];
     hits.shading_normal[i] = shading_normal[lane];
     hits.uv[2 * i] = uv[lane].x;
@@ -69,7 +69,7 @@ void store_tile(const SceneView& scene, const RayPacket& packet, int at, int cou
 
 }  // namespace
 
-RayHits trace_rays(const SceneView& scene, const std::vector<Vec3f>& origins, const std::vector<Vec3f>& directions) {
+RayHits trace_rays(const SceneView& scene, const std::vector<Vec3d>& origins, const std::vector<Vec3f>& directions) {
   RayHits hits = make_hits(origins.size());
   for (std::size_t first = 0; first < origins.size(); first += kPacketWidth) {
     const int count = static_cast<int>(std::min<std::size_t>(origins.size() - first, kPacketWidth));
@@ -77,7 +77,7 @@ RayHits trace_rays(const SceneView& scene, const std::vector<Vec3f>& origins, co
     RayPacket packet;
     for (int i = 0; i < kPacketWidth; ++i) {
       const std::size_t ray = first + static_cast<std::size_t>(std::min(i, count - 1));
-      packet.set_ray(i, origins[ray], directions[ray]);
+      packet.set_ray(i, (origins[ray] - scene.origin).rounded(), directions[ray]);
       packet.shape[i] = kNone;
       packet.time[i] = 0;
     }

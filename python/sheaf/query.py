@@ -12,10 +12,10 @@ from .scene import Scene
 _LARGEST = 1e18
 
 
-def _vectors(name: str, values, like: Optional[np.ndarray] = None) -> np.ndarray:
-    """An array N x 3 of float32. One vector is repeated as often as `like` has rows."""
+def _vectors(name: str, values, like: Optional[np.ndarray] = None, dtype=np.float32) -> np.ndarray:
+    """An array N x 3. One vector is repeated as often as `like` has rows."""
     try:
-        out = np.ascontiguousarray(values, dtype=np.float32)
+        out = np.ascontiguousarray(values, dtype=dtype)
     except (TypeError, ValueError):
         raise UsageError(f"{name} is no array of numbers") from None
     if out.ndim == 1 and out.shape == (3,):
@@ -42,7 +42,7 @@ class Hits:
     """Nearest hits of N rays. Rays that miss have an infinite distance, numbers of -1, and zeros elsewhere.
 
     hit: N booleans. distance: N, in units of the direction's length. position, normal (geometric), shading_normal: N x 3,
-    world space; normals have unit length and point to the front of the surface. uv: N x 2. barycentric: N x 2, weights of
+    world space, positions in double precision; normals have unit length and point to the front of the surface. uv: N x 2. barycentric: N x 2, weights of
     the second and third vertex of a triangle. primitive: N, number of the triangle, curve segment or cell of the shape.
     instance: N, -1 for shapes outside of groups. object, material: N, into object_names and material_names.
     """
@@ -82,7 +82,7 @@ def trace(scene: Scene, origins, directions) -> Hits:
     when the shutter opens. Masks, media and the sides of surfaces play no part.
     """
     along = _vectors("directions", directions)
-    start = _vectors("origins", origins, along)
+    start = _vectors("origins", origins, along, np.float64)
     if np.abs(start).max(initial=0) > _LARGEST or np.abs(along).max(initial=0) > _LARGEST:
         raise UsageError("the coordinates of rays must be below 1e18")
     if (np.abs(along).max(axis=1, initial=0) == 0).any():

@@ -5,6 +5,7 @@
 #include "scene/compile/compile_camera.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/load_volume.h"
+#include "scene/compile/render_origin.h"
 #include "scene/compile/scene_compiler.h"
 
 #include <algorithm>
@@ -21,6 +22,13 @@ template <class Step> void with_memory_for(const char* what, const char* advice,
   try {
     step();
   } catch (const std::bad_alloc&) { throw out_of_memory("the scene's " + std::string(what), advice); }
+}
+
+/// Compiles a scene relative to a point in world space.
+std::unique_ptr<Scene> compile_from(Vec3d origin, const Description& description, const CompileOptions& options) {
+  if (origin == Vec3d()) return SceneCompiler(description, origin, options).run();
+  const Description moved = moved_to(description, origin);
+  return SceneCompiler(moved, origin, options).run();
 }
 
 }  // namespace
@@ -59,6 +67,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     add_instances(groups);
     meshes_.reset();
   });
+  if (const Vec3d origin = origin_of_mesh_files(); origin != Vec3d()) return compile_from(origin, in_, options_);
   for (const OpenBoundaries::Gap& gap : open_boundaries_.gaps())
     out_->warnings_.push_back(
         SceneError(gap.where,
@@ -82,6 +91,10 @@ CompileReport SceneCompiler::report() const {
   CompileReport report = times_;
   report.grids = places_of_grids_;
   report.grids.insert(report.grids.end(), places_of_texture_grids_.begin(), places_of_texture_grids_.end());
+  for (PlacedGrid& grid : report.grids) {
+    const auto in_world = [&](Vec3f p) { return (Vec3d(p) + out_->origin_).rounded(); };
+    grid.box = {in_world(grid.box.min), in_world(grid.box.max)};
+  }
   report.envmap_width = out_->lights_.envmap.width;
   report.envmap_height = out_->lights_.envmap.height;
   report.envmap_bytes = out_->lights_.envmap.bytes();
@@ -164,8 +177,8 @@ bool SceneCompiler::shadow_rays_can_pass_thin_dielectrics() const {
 void SceneCompiler::set_bounds() {
   if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
   // Bound the shapes by a sphere
-  out_->counts_.bounds_min = lower_;
-  out_->counts_.bounds_max = upper_;
+  out_->counts_.bounds_min = Vec3d(lower_) + out_->origin_;
+  out_->counts_.bounds_max = Vec3d(upper_) + out_->origin_;
   out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
   out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
   // Place distant sensors outside of the sphere
@@ -180,6 +193,18 @@ void SceneCompiler::set_bounds() {
       out_->radius_ = std::max(out_->radius_, length(p - out_->center_));
   }
   out_->radius_ = std::max(out_->radius_, 1e-3f);
+}
+
+Vec3d SceneCompiler::origin_of_mesh_files() const {
+  const auto is_file = [](const ShapeDescription& s) { return std::holds_alternative<MeshFileShape>(s.geometry); };
+  if (out_->origin_ != Vec3d() || std::none_of(in_.shapes.begin(), in_.shapes.end(), is_file)) return {};
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < ungrouped_shapes_; ++i) {
+    const ShapeRow& shape = out_->geometry_.shapes[i];
+    if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh)
+      points.push_back(out_->geometry_.vertices[shape.first_vertex].position);
+  }
+  return render_origin(in_.camera.to_world.translation(), points);
 }
 
 void SceneCompiler::finish_tables() {
@@ -218,7 +243,7 @@ void SceneCompiler::warn(const ShapeDescription& shape, const std::string& messa
 }
 
 std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options) {
-  return SceneCompiler(description, options).run();
+  return compile_from(render_origin(description), description, options);
 }
 
 }  // namespace sheaf

@@ -151,8 +151,8 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
 void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius) {
   if (description.projection != CameraDescription::Projection::kDistant) return;
   const Vec3f direction = camera.corner;
-  if (const auto* point = std::get_if<Vec3f>(&description.target)) {
-    camera.origin = *point - direction * (2 * radius);
+  if (const auto* point = std::get_if<Vec3d>(&description.target)) {
+    camera.origin = point->rounded() - direction * (2 * radius);
   } else if (const auto* area = std::get_if<CameraDescription::TargetArea>(&description.target)) {
     const Vec3f x = area->to_world.vector({1, 0, 0}), y = area->to_world.vector({0, 1, 0});
     camera.origin = area->to_world.point({0, 0, 0}) - direction * (2 * radius);

@@ -42,12 +42,12 @@ Placement place(const SphereShape& s, const Transform& t) {
 }
 Placement place(const DiskShape&, const Transform& t) { return {ShapeKind::kDisk, t}; }
 Placement place(const CylinderShape& c, const Transform& t) {
-  const Vec3f axis = c.p1 - c.p0;
+  const Vec3f axis = (c.p1 - c.p0).rounded();
   const float height = length(axis);
   if (!(height > 0.0f)) throw SceneError("the cylinder has zero length");
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(axis / height);
   Matrix4 m;
-  const Vec3f columns[4] = {frame.s * c.radius, frame.t * c.radius, axis, c.p0};
+  const Vec3d columns[4] = {frame.s * c.radius, frame.t * c.radius, c.p1 - c.p0, c.p0};
   for (std::size_t j = 0; j < 4; ++j) {
     m.m[0][j] = columns[j].x;
     m.m[1][j] = columns[j].y;
@@ -245,7 +245,7 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
       continue;
     }
     // Place the instance
-    InstanceRow row = make_instance(instance.to_world, group.range.first_shape, group.index);
+    InstanceRow row = make_instance(rounded_rows(instance.to_world), group.range.first_shape, group.index);
     const InstanceBounds bounds = instance_bounds(row, group.lower, group.upper);
     if (!is_traceable(bounds.lower, bounds.upper)) {
       ++too_large;

@@ -4,11 +4,41 @@
 #include "scene/formats/smooth_normals.h"
 #include "scene/tables/shape_rows.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <utility>
 
 namespace sheaf {
 
 namespace {
+
+/// Vertices far from the origin of their mesh are reported if they are rounded by more than this fraction of the mean
+/// length of an edge.
+constexpr double kCoarse = 1.0 / 400;
+
+/// The mean length of the edges of about a thousand triangles; NaN without triangles.
+double mean_edge(const Mesh& mesh) {
+  constexpr std::size_t kTriangles = 1000;
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += mesh.triangles.size() / kTriangles + 1)
+    for (std::size_t k = 0; k < 3; ++k, ++count)
+      sum += length(Vec3d(mesh.positions[mesh.triangles[i][k]]) - mesh.positions[mesh.triangles[i][(k + 1) % 3]]);
+  return sum / static_cast<double>(count);
+}
+
+/// The note on a mesh whose vertices have lost digits to an offset; empty if they have not.
+std::string precision_note(const Mesh& mesh) {
+  float largest = 0;
+  for (const Vec3f p : mesh.positions) largest = std::max(largest, max_component(abs(p)));
+  const double step = double{std::nextafter(largest, kInfinity)} - double{largest}, edge = mean_edge(mesh);
+  if (!(step > kCoarse * edge)) return {};
+  return fmt::format(
+      "vertices are rounded to multiples of {:.3g}, because coordinates reach {:.3g} (mean edge {:.3g}): subtract an "
+      "offset from them, and add it to the transform of the shape",
+      step, largest, edge);
+}
 
 double copy_bytes(const Mesh& mesh) {
   return static_cast<double>(mesh.positions.size() * sizeof(VertexRow) +
@@ -57,6 +87,8 @@ PreparedMesh prepare_mesh(const ShapeDescription& shape, Mesh mesh, bool face_no
   Mesh& out = prepared.mesh;
   // Transform the mesh to world space
   check_mesh(out, shape.where);
+  if (const std::string note = precision_note(out); !note.empty())
+    prepared.warnings.push_back(SceneError(shape.where, note).what());
   if (face_normals) out.normals.clear();
   transform_mesh(out, shape.to_world);
   // Find open edges around media, but not of rectangles, which are known to be open; drop degenerate triangles

@@ -52,11 +52,13 @@ inline bool is_traceable(Vec3f lower, Vec3f upper) {
 /// Fills a Scene, table by table. All steps may throw SceneError.
 class SceneCompiler {
  public:
-  /// Both arguments must outlive the compiler.
-  SceneCompiler(const Description& description, const CompileOptions& options)
-      : in_(description), options_(options), out_(std::make_unique<Scene>()), naming_(out_->names_) {}
+  /// `origin`: see moved_to(), which made the description. All arguments must outlive the compiler.
+  SceneCompiler(const Description& description, Vec3d origin, const CompileOptions& options)
+      : in_(description), options_(options), out_(std::make_unique<Scene>()), naming_(out_->names_) {
+    out_->origin_ = origin;
+  }
 
-  /// Runs all steps in order. Call once.
+  /// Runs all steps in order. Call once. Starts again with another origin if mesh files lie far from the present one.
   std::unique_ptr<Scene> run();
 
   /// Moves the geometry out of a scene, which must not be used afterwards.
@@ -100,6 +102,8 @@ class SceneCompiler {
   bool shadow_rays_can_pass_thin_dielectrics() const;
   /// Call after all shapes and instances have been added.
   void set_bounds();
+  /// The origin that suits the vertices of mesh files; zero if the present one does.
+  Vec3d origin_of_mesh_files() const;
   /// Pads tables for kernels, and builds the tables that depend on all others.
   void finish_tables();
   /// Memory use; call after all tables are complete.

@@ -43,7 +43,7 @@ struct CameraDescription {
     Transform to_world;
     bool round = false;
   };
-  std::variant<std::monostate, Vec3f, TargetArea> target = {};
+  std::variant<std::monostate, Vec3d, TargetArea> target = {};
   std::optional<MediumId> medium;  ///< medium that contains the camera; empty: found from the surrounding shapes
   std::optional<MotionId> motion;
   SourceLocation where;

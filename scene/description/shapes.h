@@ -54,7 +54,7 @@ struct DeformingMesh {
 };
 /// `center` is in the shape's local space. Normals point outwards.
 struct SphereShape {
-  Vec3f center{0, 0, 0};
+  Vec3d center{0, 0, 0};
   float radius = 1;
 };
 /// [-1, 1]^2 in the xy plane, normal +z, uv (0, 0) at (-1, -1).
@@ -65,7 +65,7 @@ struct CubeShape {};
 struct DiskShape {};
 /// Open cylinder around the segment p0 p1; normals outwards; u is the angle / 2 pi, v runs from p0 to p1.
 struct CylinderShape {
-  Vec3f p0{0, 0, 0}, p1{0, 0, 1};
+  Vec3d p0{0, 0, 0}, p1{0, 0, 1};
   float radius = 1;
 };
 
@@ -151,8 +151,8 @@ struct ShapeGroup {
 
 /// An instance of a shape group. Kept small: scenes may have millions.
 struct InstanceDescription {
-  std::array<float, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; invertible
-  std::uint32_t group = 0;                                             ///< index into Description::groups
+  std::array<double, 12> to_world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  ///< rows of the 3x4 matrix; invertible
+  std::uint32_t group = 0;                                              ///< index into Description::groups
   std::optional<MotionId> motion = {};
 };
 

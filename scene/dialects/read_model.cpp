@@ -110,7 +110,7 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   for (ShapeDescription& part : description.shapes)
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
       load_model(part, MeshFileShape(*from), description);
-  const std::array<Vec3f, 2> box = read_bounds(description, lenient);
+  const std::array<Vec3d, 2> box = read_bounds(description, lenient);
   frame_box(box, view, description);
   // Add default materials, floor and light
   const MaterialId grey = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
@@ -130,7 +130,7 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
                                           options.camera, options.lenient, description);
   if (description.shapes.empty() && description.instances.empty())
     throw SceneError({file.string(), 0}, "has no triangles to render");
-  const std::array<Vec3f, 2> box = read_bounds(description, options.lenient);
+  const std::array<Vec3d, 2> box = read_bounds(description, options.lenient);
   if (!contents.has_camera) frame_box(box, options.view, description);
   if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
     add_floor(box, options.view, description);

@@ -14,36 +14,22 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-struct Double3 {
-  double x = 0, y = 0, z = 0;
-  Double3() = default;
-  Double3(double x_, double y_, double z_) : x(x_), y(y_), z(z_) {}
-  explicit Double3(Vec3f v) : x(v.x), y(v.y), z(v.z) {}
-};
-Double3 operator-(Double3 a, Double3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Double3 operator*(Double3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double length(Double3 a) { return std::sqrt(dot(a, a)); }
-Double3 cross(Double3 a, Double3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-
 /// Normalises a vector; returns zero for a vector without a direction.
-Double3 direction(Double3 a) {
+Vec3d direction(Vec3d a) {
   const double l = length(a);
-  return l > 0 && std::isfinite(l) ? a * (1 / l) : Double3{};
+  return l > 0 && std::isfinite(l) ? a * (1 / l) : Vec3d{};
 }
-Vec3f to_float(Double3 a) { return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)}; }
 bool is_zero(Vec3f a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 
 /// Returns the geometric normal, with twice the area as length.
-Double3 area_normal(const Mesh& mesh, const Triangle& t) {
-  const Double3 a(mesh.positions[t[0]]);
-  return cross(Double3(mesh.positions[t[1]]) - a, Double3(mesh.positions[t[2]]) - a);
+Vec3d area_normal(const Mesh& mesh, const Triangle& t) {
+  const Vec3d a(mesh.positions[t[0]]);
+  return cross(Vec3d(mesh.positions[t[1]]) - a, Vec3d(mesh.positions[t[2]]) - a);
 }
 
 /// Returns the angle at the first of three points, radians; 0 if two coincide.
 double angle_at(Vec3f p, Vec3f a, Vec3f b) {
-  const Double3 u = Double3(a) - Double3(p), v = Double3(b) - Double3(p);
+  const Vec3d u = Vec3d(a) - Vec3d(p), v = Vec3d(b) - Vec3d(p);
   const double angle = std::atan2(length(cross(u, v)), dot(u, v));
   return std::isfinite(angle) ? angle : 0;
 }
@@ -52,11 +38,11 @@ double angle_at(Vec3f p, Vec3f a, Vec3f b) {
 void fill_zero_normals(Mesh& mesh) {
   const auto is_missing = [&](std::uint32_t vertex) { return is_zero(mesh.normals[vertex]); };
   if (std::none_of(mesh.normals.begin(), mesh.normals.end(), is_zero)) return;
-  std::vector<Double3> sums(mesh.positions.size()), spares(mesh.positions.size());
+  std::vector<Vec3d> sums(mesh.positions.size()), spares(mesh.positions.size());
   // Check the vertex indices
   for (const Triangle& t : mesh.triangles) {
     if (std::none_of(t.begin(), t.end(), is_missing)) continue;
-    const Double3 normal = direction(area_normal(mesh, t));
+    const Vec3d normal = direction(area_normal(mesh, t));
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3f p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]], b = mesh.positions[t[(k + 2) % 3]];
       sums[t[k]] = sums[t[k]] + normal * angle_at(p, a, b);
@@ -66,7 +52,7 @@ void fill_zero_normals(Mesh& mesh) {
   for (std::uint32_t i = 0; i < mesh.normals.size(); ++i) {
     if (!is_missing(i)) continue;
     constexpr double kCancelled = 1e-9;  // for triangles back to back
-    mesh.normals[i] = to_float(length(sums[i]) > kCancelled ? direction(sums[i]) : spares[i]);
+    mesh.normals[i] = (length(sums[i]) > kCancelled ? direction(sums[i]) : spares[i]).rounded();
     if (is_missing(i)) mesh.normals[i] = {0, 0, 1};
   }
 }
@@ -75,7 +61,7 @@ void reverse(Triangle& t) { std::swap(t[1], t[2]); }
 
 void orient_by_normals(Mesh& mesh) {
   for (Triangle& t : mesh.triangles) {
-    const Double3 sum = Double3(mesh.normals[t[0]]) + Double3(mesh.normals[t[1]]) + Double3(mesh.normals[t[2]]);
+    const Vec3d sum = Vec3d(mesh.normals[t[0]]) + Vec3d(mesh.normals[t[1]]) + Vec3d(mesh.normals[t[2]]);
     if (dot(area_normal(mesh, t), sum) < 0) reverse(t);
   }
 }
@@ -92,7 +78,7 @@ bool is_degenerate(const Mesh& mesh, const Triangle& t) {
   }
   double longest_squared = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Double3 edge = Double3(mesh.positions[t[(k + 1) % 3]]) - Double3(mesh.positions[t[k]]);
+    const Vec3d edge = Vec3d(mesh.positions[t[(k + 1) % 3]]) - Vec3d(mesh.positions[t[k]]);
     longest_squared = std::max(longest_squared, dot(edge, edge));
   }
   const double double_area = length(area_normal(mesh, t));
@@ -183,12 +169,18 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
 void transform_mesh(Mesh& mesh, const Transform& to_world) {
   for (Vec3f& p : mesh.positions) p = to_world.point(p);
   if (mesh.normals.empty()) return;
-  for (Vec3f& n : mesh.normals) n = to_float(direction(Double3(to_world.normal(n))));
+  for (Vec3f& n : mesh.normals) n = direction(to_world.normal(n)).rounded();
   if (to_world.swaps_handedness()) {
     for (Triangle& t : mesh.triangles) reverse(t);
   }
   orient_by_normals(mesh);
   fill_zero_normals(mesh);
+}
+
+void apply_linear_part(Mesh& mesh, Transform& to_world) {
+  const Transform translation = Transform::translate(to_world.translation());
+  transform_mesh(mesh, translation.inverse() * to_world);
+  to_world = translation;
 }
 
 void flip_mesh(Mesh& mesh) {

@@ -34,6 +34,9 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where);
 /// geometric normal is on the side of their vertex normals. Without normals the order is kept, so a mirroring transform
 /// flips the geometric normal.
 void transform_mesh(Mesh& mesh, const Transform& to_world);
+/// Applies the linear part of a transform and leaves the translation in `to_world`: far from the origin, floats cannot
+/// hold the sum.
+void apply_linear_part(Mesh& mesh, Transform& to_world);
 
 /// Swaps front and back: reverses triangles and negates normals.
 void flip_mesh(Mesh& mesh);

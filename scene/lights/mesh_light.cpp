@@ -113,13 +113,13 @@ std::vector<LightTriangleRow> with_turns(std::span<const LightTriangleRow> steps
   return out;
 }
 
-Vec3d to_double3(Vec3f v) { return {v.x, v.y, v.z}; }
-Vec3f to_float3(const Vec3d& v) {
+Triple to_double3(Vec3f v) { return {v.x, v.y, v.z}; }
+Vec3f to_float3(const Triple& v) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
-Vec3d cross3(const Vec3d& a, const Vec3d& b) {
-  Vec3d out;
+Triple cross3(const Triple& a, const Triple& b) {
+  Triple out;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
     out[c] = a[d] * b[e] - a[e] * b[d];
@@ -131,19 +131,19 @@ Vec3d cross3(const Vec3d& a, const Vec3d& b) {
 /// direction.
 class PeakSearch {
  public:
-  explicit PeakSearch(const Vec3d& favourite) {
+  explicit PeakSearch(const Triple& favourite) {
     directions_[0] = favourite;
     std::size_t n = 1;
     for (int sign = -1; sign <= 1; sign += 2)
-      for (std::size_t axis = 0; axis < 3; ++axis, ++n) directions_[n] = Vec3d{}, directions_[n][axis] = sign;
+      for (std::size_t axis = 0; axis < 3; ++axis, ++n) directions_[n] = Triple{}, directions_[n][axis] = sign;
     const double diagonal = 1.0 / std::sqrt(3.0);
     for (int corner = 0; corner < 8; ++corner, ++n)
       for (std::size_t c = 0; c < 3; ++c) directions_[n][c] = (corner >> c & 1) != 0 ? diagonal : -diagonal;
   }
   /// Adds a one-sided surface with the given area vector (its normal times its area).
-  void add(const Vec3d& area_vector) {
+  void add(const Triple& area_vector) {
     for (std::size_t i = 0; i < kDirections; ++i) {
-      const Vec3d& d = directions_[i];
+      const Triple& d = directions_[i];
       areas_[i] += std::max(0.0, d[0] * area_vector[0] + d[1] * area_vector[1] + d[2] * area_vector[2]);
     }
   }
@@ -152,7 +152,7 @@ class PeakSearch {
 
  private:
   static constexpr std::size_t kDirections = 15;
-  std::array<Vec3d, kDirections> directions_{};
+  std::array<Triple, kDirections> directions_{};
   std::array<double, kDirections> areas_{};
 };
 
@@ -243,19 +243,19 @@ LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float
   LightBounds out;
   DirectionCone cone;
   bool empty = true;
-  std::vector<Vec3d> area_vectors;
-  Vec3d lower{}, upper{};
+  std::vector<Triple> area_vectors;
+  Triple lower{}, upper{};
   for (const LightTriangleRow& t : triangles) {
-    const Vec3d edge1 = to_double3(t.edge1), edge2 = to_double3(t.edge2);
-    const Vec3d first = to_double3(t.p), facing = to_double3(t.normal);
-    Vec3d area_vector = cross3(edge1, edge2);
+    const Triple edge1 = to_double3(t.edge1), edge2 = to_double3(t.edge2);
+    const Triple first = to_double3(t.p), facing = to_double3(t.normal);
+    Triple area_vector = cross3(edge1, edge2);
     const double twice = std::hypot(area_vector[0], area_vector[1], area_vector[2]);
     if (!(twice > 0.0) || !std::isfinite(twice)) continue;
     // Mirrored instances emit on the side opposite to their winding.
     const double along = area_vector[0] * facing[0] + area_vector[1] * facing[1] + area_vector[2] * facing[2];
     if (along < 0.0)
       for (double& component : area_vector) component = -component;
-    Vec3d normal;
+    Triple normal;
     for (std::size_t c = 0; c < 3; ++c) {
       normal[c] = area_vector[c] / twice;
       area_vector[c] *= 0.5;
@@ -272,7 +272,7 @@ LightBounds mesh_light_bounds(std::span<const LightTriangleRow> triangles, float
     area_vectors.push_back(area_vector);
   }
   PeakSearch peak(cone.axis);
-  for (const Vec3d& a : area_vectors) peak.add(a);
+  for (const Triple& a : area_vectors) peak.add(a);
   out.lower = to_float3(lower);
   out.upper = to_float3(upper);
   out.axis = to_float3(cone.axis);

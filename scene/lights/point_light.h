@@ -1,6 +1,7 @@
 // Isotropic point lights.
 #pragma once
 
+#include "core/vec3d.h"
 #include "scene/lights/light.h"
 #include "scene/lights/light_bounds.h"
 
@@ -8,7 +9,7 @@ namespace sheaf {
 
 /// Emits `intensity` (W / sr) from `position` in all directions.
 struct PointLightDescription {
-  Vec3f position{0, 0, 0};
+  Vec3d position{0, 0, 0};
   SpectrumDescription intensity = SpectrumDescription::constant(1);
 
   static constexpr auto kPlugins = kNoLightPlugins;
@@ -39,7 +40,7 @@ struct PointLightKind {
 /// See PlaceableLight.
 std::optional<CompiledLight> place_light(const PointLightDescription& light, const SourceLocation& where,
                                          auto& context) {
-  const PointLightData<Scalar> data{light.position};
+  const PointLightData<Scalar> data{light.position.rounded()};
   return context.template light<PointLightKind>(context.emission(light.intensity, where), data);
 }
 

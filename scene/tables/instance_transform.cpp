@@ -19,6 +19,12 @@ std::optional<Matrix4> inverse_of(const std::array<float, 12>& to_world) {
 
 }  // namespace
 
+std::array<float, 12> rounded_rows(const std::array<double, 12>& to_world) {
+  std::array<float, 12> rows;
+  for (std::size_t i = 0; i < 12; ++i) rows[i] = static_cast<float>(to_world[i]);
+  return rows;
+}
+
 double determinant_of(const std::array<float, 12>& m) {
   const auto minor = [&m](std::size_t i, std::size_t j) {
     return double(m[4 + i]) * m[8 + j] - double(m[4 + j]) * m[8 + i];

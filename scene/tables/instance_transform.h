@@ -11,6 +11,9 @@ namespace sheaf {
 bool is_usable_instance(const std::array<float, 12>& to_world);
 inline constexpr double kLargestInstanceScale = 1e9;
 
+/// Rounds a matrix to single precision.
+std::array<float, 12> rounded_rows(const std::array<double, 12>& to_world);
+
 /// The determinant of a transform's linear part.
 double determinant_of(const std::array<float, 12>& to_world);
 

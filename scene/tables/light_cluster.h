@@ -12,7 +12,7 @@ namespace sheaf {
 struct LightCluster {
   static constexpr double kLargest = std::numeric_limits<double>::max();
 
-  Vec3d lower{kLargest, kLargest, kLargest}, upper{-kLargest, -kLargest, -kLargest};
+  Triple lower{kLargest, kLargest, kLargest}, upper{-kLargest, -kLargest, -kLargest};
   DirectionCone cone;                 ///< cone of normals
   double cos_theta_e = 1, power = 0;  ///< see LightBounds
   std::uint32_t count = 0;            ///< number of lights

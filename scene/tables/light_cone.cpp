@@ -10,7 +10,7 @@ namespace sheaf {
 
 namespace {
 
-double dot3(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot3(const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Whether cone `b` lies inside `a`. `cos_between` is the cosine between their axes. No trigonometry: most joins of a
 /// large tree return from here.
@@ -25,10 +25,10 @@ bool contains(const DirectionCone& a, const DirectionCone& b, double cos_between
 
 }  // namespace
 
-DirectionCone::DirectionCone(const Vec3d& direction, double angle)
+DirectionCone::DirectionCone(const Triple& direction, double angle)
     : axis(direction), theta(angle), cos_theta(std::cos(angle)), sin_theta(std::max(0.0, std::sin(angle))) {}
 
-DirectionCone DirectionCone::from_cosine(const Vec3d& axis, double cosine) {
+DirectionCone DirectionCone::from_cosine(const Triple& axis, double cosine) {
   return {axis, std::acos(std::clamp(cosine, -1.0, 1.0))};
 }
 
@@ -46,7 +46,7 @@ DirectionCone join(const DirectionCone& a, const DirectionCone& b) {
   // Rotate the axis from a towards b until the cone touches both on their far sides.
   const double turn = theta - a.theta;
   const double of_a = std::sin(between - turn) / sin_between, of_b = std::sin(turn) / sin_between;
-  Vec3d axis;
+  Triple axis;
   for (std::size_t c = 0; c < 3; ++c) axis[c] = of_a * a.axis[c] + of_b * b.axis[c];
   const double scale = 1.0 / std::sqrt(dot3(axis, axis));
   for (double& c : axis) c *= scale;

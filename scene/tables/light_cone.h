@@ -1,22 +1,20 @@
 // Cones of directions around the normals of lights, in double precision, for building light trees.
 #pragma once
 
-#include <array>
+#include "core/vec3d.h"
 
 namespace sheaf {
 
-using Vec3d = std::array<double, 3>;
-
 /// All directions within `theta` of `axis`; theta in [0, pi].
 struct DirectionCone {
-  Vec3d axis{0, 0, 1};  ///< unit length
+  Triple axis{0, 0, 1};  ///< unit length
   double theta = 0;
   double cos_theta = 1, sin_theta = 0;
 
   DirectionCone() = default;
-  DirectionCone(const Vec3d& axis, double theta);
+  DirectionCone(const Triple& axis, double theta);
   /// From the cosine of the half angle.
-  static DirectionCone from_cosine(const Vec3d& axis, double cosine);
+  static DirectionCone from_cosine(const Triple& axis, double cosine);
 };
 
 /// Bounding cone of two cones. It is the narrowest, except for opposite axes (Conty Estevez and Kulla 2018, algorithm

@@ -59,19 +59,19 @@ void set_fixed_point(Row& row, int word, std::size_t child, double x) {
   half.set(static_cast<std::uint32_t>(static_cast<std::int32_t>(rounded)) & kHalf);
 }
 
-Vec3d center_of(const LightCluster& cluster) {
-  Vec3d center{};
+Triple center_of(const LightCluster& cluster) {
+  Triple center{};
   for (std::size_t c = 0; c < 3; ++c) center[c] = 0.5 * cluster.lower[c] + 0.5 * cluster.upper[c];
   return center;
 }
 
 /// Midpoint of the bounds of the children's centres.
-Vec3d middle_of(const LightCluster (&children)[kLightChildren]) {
-  Vec3d low{LightCluster::kLargest, LightCluster::kLargest, LightCluster::kLargest}, middle{};
-  Vec3d high{-low[0], -low[1], -low[2]};
+Triple middle_of(const LightCluster (&children)[kLightChildren]) {
+  Triple low{LightCluster::kLargest, LightCluster::kLargest, LightCluster::kLargest}, middle{};
+  Triple high{-low[0], -low[1], -low[2]};
   for (const LightCluster& child : children) {
     if (child.count == 0) continue;
-    const Vec3d center = center_of(child);
+    const Triple center = center_of(child);
     for (std::size_t c = 0; c < 3; ++c) {
       low[c] = std::min(low[c], center[c]);
       high[c] = std::max(high[c], center[c]);
@@ -82,7 +82,7 @@ Vec3d middle_of(const LightCluster (&children)[kLightChildren]) {
 }
 
 /// Radius of a sphere around a cluster, with a centre close to the cluster's own.
-double radius_around(const LightCluster& cluster, const Vec3d& center) {
+double radius_around(const LightCluster& cluster, const Triple& center) {
   double squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
     const double reach = std::max(cluster.upper[c] - center[c], center[c] - cluster.lower[c]);
@@ -110,7 +110,7 @@ void set_spread(const Half& half, const LightCluster& cluster) {
 LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std::uint32_t first_node,
                              std::uint32_t node_count, const std::uint32_t (&lights)[kLightChildren]) {
   Row row;
-  const Vec3d middle = middle_of(children);
+  const Triple middle = middle_of(children);
   double power = 0;
   for (const LightCluster& child : children) power += child.power;
   for (std::size_t c = 0; c < 3; ++c)
@@ -118,9 +118,9 @@ LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std
   for (std::size_t k = 0; k < kLightChildren; ++k) {
     const LightCluster& child = children[k];
     const bool has_lights = child.count > 0;
-    const Vec3d wanted = has_lights ? center_of(child) : middle;
+    const Triple wanted = has_lights ? center_of(child) : middle;
     const double cos_theta_o = std::max(child.cone.cos_theta, 0.0);
-    Vec3d center{};
+    Triple center{};
     for (int c = 0; c < 3; ++c) {
       const auto axis = static_cast<std::size_t>(c);
       // The words of children 2 and 3 come after all three of 0 and 1.

@@ -145,7 +145,7 @@ class TreeBuilder {
   /// Moves the lights of the first child before those of the second, each ordered by index. Returns the start of the
   /// second.
   std::size_t split(std::size_t begin, std::size_t end, bool may_be_uneven) {
-    Vec3d low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
+    Triple low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const double c = centroid(order_[i], axis);
@@ -167,7 +167,7 @@ class TreeBuilder {
   }
 
   /// The cheapest split between buckets (Conty Estevez and Kulla 2018, equation 2). Empty if all centroids coincide.
-  std::optional<Split> best_split(std::size_t begin, std::size_t end, const Vec3d& low, const Vec3d& high) const {
+  std::optional<Split> best_split(std::size_t begin, std::size_t end, const Triple& low, const Triple& high) const {
     const double longest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
     Split best;
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -196,7 +196,7 @@ class TreeBuilder {
   }
 
   /// Splits at the median along the longest axis; ties are resolved by index.
-  std::size_t split_in_halves(std::size_t begin, std::size_t end, const Vec3d& low, const Vec3d& high) {
+  std::size_t split_in_halves(std::size_t begin, std::size_t end, const Triple& low, const Triple& high) {
     std::size_t axis = 0;
     for (std::size_t c = 1; c < 3; ++c)
       if (high[c] - low[c] > high[axis] - low[axis]) axis = c;

@@ -1,5 +1,7 @@
 #include "scene/tables/quadric.h"
 
+#include "core/vec3d.h"
+
 #include <array>
 #include <cmath>
 
@@ -7,28 +9,26 @@ namespace sheaf {
 
 namespace {
 
-using Vec3d = std::array<double, 3>;
-
-double dot_product(const Vec3d& a, const Vec3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot_product(const Triple& a, const Triple& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /// Multiplies a 3x4 matrix, given by rows, with (v, w).
-Vec3d apply(const float* m, const Vec3d& v, double w) {
-  Vec3d r;
+Triple apply(const float* m, const Triple& v, double w) {
+  Triple r;
   for (std::size_t i = 0; i < 3; ++i)
     r[i] = m[4 * i] * v[0] + m[4 * i + 1] * v[1] + m[4 * i + 2] * v[2] + m[4 * i + 3] * w;
   return r;
 }
 
 /// Transforms a normal by the inverse transpose of the linear part.
-Vec3d apply_normal(const float* to_object, const Vec3d& n) {
-  Vec3d r;
+Triple apply_normal(const float* to_object, const Triple& n) {
+  Triple r;
   for (std::size_t i = 0; i < 3; ++i) r[i] = to_object[i] * n[0] + to_object[4 + i] * n[1] + to_object[8 + i] * n[2];
   return r;
 }
 
 /// Roots t0 <= t1 of |o + t d|^2 = 1 over the first `n` coordinates; false if there are none. The discriminant is
 /// computed from the point closest to the axis or centre, which stays accurate for distant origins.
-bool unit_roots(const Vec3d& o, const Vec3d& d, std::size_t n, double& t0, double& t1) {
+bool unit_roots(const Triple& o, const Triple& d, std::size_t n, double& t0, double& t1) {
   double a = 0, b = 0;
   for (std::size_t i = 0; i < n; ++i) {
     a += d[i] * d[i];
@@ -52,25 +52,25 @@ bool unit_roots(const Vec3d& o, const Vec3d& d, std::size_t n, double& t0, doubl
 
 /// Squared semi-axes, ascending, of the image of the unit circle under the matrix with columns u and v, after a leading
 /// 0.
-Vec3d squared_axes(const Vec3d& u, const Vec3d& v) {
+Triple squared_axes(const Triple& u, const Triple& v) {
   const double mean = 0.5 * (dot_product(u, u) + dot_product(v, v)),
                half = 0.5 * (dot_product(u, u) - dot_product(v, v));
   const double larger = mean + std::hypot(half, dot_product(u, v));
-  const Vec3d across{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const Triple across{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
   return {0.0, dot_product(across, across) / larger, larger};
 }
 
 /// Squared semi-axes of the image of the unit sphere under the matrix with these columns. One-sided Jacobi rotations
 /// (Hestenes 1958) compute small axes accurately.
-Vec3d squared_axes(const Vec3d (&of)[3]) {
+Triple squared_axes(const Triple (&of)[3]) {
   // One-sided Jacobi rotations until the columns are orthogonal
-  Vec3d columns[3] = {of[0], of[1], of[2]};
+  Triple columns[3] = {of[0], of[1], of[2]};
   constexpr int kMaxSweeps = 30;
   bool turned = true;
   for (int sweep = 0; turned && sweep < kMaxSweeps; ++sweep) {
     turned = false;
     for (std::size_t k = 0; k < 3; ++k) {
-      Vec3d &u = columns[k], &v = columns[(k + 1) % 3];
+      Triple &u = columns[k], &v = columns[(k + 1) % 3];
       const double uu = dot_product(u, u), vv = dot_product(v, v), uv = dot_product(u, v);
       if (!(std::fabs(uv) > 1e-14 * std::sqrt(uu * vv))) continue;
       turned = true;
@@ -180,8 +180,8 @@ QuadricBounds quadric_bounds(const QuadricRow& row) {
 
 std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin, Vec3f direction, float t_near,
                                             float t_far) noexcept {
-  const Vec3d o = apply(row.to_object, {origin.x, origin.y, origin.z}, 1.0);
-  const Vec3d d = apply(row.to_object, {direction.x, direction.y, direction.z}, 0.0);
+  const Triple o = apply(row.to_object, {origin.x, origin.y, origin.z}, 1.0);
+  const Triple d = apply(row.to_object, {direction.x, direction.y, direction.z}, 0.0);
   double roots[2];
   int count = 0;
   if (row.kind == ShapeKind::kDisk) {
@@ -192,7 +192,7 @@ std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin,
   for (int i = 0; i < count; ++i) {
     const float t = static_cast<float>(roots[i]);
     if (!(t > t_near && t < t_far)) continue;
-    Vec3d p{o[0] + roots[i] * d[0], o[1] + roots[i] * d[1], o[2] + roots[i] * d[2]};
+    Triple p{o[0] + roots[i] * d[0], o[1] + roots[i] * d[1], o[2] + roots[i] * d[2]};
     if (row.kind == ShapeKind::kCylinder) {
       if (p[2] < 0.0 || p[2] > 1.0) continue;
       p[2] = 0.0;
@@ -200,7 +200,7 @@ std::optional<QuadricHit> intersect_quadric(const QuadricRow& row, Vec3f origin,
       if (p[0] * p[0] + p[1] * p[1] > 1.0) continue;
       p = {0.0, 0.0, 1.0};
     }
-    const Vec3d n = apply_normal(row.to_object, p);
+    const Triple n = apply_normal(row.to_object, p);
     const double sign = row.normal_sign / std::sqrt(std::max(dot_product(n, n), 1e-300));
     return QuadricHit{
         t, {static_cast<float>(n[0] * sign), static_cast<float>(n[1] * sign), static_cast<float>(n[2] * sign)}};
@@ -215,12 +215,12 @@ float canonical_area(ShapeKind kind) {
 float quadric_area(const QuadricRow& row) {
   if (row.uniform_scale > 0.0f) return canonical_area(row.kind) * sqr(row.uniform_scale);
   // The area element of the canonical shape with normal n scales by |C n|, with C = |det| M^-T.
-  Vec3d columns[3];
+  Triple columns[3];
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) columns[i][j] = double{row.determinant} * double{row.to_object[4 * i + j]};
   if (row.kind == ShapeKind::kDisk)
     return static_cast<float>(double(kPi) * std::sqrt(dot_product(columns[2], columns[2])));
-  const Vec3d squares = row.kind == ShapeKind::kSphere ? squared_axes(columns) : squared_axes(columns[0], columns[1]);
+  const Triple squares = row.kind == ShapeKind::kSphere ? squared_axes(columns) : squared_axes(columns[0], columns[1]);
   // An ellipsoid with semi-axes a, b, c has the area 4 pi R_G(a^2 b^2, a^2 c^2, b^2 c^2). An ellipse with semi-axes a,
   // b has the perimeter 8 R_G(0, a^2, b^2) (NIST Digital Library of Mathematical Functions, 19.33.1 and 19.30.5).
   const double factor = row.kind == ShapeKind::kSphere ? 4 * double(kPi) : 8.0;

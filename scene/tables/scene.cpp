@@ -13,6 +13,7 @@ SceneView Scene::make_view() const {
   v.sensor = sensor_.view(film_.width);
   if (color_ == ColorMode::kSpectral) v.spectral = spectra_.view();
   v.accel = accel_.get();
+  v.origin = origin_;
   v.center = center_;
   v.radius = radius_;
   v.needs_transmittance = needs_transmittance_;

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/sampler.h"
+#include "core/vec3d.h"
 #include "scene/tables/accel.h"
 #include "scene/tables/geometry.h"
 #include "scene/tables/light_tables.h"
@@ -33,6 +34,7 @@ struct SceneView {
   SensorView sensor;
   SpectralView spectral;  ///< only in spectral mode
   const Accel* accel = nullptr;
+  Vec3d origin{};                    ///< see Scene::origin()
   Vec3f center{};                    ///< centre of the bounding sphere
   float radius = 0;                  ///< of the bounding sphere
   bool needs_transmittance = false;  ///< whether shadow rays may pass through surfaces, media or lights
@@ -48,7 +50,7 @@ struct SceneInfo {
   std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: sum over instances of their triangles
   std::size_t shapes = 0, triangles = 0, quadrics = 0, curve_segments = 0, vertices = 0, materials = 0, lights = 0;
   std::size_t sdf_cells = 0;  ///< SDF grids: cells that contain the surface
-  Vec3f bounds_min{}, bounds_max{};
+  Vec3d bounds_min{}, bounds_max{};  ///< world space
   std::size_t table_bytes = 0, accel_bytes = 0;
   BvhLayout bvh = BvhLayout::kFast;
 };
@@ -79,6 +81,8 @@ class Scene {
   /// Remarks on repaired or dropped elements.
   const std::vector<std::string>& warnings() const { return warnings_; }
   ColorMode color() const { return color_; }
+  /// All tables are relative to this point of world space; see scene/compile/render_origin.h.
+  Vec3d origin() const { return origin_; }
 
  private:
   friend class SceneCompiler;
@@ -95,6 +99,7 @@ class Scene {
   SensorTables sensor_;
   SpectrumTables spectra_;
   std::unique_ptr<Accel> accel_;
+  Vec3d origin_;
   Vec3f center_{};
   float radius_ = 0;
   bool needs_transmittance_ = false, shadow_rays_pass_thin_dielectrics_ = false;

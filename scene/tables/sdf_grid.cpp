@@ -1,5 +1,7 @@
 #include "scene/tables/sdf_grid.h"
 
+#include "core/vec3d.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,10 +10,8 @@ namespace sheaf {
 
 namespace {
 
-using Vec3d = std::array<double, 3>;
-
-Vec3d apply(const float* m, Vec3f v, double w) {
-  Vec3d r;
+Triple apply(const float* m, Vec3f v, double w) {
+  Triple r;
   for (std::size_t i = 0; i < 3; ++i)
     r[i] = double(m[4 * i]) * double(v.x) + double(m[4 * i + 1]) * double(v.y) + double(m[4 * i + 2]) * double(v.z) +
            double(m[4 * i + 3]) * w;
@@ -23,7 +23,7 @@ std::array<std::uint32_t, 3> corner_of(const SdfGridView& view, std::uint32_t ce
   const std::uint32_t* words = view.cells + 2 * std::size_t{cell};
   return {words[0] & 0xffffu, words[0] >> 16, words[1]};
 }
-Vec3d to_double(const std::array<std::uint32_t, 3>& corner) {
+Triple to_double(const std::array<std::uint32_t, 3>& corner) {
   return {double(corner[0]), double(corner[1]), double(corner[2])};
 }
 
@@ -41,16 +41,16 @@ struct Corners {
 
   /// Trilinear interpolation at a point in [0, 1]^3. If a coordinate is 0 or 1, the values on the other side have no
   /// influence, not even by rounding.
-  double at(const Vec3d& x) const {
+  double at(const Triple& x) const {
     double y[4];
     for (std::size_t i = 0; i < 4; ++i) y[i] = mix(v[2 * i], v[2 * i + 1], x[0]);
     return mix(mix(y[0], y[1], x[1]), mix(y[2], y[3], x[1]), x[2]);
   }
 
-  Vec3d gradient(const Vec3d& x) const {
-    Vec3d g;
+  Triple gradient(const Triple& x) const {
+    Triple g;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      Vec3d low = x, high = x;
+      Triple low = x, high = x;
       low[axis] = 0, high[axis] = 1;
       g[axis] = at(high) - at(low);
     }
@@ -63,7 +63,7 @@ struct Cubic {
   double c[4] = {};
 
   /// The trilinear function along o + s d: each corner's value times a product of three linear functions.
-  Cubic(const Corners& corners, const Vec3d& o, const Vec3d& d) {
+  Cubic(const Corners& corners, const Triple& o, const Triple& d) {
     for (std::size_t i = 0; i < 8; ++i) {
       double product[4] = {corners.v[i], 0, 0, 0};
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -116,7 +116,7 @@ struct Passage {
   int in = -1, out = -1;
 
   /// `o`, `d`: in units of the grid. Neighbouring cells compute identical parameters for their common face.
-  Passage(const Vec3d& o, const Vec3d& d, const Vec3d& corner, double t_near, double t_far)
+  Passage(const Triple& o, const Triple& d, const Triple& corner, double t_near, double t_far)
       : begin(t_near), end(t_far) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (d[axis] == 0) {
@@ -132,8 +132,8 @@ struct Passage {
 };
 
 /// Position of the ray in the cell; exactly on the face perpendicular to `axis`.
-Vec3d place(const Vec3d& o, const Vec3d& d, const Vec3d& corner, double t, int axis, bool upper) {
-  Vec3d x;
+Triple place(const Triple& o, const Triple& d, const Triple& corner, double t, int axis, bool upper) {
+  Triple x;
   for (std::size_t i = 0; i < 3; ++i) x[i] = std::clamp(o[i] + t * d[i] - corner[i], 0.0, 1.0);
   if (axis >= 0) x[static_cast<std::size_t>(axis)] = upper ? 1 : 0;
   return x;
@@ -153,7 +153,7 @@ bool holds_surface(const SdfGridRow& grid, const float* values, std::uint32_t x,
 }
 
 QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
-  const Vec3d corner = to_double(corner_of(view, cell));
+  const Triple corner = to_double(corner_of(view, cell));
   constexpr double kMargin = 1.0 / 256;  // in cells
   float lower[3], upper[3];
   for (std::size_t i = 0; i < 3; ++i) {
@@ -175,16 +175,16 @@ QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
 std::optional<QuadricHit> intersect_sdf_cell(const SdfGridView& view, std::uint32_t cell, Vec3f origin, Vec3f direction,
                                              float t_near, float t_far) noexcept {
   const QuadricRow& placement = *view.placement;
-  const Vec3d o = apply(placement.to_object, origin, 1.0), d = apply(placement.to_object, direction, 0.0);
+  const Triple o = apply(placement.to_object, origin, 1.0), d = apply(placement.to_object, direction, 0.0);
   const std::array<std::uint32_t, 3> low_corner = corner_of(view, cell);
-  const Vec3d corner = to_double(low_corner);
+  const Triple corner = to_double(low_corner);
   const Passage passage(o, d, corner, double(t_near), double(t_far));
   if (!(passage.begin < passage.end)) return std::nullopt;
 
   const Corners corners(*view.grid, view.values, low_corner);
   const auto goes_up = [&](int axis) { return axis >= 0 && d[static_cast<std::size_t>(axis)] > 0; };
-  const Vec3d first = place(o, d, corner, passage.begin, passage.in, passage.in >= 0 && !goes_up(passage.in));
-  const Vec3d last = place(o, d, corner, passage.end, passage.out, goes_up(passage.out));
+  const Triple first = place(o, d, corner, passage.begin, passage.in, passage.in >= 0 && !goes_up(passage.in));
+  const Triple last = place(o, d, corner, passage.end, passage.out, goes_up(passage.out));
   const double length = passage.end - passage.begin;
   const Cubic cubic(corners, first, d);
 
@@ -199,7 +199,7 @@ std::optional<QuadricHit> intersect_sdf_cell(const SdfGridView& view, std::uint3
     const double s = fa == 0 ? ends[i] : fb == 0 ? ends[i + 1] : cubic.root(ends[i], ends[i + 1], fa, fb);
     const float t = static_cast<float>(passage.begin + s);
     if (!(t > t_near && t < t_far)) continue;
-    const Vec3d n = corners.gradient(place(o, d, corner, passage.begin + s, -1, false));
+    const Triple n = corners.gradient(place(o, d, corner, passage.begin + s, -1, false));
     const double scale = placement.normal_sign / std::max({std::fabs(n[0]), std::fabs(n[1]), std::fabs(n[2]), 1e-300});
     const Vec3f normal = placement.world_normal(
         {static_cast<float>(n[0] * scale), static_cast<float>(n[1] * scale), static_cast<float>(n[2] * scale)});

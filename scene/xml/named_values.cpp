@@ -101,14 +101,24 @@ std::string NamedValues::required_string(const char* name) {
 }
 
 std::optional<Vec3f> NamedValues::find_vec3(const char* name) {
-  note_query(name, "vector");
-  const NamedValue* value = use(name);
-  return value != nullptr ? std::optional<Vec3f>(read_vec3(*value)) : std::nullopt;
+  const std::optional<Vec3d> point = find_point(name);
+  return point ? std::optional<Vec3f>(point->rounded()) : std::nullopt;
 }
 
 Vec3f NamedValues::vec3(const char* name, Vec3f default_value) {
   note_query(name, "vector", default_value);
   return find_vec3(name).value_or(default_value);
+}
+
+std::optional<Vec3d> NamedValues::find_point(const char* name) {
+  note_query(name, "vector");
+  const NamedValue* value = use(name);
+  return value != nullptr ? std::optional<Vec3d>(read_vec3(*value)) : std::nullopt;
+}
+
+Vec3d NamedValues::point(const char* name, Vec3d default_value) {
+  note_query(name, "vector", default_value.rounded());
+  return find_point(name).value_or(default_value);
 }
 
 std::filesystem::path NamedValues::file(const char* name) {

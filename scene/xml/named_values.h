@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/name_table.h"
-#include "core/vec.h"
+#include "core/vec3d.h"
 #include "scene/description/inputs.h"
 #include "scene/xml/query_recorder.h"
 
@@ -53,6 +53,9 @@ class NamedValues {
   std::string required_string(const char* name);
   std::optional<Vec3f> find_vec3(const char* name);
   Vec3f vec3(const char* name, Vec3f default_value);
+  /// A position, in double precision.
+  std::optional<Vec3d> find_point(const char* name);
+  Vec3d point(const char* name, Vec3d default_value);
   /// The value that a string names in a table. Throws SceneError for a name that is not in the table.
   template <class Value> Value choice(const char* name, const NameTable<Value>& table, Value default_value) {
     if (QueryRecorder::active() != nullptr) record(name, "string", std::string(table.name_of(default_value)));
@@ -91,7 +94,7 @@ class NamedValues {
   virtual Number read_integer(const NamedValue& value) const = 0;
   virtual bool read_boolean(const NamedValue& value) const = 0;
   virtual std::string read_string(const NamedValue& value) const = 0;
-  virtual Vec3f read_vec3(const NamedValue& value) const = 0;
+  virtual Vec3d read_vec3(const NamedValue& value) const = 0;
   /// Returns the regular file of this name. Throws SceneError if it does not exist.
   virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
   /// Throws SceneError at the value, or at the object if it is null.

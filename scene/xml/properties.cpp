@@ -184,7 +184,7 @@ bool Properties::read_boolean(const NamedValue& value) const {
 
 std::string Properties::read_string(const NamedValue& value) const { return text_of(entry_of(value), {"string"}); }
 
-Vec3f Properties::read_vec3(const NamedValue& value) const {
+Vec3d Properties::read_vec3(const NamedValue& value) const {
   const Entry& entry = entry_of(value);
   if (entry.target->name != "point" && entry.target->name != "vector") fail_type(entry, "point or vector");
   return parsed(entry, [&] { return parse_vec3_element(*entry.target, 0); });

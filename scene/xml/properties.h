@@ -231,7 +231,7 @@ class Properties : public NamedValues {
   Number read_integer(const NamedValue& value) const override;
   bool read_boolean(const NamedValue& value) const override;
   std::string read_string(const NamedValue& value) const override;
-  Vec3f read_vec3(const NamedValue& value) const override;
+  Vec3d read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
   [[noreturn]] void throw_error(const NamedValue* value, const std::string& message) const override;
   void leave_out(const NamedValue& value, const std::string& message) const override;

@@ -35,7 +35,7 @@ Vec3f parse_hex(std::string_view text, const SourceLocation& where) {
 SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocation& where) {
   if (text.find(':') == std::string_view::npos) {
     const std::size_t count = split_list(text).size();
-    if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum")}};
+    if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum").rounded()}};
     if (count > 1)
       throw SceneError(where, "spectrum is " + in_quotes(text) +
                                   ", expected one number, three numbers of a colour, or wavelength:value pairs");
@@ -81,7 +81,7 @@ SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
 Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
   const std::string_view colour = trim(text);
   if (colour.starts_with('#')) return parse_hex(colour, where);
-  const Vec3f v = parse_vec3(colour, where, "sRGB colour");
+  const Vec3f v = parse_vec3(colour, where, "sRGB colour").rounded();
   for (float c : {v.x, v.y, v.z})
     if (!(c >= 0 && c <= 1))
       throw SceneError(where, "sRGB colour is " + in_quotes(text) + ", expected values in [0, 1]");
@@ -90,7 +90,7 @@ Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
 
 Vec3f parse_rgb(std::string_view text, const SourceLocation& where) {
   const std::string_view colour = trim(text);
-  return colour.starts_with('#') ? parse_hex(colour, where) : parse_vec3(colour, where, "colour");
+  return colour.starts_with('#') ? parse_hex(colour, where) : parse_vec3(colour, where, "colour").rounded();
 }
 
 }  // namespace sheaf

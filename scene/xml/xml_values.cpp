@@ -27,7 +27,7 @@ std::string_view trimmed(std::string_view text) {
 std::string shown(const XmlElement& element) { return "<" + element.name + ">"; }
 
 /// Rotation axis in the syntax of either dialect.
-Vec3f rotation_axis(const XmlElement& element) {
+Vec3d rotation_axis(const XmlElement& element) {
   if (const std::string* axis = element.find_attribute("axis")) {
     element.expect_attributes({"axis", "angle"});
     return parse_vec3(*axis, element.where, "the axis of <rotate>");
@@ -49,9 +49,9 @@ Vec3f any_up(Vec3f forward) {
 
 Transform parse_lookat(const XmlElement& element) {
   element.expect_attributes({"origin", "target", "up"});
-  const Vec3f origin = parse_vec3(element.attribute("origin"), element.where, "the origin of <lookat>");
-  const Vec3f target = parse_vec3(element.attribute("target"), element.where, "the target of <lookat>");
-  Vec3f up = any_up(target - origin);
+  const Vec3d origin = parse_vec3(element.attribute("origin"), element.where, "the origin of <lookat>");
+  const Vec3d target = parse_vec3(element.attribute("target"), element.where, "the target of <lookat>");
+  Vec3d up = any_up((target - origin).rounded());
   if (const std::string* given = element.find_attribute("up"))
     up = parse_vec3(*given, element.where, "the up of <lookat>");
   return Transform::look_at(origin, target, up);
@@ -59,7 +59,7 @@ Transform parse_lookat(const XmlElement& element) {
 
 Transform parse_matrix(const XmlElement& element) {
   element.expect_attributes({"value"});
-  const std::vector<float> values = parse_floats(element.attribute("value"), element.where, "the value of <matrix>");
+  const std::vector<double> values = parse_numbers(element.attribute("value"), element.where, "the value of <matrix>");
   if (values.size() != 16 && values.size() != 9)
     throw SceneError(element.where, "<matrix> has " + std::to_string(values.size()) + " numbers, expected 16 or 9");
   const std::size_t size = values.size() == 16 ? 4 : 3;
@@ -78,8 +78,8 @@ Transform parse_step(const XmlElement& element) {
   if (element.name == "translate") return Transform::translate(parse_vec3_element(element, 0));
   if (element.name == "scale") return Transform::scale(parse_vec3_element(element, 1));
   if (element.name == "rotate") {
-    const Vec3f axis = rotation_axis(element);
-    return Transform::rotate(axis, parse_float(element.attribute("angle"), element.where, "the angle of <rotate>"));
+    const Vec3d axis = rotation_axis(element);
+    return Transform::rotate(axis, parse_number(element.attribute("angle"), element.where, "the angle of <rotate>"));
   }
   if (element.name == "lookat" || element.name == "lookAt") return parse_lookat(element);
   if (element.name == "matrix") return parse_matrix(element);
@@ -104,7 +104,7 @@ std::vector<std::string_view> split_list(std::string_view text) {
   return parts;
 }
 
-float parse_float(std::string_view text, const SourceLocation& where, std::string_view what) {
+double parse_number(std::string_view text, const SourceLocation& where, std::string_view what) {
   std::string_view digits = trimmed(text);
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0;
@@ -112,9 +112,12 @@ float parse_float(std::string_view text, const SourceLocation& where, std::strin
   if (error == std::errc::result_out_of_range) fail_value(text, where, what, "a number in the range of a float");
   if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "a number");
   if (!std::isfinite(value)) fail_value(text, where, what, "a finite number");
-  const float narrow = static_cast<float>(value);
-  if (!std::isfinite(narrow)) fail_value(text, where, what, "a number in the range of a float");
-  return narrow;
+  if (!std::isfinite(static_cast<float>(value))) fail_value(text, where, what, "a number in the range of a float");
+  return value;
+}
+
+float parse_float(std::string_view text, const SourceLocation& where, std::string_view what) {
+  return static_cast<float>(parse_number(text, where, what));
 }
 
 std::int64_t parse_integer(std::string_view text, const SourceLocation& where, std::string_view what) {
@@ -143,32 +146,38 @@ bool parse_boolean(std::string_view text, const SourceLocation& where, std::stri
   fail_value(text, where, what, "true or false");
 }
 
+std::vector<double> parse_numbers(std::string_view text, const SourceLocation& where, std::string_view what) {
+  std::vector<double> values;
+  for (std::string_view part : split_list(text)) values.push_back(parse_number(part, where, what));
+  return values;
+}
+
 std::vector<float> parse_floats(std::string_view text, const SourceLocation& where, std::string_view what) {
   std::vector<float> values;
   for (std::string_view part : split_list(text)) values.push_back(parse_float(part, where, what));
   return values;
 }
 
-Vec3f parse_vec3(std::string_view text, const SourceLocation& where, std::string_view what) {
-  const std::vector<float> v = parse_floats(text, where, what);
+Vec3d parse_vec3(std::string_view text, const SourceLocation& where, std::string_view what) {
+  const std::vector<double> v = parse_numbers(text, where, what);
   if (v.size() == 1) return {v[0], v[0], v[0]};
   if (v.size() != 3) fail_value(text, where, what, "three numbers");
   return {v[0], v[1], v[2]};
 }
 
-Vec3f parse_vec3_element(const XmlElement& element, float missing) {
+Vec3d parse_vec3_element(const XmlElement& element, double missing) {
   const std::string what = "the value of " + shown(element);
   if (const std::string* value = element.find_attribute("value")) {
     element.expect_attributes({"name", "value"});
     return parse_vec3(*value, element.where, what);
   }
   element.expect_attributes({"name", "value", "x", "y", "z"});
-  float result[3] = {missing, missing, missing};
+  double result[3] = {missing, missing, missing};
   bool any = false;
   const char* const axes[3] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i)
     if (const std::string* text = element.find_attribute(axes[i])) {
-      result[i] = parse_float(*text, element.where, std::string("attribute ") + axes[i] + " of " + shown(element));
+      result[i] = parse_number(*text, element.where, std::string("attribute ") + axes[i] + " of " + shown(element));
       any = true;
     }
   if (!any) throw SceneError(element.where, shown(element) + " needs value=\"x, y, z\" or x, y and z");

@@ -107,6 +107,12 @@ inline std::string dump(Vec3f v) {
   return out.str();
 }
 
+inline std::string dump(Vec3d v) {
+  std::ostringstream out;
+  out << std::hexfloat << v.x << ' ' << v.y << ' ' << v.z;
+  return out.str();
+}
+
 inline std::string dump(const RoughnessDescription& r);
 inline std::string dump(const NormalOptions& options);
 

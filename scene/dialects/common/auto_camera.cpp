@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace sheaf {
@@ -15,17 +16,18 @@ namespace {
 
 /// An axis-aligned bounding box.
 struct Box {
-  Vec3f lower{kInfinity, kInfinity, kInfinity}, upper{-kInfinity, -kInfinity, -kInfinity};
+  static constexpr double kEmpty = std::numeric_limits<double>::infinity();
+  Vec3d lower{kEmpty, kEmpty, kEmpty}, upper{-kEmpty, -kEmpty, -kEmpty};
 
-  void grow(Vec3f p) {
+  void grow(Vec3d p) {
     if (!is_finite(p)) return;
     lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
     upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
   }
   /// Extends the box by the transformed corners of another box.
-  void grow(const Transform& to_world, Vec3f low, Vec3f high) {
+  void grow(const Transform& to_world, Vec3d low, Vec3d high) {
     for (int i = 0; i < 8; ++i)
-      grow(to_world.point({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}));
+      grow(to_world.precise_point({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}));
   }
   bool empty() const { return !(lower.x <= upper.x); }
 };
@@ -37,7 +39,7 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
   check_mesh(file.mesh, shape.where);
   shape.face_normals = shape.face_normals || file.face_normals;
   if (shape.face_normals) file.mesh.normals.clear();
-  if (!shape.motion) transform_mesh(file.mesh, shape.to_world);
+  if (!shape.motion) apply_linear_part(file.mesh, shape.to_world);
   drop_degenerate_triangles(file.mesh);
   if (from.smooth_normals && !shape.face_normals && file.mesh.normals.empty()) {
     if (file.is_split) {
@@ -46,13 +48,12 @@ void load(ShapeDescription& shape, const MeshFileShape& from, Description& descr
       compute_vertex_normals(file.mesh);
     }
   }
-  if (!shape.motion) shape.to_world = Transform();
   shape.geometry = std::move(file.mesh);
 }
 
 void grow(Box& box, const Curves& curves, const Transform& to_world) {
   for (const Curves::Point& point : curves.points) {
-    const Vec3f p = to_world.point(point.position), r{point.radius, point.radius, point.radius};
+    const Vec3d p = to_world.precise_point(point.position), r{point.radius, point.radius, point.radius};
     box.grow(p - r);
     box.grow(p + r);
   }
@@ -62,17 +63,17 @@ void grow(Box& box, const ShapeDescription& shape) {
   const Transform& t = shape.to_world;
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) {
     for (const auto& triangle : mesh->triangles)
-      for (const std::uint32_t vertex : triangle) box.grow(t.point(mesh->positions[vertex]));
+      for (const std::uint32_t vertex : triangle) box.grow(t.precise_point(mesh->positions[vertex]));
   } else if (const auto* deforming = std::get_if<DeformingMesh>(&shape.geometry)) {
     // Only those of glTF, which are in memory, need a camera
     for (const DeformingMesh::Key& key : deforming->keys)
       if (const auto* at_key = std::get_if<Mesh>(&key.mesh))
-        for (const Vec3f p : at_key->positions) box.grow((t * key.to_shape).point(p));
+        for (const Vec3f p : at_key->positions) box.grow((t * key.to_shape).precise_point(p));
   } else if (const auto* sphere = std::get_if<SphereShape>(&shape.geometry)) {
-    const Vec3f r{sphere->radius, sphere->radius, sphere->radius};
+    const Vec3d r{sphere->radius, sphere->radius, sphere->radius};
     box.grow(t, sphere->center - r, sphere->center + r);
   } else if (const auto* cylinder = std::get_if<CylinderShape>(&shape.geometry)) {
-    const Vec3f r{cylinder->radius, cylinder->radius, cylinder->radius};
+    const Vec3d r{cylinder->radius, cylinder->radius, cylinder->radius};
     box.grow(t, cylinder->p0 - r, cylinder->p0 + r);
     box.grow(t, cylinder->p1 - r, cylinder->p1 + r);
   } else if (const auto* curves = std::get_if<Curves>(&shape.geometry)) {
@@ -126,7 +127,7 @@ Vec3f up_vector(const ModelView& view) {
   return view.up == ModelView::Up::kY ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1};
 }
 
-std::array<Vec3f, 2> read_bounds(Description& description, bool lenient) {
+std::array<Vec3d, 2> read_bounds(Description& description, bool lenient) {
   Box box = read_box(description.shapes, description, lenient);
   std::vector<Box> groups;
   for (ShapeGroup& group : description.groups) groups.push_back(read_box(group.shapes, description, lenient));
@@ -137,13 +138,13 @@ std::array<Vec3f, 2> read_bounds(Description& description, bool lenient) {
     for (std::size_t i = 0; i < 12; ++i) m.m[i / 4][i % 4] = instance.to_world[i];
     box.grow(Transform(m), group.lower, group.upper);
   }
-  if (box.empty()) return {Vec3f{0, 0, 0}, Vec3f{0, 0, 0}};
+  if (box.empty()) return {};
   return {box.lower, box.upper};
 }
 
-void frame_box(const std::array<Vec3f, 2>& box, const ModelView& view, Description& description) {
-  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
-  const float radius = std::max(length(box[1] * 0.5f - box[0] * 0.5f), 1e-6f);
+void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Description& description) {
+  const Vec3d center = box[0] * 0.5 + box[1] * 0.5;
+  const float radius = std::max(static_cast<float>(length(box[1] * 0.5 - box[0] * 0.5)), 1e-6f);
   CameraDescription& camera = description.camera;
   camera = CameraDescription();
   camera.fov = view.fov;
@@ -152,7 +153,7 @@ void frame_box(const std::array<Vec3f, 2>& box, const ModelView& view, Descripti
   Vec3f up = up_vector(view);
   const Vec3f towards = towards_eye(view);
   if (std::abs(dot(up, towards)) > 0.999f) up = {up.y, up.z, up.x};
-  camera.to_world = Transform::look_at(center + towards * distance, center, up);
+  camera.to_world = Transform::look_at(center + Vec3d(towards) * double{distance}, center, up);
   camera.near_clip = distance * 1e-4f;
   camera.far_clip = distance * 1e4f;
 }

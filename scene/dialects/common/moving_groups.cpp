@@ -41,7 +41,7 @@ std::vector<MovingGroup> take_moving_shapes(Description& description, std::uint3
 Placement placement_of(const InstanceDescription& instance, const std::vector<AnimatedTransform>& motions) {
   if (instance.motion) return Placement(motions[static_cast<std::size_t>(*instance.motion)]);
   Matrix4 matrix;
-  for (std::size_t i = 0; i < 12; ++i) matrix.m[i / 4][i % 4] = double{instance.to_world[i]};
+  for (std::size_t i = 0; i < 12; ++i) matrix.m[i / 4][i % 4] = instance.to_world[i];
   return Placement(Transform(matrix));
 }
 
@@ -58,17 +58,17 @@ std::optional<Placement> moving_placement(const Placement& outer, const Animated
 
 }  // namespace
 
-std::array<float, 12> rows_of(const Transform& transform) {
-  std::array<float, 12> rows;
-  for (std::size_t i = 0; i < 12; ++i) rows[i] = static_cast<float>(transform.matrix().m[i / 4][i % 4]);
+std::array<double, 12> rows_of(const Transform& transform) {
+  std::array<double, 12> rows;
+  for (std::size_t i = 0; i < 12; ++i) rows[i] = transform.matrix().m[i / 4][i % 4];
   return rows;
 }
 
 bool is_usable_placement(const Placement& placement) {
-  if (!placement.motion) return is_usable_instance(rows_of(placement.to_world));
+  if (!placement.motion) return is_usable_instance(rounded_rows(rows_of(placement.to_world)));
   const std::vector<double> times = placement.motion->key_times();
   return std::all_of(times.begin(), times.end(),
-                     [&](double time) { return is_usable_instance(rows_of(placement.motion->at(time))); });
+                     [&](double time) { return is_usable_instance(rounded_rows(rows_of(placement.motion->at(time)))); });
 }
 
 void separate_moving_shapes(Description& description, bool lenient) {

@@ -7,7 +7,7 @@
 namespace sheaf {
 
 /// The rows of the 3x4 matrix, as InstanceDescription::to_world.
-std::array<float, 12> rows_of(const Transform& transform);
+std::array<double, 12> rows_of(const Transform& transform);
 
 /// Whether an instance may be placed like this: is_usable_instance() holds at each key.
 bool is_usable_placement(const Placement& placement);

@@ -310,12 +310,13 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
 }
 
 /// Applies the processing steps that scene/formats/mesh.h lists, up to vertex normals. Works on the uncut mesh, so that
-/// splitting leaves no seams. Returns the number of dropped triangles.
-std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased) {
+/// splitting leaves no seams. Leaves in `to_world`, the transform of the shape, what remains of it. Returns the number
+/// of dropped triangles.
+std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased, Transform& to_world) {
   Mesh& mesh = obj.file.mesh;
   check_mesh(mesh, shape.where);
   if (shape.face_normals) mesh.normals.clear();
-  if (!shape.motion) transform_mesh(mesh, shape.to_world);
+  if (!shape.motion) apply_linear_part(mesh, to_world);
   const std::size_t before = mesh.triangles.size();
   const std::vector<std::uint32_t> usable = usable_triangles(mesh);
   if (usable.size() < before) {
@@ -343,7 +344,8 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
   const bool plain = std::all_of(materials.begin(), materials.end(), [](const MtlMaterial* m) { return m == nullptr; });
   if (plain && !creased) return parts;
   for (const std::string& warning : obj.file.warnings) libraries.note({geometry.file.string()}, warning);
-  const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased);
+  Transform to_world = shape.to_world;
+  const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased, to_world);
   if (dropped > 0) {
     libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles ignored");
   }
@@ -355,7 +357,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
     if (triangles[i].empty()) continue;
     ShapeDescription part = shape;
     part.geometry = extract_triangles(mesh, triangles[i]);
-    if (!shape.motion) part.to_world = Transform();
+    part.to_world = to_world;
     if (materials[i] != nullptr) {
       part.material = libraries.add(*materials[i], geometry.flip_tex_coords);
       if (largest(materials[i]->emission) > 0 && !part.radiance) part.radiance = spectrum(*materials[i]->emission);

@@ -33,14 +33,14 @@ void read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
 }
 
 void read_sphere(Properties& p, bool, ShapeDescription& shape) {
-  const Vec3f center = p.vec3("center", {0, 0, 0});
+  const Vec3d center = p.point("center", {0, 0, 0});
   shape.geometry = SphereShape{center, p.number("radius", 1, kPositive)};
 }
 
 void read_cylinder(Properties& p, bool, ShapeDescription& shape) {
   CylinderShape cylinder;
-  cylinder.p0 = p.vec3("p0", cylinder.p0);
-  cylinder.p1 = p.vec3("p1", cylinder.p1);
+  cylinder.p0 = p.point("p0", cylinder.p0);
+  cylinder.p1 = p.point("p1", cylinder.p1);
   cylinder.radius = p.number("radius", 1, kPositive);
   if (cylinder.p0 == cylinder.p1) p.fail("has no length: 'p0' and 'p1' coincide");
   shape.geometry = cylinder;

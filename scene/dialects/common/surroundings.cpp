@@ -14,14 +14,14 @@ namespace {
 constexpr float kFloor = 200;
 
 /// Returns a disk below the box, perpendicular to `up`.
-ShapeDescription make_floor(const std::array<Vec3f, 2>& box, Vec3f up) {
-  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
-  const Vec3f half = box[1] * 0.5f - box[0] * 0.5f;
+ShapeDescription make_floor(const std::array<Vec3d, 2>& box, Vec3f up) {
+  const Vec3d center = box[0] * 0.5 + box[1] * 0.5;
+  const Vec3f half = (box[1] * 0.5 - box[0] * 0.5).rounded();
   const float radius = kFloor * std::max(length(half), 1e-6f);
-  const Vec3f foot = center - up * dot(up, half);
+  const Vec3d foot = center - Vec3d(up * dot(up, half));
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(up);
   Matrix4 m;
-  const Vec3f columns[4] = {frame.s * radius, frame.t * radius, up, foot};
+  const Vec3d columns[4] = {frame.s * radius, frame.t * radius, up, foot};
   for (std::size_t j = 0; j < 4; ++j) {
     m.m[0][j] = columns[j].x;
     m.m[1][j] = columns[j].y;
@@ -52,13 +52,13 @@ MaterialId add_two_sided(Description& description, DiffuseDescription diffuse) {
   return static_cast<MaterialId>(description.materials.size() - 1);
 }
 
-void add_floor(const std::array<Vec3f, 2>& box, const ModelView& view, Description& description) {
+void add_floor(const std::array<Vec3d, 2>& box, const ModelView& view, Description& description) {
   ShapeDescription floor = make_floor(box, up_vector(view));
   floor.material = add_two_sided(description, {SpectrumDescription::rgb(0.45f, 0.43f, 0.41f)});
   description.shapes.push_back(std::move(floor));
 }
 
-void add_sky(const std::array<Vec3f, 2>& box, const ModelView& view, const ModelSurroundings& surroundings,
+void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelSurroundings& surroundings,
              Description& description) {
   if (surroundings.environment == ModelSurroundings::kNoEnvironment) return;
   if (!surroundings.environment.empty()) {
@@ -72,10 +72,9 @@ void add_sky(const std::array<Vec3f, 2>& box, const ModelView& view, const Model
   }
   constexpr Vec3f kSky{0.52f, 0.58f, 0.68f}, kSun{1.9f, 1.75f, 1.5f};
   description.lights.push_back({ConstantLightDescription{{SpectrumDescription::Rgb{kSky}}}, {}});
-  const Vec3f center = box[0] * 0.5f + box[1] * 0.5f;
+  const Vec3d center = box[0] * 0.5 + box[1] * 0.5;
   const Vec3f up = up_vector(view);
-  const Vec3f eye = description.camera.to_world.point({0, 0, 0});
-  Vec3f front = eye - center;
+  Vec3f front = (description.camera.to_world.translation() - center).rounded();
   front = front - up * dot(up, front);
   front = length_squared(front) > 0.0f ? normalize(front) : Frame<Scalar>::from_normal(up).s;
   const Vec3f left = cross(front, up);

@@ -15,11 +15,13 @@ Vec3f axis(const Matrix4& m, std::size_t k) {
   return {static_cast<float>(m.m[0][k]), static_cast<float>(m.m[1][k]), static_cast<float>(m.m[2][k])};
 }
 
+Vec3d position(const Matrix4& m) { return {m.m[0][3], m.m[1][3], m.m[2][3]}; }
+
 /// A transform whose axes are orthonormal: position, -z and up of the matrix remain.
 Transform rigid(const Matrix4& m, const GltfFile& file) {
-  const Vec3f origin = axis(m, 3), forward = -axis(m, 2), up = axis(m, 1);
+  const Vec3f forward = -axis(m, 2), up = axis(m, 1);
   try {
-    return Transform::look_at(origin, origin + forward, up);
+    return Transform::translate(position(m)) * Transform::look_at({}, forward, up);
   } catch (const Error&) {
     throw SceneError({file.file.string(), 0}, "the transform of a camera or a light is singular");
   }
@@ -57,8 +59,8 @@ void add_light(const GltfLight& light, const NodePlacement& node, const GltfFile
   to.where = {file.file.string(), 0};
   if (light.kind == GltfLight::Kind::kPoint) {
     const Placement placement = node.motion != nullptr ? Placement(*node.motion) : Placement();
-    const Vec3f position = node.motion != nullptr ? placement.to_world.point({0, 0, 0}) : axis(node.to_world, 3);
-    to.model = PointLightDescription{position, emission};
+    const Vec3d at = node.motion != nullptr ? placement.to_world.translation() : position(node.to_world);
+    to.model = PointLightDescription{at, emission};
     to.motion = add_motion(out.motions, placement);
   } else if (light.kind == GltfLight::Kind::kDirectional) {
     const Placement placement = node.motion != nullptr ? rigid(node, file, out.shutter) : Placement();

@@ -13,9 +13,9 @@ namespace {
 void read_point_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<PointLightDescription>();
   const bool placed = p.has("to_world");
-  light.position = p.vec3("position", {0, 0, 0});
+  light.position = p.point("position", {0, 0, 0});
   if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
-  if (placed) light.position = p.placement("to_world").to_world.point({0, 0, 0});
+  if (placed) light.position = p.placement("to_world").to_world.translation();
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
 }
 

@@ -151,9 +151,9 @@ void read_orthographic(Properties& p, CameraDescription& camera) {
 }
 
 /// Returns a transform that maps the origin to `origin` and +z to `direction`.
-Transform aim(Vec3f origin, Vec3f direction) {
+Transform aim(Vec3d origin, Vec3f direction) {
   const Vec3f up = std::fabs(direction.y) < 0.9f * length(direction) ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
-  return Transform::look_at(origin, origin + normalize(direction), up);
+  return Transform::look_at(origin, origin + Vec3d(normalize(direction)), up);
 }
 
 Vec3f read_sensor_direction(Properties& p) {
@@ -170,7 +170,7 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   if (p.has("to_world")) return p.ignore({"origin", "direction"});
   if (origin != direction)
     p.fail_at(origin ? "origin" : "direction", "is set without the other, expected both 'origin' and 'direction'");
-  if (origin) camera.to_world = aim(p.vec3("origin", {0, 0, 0}), read_sensor_direction(p));
+  if (origin) camera.to_world = aim(p.point("origin", {0, 0, 0}), read_sensor_direction(p));
 }
 
 /// Reads the target shape of a distant sensor.
@@ -195,7 +195,7 @@ void read_distant(Properties& p, CameraDescription& camera) {
   }
   if (const XmlElement* shape = p.object("shape")) {
     camera.target = read_target(*shape, p.context());
-  } else if (const auto point = p.find_vec3("target")) {
+  } else if (const auto point = p.find_point("target")) {
     camera.target = *point;
   }
 }

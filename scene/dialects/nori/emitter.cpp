@@ -14,7 +14,7 @@ namespace {
 
 void read_point_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<PointLightDescription>();
-  light.position = p.vec3("position", {0, 0, 0});
+  light.position = p.point("position", {0, 0, 0});
   light.intensity = p.spectrum("intensity", light.intensity, SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
   if (power && p.has("intensity")) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
@@ -22,10 +22,10 @@ void read_point_light(Properties& p, LightDescription& out) {
 }
 
 /// Returns a coordinate system with its origin at `position` and +z along `direction`.
-Transform aim(Vec3f position, Vec3f direction) {
+Transform aim(Vec3d position, Vec3f direction) {
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(normalize(direction));
   Matrix4 m;
-  const Vec3f columns[4] = {frame.s, frame.t, frame.n, position};
+  const Vec3d columns[4] = {frame.s, frame.t, frame.n, position};
   for (std::size_t j = 0; j < 4; ++j) {
     m.m[0][j] = columns[j].x;
     m.m[1][j] = columns[j].y;
@@ -44,9 +44,9 @@ Transform read_placement(Properties& p) {
   }
   if (direction && look_at) p.fail("has both 'direction' and 'lookAt', expected one");
   if (!position && !direction && !look_at) return Transform();
-  const Vec3f origin = p.vec3("position", {0, 0, 0});
+  const Vec3d origin = p.point("position", {0, 0, 0});
   Vec3f towards = p.vec3("direction", {0, 0, 1});
-  if (look_at) towards = p.vec3("lookAt", {0, 0, 0}) - origin;
+  if (look_at) towards = (p.point("lookAt", {0, 0, 0}) - origin).rounded();
   check_direction(p, look_at ? "lookAt" : "direction", towards);
   return aim(origin, towards);
 }

@@ -11,7 +11,7 @@ namespace {
 /// Reads `simple`: an isotropic point light of power `energy` (W) at `position`.
 void make_simple(Properties& p, Description& description) {
   PointLightDescription light;
-  light.position = p.vec3("position", {0, 0, 0});
+  light.position = p.point("position", {0, 0, 0});
   light.intensity = scaled(p.spectrum("energy", SpectrumDescription::constant(1), SpectrumRole::kEmission),
                            1.0f / (4.0f * std::numbers::pi_v<float>));
   make_white(description, false);

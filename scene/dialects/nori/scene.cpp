@@ -142,10 +142,11 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
 
 /// Reads a parallelogram with a corner at `origin` and sides `u` and `v`; its normal is along u x v.
 void read_parallelogram(Properties& p, bool, ShapeDescription& shape) {
-  const Vec3f origin = p.vec3("origin", {0, 0, 0}), u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
+  const Vec3d origin = p.point("origin", {0, 0, 0});
+  const Vec3f u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
   const Vec3f n = cross(u, v);
   if (!(length_squared(n) > 0.0f)) p.fail("has no area: 'u' and 'v' are parallel");
-  const Vec3f columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + u * 0.5f + v * 0.5f};
+  const Vec3d columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + Vec3d(u) * 0.5 + Vec3d(v) * 0.5};
   Matrix4 m;
   for (std::size_t j = 0; j < 4; ++j) {
     m.m[0][j] = columns[j].x;

@@ -19,19 +19,19 @@ float read_scale(Parameters& p) { return p.number("scale", 1, kNotNegative) * p.
 
 /// Returns a coordinate system with its origin at `from` and +z towards `to`.
 Transform along_axis(Parameters& p) {
-  const Vec3f from = p.vec3("from", {0, 0, 0}), to = p.vec3("to", {0, 0, 1});
+  const Vec3d from = p.point("from", {0, 0, 0}), to = p.point("to", {0, 0, 1});
   if (from == to) p.fail("has equal 'from' and 'to', expected a direction");
-  const Vec3f axis = to - from;
+  const Vec3d axis = to - from;
   const bool upright = std::fabs(axis.y) > std::fabs(axis.x) + std::fabs(axis.z);
   return p.reader().attributes.transform.start *
-         Transform::look_at(from, to, upright ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0});
+         Transform::look_at(from, to, upright ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0});
 }
 
 LightKinds::Model read_point(Parameters& p) {
   const SpectrumDescription intensity = read_emission(p, "I");
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) scale *= *power / (4 * kPi);
-  return PointLightDescription{p.reader().attributes.transform.start.point(p.vec3("from", {0, 0, 0})),
+  return PointLightDescription{p.reader().attributes.transform.start.precise_point(p.point("from", {0, 0, 0})),
                                scaled(intensity, scale)};
 }
 

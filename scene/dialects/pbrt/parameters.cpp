@@ -142,9 +142,9 @@ bool Parameters::read_boolean(const NamedValue& value) const { return expect(val
 
 std::string Parameters::read_string(const NamedValue& value) const { return expect(value, {"string"}, 1).strings[0]; }
 
-Vec3f Parameters::read_vec3(const NamedValue& value) const {
+Vec3d Parameters::read_vec3(const NamedValue& value) const {
   const auto& n = expect(value, {"point3", "vector3", "normal3", "point", "vector", "normal"}, 3).numbers;
-  return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
+  return {n[0], n[1], n[2]};
 }
 
 std::vector<float> Parameters::numbers(const char* name, std::size_t stride) {

@@ -23,7 +23,7 @@ template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, cons
   return numbers;
 }
 
-Vec3f vec3(const double* n) { return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}; }
+Vec3d vec3(const double* n) { return {n[0], n[1], n[2]}; }
 
 /// Reads 16 numbers in column-major order.
 Matrix4 read_matrix(Tokens& tokens) {
