@@ -2,6 +2,7 @@
 #include "core/animated_transform.h"
 
 #include "core/error.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -38,7 +39,7 @@ TEST_CASE("animated transforms: the factors multiply to the matrix, and the rota
     const DecomposedTransform parts = decompose(m);
     CHECK(largest_difference(compose(parts), m) < 1e-9);
     const Quaternion& q = parts.rotation;
-    CHECK(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w == doctest::Approx(1));
+    CHECK(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w == near(1));
     for (std::size_t r = 0; r < 3; ++r)
       for (std::size_t c = 0; c < r; ++c) CHECK(std::fabs(parts.stretch[r][c] - parts.stretch[c][r]) < 1e-9);
   }

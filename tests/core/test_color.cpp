@@ -2,6 +2,7 @@
 #include "core/color.h"
 
 #include "core/error.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -15,9 +16,9 @@ namespace {
 const std::vector<float> kList{400, 500, 600, 700};
 
 void check_close(Vec3f found, Vec3f expected, double relative) {
-  CHECK(found.x == doctest::Approx(expected.x).epsilon(relative));
-  CHECK(found.y == doctest::Approx(expected.y).epsilon(relative));
-  CHECK(found.z == doctest::Approx(expected.z).epsilon(relative));
+  CHECK(found.x == near(expected.x, relative));
+  CHECK(found.y == near(expected.y, relative));
+  CHECK(found.z == near(expected.z, relative));
 }
 
 Vec3f sum_of_curves(bool under_d65) {
@@ -39,14 +40,14 @@ TEST_CASE("D65 has its published chromaticity for the 2-degree observer") {
 
 TEST_CASE("the colour matching functions have equal areas that match the published 5 nm tables") {
   const Vec3f xyz = sum_of_curves(false);
-  CHECK(xyz.x == doctest::Approx(21.3714).epsilon(2e-4));
-  CHECK(xyz.y == doctest::Approx(21.3711).epsilon(2e-4));
-  CHECK(xyz.z == doctest::Approx(21.3715).epsilon(5e-4));
+  CHECK(xyz.x == near(21.3714, 2e-4));
+  CHECK(xyz.y == near(21.3711, 2e-4));
+  CHECK(xyz.z == near(21.3715, 5e-4));
 }
 
 TEST_CASE("tabulated curves interpolate linearly and vanish outside their range") {
   CHECK(cie_1931_xyz(555).y == 1.0f);
-  CHECK(cie_1931_xyz(557.5f).y == doctest::Approx(0.9975));
+  CHECK(cie_1931_xyz(557.5f).y == near(0.9975));
   CHECK(cie_d65(560) == 100.0f);
   CHECK(cie_1931_xyz(359.9f) == Vec3f{0, 0, 0});
   CHECK(cie_1931_xyz(830.1f) == Vec3f{0, 0, 0});
@@ -55,12 +56,12 @@ TEST_CASE("tabulated curves interpolate linearly and vanish outside their range"
 
 TEST_CASE("the sRGB transfer function has its known values and is inverted exactly") {
   CHECK(linear_to_srgb(0) == 0.0f);
-  CHECK(linear_to_srgb(1) == doctest::Approx(1));
-  CHECK(linear_to_srgb(0.0031308f) == doctest::Approx(0.04045).epsilon(1e-4));
-  CHECK(linear_to_srgb(0.18f) == doctest::Approx(0.46136).epsilon(1e-4));
+  CHECK(linear_to_srgb(1) == near(1));
+  CHECK(linear_to_srgb(0.0031308f) == near(0.04045, 1e-4));
+  CHECK(linear_to_srgb(0.18f) == near(0.46136, 1e-4));
   for (int i = 0; i <= 255; ++i) {
     const float encoded = static_cast<float>(i) / 255.0f;
-    CHECK(linear_to_srgb(srgb_to_linear(encoded)) == doctest::Approx(encoded).epsilon(1e-5));
+    CHECK(linear_to_srgb(srgb_to_linear(encoded)) == near(encoded, 1e-5));
   }
 }
 
@@ -71,10 +72,10 @@ TEST_CASE("conversions between Rec.709 and XYZ are inverses and agree with the c
   for (std::size_t i = 0; i < colors.size(); ++i) {
     const Vec3f xyz = rec709_to_xyz(colors[i]);
     const float sum = xyz.x + xyz.y + xyz.z;
-    CHECK(xyz.x / sum == doctest::Approx(kRec709Chromaticities[i].x).epsilon(1e-4));
-    CHECK(xyz.y / sum == doctest::Approx(kRec709Chromaticities[i].y).epsilon(1e-4));
+    CHECK(xyz.x / sum == near(kRec709Chromaticities[i].x, 1e-4));
+    CHECK(xyz.y / sum == near(kRec709Chromaticities[i].y, 1e-4));
   }
-  CHECK(luminance({1, 1, 1}) == doctest::Approx(1).epsilon(1e-6));
+  CHECK(luminance({1, 1, 1}) == near(1, 1e-6));
 }
 
 // The expected numbers below are the results of Mitsuba 3.9.1 (variant scalar_rgb) for the same tables. Mitsuba
@@ -126,7 +127,7 @@ TEST_CASE("black bodies follow Planck's law and have the published colours") {
   // Stefan-Boltzmann law: sigma T^4 / pi in W / (m^2 sr).
   double total = 0;
   for (int wavelength = 1; wavelength < 100000; ++wavelength) total += blackbody_radiance(wavelength, 5000);
-  CHECK(total == doctest::Approx(5.670374e-8 * 5000.0 * 5000 * 5000 * 5000 / 3.14159265).epsilon(1e-3));
+  CHECK(total == near(5.670374e-8 * 5000.0 * 5000 * 5000 * 5000 / 3.14159265, 1e-3));
   CHECK(blackbody_radiance(500, 0) == 0);
   // Mitsuba 3.9.1 in spectral mode; a Monte Carlo mean with an error of about 0.5 %.
   check_close(blackbody_to_rgb(5000, 1), {15290, 12095, 9569}, 1e-2);

@@ -1,5 +1,6 @@
 // RGB colour spaces from chromaticities, against published matrices and against Mitsuba 3.
 #include "core/color_space.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -16,8 +17,7 @@ const RgbChromaticities kTheaterP3{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060
 void check_color(const RgbChromaticities& space, std::array<float, 3> in, std::array<double, 3> expected,
                  double tolerance = 1e-5) {
   REQUIRE(convert_to_rec709(in, space));
-  for (std::size_t c = 0; c < 3; ++c)
-    CHECK(double{in[c]} == doctest::Approx(expected[c]).epsilon(tolerance).scale(0.1));
+  for (std::size_t c = 0; c < 3; ++c) CHECK(double{in[c]} == near(expected[c], tolerance));
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ TEST_CASE("color space: Rec.2020 to Rec.709 is the matrix of ITU-R BT.2087") {
   const auto found = rgb_to_rec709(kRec2020);
   REQUIRE(found);
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) CHECK((*found)[i][j] == doctest::Approx(expected[i][j]).scale(1).epsilon(1e-4));
+    for (std::size_t j = 0; j < 3; ++j) CHECK((*found)[i][j] == within(expected[i][j], 1e-4));
 }
 
 TEST_CASE("color space: white keeps its chromaticity and the figures of Mitsuba 3 are matched") {
@@ -54,7 +54,7 @@ TEST_CASE("color space: non-finite pixels are unchanged and their neighbours are
   std::array<float, 6> colors{std::numeric_limits<float>::infinity(), 2, 3, 1, 1, 1};
   REQUIRE(convert_to_rec709(colors, kXyzSpace));
   CHECK(colors[1] == 2.0f);
-  CHECK(colors[3] == doctest::Approx(1.2049759));
+  CHECK(colors[3] == near(1.2049759));
 }
 
 TEST_CASE("color space: collinear primaries and white without luminance and NaN are rejected") {

@@ -2,6 +2,7 @@
 #include "core/color.h"
 #include "core/display_transform.h"
 #include "tests/support/contains.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -64,14 +65,14 @@ TEST_CASE("display: automatic exposure brings the log-average luminance to middl
   // The geometric mean of 0.02, 2 and 20 is 0.2^(1/3) x ... = (0.8)^(1/3).
   const Image image = image_of({"R", "G", "B"}, {0.02f, 0.02f, 0.02f, 2, 2, 2, 20, 20, 20, 0, 0, 0});
   const double expected = std::log2(0.18 / std::cbrt(0.8));
-  CHECK(auto_exposure(image) == doctest::Approx(expected).epsilon(1e-5));
-  CHECK(transform(std::nullopt).exposure_of(image) == doctest::Approx(expected).epsilon(1e-5));
-  CHECK(transform(std::nullopt).apply(image).data[3] == doctest::Approx(2 * std::exp2(expected)).epsilon(1e-5));
+  CHECK(auto_exposure(image) == near(expected, 1e-5));
+  CHECK(transform(std::nullopt).exposure_of(image) == near(expected, 1e-5));
+  CHECK(transform(std::nullopt).apply(image).data[3] == near(2 * std::exp2(expected), 1e-5));
   // Colours count by their luminance, and behind alpha by their straight value.
   CHECK(auto_exposure(image_of({"R", "G", "B"}, {0, 0.5f, 0})) ==
-        doctest::Approx(std::log2(0.18 / static_cast<double>(luminance({0, 0.5f, 0})))).epsilon(1e-5));
+        near(std::log2(0.18 / static_cast<double>(luminance({0, 0.5f, 0}))), 1e-5));
   CHECK(auto_exposure(image_of({"R", "G", "B", "A"}, {0.1f, 0.1f, 0.1f, 0.25f, 0, 0, 0, 0})) ==
-        doctest::Approx(std::log2(0.18 / 0.4)).epsilon(1e-4));
+        near(std::log2(0.18 / 0.4), 1e-4));
   // Images without light, or with invalid values
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   CHECK(auto_exposure(image_of({"R", "G", "B"}, {0, 0, 0, -1, -1, -1, nan, nan, nan, inf, inf, inf})) == 0.0);
@@ -81,13 +82,12 @@ TEST_CASE("display: tone maps act on straight colours and keep alpha") {
   for (const ToneMap map : {ToneMap::kFilmic, ToneMap::kAces, ToneMap::kAgx}) {
     const Image opaque = transform(1, map).apply(image_of({"R", "G", "B"}, {0.4f, 0.2f, 0.1f}));
     const Image half = transform(1, map).apply(image_of({"R", "G", "B", "A"}, {0.2f, 0.1f, 0.05f, 0.5f}));
-    for (std::size_t c = 0; c < 3; ++c) CHECK(half.data[c] == doctest::Approx(0.5f * opaque.data[c]).epsilon(1e-3));
+    for (std::size_t c = 0; c < 3; ++c) CHECK(half.data[c] == near(0.5f * opaque.data[c], 1e-3));
     CHECK(half.data[3] == 0.5f);
     const Vec3f expected = tone_mapped(map, {0.8f, 0.4f, 0.2f});
     CHECK(opaque.data == std::vector<float>{expected.x, expected.y, expected.z});
     // Grey images, and light without alpha
-    CHECK(transform(0, map).apply(image_of({"Y"}, {0.3f})).data[0] ==
-          doctest::Approx(tone_mapped(map, {0.3f, 0.3f, 0.3f}).x));
+    CHECK(transform(0, map).apply(image_of({"Y"}, {0.3f})).data[0] == near(tone_mapped(map, {0.3f, 0.3f, 0.3f}).x));
     const Image glow = transform(0, map).apply(image_of({"R", "G", "B", "A"}, {0.5f, 0, 0, 0, 0, 0, 0, 0}));
     CHECK(glow.data[3] == 0.5f);
     CHECK(glow.data[7] == 0.0f);
@@ -112,10 +112,10 @@ TEST_CASE("display: views of OpenColorIO configurations") {
   // The encoder applies the sRGB curve to the result, which gives the values of the view.
   const std::vector<float> inverted = shown({file, "", ""}, {0.5f, 1, 0, 4, -1, 0.2f});
   const float expected[] = {0.75f, 0.5f, 1, 0, 1, 0.9f};
-  for (std::size_t i = 0; i < 6; ++i) CHECK(linear_to_srgb(inverted[i]) == doctest::Approx(expected[i]).epsilon(1e-4));
+  for (std::size_t i = 0; i < 6; ++i) CHECK(linear_to_srgb(inverted[i]) == near(expected[i], 1e-4));
   const std::vector<float> plain = shown({file, "TINY", "Plain"}, {0.5f, 0.25f, 0.125f});
-  CHECK(linear_to_srgb(plain[1]) == doctest::Approx(0.25).epsilon(1e-4));
-  CHECK(linear_to_srgb(shown({"raw", "", ""}, {0.5f, 0.25f, 0.125f})[0]) == doctest::Approx(0.5).epsilon(1e-4));
+  CHECK(linear_to_srgb(plain[1]) == near(0.25, 1e-4));
+  CHECK(linear_to_srgb(shown({"raw", "", ""}, {0.5f, 0.25f, 0.125f})[0]) == near(0.5, 1e-4));
 }
 
 TEST_CASE("display: errors in OpenColorIO configurations") {

@@ -5,6 +5,7 @@
 #include "core/exr.h"
 #include "tests/support/contains.h"
 #include "tests/support/exr_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -32,8 +33,7 @@ std::string error_in(const std::vector<ExrTestPart>& parts) {
 /// Checks the channels of the first pixel.
 void check_pixel(const StoredImage& image, const std::vector<float>& expected) {
   REQUIRE(image.channels.size() == expected.size());
-  for (std::size_t c = 0; c < expected.size(); ++c)
-    CHECK(image.floats.at(c) == doctest::Approx(double{expected[c]}).scale(0.1).epsilon(1e-5));
+  for (std::size_t c = 0; c < expected.size(); ++c) CHECK(image.floats.at(c) == near(double{expected[c]}, 1e-5));
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ TEST_CASE("exr image: alpha belongs to the layer of the colours and is not conve
   CHECK(image.channels == std::vector<std::string>{"R", "G", "B", "A"});
   REQUIRE(image.floats.size() == 8);
   for (const std::size_t i : {0u, 4u}) {
-    CHECK(image.floats[i] == doctest::Approx(-0.27008048));
+    CHECK(image.floats[i] == near(-0.27008048));
     CHECK(image.floats[i + 3] == 0.125f);
   }
 }

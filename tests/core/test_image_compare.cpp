@@ -2,6 +2,7 @@
 #include "core/image_compare.h"
 
 #include "core/error.h"
+#include "tests/support/near.h"
 #include "tests/support/statistics.h"
 
 #include <doctest/doctest.h>
@@ -48,9 +49,9 @@ CompareOptions known_variances() {
 
 TEST_CASE("a constant difference has the expected error figures") {
   const ImageComparison result = compare_images(constant_image(3), constant_image(2));
-  CHECK(result.mse == doctest::Approx(1));
-  CHECK(result.relative_mse == doctest::Approx(1 / 4.01));
-  CHECK(result.mean_ratio == doctest::Approx(1.5));
+  CHECK(result.mse == near(1));
+  CHECK(result.relative_mse == near(1 / 4.01));
+  CHECK(result.mean_ratio == near(1.5));
   CHECK_FALSE(result.z_test);
   CHECK(compare_images(constant_image(0), constant_image(0)).mean_ratio == 1);
   CHECK(std::isinf(compare_images(constant_image(1), constant_image(0)).mean_ratio));
@@ -67,7 +68,7 @@ TEST_CASE("pure noise passes the Z-test at its level") {
   CHECK(std::abs(test.accepted_share() - 0.99) < 3.3 * deviation);
   CHECK(std::abs(test.mean_z_squared - 1) < 3.3 * std::sqrt(2 / n));
   CHECK(test.corrected_mean_p() > kSignificance);
-  CHECK(result.mse == doctest::Approx(2 * kNoise * kNoise).epsilon(0.05));
+  CHECK(result.mse == near(2 * kNoise * kNoise, 0.05));
 }
 
 TEST_CASE("a bias of two percent fails the Z-test") {
@@ -84,7 +85,7 @@ TEST_CASE("underestimated variances fail the Z-test") {
   options.variance_a = constant_image(kNoise * kNoise);  // treats the second image as noise-free
   const ImageComparison result = compare_images(make_noisy(1, 1), make_noisy(1, 2), options);
   CHECK(result.z_test->accepted_share() < 0.95);
-  CHECK(result.z_test->mean_z_squared == doctest::Approx(2).epsilon(0.05));
+  CHECK(result.z_test->mean_z_squared == near(2, 0.05));
 }
 
 TEST_CASE("values without variance must be equal") {

@@ -1,6 +1,7 @@
 // JPEG and TIFF files, read back. tests/core/test_image.cpp covers PNG.
 #include "core/color.h"
 #include "core/image_encoding.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -53,7 +54,7 @@ TEST_CASE("TIFF: 16 bits with straight alpha") {
     const Image back = read_image(folder / "a.tif");
     REQUIRE(back.channels.size() == image.channels.size());
     CHECK(max_error(back, image, true) < 1.0f / 65535);
-    if (has_alpha) CHECK(back.at(3, 5, 3) == doctest::Approx(0.25f).epsilon(1e-4));
+    if (has_alpha) CHECK(back.at(3, 5, 3) == near(0.25f, 1e-4));
     CHECK(read_stored_image(folder / "a.tif").bytes.empty());  // more than 8 bits
     write_encoded_image(folder / "b.tif", image, encoding(IntegerFormat::kTiff));
     CHECK(read_bytes(folder / "a.tif") == read_bytes(folder / "b.tif"));
@@ -84,7 +85,7 @@ TEST_CASE("JPEG and TIFF: grey images, descriptions and images without pixels") 
     write_encoded_image(folder / "grey", grey, options);
     const Image back = read_image(folder / "grey");
     CHECK(back.channels.size() == 1);
-    CHECK(back.data[0] == doctest::Approx(linear_to_srgb(0.5f)).epsilon(0.01));
+    CHECK(back.data[0] == near(linear_to_srgb(0.5f), 0.01));
     CHECK(read_bytes(folder / "grey").find("the render was interrupted") != std::string::npos);
     CHECK_THROWS(encode_image(Image(), options));
   }

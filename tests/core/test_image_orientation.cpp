@@ -4,6 +4,7 @@
 #include "core/image_corrections.h"
 #include "tests/support/contains.h"
 #include "tests/support/image_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -51,10 +52,9 @@ void check_upright(const std::filesystem::path& file, const std::function<float(
   const std::size_t channels = image.channels.size();
   for (std::size_t i = 0; i < kUpright.size(); ++i) {
     const float expected = value(kUpright[i]);
-    CHECK(image.data[channels * i] == doctest::Approx(expected));
-    CHECK((stored.bytes.empty()
-               ? stored.floats[channels * i]
-               : static_cast<float>(stored.bytes[channels * i]) / 255.0f) == doctest::Approx(expected));
+    CHECK(image.data[channels * i] == near(expected));
+    CHECK((stored.bytes.empty() ? stored.floats[channels * i]
+                                : static_cast<float>(stored.bytes[channels * i]) / 255.0f) == near(expected));
   }
 }
 
@@ -224,10 +224,10 @@ TEST_CASE("images: Radiance files of CIE XYZ are converted to Rec.709 unless raw
   const StoredImage raw = read_stored_image(folder / "a.hdr", true), image = read_stored_image(folder / "a.hdr");
   REQUIRE(raw.floats.size() == 3);
   const double x = 102 / 256.0, y = 204 / 256.0, z = 51 / 256.0;
-  CHECK(raw.floats[0] == doctest::Approx(x).epsilon(0.01));
-  CHECK(image.floats[0] == doctest::Approx(3.2409699 * x - 1.5373832 * y - 0.4986108 * z).epsilon(0.02));
-  CHECK(image.floats[1] == doctest::Approx(-0.9692436 * x + 1.8759675 * y + 0.0415551 * z).epsilon(0.02));
-  CHECK(image.floats[2] == doctest::Approx(0.0556301 * x - 0.2039770 * y + 1.0569715 * z).epsilon(0.02));
+  CHECK(raw.floats[0] == near(x, 0.01));
+  CHECK(image.floats[0] == near(3.2409699 * x - 1.5373832 * y - 0.4986108 * z, 0.02));
+  CHECK(image.floats[1] == near(-0.9692436 * x + 1.8759675 * y + 0.0415551 * z, 0.02));
+  CHECK(image.floats[2] == near(0.0556301 * x - 0.2039770 * y + 1.0569715 * z, 0.02));
 }
 
 }  // namespace sheaf::test_image_orientation

@@ -1,6 +1,7 @@
 // Octahedral encoding of unit vectors in 32 bits.
 #include "core/octahedral.h"
 
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 
 #include <doctest/doctest.h>
@@ -29,7 +30,7 @@ TEST_CASE("octahedral: vectors are restored to within 1e-4 and axes exactly and 
 
 TEST_CASE("octahedral: any bit pattern decodes to a unit vector") {
   for (const std::uint32_t bits : {0u, 0xffffffffu, 0x80008000u, 0xffff0000u, 0x12345678u})
-    CHECK(length(decode_octahedral<Scalar>(bits)) == doctest::Approx(1.0f));
+    CHECK(length(decode_octahedral<Scalar>(bits)) == near(1.0f));
 }
 
 }  // namespace sheaf::test_octahedral

@@ -6,6 +6,7 @@
 #include "core/rng.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -76,7 +77,7 @@ TEST_CASE("quantile table: probabilities add up to one and are positive wherever
       sum += table.probabilities[i];
       missed += weights[i] > 0 && !(table.probabilities[i] > 0);
     }
-    CHECK(sum == doctest::Approx(1).epsilon(1e-12));
+    CHECK(sum == near(1, 1e-12));
     CHECK(missed == 0);
     CHECK(table.probabilities.front() * (weights.front() == 0) == 0);
     CHECK(table.probabilities.back() * (weights.back() == 0) == 0);
@@ -123,7 +124,7 @@ TEST_CASE("quantile table: stratified numbers stay stratified") {
   // The subintervals of an entry are contiguous.
   const Table one(Weights{1});
   for (std::uint32_t k = 0; k < 1000; ++k)
-    CHECK(one.remapped(one.draw(static_cast<float>(k) / 1000)) == doctest::Approx(k / 1000.0).epsilon(1e-5));
+    CHECK(one.remapped(one.draw(static_cast<float>(k) / 1000)) == near(k / 1000.0, 1e-5));
 }
 
 TEST_CASE("quantile table: SIMD results equal scalar ones") {

@@ -4,6 +4,7 @@
 
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -50,11 +51,11 @@ constexpr int kTests = 9;  // chi-square tests in this file
 TEST_CASE("spherical rectangle: the solid angle equals that of double precision") {
   for (const Box& box : kBoxes) {
     CAPTURE(box.x0);
-    CHECK(box.seen().solid_angle() == doctest::Approx(box.solid_angle(1, 1)).epsilon(1e-5));
+    CHECK(box.seen().solid_angle() == near(box.solid_angle(1, 1), 1e-5));
   }
   // Underneath a wide rectangle, nearly a hemisphere; in its plane, outside of it, nothing
-  CHECK(Box{-1, 1, -1, 1, 1e-6f}.seen().solid_angle() == doctest::Approx(kTwoPi).epsilon(1e-5));
-  CHECK(Box{1, 2, -1, 1, 0}.seen().solid_angle() == doctest::Approx(0));
+  CHECK(Box{-1, 1, -1, 1, 1e-6f}.seen().solid_angle() == near(kTwoPi, 1e-5));
+  CHECK(Box{1, 2, -1, 1, 0}.seen().solid_angle() == within(0, 1e-6));
 }
 
 TEST_CASE("spherical rectangle: samples are uniform over the solid angle") {
@@ -103,10 +104,10 @@ TEST_CASE("spherical rectangle: a point leads back to its random numbers") {
 TEST_CASE("spherical rectangle: cosines at the corners") {
   const CornerWeights<Scalar> c = Box{-1, 2, -3, 4, 2}.seen().corner_cosines({0.6f, 0, 0.8f});
   const auto expected = [](double x, double y) { return (0.6 * x + 0.8 * 2) / std::sqrt(x * x + y * y + 4); };
-  CHECK(c.w00 == doctest::Approx(expected(-1, -3)).epsilon(1e-4));
-  CHECK(c.w10 == doctest::Approx(expected(2, -3)).epsilon(1e-4));
-  CHECK(c.w01 == doctest::Approx(expected(-1, 4)).epsilon(1e-4));
-  CHECK(c.w11 == doctest::Approx(expected(2, 4)).epsilon(1e-4));
+  CHECK(c.w00 == near(expected(-1, -3), 1e-4));
+  CHECK(c.w10 == near(expected(2, -3), 1e-4));
+  CHECK(c.w01 == near(expected(-1, 4), 1e-4));
+  CHECK(c.w11 == near(expected(2, 4), 1e-4));
 }
 
 TEST_CASE("spherical rectangle: SIMD results equal scalar ones") {

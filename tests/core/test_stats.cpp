@@ -2,6 +2,7 @@
 #include "core/stats.h"
 
 #include "core/simd.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -11,8 +12,8 @@ namespace sheaf::test_stats {
 
 TEST_CASE("ratios are defined for empty statistics") {
   const StageStats stage{1, 100, 10, 5 * kWidth, 1000};
-  CHECK(stage.lane_fill() == doctest::Approx(0.5));
-  CHECK(stage.ns_per_item() == doctest::Approx(10 * seconds_per_tick() * 1e9));
+  CHECK(stage.lane_fill() == near(0.5));
+  CHECK(stage.ns_per_item() == near(10 * seconds_per_tick() * 1e9));
   CHECK(StageStats().lane_fill() == 0);
   CHECK(StageStats().ns_per_item() == 0);
 }

@@ -2,6 +2,7 @@
 #include "core/transform.h"
 
 #include "core/error.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -112,7 +113,7 @@ TEST_CASE("transform: look_at faces the target upright with x to the left") {
   const Vec3f dir = oblique.vector({0, 0, 1}), up = oblique.vector({0, 1, 0}), left = oblique.vector({1, 0, 0});
   check_near(dir, normalize(Vec3f{-6, -1, 5}));
   CHECK(std::fabs(dot(dir, up)) < 1e-6f);
-  CHECK(length(up) == doctest::Approx(1.0));
+  CHECK(length(up) == near(1.0));
   CHECK(dot(up, Vec3f{0.1f, 3, 0.2f}) > 0.0f);
   check_near(left, cross(up, dir));
 }
@@ -159,7 +160,7 @@ TEST_CASE("transform: inversion uses pivoting") {
   REQUIRE(invert(swapped, inverse));
   const Matrix4 product = swapped * inverse;
   for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) CHECK(product.m[i][j] == doctest::Approx(i == j ? 1.0 : 0.0));
+    for (int j = 0; j < 4; ++j) CHECK(product.m[i][j] == near(i == j ? 1.0 : 0.0));
 }
 
 }  // namespace sheaf::test_transform

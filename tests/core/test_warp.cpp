@@ -3,6 +3,7 @@
 
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -138,14 +139,14 @@ TEST_CASE("warp: square_to_cosine_hemisphere has a pdf proportional to the cosin
   const auto pdf = [](Vec3f w) { return static_cast<double>(cosine_hemisphere_pdf_solid_angle(w.z)); };
   const ChiSquare test = chi_square_sphere(
       direction([](float u, float v) { return square_to_cosine_hemisphere<Scalar>(u, v); }), pdf, -1.0, 1.0);
-  CHECK(test.integral == doctest::Approx(1.0).epsilon(1e-5));
+  CHECK(test.integral == near(1.0, 1e-5));
   CHECK(test.p_value > significance_of_each(kTests));
 }
 
 TEST_CASE("warp: square_to_sphere is uniform") {
   const ChiSquare test = chi_square_sphere(direction([](float u, float v) { return square_to_sphere<Scalar>(u, v); }),
                                            [](Vec3f) { return kUniformSpherePdf; });
-  CHECK(test.integral == doctest::Approx(1.0).epsilon(1e-5));
+  CHECK(test.integral == near(1.0, 1e-5));
   CHECK(test.p_value > significance_of_each(kTests));
 }
 
@@ -155,7 +156,7 @@ TEST_CASE("warp: square_to_cone is uniform for every opening angle") {
     const auto warp = [width](float u, float v) { return square_to_cone<Scalar>(u, v, width); };
     const auto pdf = [width](Vec3f) { return 1.0 / (kTwoPi * static_cast<double>(width)); };
     const ChiSquare test = chi_square_sphere(direction(warp), pdf, 1.0 - static_cast<double>(width), 1.0);
-    CHECK(test.integral == doctest::Approx(1.0).epsilon(1e-5));
+    CHECK(test.integral == near(1.0, 1e-5));
     CHECK(test.p_value > significance_of_each(kTests));
   }
 }
@@ -193,7 +194,7 @@ TEST_CASE("warp: square_to_bilinear has a pdf proportional to the interpolated w
     };
     const ChiSquare test = chi_square_plane(warp, pdf, {0, 1, 0, 1, 20, 20});
     CHECK(outside == 0);
-    CHECK(test.integral == doctest::Approx(1.0).epsilon(1e-5));
+    CHECK(test.integral == near(1.0, 1e-5));
     CHECK(test.p_value > significance_of_each(kTests));
   }
 }

@@ -1,6 +1,7 @@
 // Adaptive sampling's decisions about tiles, from samples that are made up.
 #include "kernels/film/adaptive_film.h"
 #include "kernels/film/aovs.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -39,8 +40,8 @@ double expected_samples(int noisy_half) {
 TEST_CASE("adaptive film: the noisier half decides how many samples a tile is expected to take") {
   // The relative variance of the noisy half, over the target of both, times the samples of four sets.
   const double noise = 0.25 / (1.5 * 1.5 * 1.01), expected = 4 * 8 * noise / (2 * 0.1 * 0.1);
-  CHECK(expected_samples(0) == doctest::Approx(expected));
-  CHECK(expected_samples(1) == doctest::Approx(expected));
+  CHECK(expected_samples(0) == near(expected));
+  CHECK(expected_samples(1) == near(expected));
 }
 
 }  // namespace sheaf::test_adaptive_film

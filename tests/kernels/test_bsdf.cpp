@@ -2,6 +2,7 @@
 #include "kernels/bsdf/list.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf {
 
@@ -39,9 +40,9 @@ TEST_CASE("bsdf: diffuse reflection is reciprocal and one-sided and conserves en
   check_bsdf_reciprocity(diffuse(0.8f, 0.4f, 0.1f));
   check_white_furnace(diffuse(1, 1, 1), true);
   const auto f = diffuse(0.8f, 0.4f, 0.1f).evaluate({0.6f, 0, 0.8f}, {0, 0.8f, 0.6f}).f_cos;
-  CHECK(f.c0 == doctest::Approx(0.8 * 0.6 / 3.14159265358979).epsilon(1e-6));
-  CHECK(f.c1 == doctest::Approx(0.4 * 0.6 / 3.14159265358979).epsilon(1e-6));
-  CHECK(f.c2 == doctest::Approx(0.1 * 0.6 / 3.14159265358979).epsilon(1e-6));
+  CHECK(f.c0 == near(0.8 * 0.6 / 3.14159265358979, 1e-6));
+  CHECK(f.c1 == near(0.4 * 0.6 / 3.14159265358979, 1e-6));
+  CHECK(f.c2 == near(0.1 * 0.6 / 3.14159265358979, 1e-6));
   for (const Vec3f wo : {Vec3f{0.6f, 0, -0.8f}, Vec3f{1, 0, 0}}) {
     CHECK(is_black(diffuse(1, 1, 1).evaluate(wo, {0, 0, 1}).f_cos));
     CHECK(diffuse(1, 1, 1).evaluate(wo, {0, 0, 1}).pdf_solid_angle == 0.0f);
@@ -57,7 +58,7 @@ TEST_CASE("bsdf: conductors reflect by the Fresnel equations on the outside only
     CHECK(s.valid == (wo.z > 0));
     if (!s.valid) continue;
     CHECK(s.wi == Vec3f{-wo.x, -wo.y, wo.z});
-    CHECK(s.weight.c1 == doctest::Approx(0.5 * fresnel_conductor(wo.z, 0.2f, 3.0f)).epsilon(1e-6));
+    CHECK(s.weight.c1 == near(0.5 * fresnel_conductor(wo.z, 0.2f, 3.0f), 1e-6));
     CHECK(s.pdf_solid_angle == 0.0f);
     CHECK(s.eta_scale == 1.0f);
     CHECK(is_black(conductor(0.2f, 3.0f).evaluate(wo, s.wi).f_cos));
@@ -70,9 +71,9 @@ TEST_CASE("bsdf: conductors reflect by the Fresnel equations on the outside only
 TEST_CASE("bsdf: each wavelength of a conductor has its own index of refraction") {
   const ConductorParameters<Scalar> parameters{{0.2f, 1.0f, 1.5f, 0}, {3.0f, 2.0f, 1.0f, 1}, {1, 0.5f, 0.25f, 0}};
   const auto s = make_bsdf<ConductorBsdf>(parameters).sample({0.6f, 0, 0.8f}, kReflect);
-  CHECK(s.weight.c0 == doctest::Approx(fresnel_conductor(0.8f, 0.2f, 3.0f)));
-  CHECK(s.weight.c1 == doctest::Approx(0.5 * fresnel_conductor(0.8f, 1.0f, 2.0f)));
-  CHECK(s.weight.c2 == doctest::Approx(0.25 * fresnel_conductor(0.8f, 1.5f, 1.0f)));
+  CHECK(s.weight.c0 == near(fresnel_conductor(0.8f, 0.2f, 3.0f)));
+  CHECK(s.weight.c1 == near(0.5 * fresnel_conductor(0.8f, 1.0f, 2.0f)));
+  CHECK(s.weight.c2 == near(0.25 * fresnel_conductor(0.8f, 1.5f, 1.0f)));
   CHECK(s.weight.c3 == 0.0f);
 }
 
@@ -86,12 +87,12 @@ TEST_CASE("bsdf: dielectrics refract by Snell's law in the plane of incidence") 
       CAPTURE(wo.z);
       REQUIRE(s.valid);
       CHECK(s.wi.z * wo.z < 0.0f);
-      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-5));
-      CHECK(std::hypot(s.wi.x, s.wi.y) * relative == doctest::Approx(std::hypot(wo.x, wo.y)).epsilon(1e-5));
-      CHECK(s.wi.x * wo.y == doctest::Approx(s.wi.y * wo.x).epsilon(1e-5));
+      CHECK(length(s.wi) == near(1, 1e-5));
+      CHECK(std::hypot(s.wi.x, s.wi.y) * relative == near(std::hypot(wo.x, wo.y), 1e-5));
+      CHECK(s.wi.x * wo.y == near(s.wi.y * wo.x, 1e-5));
       CHECK(s.wi.x * wo.x + s.wi.y * wo.y <= 0.0f);
-      CHECK(s.eta_scale == doctest::Approx(relative * relative).epsilon(1e-5));
-      CHECK(s.weight.c0 == doctest::Approx(1 / (relative * relative)).epsilon(1e-5));
+      CHECK(s.eta_scale == near(relative * relative, 1e-5));
+      CHECK(s.weight.c0 == near(1 / (relative * relative), 1e-5));
     }
 }
 
@@ -101,8 +102,8 @@ TEST_CASE("bsdf: light refracted into glass and out again regains its direction 
     const auto in = dielectric(eta).sample(wo, kTransmit);
     const auto out = dielectric(eta).sample(in.wi, kTransmit);
     CHECK(record_difference<Vec3>(out.wi, wo) < 1e-5);
-    CHECK(in.weight.c0 * out.weight.c0 == doctest::Approx(1).epsilon(1e-5));
-    CHECK(in.eta_scale * out.eta_scale == doctest::Approx(1).epsilon(1e-5));
+    CHECK(in.weight.c0 * out.weight.c0 == near(1, 1e-5));
+    CHECK(in.eta_scale * out.eta_scale == near(1, 1e-5));
   }
 }
 
@@ -128,7 +129,7 @@ TEST_CASE("bsdf: dielectrics choose reflection by the Fresnel reflectance and co
         const auto s = dielectric(eta, 0.75f, 0.5f).sample(wo, lane_random(21, i, 0));
         reflected += s.wi.z * wo.z > 0;
         const float scale = s.wi.z * wo.z > 0 ? 0.75f : 0.5f / s.eta_scale;
-        CHECK(s.weight.c2 == doctest::Approx(scale).epsilon(1e-5));
+        CHECK(s.weight.c2 == near(scale, 1e-5));
       }
       const double share = fresnel_dielectric<Scalar>(wo.z, eta).reflectance;
       // Binomial counts; 10 cases for each index.

@@ -4,6 +4,7 @@
 
 #include "tests/support/any_bsdf.h"
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_coated {
 
@@ -108,7 +109,7 @@ TEST_CASE("coats: a coated diffuse closure is a plastic without internal reflect
   const auto bsdf = coated(diffuse(0.6f), 1.5f, 0);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(71, i), wi = random_direction(72, i);
-    CHECK(bsdf.evaluate(wo, wi).f_cos.c1 == doctest::Approx(plastic.evaluate(wo, wi).f_cos.c1).epsilon(1e-4));
+    CHECK(bsdf.evaluate(wo, wi).f_cos.c1 == near(plastic.evaluate(wo, wi).f_cos.c1, 1e-4));
   }
 }
 
@@ -120,7 +121,7 @@ TEST_CASE("coats: values match computations by hand") {
   const double r = 0.5 * (s * s + p * p), dim = std::exp(-0.4 * 0.5 * 2 / within);
   const Vec3f wo = direction_of(cosine, 0), wi = direction_of(cosine, 1);
   CHECK(coated(diffuse(0.6f), 1.5f, 0.4f).evaluate(wo, wi).f_cos.c0 ==
-        doctest::Approx((1 - r) * (1 - r) * dim * 0.6 / kPiD * cosine / (eta * eta)).epsilon(1e-4));
+        near((1 - r) * (1 - r) * dim * 0.6 / kPiD * cosine / (eta * eta), 1e-4));
   // A mirror under a coat has two delta reflections.
   MeanVariance energy;
   for (std::uint32_t i = 0; i < 20000; ++i) {
@@ -139,7 +140,7 @@ TEST_CASE("coats: a nearly smooth rough coat approximates a smooth one") {
   const auto rough = rough_coated(diffuse(0.6f), 1.5f, 0.4f, 1e-4f);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(74, i), wi = random_direction(75, i);
-    CHECK(rough.evaluate(wo, wi).f_cos.c0 == doctest::Approx(smooth.evaluate(wo, wi).f_cos.c0).epsilon(0.01));
+    CHECK(rough.evaluate(wo, wi).f_cos.c0 == near(smooth.evaluate(wo, wi).f_cos.c0, 0.01));
   }
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/bsdf/thin_dielectric.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_dispersive {
 
@@ -74,7 +75,7 @@ TEST_CASE("dispersion: a smooth boundary with equal indices is an ordinary diele
       CHECK(s.valid == expected.valid);
       CHECK(record_difference<Vec3>(s.wi, expected.wi) < 1e-6);
       CHECK(record_difference<Spectrum>(s.weight, expected.weight) < 1e-4);
-      CHECK(s.eta_scale == doctest::Approx(expected.eta_scale));
+      CHECK(s.eta_scale == near(expected.eta_scale));
     }
 }
 
@@ -84,14 +85,14 @@ TEST_CASE("dispersion: refraction keeps the hero wavelength with weight four and
   const auto through = bsdf.sample(wo, {0.9999f, 0, 0, 0}), back = bsdf.sample(wo, {0, 0, 0, 0});
   const auto fresnel = fresnel_dispersive<Scalar>(wo.z, kIndices);
   CHECK(through.wi.z < 0);
-  CHECK(std::hypot(through.wi.x, through.wi.y) == doctest::Approx(std::hypot(wo.x, wo.y) / 1.5).epsilon(1e-5));
+  CHECK(std::hypot(through.wi.x, through.wi.y) == near(std::hypot(wo.x, wo.y) / 1.5, 1e-5));
   CHECK(through.weight.c1 == 0);
   CHECK(through.weight.c2 == 0);
   CHECK(through.weight.c3 == 0);
   CHECK(through.weight.c0 * through.eta_scale * (1 - fresnel.probability) ==
-        doctest::Approx(4 * (1 - fresnel.first.reflectance)).epsilon(1e-4));
+        near(4 * (1 - fresnel.first.reflectance), 1e-4));
   CHECK(back.wi.z == wo.z);
-  CHECK(back.weight.c3 * fresnel.probability == doctest::Approx(fresnel_dielectric<Scalar>(wo.z, 1.7f).reflectance));
+  CHECK(back.weight.c3 * fresnel.probability == near(fresnel_dielectric<Scalar>(wo.z, 1.7f).reflectance));
 }
 
 TEST_CASE("dispersion: smooth and thin and rough boundaries conserve energy from both sides") {

@@ -4,6 +4,7 @@
 #include "kernels/stages/adjoint.h"
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_hair {
 
@@ -49,7 +50,7 @@ TEST_CASE("hair: the Bessel function matches tabulated values") {
                                             {10.0f, 0.1278333372}};
   for (const auto& [x, expected] : table) {
     const double scale = x < hair_detail::kSmallBessel ? std::exp(-double(x)) : 1.0;
-    CHECK(scale * hair_detail::scaled_bessel_i0(x) == doctest::Approx(expected).epsilon(2e-5));
+    CHECK(scale * hair_detail::scaled_bessel_i0(x) == near(expected, 2e-5));
   }
 }
 
@@ -61,14 +62,14 @@ TEST_CASE("hair: longitudinal lobes integrate to one and are centred on the spec
       const auto density = [&](double t) {
         return double(hair_detail::longitudinal<Scalar>(at(theta), at(t), v)) * std::cos(t);
       };
-      CHECK(integral(-kHalfTurn / 2, kHalfTurn / 2, 4000, density) == doctest::Approx(1).epsilon(1e-4));
+      CHECK(integral(-kHalfTurn / 2, kHalfTurn / 2, 4000, density) == near(1, 1e-4));
     }
   // The mean of sin(theta) under a von Mises-Fisher distribution around -theta: coth(1 / v) - v times sin(-theta).
   const double v = 0.3, theta = 0.6;
   const double sine = integral(-kHalfTurn / 2, kHalfTurn / 2, 4000, [&](double t) {
     return double(hair_detail::longitudinal<Scalar>(at(theta), at(t), float(v))) * std::cos(t) * std::sin(t);
   });
-  CHECK(sine == doctest::Approx(-(1 / std::tanh(1 / v) - v) * std::sin(theta)).epsilon(1e-4));
+  CHECK(sine == near(-(1 / std::tanh(1 / v) - v) * std::sin(theta), 1e-4));
 }
 
 TEST_CASE("hair: azimuthal lobes integrate to one and are periodic and are sampled by inversion") {
@@ -76,12 +77,11 @@ TEST_CASE("hair: azimuthal lobes integrate to one and are periodic and are sampl
     CAPTURE(s);
     const hair_detail::TrimmedLogistic<float> lobe(s);
     CHECK(integral(-kHalfTurn, kHalfTurn, 20000, [&](double x) { return double(lobe.density(float(x))); }) ==
-          doctest::Approx(1).epsilon(1e-4));
-    CHECK(lobe.density(1.0f) == doctest::Approx(lobe.density(1.0f - 2 * float(kHalfTurn))).epsilon(2e-2));
+          near(1, 1e-4));
+    CHECK(lobe.density(1.0f) == near(lobe.density(1.0f - 2 * float(kHalfTurn)), 2e-2));
     for (const float u : {0.01f, 0.3f, 0.5f, 0.9f}) {
       const double x = double(lobe.sample(u));
-      CHECK(integral(-kHalfTurn, x, 20000, [&](double t) { return double(lobe.density(float(t))); }) ==
-            doctest::Approx(u).epsilon(1e-3));
+      CHECK(integral(-kHalfTurn, x, 20000, [&](double t) { return double(lobe.density(float(t))); }) == near(u, 1e-3));
     }
   }
 }
@@ -105,7 +105,7 @@ TEST_CASE("hair: fibres without absorption scatter all light") {
       for (std::uint32_t i = 0; i < 100; ++i) {
         const Vec3f wo = random_direction(31, i);
         const auto [f, pdf] = bsdf.evaluate(wo, random_direction(32, i));
-        CHECK(f.c1 == doctest::Approx(pdf).epsilon(1e-3));
+        CHECK(f.c1 == near(pdf, 1e-3));
       }
     }
 }
@@ -115,8 +115,8 @@ TEST_CASE("hair: absorbed and scattered light add up to the incident light") {
   const double f = std::pow((1.55 - 1) / (1.55 + 1), 2);
   for (const float sigma_a : {0.2f, 1.0f}) {
     const double t = std::exp(-2.0 * double(sigma_a)), albedo = f + (1 - f) * (1 - f) * t / (1 - t * f);
-    CHECK(sampled_albedo(hair(0.3f, 0.3f, sigma_a), {0, 0, 1}) == doctest::Approx(albedo).epsilon(5e-3));
-    CHECK(sampled_albedo(hair(0.3f, 0.3f, sigma_a), {0, 0, -1}) == doctest::Approx(albedo).epsilon(5e-3));
+    CHECK(sampled_albedo(hair(0.3f, 0.3f, sigma_a), {0, 0, 1}) == near(albedo, 5e-3));
+    CHECK(sampled_albedo(hair(0.3f, 0.3f, sigma_a), {0, 0, -1}) == near(albedo, 5e-3));
   }
 }
 
@@ -149,8 +149,8 @@ TEST_CASE("hair: tilted scales shift reflection by twice their angle and transmi
         best = v, where = t;
     return where;
   };
-  CHECK(brightest(1) == doctest::Approx(0.2).epsilon(0.1));
-  CHECK(brightest(-1) == doctest::Approx(-0.1).epsilon(0.1));
+  CHECK(brightest(1) == near(0.2, 0.1));
+  CHECK(brightest(-1) == near(-0.1, 0.1));
 }
 
 TEST_CASE("hair: values match Mitsuba") {
@@ -164,9 +164,9 @@ TEST_CASE("hair: values match Mitsuba") {
   dyed.absorption = {0.1f, 0.3f, 0.9f, 0}, dyed.scale = 0.5f;
   const auto check = [](const Hair& bsdf, Vec3f wo, Vec3f wi, Vec3f expected) {
     const auto f = bsdf.evaluate(wo, wi).f_cos;
-    CHECK(f.c0 == doctest::Approx(expected.x).epsilon(1e-3));
-    CHECK(f.c1 == doctest::Approx(expected.y).epsilon(1e-3));
-    CHECK(f.c2 == doctest::Approx(expected.z).epsilon(1e-3));
+    CHECK(f.c0 == near(expected.x, 1e-3));
+    CHECK(f.c1 == near(expected.y, 1e-3));
+    CHECK(f.c2 == near(expected.z, 1e-3));
     CHECK(f.c3 == 0.0f);
   };
   check(brown, {0.98888886f, 0.0999422371f, 0.110047348f}, {-0.752621949f, 0.656171262f, 0.054767631f},
@@ -186,10 +186,10 @@ TEST_CASE("hair: photons agree with paths although the model is not reciprocal")
   const auto photon = [&](Vec3f wo, Vec3f wi) { return adjoint_f_cos<Scalar>(bsdf, wo, wi).c0 / std::fabs(wi.z); };
   const Vec3f camera = normalize(Vec3f{0.7f, 0.2f, 0.5f}), light = normalize(Vec3f{-0.2f, -0.5f, 0.9f});
   CHECK(std::fabs(f(camera, light) / f(light, camera) - 1) > 0.02f);
-  CHECK(photon(light, camera) == doctest::Approx(f(camera, light)).epsilon(1e-5));
+  CHECK(photon(light, camera) == near(f(camera, light), 1e-5));
   // Behind the fibre: the normal at the photon is opposite to the one that the camera sees.
   const auto turned = [](Vec3f w) { return Vec3f{-w.x, w.y, -w.z}; };
-  CHECK(photon(light, turned(camera)) == doctest::Approx(f(camera, turned(light))).epsilon(1e-5));
+  CHECK(photon(light, turned(camera)) == near(f(camera, turned(light)), 1e-5));
 }
 
 TEST_CASE("hair: absorption follows from the colour of dense hair") {
@@ -201,7 +201,7 @@ TEST_CASE("hair: absorption follows from the colour of dense hair") {
   const float expected = bsdf.evaluate(wo, wi).f_cos.c2;
   bsdf.absorption = Spectrum4(0.25f);
   bsdf.by_reflectance = 1;
-  CHECK(bsdf.evaluate(wo, wi).f_cos.c2 == doctest::Approx(expected).epsilon(1e-4));
+  CHECK(bsdf.evaluate(wo, wi).f_cos.c2 == near(expected, 1e-4));
   bsdf.by_reflectance = 0;
   CHECK(std::fabs(bsdf.evaluate(wo, wi).f_cos.c2 / expected - 1) > 0.01f);
 }

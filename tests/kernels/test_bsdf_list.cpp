@@ -1,6 +1,7 @@
 // Tests that apply to every BSDF in the list. Tests of individual BSDFs are in test_bsdf*.cpp and test_phase.cpp.
 #include "tests/support/any_bsdf.h"
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 #include <set>
 #include <string_view>
@@ -104,7 +105,7 @@ TEST_CASE("all bsdfs: the pass-through of thin dielectrics agrees with their sam
         const double threshold = student_t_threshold(significance_of_each(kTests), kDraws - 1);
         CHECK(std::fabs(passed / kDraws - p) <= threshold * sigma + 1.0 / kDraws);
         // Every ray that passes has the same weight.
-        CHECK(light / std::max(passed, 1.0) * p == doctest::Approx(double(passage.share.c1)).epsilon(1e-4));
+        CHECK(light / std::max(passed, 1.0) * p == near(double(passage.share.c1), 1e-4));
       }
   });
 }

@@ -7,6 +7,7 @@
 #include "kernels/bsdf/ward.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_lobes {
 
@@ -115,12 +116,11 @@ TEST_CASE("phong: values match computations by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
   // The mirror direction of wo is (-0.6, 0, 0.8); its cosine with wi is 0.64.
   const double lobe = 12 / (2 * kPiD) * std::pow(0.64, 10);
-  CHECK(phong(10, 0.3f, 0.6f).evaluate(wo, wi).f_cos.c0 ==
-        doctest::Approx(0.8 * (0.3 / kPiD + 0.6 * lobe)).epsilon(1e-5));
+  CHECK(phong(10, 0.3f, 0.6f).evaluate(wo, wi).f_cos.c0 == near(0.8 * (0.3 / kPiD + 0.6 * lobe), 1e-5));
   CHECK(is_black(phong(10, 0.3f, 0.6f).evaluate(wo, {0, 0.6f, -0.8f}).f_cos));
   // At normal incidence the whole lobe is above the surface. Its normalisation (n + 2) / (2 pi) cancels the cosine, so
   // a white lobe loses nothing.
-  CHECK(sampled_albedo(phong(10, 0, 1), {0, 0, 1}) == doctest::Approx(1).epsilon(0.01));
+  CHECK(sampled_albedo(phong(10, 0, 1), {0, 0, 1}) == near(1, 0.01));
 }
 
 TEST_CASE("ward: samples have consistent pdfs and weights and values are reciprocal") {
@@ -141,8 +141,7 @@ TEST_CASE("ward: the balanced variant does not gain energy and all variants agre
     check_white_furnace(ward(Variant::kBalanced, alpha, 0.5f * alpha, 0, 1), false);
   }
   for (const Variant variant : {Variant::kWard, Variant::kDuer, Variant::kBalanced})
-    CHECK(ward(variant, 0.3f, 0.1f, 0, 1).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 ==
-          doctest::Approx(1 / (4 * kPiD * 0.03)).epsilon(1e-5));
+    CHECK(ward(variant, 0.3f, 0.1f, 0, 1).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 == near(1 / (4 * kPiD * 0.03), 1e-5));
 }
 
 TEST_CASE("ward: values match computations by hand") {
@@ -151,9 +150,9 @@ TEST_CASE("ward: values match computations by hand") {
   const double t2 = (std::pow(0.6 / 0.3, 2) + std::pow(0.6 / 0.2, 2)) / (1.6 * 1.6);
   const double e = std::exp(-t2) / (kPiD * 0.3 * 0.2), base = 0.2 / kPiD;
   const auto value = [&](Variant v) { return double(ward(v, 0.3f, 0.2f, 0.2f, 0.6f).evaluate(wo, wi).f_cos.c0) / 0.8; };
-  CHECK(value(Variant::kWard) == doctest::Approx(base + 0.6 * e / (4 * 0.8)).epsilon(1e-5));
-  CHECK(value(Variant::kDuer) == doctest::Approx(base + 0.6 * e / (4 * 0.64)).epsilon(1e-5));
-  CHECK(value(Variant::kBalanced) == doctest::Approx(base + 0.6 * e * 3.28 / std::pow(1.6, 4)).epsilon(1e-5));
+  CHECK(value(Variant::kWard) == near(base + 0.6 * e / (4 * 0.8), 1e-5));
+  CHECK(value(Variant::kDuer) == near(base + 0.6 * e / (4 * 0.64), 1e-5));
+  CHECK(value(Variant::kBalanced) == near(base + 0.6 * e * 3.28 / std::pow(1.6, 4), 1e-5));
 }
 
 TEST_CASE("rough diffuse: values match the formulas of Oren and Nayar") {
@@ -170,8 +169,8 @@ TEST_CASE("rough diffuse: values match the formulas of Oren and Nayar") {
                           oren_nayar(std::acos(double(wo.z)), std::acos(double(wi.z)), phi, double(alpha), rho, fast));
         };
         const Spectrum4 f = bsdf.evaluate(wo, wi).f_cos;
-        CHECK(f.c0 == doctest::Approx(expected(0.6)).epsilon(2e-3));
-        CHECK(f.c1 == doctest::Approx(expected(0.3)).epsilon(2e-3));
+        CHECK(f.c0 == near(expected(0.6), 2e-3));
+        CHECK(f.c1 == near(expected(0.3), 2e-3));
       }
     }
 }
@@ -185,7 +184,7 @@ TEST_CASE("rough diffuse: samples have consistent weights and a smooth surface i
   }
   check_bsdf_reciprocity(rough_diffuse(0.5f, 0.8f, true));
   // Slopes of 0.35: masking hardly exceeds interreflection between the facets.
-  CHECK(sampled_albedo(rough_diffuse(0.5f, 1, false), {0, 0, 1}) == doctest::Approx(0.94).epsilon(0.05));
+  CHECK(sampled_albedo(rough_diffuse(0.5f, 1, false), {0, 0, 1}) == near(0.94, 0.05));
 }
 
 TEST_CASE("diffuse transmission: samples have consistent weights and conserve energy from both sides") {
@@ -195,8 +194,8 @@ TEST_CASE("diffuse transmission: samples have consistent weights and conserve en
   check_bsdf_weights(bsdf);
   check_bsdf_reciprocity(bsdf);
   check_white_furnace(bsdf, true);
-  CHECK(bsdf.evaluate({0, 0.6f, 0.8f}, {0.8f, 0, -0.6f}).f_cos.c1 == doctest::Approx(0.5 * 0.6 / kPiD).epsilon(1e-5));
-  CHECK(bsdf.evaluate({0, 0.6f, -0.8f}, {0.8f, 0, 0.6f}).f_cos.c1 == doctest::Approx(0.5 * 0.6 / kPiD).epsilon(1e-5));
+  CHECK(bsdf.evaluate({0, 0.6f, 0.8f}, {0.8f, 0, -0.6f}).f_cos.c1 == near(0.5 * 0.6 / kPiD, 1e-5));
+  CHECK(bsdf.evaluate({0, 0.6f, -0.8f}, {0.8f, 0, 0.6f}).f_cos.c1 == near(0.5 * 0.6 / kPiD, 1e-5));
   CHECK(is_black(bsdf.evaluate({0, 0.6f, 0.8f}, {0.8f, 0, 0.6f}).f_cos));
 }
 
@@ -211,7 +210,7 @@ TEST_CASE("hanrahan krueger: samples have consistent weights and values are reci
     check_bsdf_finite(slab(2, 0.5f, 0.4f, g));
     check_white_furnace(grey_slab(2, 0.4f, g), false);
     // The slab is so thin that multiple scattering is negligible: light that is not scattered passes.
-    CHECK(sampled_albedo(grey_slab(1e-3f, 0.1f, g), {0, 0.6f, 0.8f}) == doctest::Approx(1).epsilon(0.01));
+    CHECK(sampled_albedo(grey_slab(1e-3f, 0.1f, g), {0, 0.6f, 0.8f}) == near(1, 0.01));
   }
 }
 
@@ -220,8 +219,8 @@ TEST_CASE("hanrahan krueger: values equal the integral over the depth of the sca
     const Vec3f wo = random_direction(63, i), wi = random_direction(64, i);
     if (std::fabs(wo.z) < 0.05f || std::fabs(wi.z) < 0.05f) continue;
     const auto f = slab(2, 0.5f, 0.4f, 0.3f).evaluate(wo, wi).f_cos;
-    CHECK(f.c0 == doctest::Approx(slab_by_depth(2, 2.5, 0.4, 0.3, wo, wi)).epsilon(1e-3));
-    CHECK(f.c2 == doctest::Approx(slab_by_depth(4, 4.5, 0.4, 0.3, wo, wi)).epsilon(1e-3));
+    CHECK(f.c0 == near(slab_by_depth(2, 2.5, 0.4, 0.3, wo, wi), 1e-3));
+    CHECK(f.c2 == near(slab_by_depth(4, 4.5, 0.4, 0.3, wo, wi), 1e-3));
   }
   const Vec3f wo{0.6f, 0, 0.8f};
   MeanVariance passed;
@@ -237,8 +236,7 @@ TEST_CASE("hanrahan krueger: values equal the integral over the depth of the sca
   other.second = {0.8f, 1 / 1.5f, 4 / 4.5f, 0};
   other.by_albedo = 1;
   const Vec3f wi{0, -0.6f, 0.8f};
-  CHECK(other.evaluate(wo, wi).f_cos.c2 ==
-        doctest::Approx(slab(2, 0.5f, 0.4f, 0.3f).evaluate(wo, wi).f_cos.c2).epsilon(1e-5));
+  CHECK(other.evaluate(wo, wi).f_cos.c2 == near(slab(2, 0.5f, 0.4f, 0.3f).evaluate(wo, wi).f_cos.c2, 1e-5));
 }
 
 TEST_SUITE_END();

@@ -5,6 +5,7 @@
 #include "scene/data/rgb_basis.h"
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/measured_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_measured {
 
@@ -76,7 +77,7 @@ template <class Bsdf, std::size_t N> void check_against_references(const Bsdf& b
     wo.z = std::fabs(wo.z), wi.z = std::fabs(wi.z);
     const auto [f, pdf] = bsdf.evaluate(wo, wi);
     const float found[] = {f.c0, f.c1, f.c2, f.c3, pdf};
-    for (std::size_t k = 0; k < 5; ++k) CHECK(found[k] == doctest::Approx(expected[i][k]).epsilon(2e-4));
+    for (std::size_t k = 0; k < 5; ++k) CHECK(found[k] == near(expected[i][k], 2e-4));
   }
 }
 
@@ -108,8 +109,8 @@ TEST_CASE("measured: isotropic materials depend on the difference of azimuths on
     const float turn = 0.1f * static_cast<float>(i), c = std::cos(turn), s = std::sin(turn);
     const auto turned = [&](Vec3f w) { return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
     const auto f = measured.bsdf.evaluate(wo, wi), g = measured.bsdf.evaluate(turned(wo), turned(wi));
-    CHECK(f.f_cos.c1 == doctest::Approx(g.f_cos.c1).epsilon(2e-3));
-    CHECK(f.pdf_solid_angle == doctest::Approx(g.pdf_solid_angle).epsilon(2e-3));
+    CHECK(f.f_cos.c1 == near(g.f_cos.c1, 2e-3));
+    CHECK(f.pdf_solid_angle == near(g.pdf_solid_angle, 2e-3));
   }
 }
 
@@ -138,8 +139,8 @@ TEST_CASE("measured: spectra are interpolated linearly between wavelengths") {
   const std::vector<float> places = places_of_wavelengths(brdf.wavelengths);
   CHECK(places.front() == 0);
   CHECK(places.back() == 4);
-  CHECK(places[235] == doctest::Approx(2));
-  CHECK(places[300] == doctest::Approx(300 / 117.5));
+  CHECK(places[235] == near(2));
+  CHECK(places[300] == near(300 / 117.5));
   CHECK(places_of_wavelengths({400, 500, 900})[0] == 0);
   CHECK(places_of_wavelengths({400, 500, 600}).back() == 2);
   ClosureTables tables;
@@ -150,10 +151,10 @@ TEST_CASE("measured: spectra are interpolated linearly between wavelengths") {
   bsdf.place = {0, 1, 1.25f, 4};
   const Vec3f wo = direction_at(0.6, 0), wi = direction_at(0.5, 3.0);
   const Spectrum4 f = bsdf.evaluate(wo, wi).f_cos;
-  CHECK(f.c0 == doctest::Approx(facets.f_cos(0, wo, wi)).epsilon(0.05));
-  CHECK(f.c3 == doctest::Approx(facets.f_cos(4, wo, wi)).epsilon(0.05));
+  CHECK(f.c0 == near(facets.f_cos(0, wo, wi), 0.05));
+  CHECK(f.c3 == near(facets.f_cos(4, wo, wi), 0.05));
   bsdf.place = {2, 3, 4, 4};
-  CHECK(f.c2 == doctest::Approx(0.75f * f.c1 + 0.25f * bsdf.evaluate(wo, wi).f_cos.c0));
+  CHECK(f.c2 == near(0.75f * f.c1 + 0.25f * bsdf.evaluate(wo, wi).f_cos.c0));
 }
 
 TEST_CASE("measured: spectra become their colours under daylight") {
@@ -171,10 +172,10 @@ TEST_CASE("measured: spectra become their colours under daylight") {
   CHECK(brdf.channels == 3);
   CHECK(brdf.wavelengths.empty());
   const float* values = brdf.values.values.data();
-  CHECK(values[texel] == doctest::Approx(expected.x).epsilon(2e-3));
-  CHECK(values[texel + size] == doctest::Approx(expected.y).epsilon(2e-3));
-  CHECK(values[texel + 2 * size] == doctest::Approx(expected.z).epsilon(2e-3));
-  for (std::size_t c = 0; c < 3; ++c) CHECK(values[texel + 1 + c * size] == doctest::Approx(0.7).epsilon(1e-5));
+  CHECK(values[texel] == near(expected.x, 2e-3));
+  CHECK(values[texel + size] == near(expected.y, 2e-3));
+  CHECK(values[texel + 2 * size] == near(expected.z, 2e-3));
+  for (std::size_t c = 0; c < 3; ++c) CHECK(values[texel + 1 + c * size] == near(0.7, 1e-5));
 }
 
 TEST_CASE("measured: the basis spectra for red and green and blue have these colours and add up to one") {
@@ -189,7 +190,7 @@ TEST_CASE("measured: the basis spectra for red and green and blue have these col
       sum[i] += basis[i];
     }
   }
-  for (const float s : sum) CHECK(s == doctest::Approx(1).epsilon(1e-6));
+  for (const float s : sum) CHECK(s == near(1, 1e-6));
 }
 
 TEST_CASE("measured: a missing table scatters nothing and does not affect other lanes") {
@@ -211,7 +212,7 @@ TEST_CASE("measured: a missing table scatters nothing and does not affect other 
     with_tables.tables = bsdf.tables;
     const auto value = with_tables.evaluate(broadcast<Wide>(wo), broadcast<Wide>(wi));
     bsdf.table = table;
-    CHECK(value.pdf_solid_angle[kWidth - 1] == doctest::Approx(bsdf.evaluate(wo, wi).pdf_solid_angle).epsilon(1e-4));
+    CHECK(value.pdf_solid_angle[kWidth - 1] == near(bsdf.evaluate(wo, wi).pdf_solid_angle, 1e-4));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_plastic {
 
@@ -127,28 +128,27 @@ TEST_CASE("plastic: a white base under a lossless coat reflects all light") {
 TEST_CASE("plastic: values at normal incidence match computations by hand") {
   const double f = 0.04, inside = smooth_coat_internal_reflectance(1.5), through = (1 - f) * (1 - f) / (1.5 * 1.5);
   const double pi = 3.14159265358979;
-  CHECK(plastic(1.5f, 0.6f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 ==
-        doctest::Approx(0.6 / (1 - inside) * through / pi).epsilon(1e-5));
+  CHECK(plastic(1.5f, 0.6f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 == near(0.6 / (1 - inside) * through / pi, 1e-5));
   CHECK(plastic(1.5f, 0.6f, 1, 1).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c1 ==
-        doctest::Approx(0.3 / (1 - 0.3 * inside) * through / pi).epsilon(1e-5));
+        near(0.3 / (1 - 0.3 * inside) * through / pi, 1e-5));
   CHECK(is_black(plastic(1.5f, 0.6f).evaluate({0, 0, -1}, {0, 0, -1}).f_cos));
   CHECK(plastic(1.5f, 0, 0).sample({0, 0, 1}, {0.3f, 0.5f, 0.5f, 0}).weight.c0 == 0.0f);
 }
 
 TEST_CASE("plastic: the internal reflectance of smooth coats matches its integral") {
   // Walsh's closed form as tabulated by Egan and Hilgeman (1973), for 1.5: 0.5963.
-  CHECK(smooth_coat_internal_reflectance(1.5) == doctest::Approx(0.59636).epsilon(2e-4));
-  CHECK(smooth_coat_internal_reflectance(1.0) == doctest::Approx(0).epsilon(1e-6));
+  CHECK(smooth_coat_internal_reflectance(1.5) == near(0.59636, 2e-4));
+  CHECK(smooth_coat_internal_reflectance(1.0) == within(0, 1e-6));
   for (const double eta : {0.7, 1.2, 1.5, 2.5}) {
     double sum = 0;  // midpoint rule, from inside
     for (int i = 0; i < 20000; ++i) {
       const double c = (i + 0.5) / 20000;
       sum += 2 * c * fresnel_dielectric<Scalar>(static_cast<float>(c), static_cast<float>(1 / eta)).reflectance / 20000;
     }
-    CHECK(smooth_coat_internal_reflectance(eta) == doctest::Approx(sum).epsilon(3e-4));
+    CHECK(smooth_coat_internal_reflectance(eta) == near(sum, 3e-4));
     // A nearly smooth rough coat gives the same result.
-    CHECK(rough_coat(Distribution::kBeckmann, 1e-4, eta).internal_reflectance == doctest::Approx(sum).epsilon(2e-3));
-    CHECK(rough_coat(Distribution::kGgx, 1e-4, eta).internal_reflectance == doctest::Approx(sum).epsilon(2e-3));
+    CHECK(rough_coat(Distribution::kBeckmann, 1e-4, eta).internal_reflectance == near(sum, 2e-3));
+    CHECK(rough_coat(Distribution::kGgx, 1e-4, eta).internal_reflectance == near(sum, 2e-3));
   }
 }
 
@@ -187,7 +187,7 @@ TEST_CASE("rough plastic: vanishing roughness gives the smooth plastic") {
   const auto rough = rough_plastic<RoughPlasticBeckmannBsdf>(1.5f, 1e-4f, 0.6f, 0.0f);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(53, i), wi = random_direction(54, i);
-    CHECK(rough.evaluate(wo, wi).f_cos.c0 == doctest::Approx(smooth.evaluate(wo, wi).f_cos.c0).epsilon(0.01));
+    CHECK(rough.evaluate(wo, wi).f_cos.c0 == near(smooth.evaluate(wo, wi).f_cos.c0, 0.01));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "tests/support/bsdf_testing.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_bsdf_rough {
 
@@ -52,8 +53,8 @@ template <template <class> class Bsdf> void check_metal() {
   for (std::uint32_t i = 0; i < 100; ++i) {
     const auto s = mirror.sample(wo, lane_random(41, i, 0));
     CHECK(s.valid);
-    CHECK(s.weight.c0 == doctest::Approx(1).epsilon(1e-3));  // hardly any masking
-    CHECK(s.wi.z == doctest::Approx(wo.z).epsilon(0.1));
+    CHECK(s.weight.c0 == near(1, 1e-3));  // hardly any masking
+    CHECK(s.wi.z == near(wo.z, 0.1));
   }
 }
 
@@ -86,10 +87,10 @@ template <template <class> class Bsdf> void check_smooth_limit() {
       const auto s = glass<Bsdf>(1.5f, 1e-4f, 1e-4f, 0.75f, 0.5f).sample(wo, {u, 0.5f, 0.5f, 0});
       const bool reflected = u < fresnel.reflectance;
       REQUIRE(s.valid);
-      CHECK(s.wi.z == doctest::Approx(reflected ? wo.z : fresnel.cos_transmitted).epsilon(1e-3));
-      CHECK(s.wi.x == doctest::Approx(reflected ? -wo.x : -wo.x / fresnel.eta).epsilon(1e-3));
-      CHECK(s.eta_scale == doctest::Approx(reflected ? 1 : fresnel.eta * fresnel.eta));
-      CHECK(s.weight.c0 == doctest::Approx(reflected ? 0.75 : 0.5 / (fresnel.eta * fresnel.eta)).epsilon(1e-3));
+      CHECK(s.wi.z == near(reflected ? wo.z : fresnel.cos_transmitted, 1e-3));
+      CHECK(s.wi.x == near(reflected ? -wo.x : -wo.x / fresnel.eta, 1e-3));
+      CHECK(s.eta_scale == near(reflected ? 1 : fresnel.eta * fresnel.eta));
+      CHECK(s.weight.c0 == near(reflected ? 0.75 : 0.5 / (fresnel.eta * fresnel.eta), 1e-3));
     }
 }
 
@@ -157,7 +158,7 @@ TEST_CASE("nori microfacet: samples have consistent weights and values are recip
   }
   // Normal incidence on facets that all face up: kd / pi + ks F / (4 pi alpha^2).
   const double expected = 0.5 / 3.14159265358979 + 0.5 * 0.04 / (4 * 3.14159265358979 * 0.01);
-  CHECK(nori(0.5f, 0.1f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 == doctest::Approx(expected).epsilon(1e-5));
+  CHECK(nori(0.5f, 0.1f).evaluate({0, 0, 1}, {0, 0, 1}).f_cos.c0 == near(expected, 1e-5));
   CHECK(is_black(nori(0.5f, 0.1f).evaluate({0, 0, -1}, {0, 0, 1}).f_cos));
 }
 
@@ -174,7 +175,7 @@ TEST_CASE("nori microfacet: shadowing follows the approximation of Walter et al.
       const float found = nori(0, static_cast<float>(alpha)).evaluate(wo, {-wo.x, 0, wo.z}).f_cos.c0;
       CAPTURE(theta);
       CAPTURE(alpha);
-      CHECK(static_cast<double>(found) == doctest::Approx(expected).epsilon(1e-4));
+      CHECK(static_cast<double>(found) == near(expected, 1e-4));
     }
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/denoise/select_filters.h"
 #include "kernels/denoise/smooth_variance.h"
 #include "tests/kernels/noisy_images.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -34,11 +35,11 @@ TEST_CASE("the variance of a lamp does not affect its surroundings but that of a
     halves[0][c].at(15, 4) = 10;                         // in one half only
   }
   const Planes3 smooth = smooth_variance(variance, halves);
-  CHECK(smooth[1].at(3, 4) == doctest::Approx(0.01));
-  CHECK(smooth[1].at(4, 4) == doctest::Approx(0.3 * 9));
-  CHECK(smooth[1].at(14, 4) == doctest::Approx((9 + 8 * 0.01) / 9));
-  CHECK(smooth[1].at(0, 0) == doctest::Approx(0.01));
-  CHECK(smooth_variance(variance, nullptr)[1].at(3, 4) == doctest::Approx((9 + 8 * 0.01) / 9));
+  CHECK(smooth[1].at(3, 4) == near(0.01));
+  CHECK(smooth[1].at(4, 4) == near(0.3 * 9));
+  CHECK(smooth[1].at(14, 4) == near((9 + 8 * 0.01) / 9));
+  CHECK(smooth[1].at(0, 0) == near(0.01));
+  CHECK(smooth_variance(variance, nullptr)[1].at(3, 4) == near((9 + 8 * 0.01) / 9));
 }
 
 TEST_CASE("features: vertical slopes are treated like horizontal ones") {
@@ -59,14 +60,12 @@ TEST_CASE("features: vertical slopes are treated like horizontal ones") {
   REQUIRE(features.size() == 3);
   for (int y = 1; y < kSide - 1; ++y)
     for (int x = 1; x < kSide - 1; ++x) {
-      CHECK(features[2].slope_x.at(x, y) == doctest::Approx(across).epsilon(1e-3));
-      CHECK(features[2].slope_y.at(x, y) == doctest::Approx(down).epsilon(1e-3));
-      for (std::size_t i = 0; i < 3; ++i)
-        CHECK(features[i].scale.at(x, y) == doctest::Approx(turned[i].scale.at(y, x)).epsilon(1e-3));
+      CHECK(features[2].slope_x.at(x, y) == near(across, 1e-3));
+      CHECK(features[2].slope_y.at(x, y) == near(down, 1e-3));
+      for (std::size_t i = 0; i < 3; ++i) CHECK(features[i].scale.at(x, y) == near(turned[i].scale.at(y, x), 1e-3));
     }
   // Variation between pixels counts in both directions: three channels of 3 (across, down).
-  CHECK(features[0].scale.at(5, 5) ==
-        doctest::Approx(1 / (1.2 * 1.2 * 27 * double{across * across + down * down})).epsilon(1e-3));
+  CHECK(features[0].scale.at(5, 5) == near(1 / (1.2 * 1.2 * 27 * double{across * across + down * down}), 1e-3));
 }
 
 TEST_CASE("a vertical depth gradient is denoised as well as a horizontal one") {
@@ -91,7 +90,7 @@ TEST_CASE("a vertical depth gradient is denoised as well as a horizontal one") {
     return sum / (3 * kSide * kSide);
   };
   const double across = error_of(false), down = error_of(true);
-  CHECK(down == doctest::Approx(across).epsilon(0.02));
+  CHECK(down == near(across, 0.02));
   // Depth does not separate pixels on one plane.
   CHECK(down < sqr(0.2) / 50);
 }
@@ -113,7 +112,7 @@ TEST_CASE("denoising reduces the error and features reduce it further and the me
         }
       CHECK(std::abs(sum / expected - 1) < 5 * kNoise / std::sqrt(kColumns * kRows));
     }
-  CHECK(before == doctest::Approx(sqr(kNoise)).epsilon(0.1));
+  CHECK(before == near(sqr(kNoise), 0.1));
   CHECK(errors[0][0] < before / 5);
   CHECK(errors[1][0] < before / 8);
   CHECK(errors[1][1] < before / 20);
@@ -143,7 +142,7 @@ TEST_CASE("fireflies leave no blotches and features present in both halves survi
     const int out = image.find_channel(std::string("denoised.") + "RGB"[c]);
     for (int y = 8; y < 26; ++y)  // out of reach of the other spike
       for (int x = 8; x < 24; ++x) CHECK(std::abs(image.at(x, y, out) - expected.at(x, y, out)) < 0.1f);
-    CHECK(image.at(35, 30, out) == doctest::Approx(50).epsilon(0.02));
+    CHECK(image.at(35, 30, out) == near(50, 0.02));
   }
 }
 
@@ -187,8 +186,8 @@ TEST_CASE("the filter of least estimated error is selected") {
   }
   const Planes3 mixed = select_filters(filters, color, variance);
   for (int y = 0; y < kSize; ++y) {
-    CHECK(mixed[1].at(3, y) == doctest::Approx(1));
-    CHECK(mixed[1].at(kSize - 4, y) == doctest::Approx(color[1].at(kSize - 4, y)));
+    CHECK(mixed[1].at(3, y) == near(1));
+    CHECK(mixed[1].at(kSize - 4, y) == near(color[1].at(kSize - 4, y)));
   }
 }
 

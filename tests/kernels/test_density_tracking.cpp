@@ -4,6 +4,7 @@
 
 #include "scene/tables/make_majorants.h"
 
+#include "tests/support/near.h"
 #include "tests/support/statistics.h"
 #include "tests/support/volume_testing.h"
 
@@ -178,9 +179,7 @@ TEST_CASE("density tracking: weights and pdfs of lanes with unequal extinction m
             const auto by_light = [&](double sigma) {
               return std::pow(sigma / h, nulls) * std::exp((h - sigma) * (majorants - minorants));
             };
-            const auto check = [](float found, double expected) {
-              CHECK(double{found} / expected == doctest::Approx(1).epsilon(1e-4));
-            };
+            const auto check = [](float found, double expected) { CHECK(double{found} / expected == near(1, 1e-4)); };
             check(path.beta[lane], by_path(s[l]));
             check(path.r_u[lane], by_path(s[d]));
             check(path.r_l[lane], delta ? by_path(s[d]) : by_light(s[d]) * ratio * std::exp(h * minorants));

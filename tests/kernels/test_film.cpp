@@ -3,6 +3,7 @@
 #include "kernels/film/cryptomatte.h"
 #include "kernels/film/film.h"
 #include "kernels/film/film_file.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -86,10 +87,10 @@ TEST_CASE("a film holds means and sample counts and optionally variances of the 
   CHECK(image.x0 == 2);
   CHECK(image.frame_height == 5);
   // 12 + {0, 0.1, 0.4, 0.9}: the variance of the mean is the sum of squared differences over n (n - 1).
-  CHECK(image.at(0, 0, 0) == doctest::Approx(12.35).epsilon(1e-6));
-  CHECK(image.at(0, 0, 1) == doctest::Approx(-12.35).epsilon(1e-6));
+  CHECK(image.at(0, 0, 0) == near(12.35, 1e-6));
+  CHECK(image.at(0, 0, 1) == near(-12.35, 1e-6));
   const double expected = (0.35 * 0.35 + 0.25 * 0.25 + 0.05 * 0.05 + 0.55 * 0.55) / 12;
-  CHECK(image.at(0, 0, 3) == doctest::Approx(expected).epsilon(1e-4));
+  CHECK(image.at(0, 0, 3) == near(expected, 1e-4));
   CHECK(image.at(0, 0, 5) == 4);
   for (int c = 0; c < 6; ++c) CHECK(image.at(2, 1, c) == 0);
 }
@@ -114,8 +115,8 @@ TEST_CASE("a film's noise is unknown if more than 0.1 % of its pixels have fewer
   for (const VarianceUnit unit : {VarianceUnit::kSample, VarianceUnit::kReplicate}) {
     // The standard error of the mean of 1 and 1.2 is 0.1. Relative errors of dark pixels use a tenth of the image mean.
     const double expected = 0.1 / std::sqrt(1.1 * 1.1 + 0.11 * 0.11);
-    CHECK(noise_of_film(0, 0, unit).value_or(-1) == doctest::Approx(expected).epsilon(1e-4));
-    CHECK(noise_of_film(1, 1, unit).value_or(-1) == doctest::Approx(expected).epsilon(0.01));
+    CHECK(noise_of_film(0, 0, unit).value_or(-1) == near(expected, 1e-4));
+    CHECK(noise_of_film(1, 1, unit).value_or(-1) == near(expected, 0.01));
     CHECK_FALSE(noise_of_film(3, 0, unit).has_value());
     CHECK_FALSE(noise_of_film(0, 3, unit).has_value());
     CHECK_FALSE(noise_of_film(2000, 0, unit).has_value());
@@ -207,14 +208,14 @@ TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip
   CHECK(image.at(3, 4, number) == 1);
   CHECK(image.at(12, 4, number) == 2);
   CHECK(image.at(15, 4, number) == 0);
-  CHECK(image.at(3, 4, id + 1) == doctest::Approx(1));
+  CHECK(image.at(3, 4, id + 1) == near(1));
   CHECK(image.at(3, 4, id) == bits_float(cryptomatte_id("left")));
   // On both sides of the edge, the neighbour has the same coverage.
   CHECK(image.at(7, 4, id) == bits_float(cryptomatte_id("left")));
   CHECK(image.at(8, 4, id) == bits_float(cryptomatte_id("right")));
   CHECK(image.at(7, 4, id + 2) == bits_float(cryptomatte_id("right")));
-  CHECK(image.at(7, 4, id + 1) + image.at(7, 4, id + 3) == doctest::Approx(1));
-  CHECK(image.at(7, 4, id + 3) == doctest::Approx(double{image.at(8, 4, id + 3)}));
+  CHECK(image.at(7, 4, id + 1) + image.at(7, 4, id + 3) == near(1));
+  CHECK(image.at(7, 4, id + 3) == near(double{image.at(8, 4, id + 3)}));
   CHECK(image.at(7, 4, id + 3) > 0.05f);
   CHECK(image.at(13, 4, id + 1) < 0.95f);
   CHECK(image.at(13, 4, id + 3) == 0);

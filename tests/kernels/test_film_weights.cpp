@@ -3,6 +3,7 @@
 #include "core/rng.h"
 #include "kernels/film/film.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -119,12 +120,12 @@ TEST_CASE("weighted film: means and variances are those of all samples under the
       REQUIRE(image.channels.size() == static_cast<std::size_t>(4 + bins));
       for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {8, 8}, {22, 16}, {15, 3}, {10, 16}}) {
         const Expected expected = expected_at(filter, x, y, unit);
-        CHECK(image.at(x, y, 0) == doctest::Approx(expected.means[0]).epsilon(1e-4));
-        CHECK(image.at(x, y, 1) == doctest::Approx(expected.means[1]).epsilon(1e-4));
-        CHECK(image.at(x, y, 2) == doctest::Approx(expected.variance).epsilon(1e-3));
+        CHECK(image.at(x, y, 0) == near(expected.means[0], 1e-4));
+        CHECK(image.at(x, y, 1) == near(expected.means[1], 1e-4));
+        CHECK(image.at(x, y, 2) == near(expected.variance, 1e-3));
         CHECK(image.at(x, y, 3) == kReplicates * kPerReplicate);
         // The second bin receives 0.5 + 0.25 from every sample; its width is 470 / 3 nm.
-        if (bins > 0) CHECK(image.at(x, y, 5) == doctest::Approx(0.75 / (470.0 / 3)).epsilon(1e-5));
+        if (bins > 0) CHECK(image.at(x, y, 5) == near(0.75 / (470.0 / 3), 1e-5));
       }
     }
   }
@@ -149,8 +150,7 @@ TEST_CASE("weighted film: tiles may be narrower than the filter radius") {
   const Image small =
       film_by_tiles(FilterWeights(filter), {0, 0, kFrameWidth, kFrameHeight}, 2, VarianceUnit::kReplicate).to_image();
   for (const auto& [x, y] : {std::pair{0, 0}, {7, 7}, {12, 9}})
-    CHECK(small.at(x, y, 0) ==
-          doctest::Approx(expected_at(filter, x, y, VarianceUnit::kReplicate).means[0]).epsilon(1e-4));
+    CHECK(small.at(x, y, 0) == near(expected_at(filter, x, y, VarianceUnit::kReplicate).means[0], 1e-4));
 }
 
 TEST_CASE("weighted film: dropped samples have no weight in any pixel") {
@@ -177,9 +177,9 @@ TEST_CASE("weighted film: dropped samples have no weight in any pixel") {
     const Image image = film.to_image();
     CHECK(film.count(0, 0) == 33);
     CHECK(film.count(1, 0) == 0);
-    CHECK(image.at(1, 0, 0) == doctest::Approx(4));  // from the neighbour's samples
-    CHECK(image.at(2, 0, 0) == doctest::Approx(4));
-    CHECK(image.at(0, 0, 1) == doctest::Approx(1.0 / 33));
+    CHECK(image.at(1, 0, 0) == near(4));  // from the neighbour's samples
+    CHECK(image.at(2, 0, 0) == near(4));
+    CHECK(image.at(0, 0, 1) == near(1.0 / 33));
   }
 }
 

@@ -1,6 +1,7 @@
 // Fresnel reflectance against closed forms and against complex arithmetic in double precision.
 #include "kernels/bsdf/fresnel.h"
 
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 
 #include <doctest/doctest.h>
@@ -63,12 +64,12 @@ TEST_CASE("fresnel: dielectrics have their known reflectance at normal and Brews
   for (const double eta : kIndices) {
     const float e = static_cast<float>(eta);
     const double normal = std::pow((eta - 1) / (eta + 1), 2);
-    CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
-    CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == doctest::Approx(normal).epsilon(1e-4));
+    CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == near(normal, 1e-4));
+    CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == near(normal, 1e-4));
     // Brewster's angle, tan = eta: the parallel component is not reflected.
     const double s = (1 - eta * eta) / (1 + eta * eta);
     const float brewster = static_cast<float>(std::cos(std::atan(eta)));
-    CHECK(fresnel_dielectric<Scalar>(brewster, e).reflectance == doctest::Approx(0.5 * s * s).epsilon(1e-3));
+    CHECK(fresnel_dielectric<Scalar>(brewster, e).reflectance == near(0.5 * s * s, 1e-3));
     CHECK(fresnel_dielectric<Scalar>(0.0f, e).reflectance == 1.0f);
     CHECK(fresnel_dielectric<Scalar>(-0.0f, e).reflectance == 1.0f);
   }
@@ -81,13 +82,13 @@ TEST_CASE("fresnel: refracted cosines obey Snell's law and have the opposite sig
         if (c == 0.0f) continue;
         const auto f = fresnel_dielectric<Scalar>(cos_i, static_cast<float>(eta));
         const double relative = cos_i > 0 ? eta : 1 / eta;
-        CHECK(f.eta == doctest::Approx(relative).epsilon(1e-6));
+        CHECK(f.eta == near(relative, 1e-6));
         const double sin2_t = (1 - double(c) * c) / (relative * relative);
         if (sin2_t >= 1) {
           if (sin2_t > 1 + 1e-5) CHECK(f.reflectance == 1.0f);
           continue;
         }
-        CHECK(double(f.cos_transmitted) * f.cos_transmitted == doctest::Approx(1 - sin2_t).epsilon(2e-5));
+        CHECK(double(f.cos_transmitted) * f.cos_transmitted == near(1 - sin2_t, 2e-5));
         CHECK(f.cos_transmitted * cos_i <= 0.0f);
       }
 }
@@ -98,9 +99,9 @@ TEST_CASE("fresnel: the reflectance of a dielectric is the same along the revers
       const auto there = fresnel_dielectric<Scalar>(c, static_cast<float>(eta));
       if (there.reflectance == 1.0f || c < 1e-3f) continue;
       const auto back = fresnel_dielectric<Scalar>(there.cos_transmitted, static_cast<float>(eta));
-      CHECK(back.reflectance == doctest::Approx(there.reflectance).epsilon(1e-3));
-      CHECK(back.cos_transmitted == doctest::Approx(c).epsilon(1e-3));
-      CHECK(back.eta * there.eta == doctest::Approx(1).epsilon(1e-6));
+      CHECK(back.reflectance == near(there.reflectance, 1e-3));
+      CHECK(back.cos_transmitted == near(c, 1e-3));
+      CHECK(back.eta * there.eta == near(1, 1e-6));
     }
 }
 
@@ -108,7 +109,7 @@ TEST_CASE("fresnel: matched indices reflect nothing and do not refract") {
   for (const float c : cosines()) {
     if (c == 0.0f) continue;
     const auto f = fresnel_dielectric<Scalar>(c, 1.0f);
-    CHECK(f.cos_transmitted == doctest::Approx(-c).epsilon(1e-3));
+    CHECK(f.cos_transmitted == near(-c, 1e-3));
     if (c < 1e-3f) continue;  // 1 - cos^2 rounds to 1 in single precision
     CHECK(f.reflectance == 0.0f);
     CHECK(fresnel_dielectric<Scalar>(-c, 1.0f).reflectance == 0.0f);
@@ -129,12 +130,11 @@ TEST_CASE("fresnel: conductors match the formula in complex arithmetic") {
 }
 
 TEST_CASE("fresnel: conductors have their known reflectance in limiting cases") {
-  CHECK(fresnel_conductor(1.0f, 0.2f, 3.0f) == doctest::Approx((0.64 + 9) / (1.44 + 9)).epsilon(1e-6));
-  CHECK(fresnel_conductor(0.0f, 0.2f, 3.0f) == doctest::Approx(1).epsilon(1e-6));
+  CHECK(fresnel_conductor(1.0f, 0.2f, 3.0f) == near((0.64 + 9) / (1.44 + 9), 1e-6));
+  CHECK(fresnel_conductor(0.0f, 0.2f, 3.0f) == near(1, 1e-6));
   for (const float c : cosines()) {
-    CHECK(fresnel_conductor(c, 0.0f, 1.0f) == doctest::Approx(1).epsilon(1e-6));
-    CHECK(fresnel_conductor(c, 1.5f, 0.0f) ==
-          doctest::Approx(fresnel_dielectric<Scalar>(c, 1.5f).reflectance).epsilon(1e-4));
+    CHECK(fresnel_conductor(c, 0.0f, 1.0f) == near(1, 1e-6));
+    CHECK(fresnel_conductor(c, 1.5f, 0.0f) == near(fresnel_dielectric<Scalar>(c, 1.5f).reflectance, 1e-4));
   }
 }
 

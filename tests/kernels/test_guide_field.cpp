@@ -4,6 +4,7 @@
 #include "kernels/guiding/guide_sample.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 #include <tbb/global_control.h>
@@ -69,7 +70,7 @@ void check_sampling(const GuideMixture& mixture) {
     return double{value.pdf_solid_angle} * (1 - double{value.bsdf_share});
   };
   const ChiSquare result = chi_square_sphere([&view](const Random4<Scalar>& u) { return guided(view, u); }, pdf);
-  CHECK(result.integral == doctest::Approx(1 - mixture.bsdf_share).epsilon(1e-3));
+  CHECK(result.integral == near(1 - mixture.bsdf_share, 1e-3));
   CHECK(result.p_value > significance_of_each(kTests));
 }
 
@@ -86,12 +87,12 @@ TEST_CASE("guiding: lobes of every concentration integrate to one") {
     CAPTURE(kappa);
     // The pdf depends only on the angle to the mean direction; its integral is in closed form.
     const double peak = double{lobe_peak(kappa)}, k = double{kappa};
-    CHECK(2 * 3.141592653589793 * peak * -std::expm1(-2 * k) / k == doctest::Approx(1).epsilon(1e-5));
+    CHECK(2 * 3.141592653589793 * peak * -std::expm1(-2 * k) / k == near(1, 1e-5));
     const Vec3f d = sample_lobe<Scalar>(kFirst, kappa, 0.5f, 0.3f);
-    CHECK(length(d) == doctest::Approx(1).epsilon(1e-5));
+    CHECK(length(d) == near(1, 1e-5));
     // Half of all directions lie within the median angle.
     const double median = -std::log(0.5 + 0.5 * std::exp(-2 * k)) / k;
-    CHECK(1 - double{dot(d, kFirst)} == doctest::Approx(median).epsilon(0.01));
+    CHECK(1 - double{dot(d, kFirst)} == near(median, 0.01));
   }
 }
 
@@ -132,8 +133,8 @@ TEST_CASE("guiding: a fitted mixture approximates the distribution of its traini
     return a * double{kUniformSpherePdf} + (1 - a) * double{v.pdf_solid_angle};
   };
   const double turn = 2 * 3.141592653589793;
-  CHECK(density(kFirst) == doctest::Approx(1 / (turn * (first + second))).epsilon(0.25));
-  CHECK(density(kSecond) == doctest::Approx(0.5 / (turn * (first + second))).epsilon(0.25));
+  CHECK(density(kFirst) == near(1 / (turn * (first + second)), 0.25));
+  CHECK(density(kSecond) == near(0.5 / (turn * (first + second)), 0.25));
   CHECK(density(-kFirst) < 0.05);
   CHECK(a < 0.35);  // the BSDF is uniform and explains nothing
 
@@ -146,7 +147,7 @@ TEST_CASE("guiding: a fitted mixture approximates the distribution of its traini
   CHECK(even.bsdf_share >= 0.9f * before);
   for (const Vec3f d : {kFirst, kSecond, -kFirst})
     CHECK(evaluate_guide<Scalar>(view_of(even), 0u, 1, d).mixed(kUniformSpherePdf) ==
-          doctest::Approx(double{kUniformSpherePdf}).epsilon(0.3));
+          near(double{kUniformSpherePdf}, 0.3));
 }
 
 TEST_CASE("guiding: training samples without radiance leave the mixture valid") {

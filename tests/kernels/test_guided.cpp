@@ -4,6 +4,7 @@
 
 #include "scene/compile/compile.h"
 #include "scene/materials/rough_coat.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 
@@ -75,7 +76,7 @@ void check_same(const MeanVariance& a, const MeanVariance& b, int samples) {
   const double error = std::sqrt((a.variance() + b.variance()) / samples);
   INFO("means " << a.mean() << " and " << b.mean() << ", standard error of the difference " << error);
   if (error < 1e-9)
-    CHECK(a.mean() == doctest::Approx(b.mean()).epsilon(1e-5));
+    CHECK(a.mean() == near(b.mean(), 1e-5));
   else
     CHECK(student_t_p_value((a.mean() - b.mean()) / error, 2 * samples - 2) >= kLevel);
 }
@@ -177,9 +178,9 @@ TEST_CASE("guided vertices: dispersive parts of blends keep their own pdf and th
   const GuideValue<Scalar> guide{static_cast<float>(kBsdfShare), static_cast<float>(kGuidePdf)};
   // The diffuse part is guided, the dispersive glass is not.
   const double mixed = 0.5 * (kBsdfShare * kDiffusePdf + (1 - kBsdfShare) * kGuidePdf);
-  CHECK(double{guided_pdf<Scalar>(guide, blend)} == doctest::Approx(mixed));
+  CHECK(double{guided_pdf<Scalar>(guide, blend)} == near(mixed));
   const GuideValue<Scalar> none{1, 0};
-  CHECK(guided_pdf<Scalar>(none, blend) == doctest::Approx(blend.mixed_pdf));
+  CHECK(guided_pdf<Scalar>(none, blend) == near(blend.mixed_pdf));
 }
 
 TEST_CASE("guided vertices: roulette starts below half the first expectation of a path") {
@@ -200,10 +201,10 @@ TEST_CASE("guided vertices: roulette starts below half the first expectation of 
   // The first known cell gives the path its reference, 3 x 2.
   CHECK(survival(0, 1, 3) == 1);
   CHECK(survival(0, 1, 1.5f) == 1);
-  CHECK(survival(0, 1, 1.2f) == doctest::Approx(0.8f));
-  CHECK(survival(0, 4, 1.2f) == doctest::Approx(0.8f));
+  CHECK(survival(0, 1, 1.2f) == near(0.8f));
+  CHECK(survival(0, 4, 1.2f) == near(0.8f));
   CHECK(survival(0, 4, 3) == kLargestSurvival);
-  CHECK(survival(0, 1, 0.01f) == doctest::Approx(1.0f / 3));
+  CHECK(survival(0, 1, 0.01f) == near(1.0f / 3));
   CHECK(survival(1, 2, 0.01f) == 0.7f);
 }
 
@@ -230,8 +231,8 @@ TEST_CASE("guide: recorded radiance is divided by the throughput over the pdf of
   GuideView guide;
   const std::vector<GuideRecord> records = log.records(guide, {});
   REQUIRE(records.size() == 2);
-  CHECK(records[0].found == doctest::Approx(4));
-  CHECK(records[1].found == doctest::Approx(3 * 4));
+  CHECK(records[0].found == near(4));
+  CHECK(records[1].found == near(3 * 4));
 }
 
 }  // namespace sheaf::test_guided

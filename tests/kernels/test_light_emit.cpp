@@ -6,6 +6,7 @@
 #include "tests/kernels/light_emit_cases.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
@@ -186,7 +187,7 @@ TEST_CASE("light emission: photons of two-sided lights and of lights with given 
     CAPTURE(c.name);
     const double before = power_of(compile_scene(c.scene)->view());
     c.scene.shapes[0].emits_on_both_sides = false;
-    CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(before / 2));
+    CHECK(power_of(compile_scene(c.scene)->view()) == near(before / 2));
   }
   for (Case c : area_cases()) {
     if (c.scene.shapes.empty()) continue;
@@ -196,7 +197,7 @@ TEST_CASE("light emission: photons of two-sided lights and of lights with given 
     for (const bool both : {false, true}) {
       shape.emits_on_both_sides = both;
       shape.power = 7.0f;
-      CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(7 * (1 + 4 + 1.5)).epsilon(1e-4));
+      CHECK(power_of(compile_scene(c.scene)->view()) == near(7 * (1 + 4 + 1.5), 1e-4));
     }
   }
 }
@@ -216,9 +217,9 @@ TEST_CASE("light emission: photons of emissive media carry 4 pi times the integr
   check_cases(cases);
   const Vec3f power = compile_scene(cases[0].scene)->view().lights.powers[0];
   const double expected = 4 * kPiD * 1.5 * (1.0 * 2.0 * 1.6);  // sigma_a 1.5, radiance 1
-  CHECK(power.x == doctest::Approx(expected));
-  CHECK(power.y == doctest::Approx(2 * expected));
-  CHECK(power.z == doctest::Approx(expected / 2));
+  CHECK(power.x == near(expected));
+  CHECK(power.y == near(2 * expected));
+  CHECK(power.z == near(expected / 2));
 }
 
 TEST_CASE("light emission: photons start in a medium with the pdf of light sampling") {
@@ -316,7 +317,7 @@ TEST_CASE("light emission: directions follow their pdf") {
   const auto on_plane = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const auto e = emit_photon<Scalar>(scene->view(), {0, 1}, u, u, 0.0f);
     const double cosine = e.direction.z;
-    CHECK(e.pdf_direction == doctest::Approx(1 / (4 * half * half * cosine * cosine * cosine)).epsilon(1e-4));
+    CHECK(e.pdf_direction == near(1 / (4 * half * half * cosine * cosine * cosine), 1e-4));
     return std::array<double, 2>{e.direction.x / cosine, e.direction.y / cosine};
   };
   const auto density = [&](double, double) { return 0.25 / (half * half); };
@@ -330,8 +331,8 @@ TEST_CASE("light emission: beams and surfaces with normal emission emit parallel
   CHECK(e.valid);
   CHECK(length(e.origin - Vec3f{0.3f, -0.2f, 3}) < 1e-6f);
   CHECK(length(e.direction - normalize(kTilt.vector({0, 0, 1}))) < 1e-6f);
-  CHECK(weighed(e.flux) == doctest::Approx(1 + 4 + 1.5));
-  CHECK(power_of(ray->view()) == doctest::Approx(1 + 4 + 1.5));
+  CHECK(weighed(e.flux) == near(1 + 4 + 1.5));
+  CHECK(power_of(ray->view()) == near(1 + 4 + 1.5));
   CHECK_FALSE(sample_any_light<Scalar>(ray->view(), {0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f}).valid);
 
   const auto cases = area_cases();
@@ -366,7 +367,7 @@ TEST_CASE("light emission: two-sided surfaces with normal emission emit twice th
     shape.emits_on_both_sides = true;
     const auto scene = compile_scene(c.scene);
     const SceneView view = scene->view();
-    CHECK(power_of(view) == doctest::Approx(2 * one_side));
+    CHECK(power_of(view) == near(2 * one_side));
     constexpr std::uint32_t kPhotons = 2000;
     check_power(view, 20000, c.power_error, significance_of_each(20));
     double front = 0;
@@ -377,15 +378,15 @@ TEST_CASE("light emission: two-sided surfaces with normal emission emit twice th
       const auto below = trace_ray(view, p.origin, -p.direction);
       if (!below) continue;
       const float along = dot(surface_at(view, p.origin, -p.direction, *below).ng, p.direction);
-      CHECK(std::fabs(along) == doctest::Approx(1).epsilon(2e-3));
+      CHECK(std::fabs(along) == near(1, 2e-3));
       front += along > 0 ? 1 : 0;
     }
     // Binomial, within five standard deviations.
-    CHECK(front / kPhotons == doctest::Approx(0.5).epsilon(2 * 5 * 0.5 / std::sqrt(kPhotons)));
+    CHECK(front / kPhotons == near(0.5, 2 * 5 * 0.5 / std::sqrt(kPhotons)));
     // As the surface of a lamp with a given power.
     shape.power = 7.0f;
     if (!std::holds_alternative<TextureId>(*shape.radiance))
-      CHECK(power_of(compile_scene(c.scene)->view()) == doctest::Approx(7 * (1 + 4 + 1.5)).epsilon(1e-4));
+      CHECK(power_of(compile_scene(c.scene)->view()) == near(7 * (1 + 4 + 1.5), 1e-4));
   }
 }
 
@@ -400,11 +401,11 @@ TEST_CASE("light emission: lights are chosen by power for every light selector")
   for (std::uint32_t i = 0; i < kDraws; ++i) {
     const auto choice = choose_light_by_power<Scalar>(scene->view(), random4<Scalar>(63, i, 0, 0).x);
     observed[choice.light] += 1;
-    CHECK(choice.probability == doctest::Approx(expected[choice.light] / kDraws));
+    CHECK(choice.probability == near(expected[choice.light] / kDraws));
   }
   CHECK(chi_square(observed, expected).p_value > kSignificance);
   // Photons of single point lights therefore all have the same flux.
-  for (std::uint32_t i = 0; i < 100; ++i) CHECK(photon(scene->view(), i).flux.c0 == doctest::Approx(4 * kPiD * 30));
+  for (std::uint32_t i = 0; i < 100; ++i) CHECK(photon(scene->view(), i).flux.c0 == near(4 * kPiD * 30));
   CHECK_FALSE(emit_photon<Scalar>(scene->view(), {0, 0}, {}, {}, 0.0f).valid);
 }
 

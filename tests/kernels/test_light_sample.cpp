@@ -7,6 +7,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
 #include "tests/support/chi_square.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"
@@ -176,7 +177,7 @@ void check_directions(const SceneView& scene, Vec3f from, const Chart& chart, Us
   }
   expected[cells] = use == Use::kPart ? (1 - integral) * kDraws : 1e-3;
   CHECK(chi_square(observed, expected).p_value > significance_of_each(kTests));
-  if (use == Use::kWhole) CHECK(integral == doctest::Approx(1).epsilon(2e-3));
+  if (use == Use::kWhole) CHECK(integral == near(1, 2e-3));
   if (use == Use::kPart) CHECK(integral < 0.999);
 }
 
@@ -246,7 +247,7 @@ TEST_CASE("light sampling: a goniometric light follows its image with the first 
     CAPTURE_BINDING(y);
     const LightSample<Scalar> s = sample_any_light<Scalar>(scene->view(), {x, y, 0.2f}, {0.5f, 0.5f, 0.5f, 0.5f});
     const double expected = (y < 0 ? 1 : 3) * (x < 0 ? 1 : 5) / 2.04;
-    CHECK(double{s.radiance.c0} == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(double{s.radiance.c0} == near(expected, 1e-4));
   }
 }
 
@@ -319,7 +320,7 @@ TEST_CASE("light sampling: samples of a constant environment are uniform") {
   CHECK(result.p_value > significance_of_each(kTests));
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto s = sample_any_light<Scalar>(view, {1, 0, 0}, lane_random(45, i, 0));
-    CHECK(s.pdf_solid_angle == doctest::Approx(0.25 * kInvPi));
+    CHECK(s.pdf_solid_angle == near(0.25 * kInvPi));
     CHECK_FALSE(s.delta);
     CHECK(length(s.target - view.center) > view.radius);
   }
@@ -350,11 +351,11 @@ TEST_CASE("light sampling: samples of a sun of any size are uniform over its dis
     };
     for (std::uint32_t i = 0; i < 1000; ++i) {
       const auto s = sample_any_light<Scalar>(view, {1, 0, 0}, lane_random(47, i, 0));
-      CHECK(s.pdf_solid_angle == doctest::Approx(pdf).epsilon(1e-4));
+      CHECK(s.pdf_solid_angle == near(pdf, 1e-4));
       CHECK_FALSE(s.delta);
       CHECK(s.radiance.c1 == seen(0.5).radiance.c1);
     }
-    CHECK(seen(0.99).pdf_solid_angle == doctest::Approx(pdf).epsilon(1e-4));
+    CHECK(seen(0.99).pdf_solid_angle == near(pdf, 1e-4));
     CHECK(seen(0.99).radiance.c1 > 0);
     CHECK(seen(1.01).pdf_solid_angle == 0);
     CHECK(seen(1.01).radiance.c1 == 0);
@@ -369,7 +370,7 @@ TEST_CASE("light sampling: a point light has intensity over squared distance") {
   CHECK(s.valid);
   CHECK(s.delta);
   CHECK(s.pdf_solid_angle == 1.0f);
-  CHECK(s.radiance.c0 == doctest::Approx(2));
+  CHECK(s.radiance.c0 == near(2));
   CHECK(record_difference<Vec3>(s.direction, {0, 0, -1}) < 1e-6);
   CHECK(s.target == Vec3f{1, 2, 3});
   CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {1, 2, 3}, lane_random(46, 0, 0)).valid);
@@ -410,13 +411,13 @@ TEST_CASE("light sampling: lights are selected in proportion to their power") {
   REQUIRE(view.lights.count == 8);
   double sum = 0;
   for (std::uint32_t i = 0; i < view.lights.count; ++i) sum += view.lights.alias[i].pdf;
-  CHECK(sum == doctest::Approx(1).epsilon(1e-6));
+  CHECK(sum == near(1, 1e-6));
   const auto pdf = [&](std::size_t i) { return double(view.lights.alias[i].pdf); };
   const double pi = kPi, rectangle = pi * 4 * 1;
-  CHECK(pdf(1) / pdf(0) == doctest::Approx(pi * (4 * pi * 0.25) * 2 / rectangle).epsilon(1e-5));
-  CHECK(pdf(2) / pdf(0) == doctest::Approx(pi * pi * 3 / rectangle).epsilon(1e-5));
-  CHECK(pdf(6) / pdf(0) == doctest::Approx(4 * pi * 7 / rectangle).epsilon(1e-5));
-  CHECK(pdf(7) / pdf(0) == doctest::Approx(pi * pi * double(view.radius) * view.radius * 8 / rectangle).epsilon(1e-5));
+  CHECK(pdf(1) / pdf(0) == near(pi * (4 * pi * 0.25) * 2 / rectangle, 1e-5));
+  CHECK(pdf(2) / pdf(0) == near(pi * pi * 3 / rectangle, 1e-5));
+  CHECK(pdf(6) / pdf(0) == near(4 * pi * 7 / rectangle, 1e-5));
+  CHECK(pdf(7) / pdf(0) == near(pi * pi * double(view.radius) * view.radius * 8 / rectangle, 1e-5));
 
   constexpr int kDraws = 200000;
   std::vector<double> observed(8), expected(8);
@@ -488,10 +489,10 @@ TEST_CASE("light sampling: SIMD pdfs of mixed lights equal scalar ones") {
 TEST_CASE("light sampling: the power heuristic squares the pdfs") {
   CHECK(power_heuristic(1.0f, 0.0f) == 1.0f);
   CHECK(power_heuristic(2.0f, 2.0f) == 0.5f);
-  CHECK(power_heuristic(1.0f, 3.0f) == doctest::Approx(0.1));
+  CHECK(power_heuristic(1.0f, 3.0f) == near(0.1));
   for (const float a : {1e-20f, 1.0f, 1e20f, 3e38f})
     for (const float b : {1e-20f, 1.0f, 1e20f, 3e38f}) {
-      CHECK(power_heuristic(a, b) + power_heuristic(b, a) == doctest::Approx(1));
+      CHECK(power_heuristic(a, b) + power_heuristic(b, a) == near(1));
       CHECK(power_heuristic(a, b) >= 0.0f);
     }
 }

@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
 #include "tests/support/motion_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -86,13 +87,13 @@ TEST_CASE("manifold walks: a flat mirror shows the image of the light") {
   REQUIRE(chain);
   const Vec3f to = image - start.p;
   CHECK(length(chain->direction - normalize(to)) < 1e-5f);
-  CHECK(chain->solid_angle_ratio == doctest::Approx(1 / static_cast<double>(dot(to, to))).epsilon(1e-4));
+  CHECK(chain->solid_angle_ratio == near(1 / static_cast<double>(dot(to, to)), 1e-4));
   // A light in a direction
   const Vec3f sun = normalize(Vec3f{0.3f, 0.5f, 1});
   const auto to_sun = walk_to_target(t.tracer, start, {sun, true}, type_of({false}), {0, 0, -1});
   REQUIRE(to_sun);
   CHECK(length(to_sun->direction - Vec3f{sun.x, sun.y, -sun.z}) < 1e-5f);
-  CHECK(to_sun->solid_angle_ratio == doctest::Approx(1).epsilon(1e-4));
+  CHECK(to_sun->solid_angle_ratio == near(1, 1e-4));
   // There is no refraction at a mirror, and nothing behind it.
   CHECK_FALSE(walk_to_target(t.tracer, start, {light, false}, type_of({true}), {0, 0, -1}));
   CHECK_FALSE(walk_to_target(t.tracer, start, {{1, 1, -2}, false}, type_of({false}), {0, 0, -1}));
@@ -109,11 +110,11 @@ TEST_CASE("manifold walks: a slab of glass displaces the light by Snell's law") 
   // Offsets across 2 m of air and 1 m of glass add up to the light's.
   const double sine = static_cast<double>(chain->direction.x), inside = sine / 1.5;
   const double air = 2 * sine / std::sqrt(1 - sine * sine), glass = inside / std::sqrt(1 - inside * inside);
-  CHECK(air + glass == doctest::Approx(1.3).epsilon(1e-4));
+  CHECK(air + glass == near(1.3, 1e-4));
   // dA = x dx dphi at the light's height, seen under the cosine of the ray; dw = sine dtheta dphi.
   const double cosine = std::sqrt(1 - sine * sine), inside_cosine = std::sqrt(1 - inside * inside);
   const double dx = 2 / (cosine * cosine) + cosine / 1.5 / std::pow(inside_cosine, 3);
-  CHECK(chain->solid_angle_ratio == doctest::Approx(sine / (1.3 * dx * cosine)).epsilon(1e-3));
+  CHECK(chain->solid_angle_ratio == near(sine / (1.3 * dx * cosine), 1e-3));
 }
 
 TEST_CASE("manifold walks: the solid angle ratio is that of finite differences on curved shapes") {
@@ -175,8 +176,8 @@ TEST_CASE("manifold walks: the solid angle ratio is that of finite differences o
       DifferentialRay ray = start.ray(aim);
       if (!t.tracer.follow(c.type, ray)) continue;
       const Vec3f target = ray.origin + ray.direction * (2 + u(random));
-      const Vec3f near = normalize(aim + Vec3f{u(random), u(random), u(random)} * 0.003f);
-      const auto chain = walk_to_target(t.tracer, start, {target, false}, c.type, near);
+      const Vec3f aside = normalize(aim + Vec3f{u(random), u(random), u(random)} * 0.003f);
+      const auto chain = walk_to_target(t.tracer, start, {target, false}, c.type, aside);
       if (!chain) continue;
       CHECK(length(cross(target - chain->origin, chain->last)) < 2e-3f);
       // Differences are inaccurate where the ratio changes fast: near caustics, edges of triangles and the horizon.

@@ -5,6 +5,7 @@
 #include "core/rng.h"
 #include "kernels/film/film.h"
 #include "kernels/film/noise.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -168,7 +169,7 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
   REQUIRE(gap);
   CHECK(gap->pixels == frame_part(5, 9, 10, 10));
   CHECK(gap->samples == SampleRange{3, 5});
-  CHECK(covered_share(parts, frame, 8) == doctest::Approx(1.0 - 5.0 * 5 / 800));
+  CHECK(covered_share(parts, frame, 8) == near(1.0 - 5.0 * 5 / 800));
   CHECK(!find_gap(parts, frame_part(0, 0, 10, 9), 8));
   const auto end = find_gap(std::vector<ImagePart>{{"a", frame, {0, 8}}}, frame, 9);
   REQUIRE(end);

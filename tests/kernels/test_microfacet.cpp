@@ -3,6 +3,7 @@
 #include "kernels/bsdf/microfacet.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_microfacet {
 
@@ -52,15 +53,14 @@ template <template <class> class Distribution> void check_normalisation() {
     CAPTURE(alpha.u);
     CAPTURE(alpha.v);
     const Distribution<Scalar> facets(alpha.u, alpha.v);
-    CHECK(integrate_facets(alpha, [&](Vec3f m) { return double(facets.density(m)) * m.z; }) ==
-          doctest::Approx(1).epsilon(2e-4));
+    CHECK(integrate_facets(alpha, [&](Vec3f m) { return double(facets.density(m)) * m.z; }) == near(1, 2e-4));
     for (const float cosine : {0.8f, 0.1f}) {
       // The visible facets cover the projected area (Heitz 2014, equation 14).
       const Vec3f v = direction_of(cosine, 0.4);
       const double seen = integrate_facets(alpha, [&](Vec3f m) {
         return double(facets.density(m)) * facets.smith_g1(v, m) * std::max(0.0f, dot(v, m));
       });
-      CHECK(seen == doctest::Approx(cosine).epsilon(1e-3));
+      CHECK(seen == near(cosine, 1e-3));
     }
   }
 }
@@ -85,7 +85,7 @@ template <template <class> class Distribution> void check_visible_sampling() {
         return facets.pdf_visible(wo, facet.m) * facet.solid_angle_per_area + 1e-8;
       };
       const ChiSquare result = chi_square_plane(sample, density, CellGrid{-1, 1, -1, 1, 15, 15}, 200000);
-      CHECK(result.integral == doctest::Approx(1).epsilon(1e-3));
+      CHECK(result.integral == near(1, 1e-3));
       CHECK(result.p_value > significance_of_each(kSamplingTests));
     }
 }
@@ -99,7 +99,7 @@ template <template <class> class Distribution> void check_edges() {
           const Vec3f m = facets.sample_visible(wo, u, v);
           CHECK(is_finite(m));
           CHECK(m.z > 0);
-          CHECK(length(m) == doctest::Approx(1).epsilon(1e-5));
+          CHECK(length(m) == near(1, 1e-5));
           CHECK(is_finite(facets.density(m)));
           CHECK(is_finite(facets.pdf_visible(wo, m)));
           CHECK(is_finite(facets.smith_g1_over_cos(wo)));
@@ -112,7 +112,7 @@ template <template <class> class Distribution> void check_edges() {
   CHECK(dot(v, m) < 0);
   CHECK(facets.smith_g1(v, m) == 0.0f);
   CHECK(facets.smith_g1(-v, m) == 0.0f);
-  CHECK(facets.smith_g1({0, 0, -1}, m) == doctest::Approx(facets.smith_g1({0, 0, 1}, m)));
+  CHECK(facets.smith_g1({0, 0, -1}, m) == near(facets.smith_g1({0, 0, 1}, m)));
   CHECK(facets.density(-m) == 0.0f);
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("microfacet: SIMD results equal scalar ones") {
 TEST_CASE("microfacet: the approximate exponential and logarithm and shadowing are close to the exact ones") {
   for (int i = 0; i <= 4000; ++i) {
     const double x = i * 0.02;
-    CHECK(exp_minus(static_cast<float>(x)) == doctest::Approx(std::exp(-x)).epsilon(1e-7 * (2 + x)));
+    CHECK(exp_minus(static_cast<float>(x)) == near(std::exp(-x), 1e-7 * (2 + x)));
     const double y = std::exp(-i * 0.004);
     CHECK(std::fabs(log2_positive(static_cast<float>(y)) - std::log2(static_cast<float>(y))) < 2e-6);
   }
@@ -171,8 +171,7 @@ TEST_CASE("microfacet: the approximate exponential and logarithm and shadowing a
   for (int i = 1; i < 400; ++i) {
     const double cosine = i / 400.0, alpha = 0.6, a = cosine / (alpha * std::sqrt(1 - cosine * cosine));
     const double g1 = 2 / (1 + std::erf(a) + std::exp(-a * a) / (a * std::sqrt(3.14159265358979)));
-    CHECK(BeckmannDistribution<Scalar>(0.6f, 0.6f).smith_g1(direction_of(cosine, 0.2), {0, 0, 1}) ==
-          doctest::Approx(g1).epsilon(3e-6));
+    CHECK(BeckmannDistribution<Scalar>(0.6f, 0.6f).smith_g1(direction_of(cosine, 0.2), {0, 0, 1}) == near(g1, 3e-6));
   }
 }
 

@@ -2,6 +2,7 @@
 #include "kernels/denoise/nl_means.h"
 #include "kernels/denoise/noise_correlation.h"
 #include "tests/kernels/noisy_images.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -169,8 +170,8 @@ TEST_CASE("NL-means matches its definition with each half weighted by the other"
           CAPTURE(correlated);
           CAPTURE(halves);
           CAPTURE(filter);
-          CHECK(filtered[filter].color[1].at(px, py) == doctest::Approx(value).epsilon(1e-4));
-          CHECK(filtered[filter].self_weight.at(px, py) == doctest::Approx(self).epsilon(1e-3));
+          CHECK(filtered[filter].color[1].at(px, py) == near(value, 1e-4));
+          CHECK(filtered[filter].self_weight.at(px, py) == near(self, 1e-3));
         }
     }
 }
@@ -212,8 +213,8 @@ TEST_CASE("local planes preserve slopes that means would flatten") {
   const std::vector<FilteredPlanes> filtered = nl_means(input, NlMeansSettings{4, 0.5f});
   for (const auto& [x, y] : {std::pair{20, 15}, {0, 15}, {39, 0}, {20, 29}})
     for (const NlMeansFilter filter : {kSmallPatch, kLargePatch})
-      CHECK(filtered[filter].color[0].at(x, y) == doctest::Approx(x + 2 * y).epsilon(2e-2));
-  CHECK(filtered[kColorOnly].color[0].at(20, 15) == doctest::Approx(50));
+      CHECK(filtered[filter].color[0].at(x, y) == near(x + 2 * y, 2e-2));
+  CHECK(filtered[kColorOnly].color[0].at(20, 15) == near(50));
   CHECK(filtered[kColorOnly].color[0].at(0, 15) > 31);
 }
 

@@ -2,6 +2,7 @@
 #include "kernels/stages/normal_map.h"
 #include "scene/compile/compile_textures.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -35,9 +36,9 @@ struct UniformMap {
     CAPTURE(from_behind);
     expected = normalize(expected);
     const Vec3f n = turned<Scalar>(v_sign, from_behind);
-    CHECK(n.x == doctest::Approx(expected.x));
-    CHECK(n.y == doctest::Approx(expected.y));
-    CHECK(n.z == doctest::Approx(expected.z));
+    CHECK(n.x == near(expected.x));
+    CHECK(n.y == near(expected.y));
+    CHECK(n.z == near(expected.z));
     const Vec3<Wide> wide = turned<Wide>(v_sign, from_behind);
     const LaneArray<WideFloat> x(wide.x), y(wide.y), z(wide.z);
     for (int lane = 0; lane < kWidth; ++lane) {

@@ -5,6 +5,7 @@
 
 #include "scene/materials/closure_tables.h"
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 namespace sheaf::test_phase {
 
@@ -55,7 +56,7 @@ template <class Phase> void check_phase_sampling(const Phase& phase, double pole
   };
   const CellGrid grid{0, kTurn, kLowest, 1, 12, 25};
   const ChiSquare result = chi_square_plane(sample, density, grid, 100000);
-  CHECK(result.integral == doctest::Approx(1).epsilon(1e-3));
+  CHECK(result.integral == near(1, 1e-3));
   CHECK(result.p_value > significance_of_each(kTests));
 }
 
@@ -65,7 +66,7 @@ template <class Phase> void check_phase_weights(const Phase& phase) {
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const auto s = phase.sample(kWo, lane_random(12, i, 0));
     REQUIRE(s.valid);
-    CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(length(s.wi) == near(1, 1e-6));
     CHECK((s.weight.c0 == 1.0f && s.weight.c1 == 1.0f && s.weight.c2 == 1.0f && s.weight.c3 == 1.0f));
     CHECK(s.eta_scale == 1.0f);
     const auto [f, pdf] = phase.evaluate(kWo, s.wi);
@@ -114,12 +115,12 @@ TEST_CASE("phase: samples follow their pdf on the whole sphere") {
 TEST_CASE("phase: values integrate to one and their first moment is the mean cosine") {
   for (const float g : kMeanCosines) {
     CAPTURE(g);
-    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 0) == doctest::Approx(1).epsilon(1e-5));
-    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 1) == doctest::Approx(g).epsilon(1e-5).scale(1));
+    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 0) == near(1, 1e-5));
+    CHECK(integral_over_sphere(henyey_greenstein(g), pole_of(g), 1) == within(g, 1e-5));
   }
-  CHECK(integral_over_sphere(rayleigh(), -1, 0) == doctest::Approx(1).epsilon(1e-5));
-  CHECK(integral_over_sphere(rayleigh(), -1, 1) == doctest::Approx(0).epsilon(1e-5).scale(1));
-  CHECK(integral_over_sphere(rayleigh(), -1, 2) == doctest::Approx(0.4).epsilon(1e-5));
+  CHECK(integral_over_sphere(rayleigh(), -1, 0) == near(1, 1e-5));
+  CHECK(integral_over_sphere(rayleigh(), -1, 1) == within(0, 1e-5));
+  CHECK(integral_over_sphere(rayleigh(), -1, 2) == near(0.4, 1e-5));
 }
 
 TEST_CASE("phase: the mean cosine of samples is g and positive for forward scattering") {
@@ -132,14 +133,14 @@ TEST_CASE("phase: the mean cosine of samples is g and positive for forward scatt
 
 TEST_CASE("phase: values match the closed forms") {
   const double isotropic = 1 / (4 * 3.14159265358979);
-  CHECK(henyey_greenstein(0).evaluate(kWo, {0.6f, 0, 0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
-  CHECK(henyey_greenstein(1e-7f).evaluate(kWo, {0.6f, 0, -0.8f}).pdf_solid_angle == doctest::Approx(isotropic));
+  CHECK(henyey_greenstein(0).evaluate(kWo, {0.6f, 0, 0.8f}).pdf_solid_angle == near(isotropic));
+  CHECK(henyey_greenstein(1e-7f).evaluate(kWo, {0.6f, 0, -0.8f}).pdf_solid_angle == near(isotropic));
   // Forward and backward: (1 + g) / (1 - g)^2 and (1 - g) / (1 + g)^2.
-  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, -1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
-  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(isotropic * 0.5 / 2.25));
-  CHECK(henyey_greenstein(-0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(6 * isotropic));
-  CHECK(rayleigh().evaluate(kWo, {0, 0, 1}).pdf_solid_angle == doctest::Approx(1.5 * isotropic));
-  CHECK(rayleigh().evaluate(kWo, {1, 0, 0}).pdf_solid_angle == doctest::Approx(0.75 * isotropic));
+  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, -1}).pdf_solid_angle == near(6 * isotropic));
+  CHECK(henyey_greenstein(0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == near(isotropic * 0.5 / 2.25));
+  CHECK(henyey_greenstein(-0.5f).evaluate(kWo, {0, 0, 1}).pdf_solid_angle == near(6 * isotropic));
+  CHECK(rayleigh().evaluate(kWo, {0, 0, 1}).pdf_solid_angle == near(1.5 * isotropic));
+  CHECK(rayleigh().evaluate(kWo, {1, 0, 0}).pdf_solid_angle == near(0.75 * isotropic));
 }
 
 TEST_CASE("phase: extreme random numbers and extreme g give finite directions of unit length") {
@@ -148,9 +149,9 @@ TEST_CASE("phase: extreme random numbers and extreme g give finite directions of
       CAPTURE(g);
       const auto s = henyey_greenstein(g).sample(kWo, {0, u, 0.3f, 0});
       CHECK((is_finite(s.pdf_solid_angle) && s.valid));
-      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(length(s.wi) == near(1, 1e-6));
       CHECK(is_finite(henyey_greenstein(g).evaluate(kWo, s.wi).pdf_solid_angle));
-      CHECK(length(rayleigh().sample(kWo, {0, u, 0.3f, 0}).wi) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(length(rayleigh().sample(kWo, {0, u, 0.3f, 0}).wi) == near(1, 1e-6));
     }
 }
 
@@ -167,10 +168,10 @@ TEST_CASE("phase: tabulated phase functions are sampled exactly") {
     const Table table(values);
     check_phase_sampling(table.phase, -1);
     check_phase_weights(table.phase);
-    CHECK(integral_over_sphere(table.phase, -1, 0) == doctest::Approx(1).epsilon(1e-3));
+    CHECK(integral_over_sphere(table.phase, -1, 0) == near(1, 1e-3));
     for (const float u : {0.0f, 0.5f, 0.99999994f}) {
       const auto s = table.phase.sample(kWo, {0, u, 0.3f, 0});
-      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(length(s.wi) == near(1, 1e-6));
       CHECK(is_finite(s.pdf_solid_angle));
     }
   }
@@ -184,7 +185,7 @@ TEST_CASE("phase: tables begin with backward and end with forward scattering") {
   for (std::size_t i = 0; i < std::size(kExpected); ++i) {
     const float z = -1.0f + 0.5f * static_cast<float>(i);
     const Vec3f wi{std::sqrt(1 - z * z), 0, z};
-    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle == doctest::Approx(kExpected[i]).epsilon(1e-5));
+    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle == near(kExpected[i], 1e-5));
   }
 }
 
@@ -198,8 +199,7 @@ TEST_CASE("phase: a tabulated phase function matches the function it was made fr
   const Table table(values);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wi = random_direction(4, i);
-    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle ==
-          doctest::Approx(expected.evaluate(kWo, wi).pdf_solid_angle).epsilon(1e-3));
+    CHECK(table.phase.evaluate(kWo, wi).pdf_solid_angle == near(expected.evaluate(kWo, wi).pdf_solid_angle, 1e-3));
   }
   CHECK(mean_cosine(table.phase).p_value(0.6) > significance_of_each(kTests));
 }
@@ -219,9 +219,8 @@ TEST_CASE("phase: mixtures of tables are the weighted sums of their parts") {
     const Vec3f wi = random_direction(4, i);
     const float expected =
         0.7f * first.phase.evaluate(kWo, wi).pdf_solid_angle + 0.3f * second.phase.evaluate(kWo, wi).pdf_solid_angle;
-    CHECK(phase_value<Scalar>(scene, compiled.row_of_phase[2], wi) == doctest::Approx(expected).epsilon(1e-5));
-    CHECK(phase_value<Wide>(scene, compiled.row_of_phase[2], broadcast<Wide>(wi))[1] ==
-          doctest::Approx(expected).epsilon(1e-5));
+    CHECK(phase_value<Scalar>(scene, compiled.row_of_phase[2], wi) == near(expected, 1e-5));
+    CHECK(phase_value<Wide>(scene, compiled.row_of_phase[2], broadcast<Wide>(wi))[1] == near(expected, 1e-5));
   }
 }
 

@@ -3,6 +3,7 @@
 #include "scene/tables/medium_lookup.h"
 
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 #include <array>
 #include <utility>
@@ -57,8 +58,8 @@ const Vec3f kViews[] = {{0, 0, 1}, normalize(Vec3f{0.8f, -0.1f, -0.5f}), normali
 }  // namespace
 
 TEST_CASE("sggx: the projected area matches its closed form and the integral over normals") {
-  CHECK(projected_area({4, 9, 16, 0, 0, 0}, {0, 1, 0}) == doctest::Approx(3));
-  CHECK(projected_area({1, 1, 0.25f, 0, 0, 0.5f}, {0, 0.6f, 0.8f}) == doctest::Approx(std::sqrt(0.36 + 0.16 + 0.48)));
+  CHECK(projected_area({4, 9, 16, 0, 0, 0}, {0, 1, 0}) == near(3));
+  CHECK(projected_area({1, 1, 0.25f, 0, 0, 0.5f}, {0, 0.6f, 0.8f}) == near(std::sqrt(0.36 + 0.16 + 0.48)));
   for (const Matrix& m : kShapes)
     for (const Vec3f w : kViews) {
       const auto facing = [&](double turn, double z) {
@@ -66,7 +67,7 @@ TEST_CASE("sggx: the projected area matches its closed form and the integral ove
         return distribution(m, h) * std::max(double(dot(h, w)), 0.0);
       };
       const double sum = detail::integrate(facing, 0, 6.283185307179586, -1, 1, 9, 1e-6);
-      CHECK(projected_area(m, w) == doctest::Approx(sum).epsilon(2e-4));
+      CHECK(projected_area(m, w) == near(sum, 2e-4));
     }
 }
 
@@ -78,8 +79,8 @@ TEST_CASE("sggx: values follow the matrix in world space and are reciprocal weig
       const double value = flakes(m, there).evaluate({0, 0, 1}, there.to_local(wi)).pdf_solid_angle;
       const double other = flakes(m, back).evaluate({0, 0, 1}, back.to_local(wo)).pdf_solid_angle;
       const double expected = distribution(m, normalize(wo + wi)) / (4 * projected_area(m, wo));
-      CHECK(value == doctest::Approx(expected).epsilon(2e-3));
-      CHECK(projected_area(m, wo) * value == doctest::Approx(projected_area(m, wi) * other).epsilon(2e-3));
+      CHECK(value == near(expected, 2e-3));
+      CHECK(projected_area(m, wo) * value == near(projected_area(m, wi) * other, 2e-3));
     }
 }
 
@@ -93,13 +94,13 @@ TEST_CASE("sggx: samples follow their pdf and the pdf integrates to one from eve
       };
       const auto pdf = [&](Vec3f wi) { return double(phase.evaluate({0, 0, 1}, wi).pdf_solid_angle); };
       const ChiSquare result = chi_square_sphere(sample, pdf, -1, 1, 50000);
-      CHECK(result.integral == doctest::Approx(1).epsilon(1e-3));
+      CHECK(result.integral == near(1, 1e-3));
       CHECK(result.p_value > significance_of_each(kTests));
       for (std::uint32_t i = 0; i < 500; ++i) {
         const auto s = phase.sample({0, 0, 1}, lane_random(12, i, 0));
-        CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-6));
+        CHECK(length(s.wi) == near(1, 1e-6));
         CHECK(s.weight.c0 == 1.0f);
-        CHECK(s.pdf_solid_angle == doctest::Approx(pdf(s.wi)).epsilon(2e-3));
+        CHECK(s.pdf_solid_angle == near(pdf(s.wi), 2e-3));
       }
     }
 }
@@ -107,7 +108,7 @@ TEST_CASE("sggx: samples follow their pdf and the pdf integrates to one from eve
 TEST_CASE("sggx: the identity scatters isotropically and degenerate matrices stay finite") {
   for (const Vec3f wi : {Vec3f{0, 0, 1}, Vec3f{0, 0, -1}, Vec3f{0.6f, 0, -0.8f}})
     CHECK(flakes({5, 5, 5, 0, 0, 0}, Frame<Scalar>::from_normal({0, 0, 1})).evaluate({0, 0, 1}, wi).pdf_solid_angle ==
-          doctest::Approx(0.0795774715));
+          near(0.0795774715));
   for (const Matrix& m : {Matrix{0, 0, 1, 0, 0, 0}, Matrix{1, 1, 0, 0, 0, 0}, Matrix{}, oblique(0, 0, 1e-9)})
     for (const Vec3f w : kViews) {
       const SggxBsdf<Scalar> phase = flakes(m, Frame<Scalar>::from_normal(w));

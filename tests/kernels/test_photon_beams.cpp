@@ -4,6 +4,7 @@
 #include "kernels/wave/wave_snapshot.h"
 #include "tests/support/capture.h"
 #include "tests/support/gathering_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -130,15 +131,15 @@ TEST_CASE("line query: every beam near a ray is found once however beams are spl
       if (std::min({std::fabs(n.t), std::fabs(n.t - far), std::fabs(n.along), std::fabs(n.along - end),
                     std::fabs(n.distance - radius)}) < 1e-5 / n.sine)
         continue;
-      const bool near = n.t > 0 && n.t < far && n.along > 0 && n.along < end && n.distance < radius;
-      CHECK(found[0].count(k) == (near ? 1 : 0));
-      if (!near || found[0].count(k) == 0) continue;
+      const bool is_within = n.t > 0 && n.t < far && n.along > 0 && n.along < end && n.distance < radius;
+      CHECK(found[0].count(k) == (is_within ? 1 : 0));
+      if (!is_within || found[0].count(k) == 0) continue;
       const NearLine& line = found[0][k];
-      CHECK(static_cast<double>(line.t) == doctest::Approx(n.t).epsilon(1e-3));
-      CHECK(static_cast<double>(line.along) == doctest::Approx(n.along).epsilon(1e-3));
-      CHECK(std::sqrt(static_cast<double>(line.squared)) == doctest::Approx(n.distance / radius).epsilon(2e-3));
-      CHECK(static_cast<double>(line.cosine) == doctest::Approx(n.cosine).epsilon(1e-4));
-      CHECK(static_cast<double>(line.sine) == doctest::Approx(n.sine).epsilon(1e-4));
+      CHECK(static_cast<double>(line.t) == near(n.t, 1e-3));
+      CHECK(static_cast<double>(line.along) == near(n.along, 1e-3));
+      CHECK(std::sqrt(static_cast<double>(line.squared)) == near(n.distance / radius, 2e-3));
+      CHECK(static_cast<double>(line.cosine) == near(n.cosine, 1e-4));
+      CHECK(static_cast<double>(line.sine) == near(n.sine, 1e-4));
     }
     in_all += found[0].size();
   }
@@ -226,10 +227,9 @@ TEST_CASE("gather volume: SIMD beam results equal scalar ones and the sum over a
                     by_scalar = colors(scalar.wave.radiance.row(slot).radiance),
                     left = colors(wide.wave.paths.get(slot).beta);
       for (std::size_t k = 0; k < 3; ++k) {
-        // Compare ratios, because Approx's tolerance is not relative for small numbers.
-        CHECK(by_wide[k] / sum[k] == doctest::Approx(1).epsilon(3e-3));
-        CHECK(by_scalar[k] / sum[k] == doctest::Approx(1).epsilon(3e-3));
-        CHECK(left[k] == doctest::Approx(std::exp(-static_cast<double>(c.extinction[k]) * 7.5)).epsilon(1e-4));
+        CHECK(by_wide[k] == near(sum[k], 3e-3));
+        CHECK(by_scalar[k] == near(sum[k], 3e-3));
+        CHECK(left[k] == near(std::exp(-static_cast<double>(c.extinction[k]) * 7.5), 1e-4));
       }
     }
   }
@@ -272,9 +272,9 @@ TEST_CASE("gather volume: homogeneous media use beams where enabled and grids us
   // One ray passes only the beam, the other passes the photon too.
   constexpr float kBeamAlone = 0.8f, kBoth = 0.1f;
   for (const float y : {kBeamAlone, kBoth}) {
-    CHECK(found(even, MediumPhotons::kBeams, y) / by_beam == doctest::Approx(1).epsilon(1e-4));
+    CHECK(found(even, MediumPhotons::kBeams, y) / by_beam == near(1, 1e-4));
     for (const MediumPhotons kept : {MediumPhotons::kPoints, MediumPhotons::kAuto})
-      CHECK(found(even, kept, y) / by_point == doctest::Approx(y == kBoth ? 1 : 0).epsilon(1e-4));
+      CHECK(found(even, kept, y) / by_point == near(y == kBoth ? 1 : 0, 1e-4));
   }
   CHECK(found(grid, MediumPhotons::kBeams, kBeamAlone) == 0);
   // Transmittance is random in grids.

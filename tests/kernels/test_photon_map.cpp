@@ -7,6 +7,7 @@
 #include "kernels/photons/photon_search.h"
 #include "kernels/wave/wave_snapshot.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 
 #include <doctest/doctest.h>
@@ -179,7 +180,7 @@ TEST_CASE("photon map: photons of other normals and longer paths are not found")
       search<L>(map.view(), {}, {0, -1, 0}, edges, false, nullptr,
                 [&](const Photon& photon, const NearBlock<L>&) { ++found, sum += static_cast<double>(photon.p.x); });
       CHECK(found == expected);
-      CHECK(sum == doctest::Approx(expected_sum).epsilon(1e-6));
+      CHECK(sum == near(expected_sum, 1e-6));
     };
     check(Wide());
     check(Scalar());
@@ -221,7 +222,7 @@ TEST_CASE("photon map: sums of blocks inside the sphere and photons on its bound
           for (const float lane : LaneArray<Float<L>>(summed.power.c1)) sums += static_cast<double>(lane);
           for (const float lane : LaneArray<Float<L>>(summed.power.c3)) sums_last += static_cast<double>(lane);
           CHECK(found + static_cast<int>(summed.photons) == expected);
-          CHECK(sum + sums == doctest::Approx(power).epsilon(1e-5));
+          CHECK(sum + sums == near(power, 1e-5));
           if (edges == kMaxPhotonEdges && normal.x == 0) {
             CHECK(summed.photons > 1000);
             CHECK(lit > 10);
@@ -292,7 +293,7 @@ TEST_CASE("photon map: powers are divided by the number of emitted photons and c
   for (const auto& task : tasks)
     for (const Photon& photon : task) expected += static_cast<double>(photon.power.c1) / 400'000;
   for (std::uint32_t i = 0; i < map.view().size; ++i) found += static_cast<double>(map.view().photon(i).power.c1);
-  CHECK(found == doctest::Approx(expected).epsilon(1e-5));
+  CHECK(found == near(expected, 1e-5));
   for (const std::size_t threads : {std::size_t{1}, std::size_t{3}}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const PhotonMap again(tasks, 400'000, 0.1f, PhotonKernel::kDisc);
@@ -372,8 +373,8 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
     int lit = 0;
     for (const Slot slot : wide.wave.sorted.span()) {
       const Spectrum4 a = wide.wave.radiance.row(slot).radiance, b = scalar.wave.radiance.row(slot).radiance;
-      CHECK(a.c0 == doctest::Approx(b.c0).epsilon(1e-4));
-      CHECK(a.c2 == doctest::Approx(b.c2).epsilon(1e-4));
+      CHECK(a.c0 == near(b.c0, 1e-4));
+      CHECK(a.c2 == near(b.c2, 1e-4));
       lit += a.c0 > 0 ? 1 : 0;
     }
     CHECK(lit >= 20);
@@ -386,7 +387,7 @@ TEST_CASE("gather: SIMD results equal scalar ones and the sum over all photons")
       const float reflectance = wide.wave.closures.columns().words[0][run.column_begin + i];
       const double expected = static_cast<double>(reflectance) * gathered_by_hand(item, tasks, kernel, lookup_size);
       INFO("item " << i);
-      CHECK(static_cast<double>(scalar.wave.radiance.row(slot).radiance.c0) == doctest::Approx(expected).epsilon(2e-3));
+      CHECK(static_cast<double>(scalar.wave.radiance.row(slot).radiance.c0) == near(expected, 2e-3));
     }
   }
 }

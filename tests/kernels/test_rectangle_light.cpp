@@ -6,6 +6,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
@@ -75,9 +76,9 @@ TEST_CASE("rectangle lights: two triangles that form a rectangle become one, in 
       const auto scene = lone_light(two_triangles(kCorners, a, b));
       REQUIRE(is_rectangle(*scene));
       const auto& light = scene->view().lights.rows[0];
-      CHECK(light.data<RectangleLightData>().mesh.area == doctest::Approx(2));
+      CHECK(light.data<RectangleLightData>().mesh.area == near(2));
       CHECK(pdf_at(scene->view(), kReceivers[1].at, {0.5f, 0.2f, 0}) ==
-            doctest::Approx(pdf_at(expected->view(), kReceivers[1].at, {0.5f, 0.2f, 0})));
+            near(pdf_at(expected->view(), kReceivers[1].at, {0.5f, 0.2f, 0})));
     }
   const Transform tilted = Transform::translate({50, -20, 3}) * Transform::rotate({1, 2, 0.5f}, 155);
   CHECK(is_rectangle(*lone_light(two_triangles(kCorners, kFirst[1], kSecond[2]), tilted)));
@@ -137,7 +138,7 @@ TEST_CASE("rectangle lights: samples follow the pdf that MIS uses, and lie on th
         integral += share;
         expected[cell_of(x, y)] += share * kDraws;
       }
-    CHECK(integral == doctest::Approx(1).epsilon(2e-3));
+    CHECK(integral == near(1, 2e-3));
     CHECK(chi_square(observed, expected).p_value > significance_of_each(static_cast<int>(kReceivers.size())));
   }
 }
@@ -153,7 +154,7 @@ TEST_CASE("rectangle lights: surfaces are sampled nearly in proportion to the co
       const auto s = sample_given_light<Scalar>(view, from, view.lights.rows[0], random4<Scalar>(7, i, 0, 0));
       (knows ? with_normal : without).add(double(dot(s.direction, wall.n)) / s.pdf_solid_angle);
     }
-  CHECK(with_normal.mean() == doctest::Approx(without.mean()).epsilon(0.02));
+  CHECK(with_normal.mean() == near(without.mean(), 0.02));
   CHECK(with_normal.variance() < 0.5 * without.variance());
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/simd.h"
 #include "tests/support/contains.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -93,8 +94,8 @@ TEST_CASE("a report as JSON and as a table") {
   report.stats.trace_ticks = static_cast<std::uint64_t>(3 / seconds_per_tick());
   report.stage_names = {"light_candidates", "unused", "sort"};
   report.stats[Stage{1}].items = 0;
-  CHECK(report.trace_share() == doctest::Approx(0.75).epsilon(1e-3));
-  CHECK(report.rays_per_second() == doctest::Approx(3));
+  CHECK(report.trace_share() == near(0.75, 1e-3));
+  CHECK(report.rays_per_second() == near(3));
   report.photons = {700, 600, 0.25, 0.5, 1, {0.25f, 0, 0.125f, 0, 600, 54'000}, {0.25f, 0, 0.125f, 0, 600, 54'000}};
   const std::string json = to_json(report);
   CHECK(contains(json, "\"stored\": 600"));
@@ -141,7 +142,7 @@ TEST_CASE("a report says how long an image of less noise would take") {
   report.render_seconds = 10;
   report.spp = 64;
   report.noise = 0.04;
-  CHECK(report.samples_factor(0.02) == doctest::Approx(4));
+  CHECK(report.samples_factor(0.02) == near(4));
   const std::string table = to_table(report);
   CHECK(contains(table, "noise 4.00 % of a pixel's value"));
   CHECK(contains(table, "2 % takes about 256 spp, 40 s"));

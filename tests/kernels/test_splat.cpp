@@ -2,6 +2,7 @@
 #include "kernels/film/splat.h"
 
 #include "kernels/film/film.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -145,7 +146,7 @@ TEST_CASE("splats: a constant image is exactly constant up to its corners") {
         for (int k = 0; k < span.count; ++k) sums[static_cast<std::size_t>(span.first + k)] += span.weight(k) / kFine;
       }
       for (int x = 0; x < std::min(sampled.x1, kFrame.x1); ++x)
-        CHECK(sums[static_cast<std::size_t>(x)] == doctest::Approx(1).epsilon(2e-5));
+        CHECK(sums[static_cast<std::size_t>(x)] == near(1, 2e-5));
     }
 }
 

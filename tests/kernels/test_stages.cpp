@@ -4,6 +4,7 @@
 #include "kernels/passes/passes.h"
 #include "kernels/photons/photon_maps.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/trace_testing.h"
 
@@ -48,7 +49,7 @@ TEST_CASE_TEMPLATE("camera rays: every sample of the task starts once in order a
         CHECK(radiance.task_sample == index);
         CHECK(radiance.scatter_pdf == 0.0f);
         CHECK((radiance.task_sample & kTransparent) == 0);
-        CHECK(radiance.weight == doctest::Approx(1));
+        CHECK(radiance.weight == near(1));
         CHECK(is_black(radiance.radiance));
         CHECK(ray.flags == kRayFromCamera);
         CHECK(ray.t_max == kInfinity);
@@ -140,7 +141,7 @@ TEST_CASE_TEMPLATE("intersect: paths are pushed to the queue that matches their 
       CHECK(contains(wave.miss, slots[i]) == (i % 3 == 2));
       CHECK(contains(wave.emitter, slots[i]) == (i % 3 == 1));
       if (i % 3 == 2) continue;
-      CHECK(hit.t == doctest::Approx(i % 3 == 0 ? 2 : 4));
+      CHECK(hit.t == near(i % 3 == 0 ? 2 : 4));
       CHECK(hit.shape == i % 3);
       CHECK(hit.light == (i % 3 == 1 ? 0u : kNone));
     }
@@ -211,7 +212,7 @@ TEST_CASE_TEMPLATE("intersect: hidden lights are left to emission", L, SHEAF_STA
   CHECK(wave.rays.get(hidden).origin.z < 4.001f);
   CHECK(wave.rays.get(hidden).flags == kRayFromCamera);
   CHECK(is_black(wave.radiance.get(hidden).radiance));
-  CHECK(wave.radiance.get(seen).radiance.c0 == doctest::Approx(2));
+  CHECK(wave.radiance.get(seen).radiance.c0 == near(2));
   check_conservation(wave);
   // There is nothing behind it, so the sample is transparent.
   intersect<L>(test.context(*scene), wave);

@@ -5,6 +5,7 @@
 #include "kernels/wave/wave_snapshot.h"
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 
 namespace sheaf::test_stages_lanes {
@@ -139,9 +140,9 @@ TEST_CASE("stages: SIMD photon stages equal scalar ones in both colour modes") {
       for (std::size_t i = 0; i < wide.photons.splats.size(); ++i) {
         const Splat &a = wide.photons.splats[i], &b = scalar.photons.splats[i];
         CHECK(a.order == b.order);
-        CHECK(a.x == doctest::Approx(b.x).epsilon(1e-4));
-        CHECK(a.y == doctest::Approx(b.y).epsilon(1e-4));
-        for (int c = 0; c < 3; ++c) CHECK(a.rgb[c] == doctest::Approx(b.rgb[c]).epsilon(1e-3));
+        CHECK(a.x == near(b.x, 1e-4));
+        CHECK(a.y == near(b.y, 1e-4));
+        for (int c = 0; c < 3; ++c) CHECK(a.rgb[c] == near(b.rgb[c], 1e-3));
       }
     }
   }

@@ -2,6 +2,7 @@
 // scattering.
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_sample.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 
@@ -120,10 +121,10 @@ TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set 
       const auto ray = wave.rays.get(slot);
       const auto hit = wave.hits.get(slot);
       CHECK(record_difference<Vec3>(item.p, ray.origin + ray.direction * hit.t) < 1e-6);
-      CHECK(item.p.z == doctest::Approx(2));
-      CHECK(item.ng.z == doctest::Approx(square == kTurned ? 1 : -1));
-      CHECK(item.ns.z == doctest::Approx(-1));
-      CHECK(item.wo.z == doctest::Approx(ray.direction.z));
+      CHECK(item.p.z == near(2));
+      CHECK(item.ng.z == near(square == kTurned ? 1 : -1));
+      CHECK(item.ns.z == near(-1));
+      CHECK(item.wo.z == near(ray.direction.z));
       CHECK(record_difference<Vec3>(Frame<Scalar>::from_normal(item.ns).to_world(item.wo), -ray.direction) < 1e-6);
       CHECK(item.offset > 0.0f);
       CHECK(item.offset < 1e-4f);
@@ -133,8 +134,7 @@ TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set 
                         : kind_of(square) == kClosureKind<ConductorClosure> ? 12
                                                                             : 9;
       for (int k = 0; k < words; ++k) CHECK(closure.words[k] == material.words[k]);
-      if (kind_of(square) == kClosureKind<DiffuseClosure>)
-        CHECK(closure.words[1] == doctest::Approx(reflectance_of(square)));
+      if (kind_of(square) == kClosureKind<DiffuseClosure>) CHECK(closure.words[1] == near(reflectance_of(square)));
     });
   }
 }
@@ -175,9 +175,9 @@ TEST_CASE_TEMPLATE("light candidates: a point light matches its closed form and 
       const Vec3f d = light - item.p;
       const double squared = length_squared(d), cos_theta = -d.z / std::sqrt(squared);
       const double expected = reflectance_of(test.square_of_slot[slot]) / 3.14159265358979 * cos_theta * 10 / squared;
-      CHECK(ray.contribution.c0 == doctest::Approx(0.5 * expected).epsilon(1e-5));
-      CHECK(ray.contribution.c1 == doctest::Approx(0.25 * expected).epsilon(1e-5));
-      CHECK(ray.contribution.c2 == doctest::Approx(2 * expected).epsilon(1e-5));
+      CHECK(ray.contribution.c0 == near(0.5 * expected, 1e-5));
+      CHECK(ray.contribution.c1 == near(0.25 * expected, 1e-5));
+      CHECK(ray.contribution.c2 == near(2 * expected, 1e-5));
     });
   }
 }
@@ -201,10 +201,9 @@ TEST_CASE_TEMPLATE("light candidates: each sampling strategy applies its MIS wei
     // The light, a disk of radius 1, is parallel to the surface, so that both cosines are equal.
     const double squared = length_squared(alone[i].direction), cos_theta = -alone[i].direction.z / std::sqrt(squared);
     const double pdf_light = squared / cos_theta / 3.14159265358979, pdf_bsdf = cos_theta / 3.14159265358979;
-    CHECK(alone[i].contribution.c0 ==
-          doctest::Approx(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light).epsilon(1e-4));
+    CHECK(alone[i].contribution.c0 == near(0.25 / 3.14159265358979 * cos_theta * 4 / pdf_light, 1e-4));
     const double weight = pdf_light * pdf_light / (pdf_light * pdf_light + pdf_bsdf * pdf_bsdf);
-    CHECK(mis[i].contribution.c0 == doctest::Approx(alone[i].contribution.c0 * weight).epsilon(1e-4));
+    CHECK(mis[i].contribution.c0 == near(alone[i].contribution.c0 * weight, 1e-4));
   }
 }
 
@@ -279,13 +278,13 @@ TEST_CASE_TEMPLATE("scatter: every path continues by its own closure", L, SHEAF_
       CHECK(path.depth_and_dimension == kOneDepth + kOneDimension);
       CHECK(ray.flags == 0u);
       CHECK(ray.t_max == kInfinity);
-      CHECK(length(ray.direction) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(length(ray.direction) == near(1, 1e-6));
       CHECK(length(ray.origin - point[slot]) < 1e-4f);
       CHECK((ray.origin.z - 2) * ray.direction.z > 0.0f);
       const float pdf = wave.radiance.get(slot).scatter_pdf;
       if (kind_of(square) == kClosureKind<DiffuseClosure>) {
         CHECK(ray.direction.z < 0.0f);
-        CHECK(pdf == doctest::Approx(-ray.direction.z * kInvPi).epsilon(1e-4));
+        CHECK(pdf == near(-ray.direction.z * kInvPi, 1e-4));
       } else {
         CHECK(pdf == 0.0f);
       }
@@ -293,11 +292,11 @@ TEST_CASE_TEMPLATE("scatter: every path continues by its own closure", L, SHEAF_
         CHECK(record_difference<Vec3>(ray.direction, {in.x, in.y, -in.z}) < 1e-6);
       if (square == kGlass && ray.direction.z > 0) {
         CHECK(record_difference<Vec3>({ray.direction.x * 1.5f, ray.direction.y * 1.5f, 0}, {in.x, in.y, 0}) < 1e-6);
-        CHECK(path.eta_scale == doctest::Approx(2.25));
-        CHECK(path.beta.c0 == doctest::Approx(1 / 2.25));
+        CHECK(path.eta_scale == near(2.25));
+        CHECK(path.beta.c0 == near(1 / 2.25));
       } else {
         CHECK(path.eta_scale == 1.0f);
-        CHECK(path.beta.c0 == doctest::Approx(reflectance_of(square)));
+        CHECK(path.beta.c0 == near(reflectance_of(square)));
       }
     }
   }
@@ -375,8 +374,8 @@ TEST_CASE_TEMPLATE("scatter: Russian roulette follows the throughput and reweigh
           student_t_threshold(significance_of_each(static_cast<int>(std::size(kCases))), kPaths) * error);
     for (const Slot slot : wave.active.span()) {
       const auto path = wave.paths.get(slot);
-      CHECK(path.beta.c1 == doctest::Approx(0.75 * beta / survival).epsilon(1e-5));
-      CHECK(path.beta.c0 == doctest::Approx(0.075 * beta / survival).epsilon(1e-5));
+      CHECK(path.beta.c1 == near(0.75 * beta / survival, 1e-5));
+      CHECK(path.beta.c0 == near(0.075 * beta / survival, 1e-5));
     }
   }
 }
@@ -425,9 +424,9 @@ TEST_CASE_TEMPLATE("emission: the environment is weighted against light sampling
           const auto i = static_cast<int>(r.task_sample & ~kTransparent);
           const bool hidden = hide && i % 3 == 0;
           const double weight = hidden ? 0 : emission_weight(strategy, i % 3 == 2 ? 0.3 : 0, 0.25 * kInvPi);
-          CHECK(r.radiance.c0 == doctest::Approx(0.25 + 2 * weight).epsilon(1e-5));
-          CHECK(r.radiance.c1 == doctest::Approx(0.25 + weight).epsilon(1e-5));
-          CHECK(r.radiance.c2 == doctest::Approx(0.25 + 2 * i * weight).epsilon(1e-5));
+          CHECK(r.radiance.c0 == near(0.25 + 2 * weight, 1e-5));
+          CHECK(r.radiance.c1 == near(0.25 + weight, 1e-5));
+          CHECK(r.radiance.c2 == near(0.25 + 2 * i * weight, 1e-5));
           CHECK(((r.task_sample & kTransparent) != 0) == hidden);
         }
       }
@@ -466,7 +465,7 @@ TEST_CASE_TEMPLATE("emission: area lights emit from their front and are weighted
         const double z = wave.rays.get(slot).direction.z, t = 2 / z;
         const double light_pdf = 0.5 / 3.14159265358979 * t * t / z;
         const double weight = i % 4 == 3 ? 0 : emission_weight(strategy, i % 2 == 0 ? 0.2 : 0, light_pdf);
-        CHECK(r.radiance.c1 == doctest::Approx(3 * weight).epsilon(1e-4));
+        CHECK(r.radiance.c1 == near(3 * weight, 1e-4));
       }
     }
   }

@@ -6,6 +6,7 @@
 #include "kernels/wave/wave_snapshot.h"
 #include "tests/support/capture.h"
 #include "tests/support/gathering_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 #include "tests/support/temporary_folder.h"
@@ -75,9 +76,9 @@ TEST_CASE("point query: every point near a ray is found once") {
     for (const NearPoint& point : found) {
       const AccelPoint& p = points[point.index];
       const Vec3f from = Vec3f{p.x, p.y, p.z} - origin;
-      CHECK(point.t == doctest::Approx(dot(from, direction)).epsilon(1e-4));
+      CHECK(point.t == near(dot(from, direction), 1e-4));
       const Vec3f across = from - direction * point.t;
-      CHECK(point.squared == doctest::Approx(dot(across, across) / (p.radius * p.radius)).epsilon(1e-3));
+      CHECK(point.squared == near(dot(across, across) / (p.radius * p.radius), 1e-3));
     }
     in_all += found.size();
   }
@@ -138,9 +139,9 @@ TEST_CASE("gather volume: SIMD photon results equal scalar ones and the sum over
       const Spectrum4 beta = wide.wave.paths.get(slot).beta;
       const float left[3] = {beta.c0, beta.c1, beta.c2};
       for (std::size_t c = 0; c < 3; ++c) {
-        CHECK(static_cast<double>(wide_found[c]) == doctest::Approx(sum[c]).epsilon(2e-3));
-        CHECK(static_cast<double>(scalar_found[c]) == doctest::Approx(sum[c]).epsilon(2e-3));
-        CHECK(static_cast<double>(left[c]) == doctest::Approx(std::exp(-extinction[c] * 7.5)).epsilon(1e-4));
+        CHECK(static_cast<double>(wide_found[c]) == near(sum[c], 2e-3));
+        CHECK(static_cast<double>(scalar_found[c]) == near(sum[c], 2e-3));
+        CHECK(static_cast<double>(left[c]) == near(std::exp(-extinction[c] * 7.5), 1e-4));
       }
     }
   }

@@ -7,6 +7,7 @@
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
 #include "tests/support/gathering_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 
 #include <doctest/doctest.h>
@@ -132,8 +133,8 @@ TEST_CASE("gather: the factor four of single wavelengths is applied once over pa
                 CHECK(wide[c] == 0);
                 continue;
               }
-              CHECK(wide[c] / expected[c] == doctest::Approx(factor).epsilon(2e-3));
-              CHECK(narrow[c] / expected[c] == doctest::Approx(factor).epsilon(2e-3));
+              CHECK(wide[c] / expected[c] == near(factor, 2e-3));
+              CHECK(narrow[c] / expected[c] == near(factor, 2e-3));
             }
           }
         }
@@ -217,8 +218,8 @@ TEST_CASE_TEMPLATE("gather volume: the factor four of single wavelengths is appl
         const double by_point = std::exp(-4 * sigma[c]) * power * kPhase / (kPi * 0.25);
         const double share = single_photon ? 1 : std::exp(-sigma[c]) / comes;
         const double by_beam = std::exp(-5 * sigma[c]) * power * share * 0.8 * sigma[c] * kPhase * 0.5 / 0.5;
-        CHECK(points[c] / (by_point * once) == doctest::Approx(1).epsilon(2e-3));
-        CHECK(beams[c] / (by_beam * once) == doctest::Approx(1).epsilon(2e-3));
+        CHECK(points[c] / (by_point * once) == near(1, 2e-3));
+        CHECK(beams[c] / (by_beam * once) == near(1, 2e-3));
       }
     }
 }

@@ -1,6 +1,7 @@
 // Layers of the first surface against known planes, maps and materials; halves of the samples; light groups.
 #include "core/error.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 
 #include <memory>
@@ -36,10 +37,12 @@ Vec3f vector(const Image& image, int x, int y, const std::string& layer, const c
   return {one(0), one(1), one(2)};
 }
 
-void check_vector(Vec3f found, Vec3f expected, double epsilon = 1e-5) {
-  CHECK(found.x == doctest::Approx(expected.x).epsilon(epsilon));
-  CHECK(found.y == doctest::Approx(expected.y).epsilon(epsilon));
-  CHECK(found.z == doctest::Approx(expected.z).epsilon(epsilon));
+/// `tolerance`: relative to the length of the vector.
+void check_vector(Vec3f found, Vec3f expected, double tolerance = 1e-5) {
+  const double distance = tolerance * static_cast<double>(length(expected));
+  CHECK(found.x == within(expected.x, distance));
+  CHECK(found.y == within(expected.y, distance));
+  CHECK(found.z == within(expected.z, distance));
 }
 
 /// A square of side 20 at z = 4, perpendicular to the camera's axis.
@@ -57,11 +60,11 @@ MaterialId coloured(Description& d) { return add_diffuse_rgb(d, 0.2f, 0.4f, 0.6f
 void check_wall(const Image& image, int x, int y) {
   check_vector(vector(image, x, y, "N"), {0, 0, -1});
   check_vector(vector(image, x, y, "Ng"), {0, 0, -1});
-  CHECK(value(image, x, y, "Z") == doctest::Approx(4));
+  CHECK(value(image, x, y, "Z") == near(4));
   const Vec3f p = vector(image, x, y, "P");
-  CHECK(p.z == doctest::Approx(4));
-  CHECK(value(image, x, y, "uv.U") == doctest::Approx(0.5 - 0.05 * double{p.x}));
-  CHECK(value(image, x, y, "uv.V") == doctest::Approx(0.5 + 0.05 * double{p.y}));
+  CHECK(p.z == near(4));
+  CHECK(value(image, x, y, "uv.U") == near(0.5 - 0.05 * double{p.x}));
+  CHECK(value(image, x, y, "uv.V") == near(0.5 + 0.05 * double{p.y}));
 }
 
 }  // namespace
@@ -109,15 +112,15 @@ TEST_CASE("layers: depth is measured along the camera axis for every camera tran
   Description d = wall(coloured);
   d.camera.to_world = Transform::translate({1, 0.5f, -2}) * Transform::scale({3, 3, 3});
   const Image image = render_image(d, with(kSurfaces));
-  CHECK(value(image, 0, 0, "Z") == doctest::Approx(6));
-  CHECK(value(image, 7, 3, "Z") == doctest::Approx(6));
+  CHECK(value(image, 0, 0, "Z") == near(6));
+  CHECK(value(image, 7, 3, "Z") == near(6));
   // A panorama has no axis, so that depth is the distance.
   d.camera.projection = CameraDescription::Projection::kSpherical;
   d.camera.to_world = Transform();
   const Image around = render_image(d, with(kSurfaces, 1));
   for (int x = 0; x < 8; ++x) {
     const Vec3f p = vector(around, x, 4, "P");
-    CHECK(value(around, x, 4, "Z") == doctest::Approx(length(p)));
+    CHECK(value(around, x, 4, "Z") == near(length(p)));
   }
 }
 
@@ -130,7 +133,7 @@ TEST_CASE("layers: samples without a hit are zero and count in the mean") {
   CHECK(value(image, 7, 2, "Z") == 0);
   check_vector(vector(image, 7, 2, "albedo", "RGB"), {0, 0, 0});
   check_vector(vector(image, 4, 2, "N"), {0, 0, -0.5f}, 0.01);
-  CHECK(value(image, 4, 2, "Z") == doctest::Approx(2).epsilon(0.01));
+  CHECK(value(image, 4, 2, "Z") == near(2, 0.01));
 }
 
 TEST_CASE("layers: normals include normal maps and face the camera") {
@@ -246,10 +249,10 @@ TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   d.more_cameras.push_back(second);
   const Image image = render_image(d, with({aov_named("depth"), aov_named("position")}, 16));
   for (int y = 0; y < 4; ++y) {
-    for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == doctest::Approx(5).epsilon(1e-5));
+    for (int x = 0; x < 4; ++x) CHECK(value(image, x, y, "Z") == near(5, 1e-5));
     for (const int x : {5, 6}) {
-      CHECK(value(image, x, y, "P.X") == doctest::Approx(-7).epsilon(1e-5));
-      CHECK(value(image, x, y, "Z") == doctest::Approx(9).epsilon(1e-5));
+      CHECK(value(image, x, y, "P.X") == near(-7, 1e-5));
+      CHECK(value(image, x, y, "Z") == near(9, 1e-5));
     }
   }
 }
@@ -283,13 +286,13 @@ TEST_CASE("layers: media and masks do not count as surfaces and the surfaces beh
   fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
   Image image = render_image(d, with(kSurfaces, 1024));
   // The sphere is about 2 long in the middle: exp(-0.1 * length) of the samples pass it.
-  CHECK(value(image, 4, 4, "Z") == doctest::Approx(4 * std::exp(-0.1 * 1.85)).epsilon(0.03));
-  CHECK(value(image, 0, 0, "Z") == doctest::Approx(4));
+  CHECK(value(image, 4, 4, "Z") == near(4 * std::exp(-0.1 * 1.85), 0.03));
+  CHECK(value(image, 0, 0, "Z") == near(4));
   d = wall(coloured);
   add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::scale({10, 10, 1}),
                 add_material(d, MaskDescription{0.25f, add_diffuse(d, 1)}));
   image = render_image(d, with(kSurfaces, 1024));
-  CHECK(value(image, 4, 4, "Z") == doctest::Approx(0.25 * 2 + 0.75 * 4).epsilon(0.02));
+  CHECK(value(image, 4, 4, "Z") == near(0.25 * 2 + 0.75 * 4, 0.02));
 }
 
 TEST_CASE("layers: layers without data are errors") {

@@ -2,6 +2,7 @@
 #include "core/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/measured_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -65,7 +66,7 @@ void check_sum(const AddMaterial& blend, const std::vector<std::pair<double, Add
     for (std::size_t c = 0; c < 3; ++c) expected[c] += share * one[c].mean();
   }
   for (std::size_t c = 0; c < 3; ++c) {
-    CHECK(found[c].mean() == doctest::Approx(expected[c]).epsilon(1e-4));
+    CHECK(found[c].mean() == near(expected[c], 1e-4));
     CHECK(std::sqrt(found[c].variance()) < 1e-3 * expected[c]);
   }
 }
@@ -146,8 +147,8 @@ TEST_CASE("blends: scattered light has the colours of all parts") {
   add_constant_light(d, 1);
   d.integrator.strategy = LightStrategy::kBsdfOnly;
   const PixelMeans found = pixel_means(d);
-  CHECK(found[0].mean() == doctest::Approx(0.6 * 0.2 + 0.4 * 0.9).epsilon(1e-4));
-  CHECK(found[2].mean() == doctest::Approx(0.6 * 0.7 + 0.4 * 0.9).epsilon(1e-4));
+  CHECK(found[0].mean() == near(0.6 * 0.2 + 0.4 * 0.9, 1e-4));
+  CHECK(found[2].mean() == near(0.6 * 0.7 + 0.4 * 0.9, 1e-4));
   CHECK(std::sqrt(found[0].variance()) < 1e-4);
 }
 

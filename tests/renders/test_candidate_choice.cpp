@@ -6,6 +6,7 @@
 #include "kernels/passes/passes.h"
 #include "kernels/passes/worker.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 
 #include <cmath>
@@ -154,7 +155,7 @@ TEST_CASE("candidate choice: the trial estimates the squared radiance with each 
       // With fog, the MIS weights of fewer candidates are those without fog.
       if (!has_fog || candidates == kTrialCandidates) CHECK(squares.p_value(0) > significance_of_each(kTests));
       const auto rays = static_cast<double>(trial.vertices.shadow_rays[static_cast<std::size_t>(k)]);
-      CHECK(rays == doctest::Approx(static_cast<double>(plain.shadow_rays)).epsilon(0.01));
+      CHECK(rays == near(static_cast<double>(plain.shadow_rays), 0.01));
     }
     // With as many candidates as the trial has, it estimates nothing.
     int different = 0;
@@ -175,7 +176,7 @@ TEST_CASE("candidate choice: the number with the lowest error x cost, if it gain
   // A candidate costs 0.4 of `cost` rays per ray.
   const CandidateChoice best = choice({1, 0.4f, 0.1f, 0}, 0.1);
   CHECK(best.count == 4);
-  CHECK(best.gains[2] == doctest::Approx(2 / 1.1 / 1.12).epsilon(0.02));
+  CHECK(best.gains[2] == near(2 / 1.1 / 1.12, 0.02));
   CHECK(choice({1, 0.4f, 0.1f, 0}, 0.4).count == 2);
   CHECK(choice({1, 0.4f, 0.1f, 0}, 2).count == 1);
   CHECK(choice({0.04f, 0, 0, 0}, 0).count == 1);

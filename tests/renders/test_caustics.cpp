@@ -6,6 +6,7 @@
 #include "tests/support/capture.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 
 #include <cmath>
@@ -171,7 +172,7 @@ TEST_CASE("caustics: a mirror shows the image of a light at a point") {
   const Rendered connected = render_with(d, CausticMode::kManifold);
   check_mean(connected.pixels, direct + image, kLevel, 1e-3 * direct);
   // BSDF sampling cannot find the light.
-  CHECK(render_with(d, CausticMode::kSampled).pixels.mean() == doctest::Approx(direct).epsilon(2e-3));
+  CHECK(render_with(d, CausticMode::kSampled).pixels.mean() == near(direct, 2e-3));
 }
 
 TEST_CASE("caustics: lights at a point and in a direction shine through a slab of glass") {

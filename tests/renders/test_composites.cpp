@@ -3,6 +3,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_materials.h"
+#include "tests/support/near.h"
 #include "tests/support/statistics.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
@@ -66,11 +67,11 @@ TEST_CASE("compile materials: two-sided blends choose between the sides of their
   const MaterialRow& front = out.tables.rows.at(out.row_of.at(static_cast<std::size_t>(sides)));
   CHECK((front.flags & kComposite) != 0);
   CHECK(front.words[0] == 0.25f);
-  CHECK(out.tables.rows.at(front.choice[0]).words[0] == doctest::Approx(0.1f));
-  CHECK(out.tables.rows.at(front.choice[1]).words[0] == doctest::Approx(0.2f));
+  CHECK(out.tables.rows.at(front.choice[0]).words[0] == near(0.1f));
+  CHECK(out.tables.rows.at(front.choice[1]).words[0] == near(0.2f));
   for (const std::uint32_t choice : front.choice) CHECK((out.tables.rows.at(choice).flags & kTwoSided) != 0);
   const MaterialRow& back = out.tables.rows.at(front.back);
-  CHECK(back.words[0] == doctest::Approx(0.3f));
+  CHECK(back.words[0] == near(0.3f));
   CHECK((back.flags & kTwoSided) != 0);
   // Without two-sided, the same blend is one-sided.
   const MaterialRow& alone = out.tables.rows.at(out.row_of.at(static_cast<std::size_t>(blend)));

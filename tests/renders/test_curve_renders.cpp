@@ -1,4 +1,5 @@
 // Renders of curves and hair against Mitsuba 3.
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -68,7 +69,7 @@ TEST_CASE("curves: images have the mean of Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb, `path`, 4 x 1024 samples per pixel; standard errors 1.5e-5 and 2.8e-5.
   const auto check = [](Curves::Basis basis, double expected) {
     const double mean = pixel_means(tuft(basis))[1].mean();
-    CHECK(mean == doctest::Approx(expected).epsilon(2e-3));
+    CHECK(mean == near(expected, 2e-3));
   };
   check(Curves::Basis::kBspline, 0.183822);
   check(Curves::Basis::kLinear, 0.172356);
@@ -82,9 +83,9 @@ TEST_CASE("curves: images of hair have the mean of Mitsuba") {
     add_point_light(d, 5);
     add_point_light(d, 0);
     const auto means = pixel_means(d);
-    CHECK(means[0].mean() == doctest::Approx(expected.x).epsilon(3e-3));
-    CHECK(means[1].mean() == doctest::Approx(expected.y).epsilon(3e-3));
-    CHECK(means[2].mean() == doctest::Approx(expected.z).epsilon(3e-3));
+    CHECK(means[0].mean() == near(expected.x, 3e-3));
+    CHECK(means[1].mean() == near(expected.y, 3e-3));
+    CHECK(means[2].mean() == near(expected.z, 3e-3));
   };
   check(HairDescription(), {0.169736f, 0.162096f, 0.157019f});
   check(dyed_hair(), {0.195737f, 0.185930f, 0.170230f});
@@ -97,7 +98,7 @@ TEST_CASE("curves: hair without absorption is invisible in a constant environmen
     Description d = hairy_tuft(basis, white);
     d.sampler.sample_count = 32;
     add_sky(d);
-    CHECK(pixel_means(d)[1].mean() == doctest::Approx(0.2).epsilon(2e-3));
+    CHECK(pixel_means(d)[1].mean() == near(0.2, 2e-3));
   }
 }
 
@@ -108,7 +109,7 @@ TEST_CASE("curves: photons scattered by hair give the image of paths") {
   d.integrator.max_depth = 3;
   const double expected = pixel_means(d)[1].mean();
   d.integrator.kind = IntegratorKind::kLightTracer;
-  CHECK(pixel_means(d)[1].mean() == doctest::Approx(expected).epsilon(1e-2));
+  CHECK(pixel_means(d)[1].mean() == near(expected, 1e-2));
 }
 
 TEST_CASE("curves: photons and paths agree around a single fibre") {

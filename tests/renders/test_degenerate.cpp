@@ -2,6 +2,7 @@
 #include "core/bucket_sort.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -76,7 +77,7 @@ TEST_CASE("an empty scene in an environment shows the environment") {
   Description d = empty_scene(5, 4);
   add_constant_light(d, 2);
   const Outcome outcome = render_all(d);
-  CHECK(mean(outcome.image, 0) == doctest::Approx(2));
+  CHECK(mean(outcome.image, 0) == near(2));
   CHECK(mean(outcome.image, 3) == 1);
 }
 
@@ -279,7 +280,7 @@ TEST_CASE("scenes may have more materials than sorting buckets") {
   const Image image = render_all(d).image;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x)
-      REQUIRE(image.at(x, y, 0) == doctest::Approx(double(y * kSide + x + 1) / (kSide * kSide + 1)).epsilon(1e-5));
+      REQUIRE(image.at(x, y, 0) == near(double(y * kSide + x + 1) / (kSide * kSide + 1), 1e-5));
 }
 
 TEST_CASE("paths trapped in glass end") {

@@ -2,6 +2,7 @@
 #include "core/rng.h"
 #include "kernels/passes/guiding_gain.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 
 #include <cmath>
@@ -65,11 +66,11 @@ bool same_bits(const RenderResult& a, const RenderResult& b) {
 
 TEST_CASE("guiding gain: it is the ratio of error times rays, and a guided ray costs 20 % more") {
   const TrialPass noisy = noisy_pass(1, 1, 1000);
-  CHECK(ratio(noisy, noisy) == doctest::Approx(1 / 1.2));
+  CHECK(ratio(noisy, noisy) == near(1 / 1.2));
   // Half the noise is a quarter of the squared error.
-  CHECK(ratio(noisy, noisy_pass(2, 0.5f, 1000)) == doctest::Approx(4 / 1.2).epsilon(0.1));
-  CHECK(ratio(noisy, noisy_pass(2, 0.5f, 2000)) == doctest::Approx(2 / 1.2).epsilon(0.1));
-  CHECK(ratio(noisy_pass(2, 0.5f, 2000), noisy) == doctest::Approx(0.5 / 1.2).epsilon(0.1));
+  CHECK(ratio(noisy, noisy_pass(2, 0.5f, 1000)) == near(4 / 1.2, 0.1));
+  CHECK(ratio(noisy, noisy_pass(2, 0.5f, 2000)) == near(2 / 1.2, 0.1));
+  CHECK(ratio(noisy_pass(2, 0.5f, 2000), noisy) == near(0.5 / 1.2, 0.1));
   // A larger pass of as many rays per sample.
   TrialPass twice = noisy_pass(2, 0.5f, 2000);
   for (TrialTask& task : twice.tasks)
@@ -77,7 +78,7 @@ TEST_CASE("guiding gain: it is the ratio of error times rays, and a guided ray c
       const std::vector<float> once = radiance;
       radiance.insert(radiance.end(), once.begin(), once.end());
     }
-  CHECK(ratio(noisy, twice) == doctest::Approx(4 / 1.2).epsilon(0.1));
+  CHECK(ratio(noisy, twice) == near(4 / 1.2, 0.1));
 }
 
 TEST_CASE("guiding gain: stratification within sets counts") {
@@ -106,8 +107,8 @@ TEST_CASE("guiding gain: a few outliers and black passes do not decide") {
   TrialPass outliers = noisy;
   outliers.tasks[0].radiance[0][0] = outliers.tasks[3].radiance[1][10] = 1e6f;
   // They are left out of errors and brightness.
-  CHECK(ratio(outliers, noisy) == doctest::Approx(1 / 1.2).epsilon(0.01));
-  CHECK(ratio(noisy, outliers) == doctest::Approx(1 / 1.2).epsilon(0.01));
+  CHECK(ratio(outliers, noisy) == near(1 / 1.2, 0.01));
+  CHECK(ratio(noisy, outliers) == near(1 / 1.2, 0.01));
   TrialPass black = noisy;
   for (TrialTask& task : black.tasks)
     for (std::vector<float>& radiance : task.radiance) std::fill(radiance.begin(), radiance.end(), 0.0f);
@@ -122,8 +123,8 @@ TEST_CASE("guiding gain: the standard error tells how far estimates scatter") {
     logarithms.add(std::log(gain.ratio));
     errors.add(gain.standard_error);
   }
-  CHECK(std::exp(logarithms.mean()) == doctest::Approx(1 / 0.64 / 1.2).epsilon(0.01));
-  CHECK(errors.mean() == doctest::Approx(std::sqrt(logarithms.variance())).epsilon(0.3));
+  CHECK(std::exp(logarithms.mean()) == near(1 / 0.64 / 1.2, 0.01));
+  CHECK(errors.mean() == near(std::sqrt(logarithms.variance()), 0.3));
   CHECK(GuidingGain{1.3, 0.12}.is_significant());
   CHECK_FALSE(GuidingGain{1.3, 0.14}.is_significant());
   CHECK_FALSE(GuidingGain{1.2, 0.001}.is_significant());

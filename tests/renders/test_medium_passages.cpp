@@ -2,6 +2,7 @@
 // shadow ray carries from one to the next.
 #include "kernels/media/medium_tracking.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -115,9 +116,9 @@ TEST_CASE("medium passages: rescaling the weights of a path by a common factor c
   const float factor = path.r_u[0] / before.r_u[0];
   for (int lane = 0; lane < 4; ++lane) {
     CAPTURE(lane);
-    CHECK(path.beta[lane] == doctest::Approx(before.beta[lane] * factor));
-    CHECK(path.r_u[lane] == doctest::Approx(before.r_u[lane] * factor));
-    CHECK(path.r_l[lane] == doctest::Approx(before.r_l[lane] * factor));
+    CHECK(path.beta[lane] == near(before.beta[lane] * factor));
+    CHECK(path.r_u[lane] == near(before.r_u[lane] * factor));
+    CHECK(path.r_l[lane] == near(before.r_l[lane] * factor));
   }
 }
 

@@ -4,6 +4,7 @@
 #include "tests/support/light_tracing_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/temporary_folder.h"
@@ -308,7 +309,7 @@ TEST_CASE("motion: an environment map that turns about the vertical gives the me
                      last = image(false, 60 * (1 + std::sqrt(0.6)));
   const double expected = (5 * first.mean() + 8 * middle.mean() + 5 * last.mean()) / 18;
   CHECK(std::fabs(first.mean() - last.mean()) > 0.1 * expected);
-  CHECK(image(true, 0).mean() == doctest::Approx(expected).epsilon(0.05));
+  CHECK(image(true, 0).mean() == near(expected, 0.05));
 }
 
 TEST_CASE("motion: shadows reach blockers that leave the bounds of the first moment") {
@@ -435,8 +436,8 @@ TEST_CASE("motion: the layer of motion holds displacements on the film, to the r
     return d;
   };
   const auto check = [](Vec3f found, float right, float up) {
-    CHECK(found.x == doctest::Approx(right).epsilon(1e-3));
-    CHECK(found.y == doctest::Approx(up).epsilon(1e-3));
+    CHECK(found.x == near(right, 1e-3));
+    CHECK(found.y == near(up, 1e-3));
   };
   // A wall that moves
   const Transform wall = Transform::scale({20, 20, 1});
@@ -462,7 +463,7 @@ TEST_CASE("motion: the layer of motion holds displacements on the film, to the r
   instance.motion = add_motion(d, {{0, shift(-0.1f)}, {2, shift(0.1f)}});
   d.instances.push_back(instance);
   const Vec3f sphere = layer(d);
-  CHECK(sphere.x == doctest::Approx(0.2 * 8 / 3).epsilon(0.03));
+  CHECK(sphere.x == near(0.2 * 8 / 3, 0.03));
   CHECK(sphere.z == 0);
   // A wall that stretches to twice its height above the point (0, -20, 0)
   d = scene();
@@ -470,8 +471,8 @@ TEST_CASE("motion: the layer of motion holds displacements on the film, to the r
   high.positions[2].y = high.positions[3].y = 20.8f;
   add_shape(d, DeformingMesh{{{0, low}, {2, high}}}, {}, add_diffuse(d, 0.5f));
   const Vec3f stretched = layer(d);
-  CHECK(stretched.x == doctest::Approx(0).epsilon(1e-3));
-  CHECK(stretched.y == doctest::Approx(0.8).epsilon(0.03));
+  CHECK(stretched.x == within(0, 1e-4));
+  CHECK(stretched.y == near(0.8, 0.03));
   // Nothing moves
   d = scene();
   add_rectangle(d, wall, add_diffuse(d, 0.5f));

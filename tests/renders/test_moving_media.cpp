@@ -3,6 +3,7 @@
 #include "tests/support/light_tracing_testing.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/photon_testing.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/same_bits.h"
@@ -384,8 +385,8 @@ TEST_CASE("moving media: with a closed shutter grids are where they are at that 
     expose(still, time, time);
     return green(still).mean();
   };
-  CHECK(at(0) == doctest::Approx(std::exp(-0.2)).epsilon(0.05));
-  CHECK(at(0.9) == doctest::Approx(std::exp(-4.0)).epsilon(0.3));
+  CHECK(at(0) == near(std::exp(-0.2), 0.05));
+  CHECK(at(0.9) == near(std::exp(-4.0), 0.3));
 }
 
 TEST_CASE("moving media: grids of one medium move together, and groups hold none") {

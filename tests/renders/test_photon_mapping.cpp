@@ -7,6 +7,7 @@
 #include "scene/compile/compile.h"
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/photon_testing.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/temporary_folder.h"
@@ -136,7 +137,7 @@ TEST_CASE("photon mapping: the number of stored photons is close to the requeste
       std::vector<std::string> warnings;
       const std::size_t stored = trace(*scene, 3, count, kind, &warnings).size();
       CHECK(warnings.empty());
-      CHECK(static_cast<double>(stored) == doctest::Approx(static_cast<double>(count)).epsilon(0.25));
+      CHECK(static_cast<double>(stored) == near(static_cast<double>(count), 0.25));
     }
   }
 }
@@ -222,7 +223,7 @@ TEST_CASE("photon mapping: sparse maps do not depend on threads or wave size or 
     float largest = 0;
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) {
-        CHECK(sum.at(x, y, 0) == doctest::Approx(whole.at(x, y, 0)).epsilon(1e-5));
+        CHECK(sum.at(x, y, 0) == near(whole.at(x, y, 0), 1e-5));
         largest = std::max(largest, whole.at(x, y, 0));
       }
     CHECK(largest > 0);
@@ -254,13 +255,12 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
       mapping.prepare(sample, workers, tracing, context);
       if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
       const double radius = static_cast<double>(context.photon_maps().global.radius);
-      CHECK(radius * radius == doctest::Approx(expected).epsilon(1e-4));
+      CHECK(radius * radius == near(expected, 1e-4));
       // Beams are blurred in one dimension. Progressive maps use them by default.
       CHECK((context.photon_maps().volume->beams.size() > 0) == progressive);
       CHECK((context.photon_maps().volume->points.size() == 0) == progressive);
       if (progressive) {
-        CHECK(static_cast<double>(context.photon_maps().volume->beams.radius()) ==
-              doctest::Approx(0.2 * expected / 0.09));
+        CHECK(static_cast<double>(context.photon_maps().volume->beams.radius()) == near(0.2 * expected / 0.09));
       }
       places.insert(place_in(context.photon_maps().global));
       REQUIRE(context.wavelength_sample >= 0);

@@ -5,6 +5,7 @@
 #include "scene/compile/compile.h"
 #include "scene/data/glasses.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/photon_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -92,8 +93,8 @@ TEST_CASE("volume photons: the hero wavelength alone carries the same power as a
     }
   }
   // Maps are stratified over wavelengths, so that sums vary far less than single maps.
-  CHECK(total[1].mean() == doctest::Approx(total[0].mean()).epsilon(0.03));
-  for (int i = 0; i < 2; ++i) CHECK(first[i].mean() == doctest::Approx(total[i].mean()).epsilon(0.03));
+  CHECK(total[1].mean() == near(total[0].mean(), 0.03));
+  for (int i = 0; i < 2; ++i) CHECK(first[i].mean() == near(total[i].mean(), 0.03));
 }
 
 TEST_CASE("photons from distant light reach all of an unbounded medium") {
@@ -114,7 +115,7 @@ TEST_CASE("photons from distant light reach all of an unbounded medium") {
     const auto scene = compile_scene(d);
     const double inner = static_cast<double>(scene->view().radius);
     const double outer = static_cast<double>(scene->view().media.outer_radius);
-    CHECK(outer == doctest::Approx(1.01 * inner));
+    CHECK(outer == near(1.01 * inner));
     // Directional light: rays farther than the radius from the axis. Environment light: points in the outer shell.
     double expected = 0;
     constexpr int kSteps = 400;

@@ -1,6 +1,7 @@
 // Photon mapping in course scenes: the effect of every property and every integrator name on the image.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/xml_elements.h"
 
@@ -76,7 +77,7 @@ Rendering rendering(const std::string& properties, const std::string& type = "ph
 TEST_CASE("photon settings: counts and radii are read") {
   const Rendering plain = rendering(kFew);
   const Rendering more = rendering(integer("photonCount", "16000") + number("photonRadius", "0.15"));
-  CHECK(more.stored == doctest::Approx(4 * plain.stored).epsilon(0.1));
+  CHECK(more.stored == near(4 * plain.stored, 0.1));
   CHECK(more.roughness < 0.9 * plain.roughness);
   const Rendering wide = rendering(integer("photonCount", "4000") + number("photonRadius", "0.6"));
   CHECK(wide.stored == plain.stored);
@@ -86,7 +87,7 @@ TEST_CASE("photon settings: counts and radii are read") {
   for (const char* kernel : {"cone", "epanechnikov"}) {
     const Rendering other = rendering(kFew + word("kernel", kernel));
     CHECK(other.data != plain.data);
-    CHECK(other.mean == doctest::Approx(plain.mean).epsilon(0.1));
+    CHECK(other.mean == near(plain.mean, 0.1));
   }
   CHECK(rendering(kFew + word("kernel", "disc")).data == plain.data);
 }
@@ -96,7 +97,7 @@ TEST_CASE("photon settings: numGatherRays enables final gathering") {
   const Rendering gathered = rendering(kFew + integer("numGatherRays", "4"));
   CHECK(gathered.data == rendering(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
   CHECK(gathered.spp == 4 * plain.spp);
-  CHECK(gathered.mean == doctest::Approx(path.mean).epsilon(0.1));
+  CHECK(gathered.mean == near(path.mean, 0.1));
   CHECK(rendering(kFew + integer("numGatherRays", "1")).data == rendering(kFew + flag("finalGather")).data);
   CHECK(rendering(kFew + integer("numGatherRays", "0")).data == plain.data);
   // Final gathering is disabled explicitly.
@@ -112,12 +113,12 @@ TEST_CASE("photon settings: causticPhotonCount enables a caustic map with causti
   CHECK(sharp.stored > plain.stored + 3000);
   CHECK(sharp.peak > 1.1 * plain.peak);
   CHECK(blurred.peak < 0.8 * plain.peak);
-  CHECK(sharp.mean == doctest::Approx(path.mean).epsilon(0.1));
+  CHECK(sharp.mean == near(path.mean, 0.1));
   CHECK(rendering(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
   // Caustic maps combined with final gathering and with direct light sampling.
   const Rendering both = rendering(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
   CHECK(both.data != rendering(kFew + integer("numGatherRays", "4")).data);
-  CHECK(both.mean == doctest::Approx(path.mean).epsilon(0.1));
+  CHECK(both.mean == near(path.mean, 0.1));
   const Rendering sampled = rendering(kFew + flag("sampleDirect"));
   CHECK(sampled.stored < 0.7 * plain.stored);
   CHECK(sampled.roughness < plain.roughness);
@@ -131,12 +132,12 @@ TEST_CASE("photon settings: photons in media are read") {
   const Rendering plain = in_fog(kFew), path = in_fog("", "path_mis");
   const std::string volume = integer("volumePhotonCount", "3000");
   const Rendering points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
-  CHECK(points.stored == doctest::Approx(plain.stored + 3000).epsilon(0.1));
-  CHECK(points.mean == doctest::Approx(path.mean).epsilon(0.15));
+  CHECK(points.stored == near(plain.stored + 3000, 0.1));
+  CHECK(points.mean == near(path.mean, 0.15));
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.4")).roughness < points.roughness);
   const Rendering beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
   CHECK(beams.data != points.data);
-  CHECK(beams.mean == doctest::Approx(path.mean).epsilon(0.15));
+  CHECK(beams.mean == near(path.mean, 0.15));
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "points")).data == points.data);
   // With photonCount alone, media get as many photons with the same radius. Both can be set separately.
   const Rendering both = in_fog(kFew, "volumetricphotonmapper");
@@ -154,7 +155,7 @@ TEST_CASE("photon settings: all integrator names and progressive maps are read")
   const std::string few = all + integer("photonCount", "2000") + number("initialRadius", "0.2");
   const Rendering progressive = rendering(few, "sppm");
   CHECK(rendering(few, "ppm").data == progressive.data);
-  CHECK(progressive.stored == doctest::Approx(4 * 2000).epsilon(0.2));
+  CHECK(progressive.stored == near(4 * 2000, 0.2));
   CHECK(rendering(few + integer("maxPasses", "7"), "sppm").spp == 7);
   CHECK(rendering(all + integer("photonCount", "2000") + number("initialRadius", "0.05"), "sppm").roughness >
         1.2 * progressive.roughness);

@@ -1,5 +1,6 @@
 // Renders of signed distance grids against Mitsuba 3.
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -37,7 +38,7 @@ TEST_CASE("sdf grid: images have the mean of Mitsuba") {
   // Mitsuba 3.9.1, scalar_rgb, `path` and `volpath`, 4 x 256 to 1024 samples per pixel; standard errors below 7e-5.
   const auto check = [](const Description& d, double expected) {
     const double mean = pixel_means(d)[1].mean();
-    CHECK(mean == doctest::Approx(expected).epsilon(3e-3));
+    CHECK(mean == near(expected, 3e-3));
   };
   for (const bool smooth : {true, false}) {
     Description d = bumpy_ball(smooth, 64);

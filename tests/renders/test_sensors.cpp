@@ -1,4 +1,5 @@
 // Meters and batches of cameras against closed forms, and lights that only photons can find.
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 
 namespace sheaf::test_sensors {
@@ -27,13 +28,13 @@ TEST_CASE("sensors: irradiance meters match the closed form") {
   Description d = meter(Projection::kIrradianceMeter, Transform::rotate({1, 2, 0}, 50), 4096);
   add_rectangle(d, d.camera.to_world, add_diffuse(d, 0));
   add_constant_light(d, 0.5f);
-  CHECK(measured(d) == doctest::Approx(0.5 * kPiD).epsilon(1e-3));
+  CHECK(measured(d) == near(0.5 * kPiD, 1e-3));
   // Below a disk of radius r at height h on the axis: pi L r^2 / (r^2 + h^2) for a small meter.
   Description below = meter(Projection::kIrradianceMeter, Transform::scale({0.01f, 0.01f, 1}), 16384);
   add_rectangle(below, below.camera.to_world, add_diffuse(below, 0));
   const Transform place = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
   emit(add_shape(below, DiskShape{}, place, add_diffuse(below, 0)), 3);
-  CHECK(measured(below) == doctest::Approx(3 * kPiD / 5).epsilon(0.01));
+  CHECK(measured(below) == near(3 * kPiD / 5, 0.01));
   // With several pixels, each measures its part of the surface. The left of two is shadowed by a wall.
   Description parts = meter(Projection::kIrradianceMeter, Transform(), 1024);
   parts.film.width = 2;
@@ -55,16 +56,16 @@ TEST_CASE("sensors: radiance meters and distant sensors match the closed form") 
     // The point below the light: I rho / (pi h^2).
     const double seen = 8 * 0.5 / kPiD / 4;
     d.camera.target = Vec3f{0.2f, 0.1f, 0};
-    CHECK(measured(d) == doctest::Approx(seen).epsilon(1e-4));
+    CHECK(measured(d) == near(seen, 1e-4));
   }
   // A square light fills 2 / pi of the disk around it. With a target area, it fills all or half.
   Description d = meter(Projection::kDistant, down, 16384);
   emit(add_rectangle(d, Transform(), add_diffuse(d, 0)), 5);
-  CHECK(measured(d) == doctest::Approx(5 * 2 / kPiD).epsilon(0.01));
+  CHECK(measured(d) == near(5 * 2 / kPiD, 0.01));
   d.camera.target = CameraDescription::TargetArea{Transform::scale({0.9f, 0.9f, 1}), true};
-  CHECK(measured(d) == doctest::Approx(5).epsilon(1e-5));
+  CHECK(measured(d) == near(5, 1e-5));
   d.camera.target = CameraDescription::TargetArea{Transform::translate({1, 0, 0}), false};
-  CHECK(measured(d) == doctest::Approx(2.5).epsilon(0.01));
+  CHECK(measured(d) == near(2.5, 0.01));
 }
 
 TEST_CASE("sensors: a batch shows the image of each camera") {
@@ -120,7 +121,7 @@ TEST_CASE("sensors: light tracing shows collimated light and path tracing does n
   ray.lights.push_back({BeamDescription{Transform::translate({0.3f, 0.2f, 2}) * Transform::rotate({1, 0, 0}, 180),
                                         SpectrumDescription::constant(3)},
                         {}});
-  CHECK(mean(ray, IntegratorKind::kLightTracer) == doctest::Approx(3 * 0.5 / kPiD / 4).epsilon(1e-3));
+  CHECK(mean(ray, IntegratorKind::kLightTracer) == near(3 * 0.5 / kPiD / 4, 1e-3));
   CHECK(mean(ray, IntegratorKind::kPath) == 0);
   Description square = d;
   look_at(square, {0, 0, 1}, {0, 0, 0}, {0, 1, 0});
@@ -130,7 +131,7 @@ TEST_CASE("sensors: light tracing shows collimated light and path tracing does n
                                                add_diffuse(square, 0)),
                                  2);
   light.emits_along_normal = true;
-  CHECK(mean(square, IntegratorKind::kLightTracer) == doctest::Approx(2 * 0.5 / kPiD / 4).epsilon(0.01));
+  CHECK(mean(square, IntegratorKind::kLightTracer) == near(2 * 0.5 / kPiD / 4, 0.01));
   CHECK(mean(square, IntegratorKind::kPath) == 0);
 }
 

@@ -5,6 +5,7 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "scene/data/glasses.h"
+#include "tests/support/near.h"
 #include "tests/support/stages_testing.h"
 #include "tests/support/statistics.h"
 
@@ -94,9 +95,9 @@ TEST_CASE("spectral: a colour under daylight is reproduced") {
       const auto mean = means_of(render_image(d, ColorMode::kSpectral, 256, batch + 1));
       for (std::size_t c = 0; c < 3; ++c) channel[c].add(mean[c]);
     }
-    CHECK(channel[0].mean() == doctest::Approx(rgb.x).epsilon(0.01));
-    CHECK(channel[1].mean() == doctest::Approx(rgb.y).epsilon(0.01));
-    CHECK(channel[2].mean() == doctest::Approx(rgb.z).epsilon(0.01));
+    CHECK(channel[0].mean() == near(rgb.x, 0.01));
+    CHECK(channel[1].mean() == near(rgb.y, 0.01));
+    CHECK(channel[2].mean() == near(rgb.z, 0.01));
   }
 }
 
@@ -111,7 +112,7 @@ TEST_CASE("spectral: a white furnace stays white under D65 and under equal energ
         rec709_to_xyz({static_cast<float>(mean[0]), static_cast<float>(mean[1]), static_cast<float>(mean[2])});
     const float sum = xyz.x + xyz.y + xyz.z;
     CAPTURE(daylight);
-    CHECK(xyz.y == doctest::Approx(1).epsilon(0.005));
+    CHECK(xyz.y == near(1, 0.005));
     CHECK(std::fabs(xyz.x / sum - (daylight ? 0.3127f : 1.0f / 3)) < 0.002f);
     CHECK(std::fabs(xyz.y / sum - (daylight ? 0.3290f : 1.0f / 3)) < 0.002f);
   }

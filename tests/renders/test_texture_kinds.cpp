@@ -2,6 +2,7 @@
 #include "core/exr.h"
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -64,7 +65,7 @@ TEST_CASE("texture kinds: reflectances at a second set of uv, multiplied by a co
     add_floor(d, add_material(d, diffuse));
     add_constant_light(d, 1);
     d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise
-    CHECK(mean_of_green(d) == doctest::Approx(0.5 * (x < 0 ? 0.4 : 0.8)).epsilon(1e-4));
+    CHECK(mean_of_green(d) == near(0.5 * (x < 0 ? 0.4 : 0.8), 1e-4));
   }
 }
 
@@ -77,7 +78,7 @@ TEST_CASE("texture kinds: thresholds are opacities, and products are weights of 
     add_floor(d, add_material(d, MaskDescription{opaque, add_diffuse(d, 0.25f)}));
     add_constant_light(d, 1);
     d.integrator.strategy = LightStrategy::kBsdfOnly;  // without noise
-    CHECK(mean_of_green(d) == doctest::Approx(x < 0 ? 1 : 0.25).epsilon(1e-4));
+    CHECK(mean_of_green(d) == near(x < 0 ? 1 : 0.25, 1e-4));
 
     // The blend under light from a point: its value is the weighted sum without noise from the choice.
     Description blend = scene_at(x);
@@ -86,7 +87,7 @@ TEST_CASE("texture kinds: thresholds are opacities, and products are weights of 
     const TextureId weight = add_texture(blend, ProductTextureDescription{moved, SpectrumDescription::constant(0.5f)});
     add_floor(blend, add_material(blend, BlendDescription{weight, {add_diffuse(blend, 0), add_diffuse(blend, 1)}}));
     add_point_light(blend, {0, 0, 1000}, 1e6f);
-    CHECK(mean_of_green(blend) == doctest::Approx(0.5 * (x < 0 ? 0.3 : 0.6) / kPiD).epsilon(1e-3));
+    CHECK(mean_of_green(blend) == near(0.5 * (x < 0 ? 0.3 : 0.6) / kPiD, 1e-3));
   }
 }
 
@@ -113,7 +114,7 @@ TEST_CASE("texture kinds: normal maps are scaled, and can follow mirrored uv") {
     // v decreases along y, so that the y axis of the map is -y of the world if it follows v.
     const double y = (follows_uv ? -1.0 : 1.0) * double{scale * n.y}, length = std::hypot(y, double{n.z});
     const double cosine = (y * -0.6 + double{n.z} * 0.8) / length;
-    CHECK(mean_of_green(d) == doctest::Approx(0.5 / kPiD * cosine).epsilon(1e-4));
+    CHECK(mean_of_green(d) == near(0.5 / kPiD * cosine, 1e-4));
   }
 }
 

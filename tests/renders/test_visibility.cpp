@@ -1,6 +1,7 @@
 // Ambient occlusion and average visibility under the same names in all dialects and on the command line.
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/read_scene.h"
+#include "tests/support/near.h"
 #include "tests/support/render_testing.h"
 #include "tests/support/temporary_folder.h"
 
@@ -76,12 +77,12 @@ TEST_CASE("average visibility: images match with and without a length in every d
   check_half(d);
   check_half(read(with(kPbrt, "Integrator \"av\""), "scene.pbrt"));
   // With this length, the wall is too far away to be hit.
-  for (const Description& near : {read(with(kMitsuba,
-                                            "<integrator type='av'><float name='length' value='1e-4'/>"
-                                            "</integrator>"),
-                                       "scene.xml"),
-                                  read(with(kPbrt, "Integrator \"av\" \"float length\" 1e-4"), "scene.pbrt")})
-    CHECK(pixel_means(near)[1].mean() == doctest::Approx(1));
+  for (const Description& scene : {read(with(kMitsuba,
+                                             "<integrator type='av'><float name='length' value='1e-4'/>"
+                                             "</integrator>"),
+                                        "scene.xml"),
+                                   read(with(kPbrt, "Integrator \"av\" \"float length\" 1e-4"), "scene.pbrt")})
+    CHECK(pixel_means(scene)[1].mean() == near(1));
 }
 
 }  // namespace sheaf::test_visibility

@@ -2,6 +2,7 @@
 // visibility.
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -42,7 +43,7 @@ TEST_CASE("whitted: mirrors show directly lit floors but floors show no indirect
                          std::string("<integrator type='") + integrator + "'/>");
   };
   const double expected = 0.5 / std::numbers::pi * 10 * (2 / std::sqrt(5.0)) / 5;
-  CHECK(mean_of(scene("whitted")) == doctest::Approx(expected).epsilon(0.003));
+  CHECK(mean_of(scene("whitted")) == near(expected, 0.003));
   CHECK(mean_of(scene("path")) > 1.05 * expected);
 }
 

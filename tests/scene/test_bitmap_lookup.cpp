@@ -10,6 +10,7 @@
 #include "tests/support/capture.h"
 #include "tests/support/image_files.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -241,12 +242,12 @@ TEST_CASE("texture lookup: the origin is the lower left corner and texel centres
     const auto byte = [&](float u, float v) {
       return 255 * lookup_scalar<Scalar>(view_of(compiled), 0, query_at(u, v));
     };
-    CHECK(byte(0.5f / 3, 0.25f) == doctest::Approx(40));
-    CHECK(byte(2.5f / 3, 0.25f) == doctest::Approx(60));
-    CHECK(byte(0.5f / 3, 0.75f) == doctest::Approx(10));
-    CHECK(byte(2.5f / 3, -0.25f) == doctest::Approx(30));
-    CHECK(byte(1.0f / 3 - 1e-4f, 0.25f) == doctest::Approx(filter == Filter::kNearest ? 40 : 45).epsilon(1e-3));
-    CHECK(byte(1.0f / 3 + 1e-4f, 0.25f) == doctest::Approx(filter == Filter::kNearest ? 50 : 45).epsilon(1e-3));
+    CHECK(byte(0.5f / 3, 0.25f) == near(40));
+    CHECK(byte(2.5f / 3, 0.25f) == near(60));
+    CHECK(byte(0.5f / 3, 0.75f) == near(10));
+    CHECK(byte(2.5f / 3, -0.25f) == near(30));
+    CHECK(byte(1.0f / 3 - 1e-4f, 0.25f) == near(filter == Filter::kNearest ? 40 : 45, 1e-3));
+    CHECK(byte(1.0f / 3 + 1e-4f, 0.25f) == near(filter == Filter::kNearest ? 50 : 45, 1e-3));
   }
 }
 
@@ -308,7 +309,7 @@ TEST_CASE("texture lookup: checkerboards alternate between children with individ
   }
   CHECK(lookup_texture<Scalar>(view, 3, query_at(0, 0)).c2 == 0.75f);
   CHECK(lookup_texture<Scalar>(view, 3, query_at(0, 0)).c3 == 0.0f);
-  CHECK(lookup_scalar<Scalar>(view, 3, query_at(0, 0)) == doctest::Approx(luminance({0.25f, 0.5f, 0.75f})));
+  CHECK(lookup_scalar<Scalar>(view, 3, query_at(0, 0)) == near(luminance({0.25f, 0.5f, 0.75f})));
   CHECK(lookup_scalar<Scalar>(view, 4, query_at(0, 0)) == 2.0f);
   for (std::uint32_t i = 0; i < 200; ++i)
     CHECK(lanes_agree(view, 0, [&](int k) { return random_query(i + 7 * static_cast<std::uint32_t>(k)); }));

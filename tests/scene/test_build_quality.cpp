@@ -1,5 +1,6 @@
 // The measure that selects the quality of the BVH build.
 #include "scene/tables/build_quality.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -42,15 +43,15 @@ TEST_CASE("box waste: half of a box of axis-aligned flat triangles is wasted and
   Triangles square;
   square.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   square.add({1, 1, 0}, {1, 0, 0}, {0, 1, 0});
-  CHECK(square.waste() == doctest::Approx(1));
+  CHECK(square.waste() == near(1));
   // A needle through a cube from corner to corner: its box is the whole cube.
   Triangles needles;
   for (int i = 0; i < 10; ++i) needles.add({0, 0, 0}, {1, 1, 1}, {1e-4f, 0, 0});
-  CHECK(needles.waste() == doctest::Approx(10).epsilon(1e-3));
+  CHECK(needles.waste() == near(10, 1e-3));
   // The measure does not depend on the size of the scene.
   Triangles large;
   for (int i = 0; i < 10; ++i) large.add({0, 0, 0}, {1000, 1000, 1000}, {0.1f, 0, 0});
-  CHECK(large.waste() == doctest::Approx(10).epsilon(1e-3));
+  CHECK(large.waste() == near(10, 1e-3));
   CHECK(Triangles{}.waste() == 0);
 }
 

@@ -1,6 +1,7 @@
 // Memory layouts of the acceleration structure: the compact one takes less memory and gives the same hits.
 #include "scene/compile/compile.h"
 #include "scene/compile/kept_geometry.h"
+#include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
 
@@ -117,7 +118,7 @@ TEST_CASE("bvh: the memory by cause adds up to the tables and the acceleration s
   double sum = 0;
   for (const MemoryUse& use : scene->memory()) sum += use.bytes;
   const SceneInfo info = scene->info();
-  CHECK(sum == doctest::Approx(static_cast<double>(info.table_bytes + info.accel_bytes)));
+  CHECK(sum == near(static_cast<double>(info.table_bytes + info.accel_bytes)));
   CHECK(scene->memory()[0].what == "positions");
   CHECK(scene->memory()[0].bytes >= 12.0 * static_cast<double>(info.vertices));
 }

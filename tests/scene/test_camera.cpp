@@ -1,6 +1,7 @@
 // Cameras: fields of view, orientation, lenses, orthographic rays, clip planes, meters.
 #include "scene/compile/compile_camera.h"
 
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 
 #include <doctest/doctest.h>
@@ -51,13 +52,13 @@ void check_vector(Vec3f found, Vec3f expected) {
 
 TEST_CASE("camera: the field of view applies to the given axis") {
   for (const float fov : {20.0f, 60.0f, 120.0f}) {
-    CHECK(fields_of_view(camera_with(fov, Axis::kX), 300, 200).x == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kY), 300, 200).y == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kDiagonal), 300, 200).diagonal == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kSmaller), 300, 200).y == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kSmaller), 200, 300).x == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kLarger), 300, 200).x == doctest::Approx(fov).epsilon(1e-4));
-    CHECK(fields_of_view(camera_with(fov, Axis::kLarger), 200, 300).y == doctest::Approx(fov).epsilon(1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kX), 300, 200).x == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kY), 300, 200).y == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kDiagonal), 300, 200).diagonal == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kSmaller), 300, 200).y == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kSmaller), 200, 300).x == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kLarger), 300, 200).x == near(fov, 1e-4));
+    CHECK(fields_of_view(camera_with(fov, Axis::kLarger), 200, 300).y == near(fov, 1e-4));
   }
 }
 
@@ -65,7 +66,7 @@ TEST_CASE("camera: pixels are square for every axis of the field of view") {
   for (const Axis axis : {Axis::kX, Axis::kY, Axis::kDiagonal, Axis::kSmaller, Axis::kLarger})
     for (const int height : {100, 200, 400}) {
       const Camera camera = make_camera(camera_with(50, axis), 200, height);
-      CHECK(length(camera.dx) == doctest::Approx(length(camera.dy)).epsilon(1e-5));
+      CHECK(length(camera.dx) == near(length(camera.dy), 1e-5));
       CHECK(std::fabs(dot(camera.dx, camera.dy)) < 1e-9f);
     }
 }
@@ -92,7 +93,7 @@ TEST_CASE("camera: a moved camera faces its target with the given up vector") {
   const Vec3f top = direction(camera, 32, 0) - direction(camera, 32, 64);
   CHECK(dot(top, up) > 0.0f);
   const Vec3f right = direction(camera, 64, 32) - direction(camera, 0, 32);
-  CHECK(dot(right, normalize(cross(forward, up))) == doctest::Approx(length(right)).epsilon(1e-5));
+  CHECK(dot(right, normalize(cross(forward, up))) == near(length(right), 1e-5));
 }
 
 TEST_CASE("camera: scaling a camera keeps its field of view and gives unit directions") {
@@ -101,7 +102,7 @@ TEST_CASE("camera: scaling a camera keeps its field of view and gives unit direc
   const Camera scaled = make_camera(d, 32, 16), plain = make_camera(camera_with(70, Axis::kX), 32, 16);
   for (const float x : {0.0f, 7.5f, 32.0f}) {
     check_vector(direction(scaled, x, 3), direction(plain, x, 3));
-    CHECK(length(direction(scaled, x, 3)) == doctest::Approx(1).epsilon(1e-6));
+    CHECK(length(direction(scaled, x, 3)) == near(1, 1e-6));
   }
   d.to_world = Transform::scale({-1, 1, 1});
   check_vector(direction(make_camera(d, 32, 16), 3, 5), direction(plain, 29, 5));
@@ -135,9 +136,9 @@ TEST_CASE("camera: rays start at the near plane and end at the far plane") {
     const Camera camera = make_camera(d, 64, 48);
     for (const float x : {0.0f, 20.0f, 64.0f}) {
       const auto ray = camera.ray<Scalar>(x, 2 * x / 3, 0.6f, -0.7f);
-      CHECK(dot(ray.origin - eye, forward) == doctest::Approx(0.5).epsilon(1e-5));
-      CHECK(dot(ray.origin + ray.direction * ray.t_max - eye, forward) == doctest::Approx(20).epsilon(1e-5));
-      CHECK(length(ray.direction) == doctest::Approx(1).epsilon(1e-6));
+      CHECK(dot(ray.origin - eye, forward) == near(0.5, 1e-5));
+      CHECK(dot(ray.origin + ray.direction * ray.t_max - eye, forward) == near(20, 1e-5));
+      CHECK(length(ray.direction) == near(1, 1e-6));
     }
   }
 }
@@ -149,7 +150,7 @@ TEST_CASE("camera: clip planes scale with the camera") {
   d.to_world = Transform::scale({2, 2, 2});
   const auto ray = make_camera(d, 10, 10).ray<Scalar>(5, 5, 0, 0);
   check_vector(ray.origin, {0, 0, 2});
-  CHECK(ray.t_max == doctest::Approx(4));
+  CHECK(ray.t_max == near(4));
 }
 
 TEST_CASE("camera: a lens is sharp in its focal plane and blurs by similar triangles elsewhere") {
@@ -222,7 +223,7 @@ TEST_CASE("camera: rays match Mitsuba 3") {
     const auto ray = make_camera(c.camera, 200, 100).ray<Scalar>(50, 80, lens_u, lens_v);
     CHECK(record_difference<Vec3>(ray.origin, c.origin) < 2e-6);
     CHECK(record_difference<Vec3>(ray.direction, c.direction) < 2e-6);
-    CHECK(ray.t_max == doctest::Approx(c.t_max).epsilon(1e-5));
+    CHECK(ray.t_max == near(c.t_max, 1e-5));
   }
 }
 
@@ -260,11 +261,11 @@ TEST_CASE("camera: spherical cameras map longitude and latitude to pixels and po
   const auto ray = at(123.4f, 31.2f);
   const auto view = camera.view<Scalar>(ray.origin + ray.direction * 5, 0, 0);
   CHECK(view.valid);
-  CHECK(view.film_x == doctest::Approx(123.4));
-  CHECK(view.film_y == doctest::Approx(31.2));
+  CHECK(view.film_x == near(123.4));
+  CHECK(view.film_y == near(31.2));
   // Pixels per solid angle over the squared distance: 200 x 100 over 2 pi times pi.
   constexpr double kPiD = 3.14159265358979;
-  CHECK(view.importance == doctest::Approx(200 * 100 / (2 * kPiD * kPiD * std::sin(0.312 * kPiD)) / 25));
+  CHECK(view.importance == near(200 * 100 / (2 * kPiD * kPiD * std::sin(0.312 * kPiD)) / 25));
   d.to_world = Transform::rotate({0, 0, 1}, 30) * Transform::scale({1, 3, 1}) * Transform::rotate({0, 0, 1}, 30);
   CHECK_THROWS_AS(make_camera(d, 200, 100), SceneError);
 }
@@ -284,20 +285,19 @@ TEST_CASE("camera: radial distortion moves image points and is inverted for poin
     for (const Vec2f film : {Vec2f{3, 5}, Vec2f{80, 75}, Vec2f{150, 20}, Vec2f{199, 149}}) {
       const Vec3f seen = direction(camera, film.x, film.y), shown = direction(plain, film.x, film.y);
       const double r = tangent(seen);
-      CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) ==
-            doctest::Approx(tangent(shown)).epsilon(1e-4));
+      CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) == near(tangent(shown), 1e-4));
       // Both lie in one plane with the axis, on the same side of it.
       CHECK(std::fabs(dot(cross(seen, shown), axis)) < 1e-4f);
       const auto ray = camera.ray<Scalar>(film.x, film.y, 0, 0);
       const auto view = camera.view<Scalar>(ray.origin + ray.direction * 3, 0, 0);
       CHECK(view.valid);
-      CHECK(view.film_x == doctest::Approx(film.x).epsilon(1e-3));
-      CHECK(view.film_y == doctest::Approx(film.y).epsilon(1e-3));
+      CHECK(view.film_x == near(film.x, 1e-3));
+      CHECK(view.film_y == near(film.y, 1e-3));
       // Film area per solid angle, by finite differences.
       constexpr float kStep = 0.5f;
       const Vec3f dx = direction(camera, film.x + kStep, film.y) - direction(camera, film.x - kStep, film.y);
       const Vec3f dy = direction(camera, film.x, film.y + kStep) - direction(camera, film.x, film.y - kStep);
-      CHECK(double(view.importance) * 9 == doctest::Approx(1 / double(length(cross(dx, dy)))).epsilon(2e-3));
+      CHECK(double(view.importance) * 9 == near(1 / double(length(cross(dx, dy))), 2e-3));
     }
   }
   d.distortion = {-0.6f, 0};
@@ -321,7 +321,7 @@ TEST_CASE("camera: radiance and distant and irradiance meters sample the expecte
     return camera.ray<Scalar>(x, y, u, v);
   };
   check_vector(distant(0.5f, 0.5f, 0, 0).origin, {10, 20, 25});
-  CHECK(length(distant(0.5f, 0.5f, 0.6f, 0.8f).origin - Vec3f{10, 20, 25}) == doctest::Approx(5));
+  CHECK(length(distant(0.5f, 0.5f, 0.6f, 0.8f).origin - Vec3f{10, 20, 25}) == near(5));
   check_vector(distant(0.5f, 0.5f, 0.6f, 0.8f).direction, {0, 0, 1});
   d.target = Vec3f{7, 8, 9};
   check_vector(distant(0.5f, 0.5f, 0.6f, 0.8f).origin, {7, 8, -1});
@@ -334,13 +334,13 @@ TEST_CASE("camera: radiance and distant and irradiance meters sample the expecte
   d.projection = Projection::kIrradianceMeter;
   d.to_world = Transform::translate({1, 0, 0}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({2, 2, 2});
   const Camera camera = make_camera(d, 2, 2);
-  CHECK(camera.weight == doctest::Approx(3.14159265));
+  CHECK(camera.weight == near(3.14159265));
   const auto corner = camera.ray<Scalar>(0, 0, 0, 0), middle = camera.ray<Scalar>(1, 1, 0.6f, 0);
   CHECK(length(corner.origin - Vec3f{1, -2, 2}) < 1e-5f);
   CHECK(corner.origin.x > 1);  // at an offset from the surface
   check_vector(corner.direction, {1, 0, 0});
   CHECK(length(middle.origin - Vec3f{1, 0, 0}) < 1e-5f);
-  CHECK(middle.direction.x == doctest::Approx(0.8));
+  CHECK(middle.direction.x == near(0.8));
   for (const Projection projection : {Projection::kRadianceMeter, Projection::kDistant, Projection::kIrradianceMeter}) {
     d.projection = projection;
     CHECK_FALSE(make_camera(d, 1, 1).sees_points);
@@ -407,12 +407,12 @@ TEST_CASE("camera: the view of a point is the ray that hits it and its importanc
       };
       const auto view = camera.view<Scalar>(ray.origin + ray.direction * t, lens_u, lens_v);
       CHECK(view.valid);
-      CHECK(view.film_x == doctest::Approx(x).epsilon(1e-4));
-      CHECK(view.film_y == doctest::Approx(y).epsilon(1e-4));
+      CHECK(view.film_x == near(x, 1e-4));
+      CHECK(view.film_y == near(y, 1e-4));
       CHECK(length(view.target - ray.origin) < 1e-5f);
       constexpr float kStep = 0.05f;
       const Vec3f dx = at(x + kStep, y) - at(x - kStep, y), dy = at(x, y + kStep) - at(x, y - kStep);
-      CHECK(view.importance * length(cross(dx, dy)) == doctest::Approx(4 * kStep * kStep).epsilon(2e-3));
+      CHECK(view.importance * length(cross(dx, dy)) == near(4 * kStep * kStep, 2e-3));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include "scene/formats/hair_file.h"
 #include "tests/support/light_testing.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
@@ -45,7 +46,7 @@ std::unique_ptr<Scene> lone(const Curves& curves, const Transform& to_world = Tr
   return compile_scene(d);
 }
 
-bool near(Vec3f a, Vec3f b, float tolerance) { return max_component(abs(a - b)) <= tolerance; }
+bool is_close(Vec3f a, Vec3f b, float tolerance) { return max_component(abs(a - b)) <= tolerance; }
 
 /// Position and radius of a uniform cubic B-spline by de Boor's recursion.
 std::array<double, 4> de_boor(const std::vector<Curves::Point>& points, std::size_t first, double t) {
@@ -120,7 +121,7 @@ TEST_CASE("hair files: nearly straight points and a fraction of the hairs are re
   reduced.reduction = 0.75f;
   const Curves few = read_hairs(many, reduced);
   CHECK(std::abs(static_cast<double>(few.starts.size()) - 1000) < 5 * std::sqrt(4000 * 0.75 * 0.25));
-  CHECK(few.points[0].radius == doctest::Approx(0.1f));
+  CHECK(few.points[0].radius == near(0.1f));
 }
 
 TEST_CASE("hair files: truncated and malformed and inconsistent files are errors") {
@@ -165,10 +166,10 @@ TEST_CASE("curves: straight curves are cylinders") {
       REQUIRE(hit);
       if (hit->t < expected->t - 1e-3f) continue;  // the round end of a line
       const auto y = surface_at(scene->view(), origin, direction, *hit);
-      CHECK(hit->t == doctest::Approx(expected->t).epsilon(1e-4));
-      CHECK(near(y.p, x.p, 1e-4f));
-      CHECK(near(y.ng, x.ng, 1e-3f));
-      CHECK(y.uv.y == doctest::Approx(x.uv.y).epsilon(1e-3));
+      CHECK(hit->t == near(expected->t, 1e-4));
+      CHECK(is_close(y.p, x.p, 1e-4f));
+      CHECK(is_close(y.ng, x.ng, 1e-3f));
+      CHECK(y.uv.y == near(x.uv.y, 1e-3));
       ++compared;
     }
   }
@@ -188,14 +189,14 @@ TEST_CASE("curves: hits lie on the swept circles and tangents are perpendicular 
     if (!hit) continue;
     ++hits;
     const auto y = surface_at(scene->view(), origin, direction, *hit);
-    CHECK(near(y.p, origin + direction * hit->t, 1e-4f));
+    CHECK(is_close(y.p, origin + direction * hit->t, 1e-4f));
     const double along = y.uv.y * 3.0;
     const auto segment = static_cast<std::size_t>(std::min(along, 2.999));
     const std::array<double, 4> axis = de_boor(points, segment, along - static_cast<double>(segment));
     const Vec3f middle{static_cast<float>(axis[0]), static_cast<float>(axis[1]), static_cast<float>(axis[2])};
-    CHECK(length(y.p - middle) == doctest::Approx(axis[3]).epsilon(1e-4));
-    CHECK(length(y.ng) == doctest::Approx(1).epsilon(1e-5));
-    CHECK(near(normalize(cross(y.dp_du, y.dp_dv)), y.ng, 1e-3f));
+    CHECK(length(y.p - middle) == near(axis[3], 1e-4));
+    CHECK(length(y.ng) == near(1, 1e-5));
+    CHECK(is_close(normalize(cross(y.dp_du, y.dp_dv)), y.ng, 1e-3f));
     // A nearby hit lies in the plane of the tangents.
     const Vec3f aside = normalize(y.dp_dv) * 1e-3f;
     const auto next = trace_ray(scene->view(), origin + aside, direction);
@@ -273,11 +274,11 @@ TEST_CASE("curves: positions and normals and uv match Mitsuba") {
     const auto hit = trace_ray(scene->view(), e.origin, {e.side, 0, 0});
     REQUIRE(hit);
     const auto y = surface_at(scene->view(), e.origin, {e.side, 0, 0}, *hit);
-    CHECK(near(y.p, e.p, 2e-5f));
-    CHECK(near(y.ng, e.n, 2e-4f));
-    CHECK(near(y.ns, y.ng, 0));
-    CHECK(y.uv.x == doctest::Approx(e.uv.x).epsilon(1e-4));
-    CHECK(y.uv.y == doctest::Approx(e.uv.y).epsilon(1e-4));
+    CHECK(is_close(y.p, e.p, 2e-5f));
+    CHECK(is_close(y.ng, e.n, 2e-4f));
+    CHECK(is_close(y.ns, y.ng, 0));
+    CHECK(y.uv.x == near(e.uv.x, 1e-4));
+    CHECK(y.uv.y == near(e.uv.y, 1e-4));
   }
 }
 
@@ -347,9 +348,9 @@ TEST_CASE("curves: instances beside meshes and quadrics are placed correctly") {
     if (dot(p.ng, direction) > -0.2f) continue;
     on_curve += x->shape == 1;
     CHECK(x->shape == y->shape);
-    CHECK(near(q.p, place.point(p.p), 1e-4f));
-    CHECK(near(q.ng, normalize(place.normal(p.ng)), 1e-3f));
-    CHECK(near(q.dp_dv, place.vector(p.dp_dv), 1e-2f));
+    CHECK(is_close(q.p, place.point(p.p), 1e-4f));
+    CHECK(is_close(q.ng, normalize(place.normal(p.ng)), 1e-3f));
+    CHECK(is_close(q.dp_dv, place.vector(p.dp_dv), 1e-2f));
   }
   CHECK(on_curve > 200);
 }

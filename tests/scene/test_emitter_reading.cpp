@@ -45,7 +45,7 @@ const std::string kAimedSun =
     "<vector name='sunDirection' value='0,3,4'/><float name='turbidity' value='5'/>"
     "<float name='skyScale' value='2'/><float name='sunScale' value='0.5'/>";
 
-bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
+bool is_close(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
 
@@ -80,7 +80,7 @@ TEST_CASE("emitters of Mitsuba: spot lights have the documented defaults and par
                         kImageFile + "</texture><float name='sampling_weight' value='2'/>")
           .model);
   CHECK(full.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
-  CHECK(near(full.to_world.vector({0, 0, 1}), {0, 0, 1}));
+  CHECK(is_close(full.to_world.vector({0, 0, 1}), {0, 0, 1}));
   CHECK(dump(full.intensity) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
   CHECK(full.cutoff_angle == 40);
   CHECK(full.beam_width == 8);
@@ -106,7 +106,7 @@ TEST_CASE("emitters of Mitsuba: directional lights have the documented defaults 
   CHECK(dump(by_direction.irradiance) == "rgb 0x1.8p+1 0x1.8p+1 0x1.8p+1");
   const auto by_transform = std::get<DirectionalLightDescription>(
       mitsuba_light("directional", "<transform name='to_world'><rotate x='1' angle='90'/></transform>").model);
-  CHECK(near(by_transform.direction, {0, -1, 0}));
+  CHECK(is_close(by_transform.direction, {0, -1, 0}));
   CHECK(contains(mitsuba_error("directional", "<vector name='direction' x='0' y='0' z='0'/>"), "no length"));
   CHECK(contains(mitsuba_error("directional", "<vector name='direction' x='1'/><transform name='to_world'/>"),
                  "expected one"));
@@ -137,7 +137,7 @@ TEST_CASE("emitters of Mitsuba: projectors and environment maps have the documen
   CHECK(map.scale == 2);
   CHECK_FALSE(map.mis_compensation);
   CHECK(std::get<EnvmapDescription>(mitsuba_light("envmap", kImageFile).model).mis_compensation);
-  CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
+  CHECK(is_close(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(mitsuba_error("envmap"), "'filename'"));
   CHECK(contains(mitsuba_error("envmap", "<string name='filename' value='none.exr'/>"), "none.exr"));
   CHECK(contains(mitsuba_error("envmap", kImageFile + "<float name='scal' value='2'/>"), "did you mean 'scale'"));
@@ -148,11 +148,11 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   REQUIRE(both.size() == 2);
   const auto sky = std::get<SkyDescription>(both[0].model);
   const auto sun = std::get<SunDescription>(both[1].model);
-  CHECK(near(sky.up, {0, 0, 1}));
-  CHECK(near(sun.up, {0, 0, 1}));
+  CHECK(is_close(sky.up, {0, 0, 1}));
+  CHECK(is_close(sun.up, {0, 0, 1}));
   REQUIRE(sky.suns.size() == 1);
-  CHECK(near(sky.suns[0], {0, 0.6f, 0.8f}));
-  CHECK(near(sun.direction, {0, 0.6f, 0.8f}));
+  CHECK(is_close(sky.suns[0], {0, 0.6f, 0.8f}));
+  CHECK(is_close(sun.direction, {0, 0.6f, 0.8f}));
   CHECK(sky.turbidity == 5);
   CHECK(sun.turbidity == 5);
   CHECK(dump(sky.albedo) == dump(SpectrumDescription::constant(0.3f)));
@@ -167,7 +167,7 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
                                 "0.6.0");
   REQUIRE(turned.size() == 1);
   const auto old = std::get<SkyDescription>(turned[0].model);
-  CHECK(near(old.up, {0, 0, 1}));
+  CHECK(is_close(old.up, {0, 0, 1}));
   CHECK(old.stretch == 1.5f);
   CHECK(old.resolution == 256);
   CHECK(dump(old.albedo) == dump(SpectrumDescription::constant(0.2f)));
@@ -179,7 +179,7 @@ TEST_CASE("emitters of Mitsuba: suns are placed by date and time") {
   const auto before = std::get<SunDescription>(lights_of("sun", "<float name='scale' value='3'/>", "0.6.0")[0].model);
   CHECK(length(later.direction - Vec3f{0.0517f, 0.6916f, 0.7204f}) < 2e-3f);
   CHECK(length(before.direction - Vec3f{-0.6916f, 0.7204f, 0.0517f}) < 2e-3f);
-  CHECK(near(before.up, {0, 1, 0}));
+  CHECK(is_close(before.up, {0, 1, 0}));
   CHECK(before.scale == 3);
   CHECK(later.radius == SunDescription::kSunRadius);
   CHECK(std::get<SunDescription>(lights_of("sunsky", "<float name='sunRadiusScale' value='0'/>", "0.6.0")[1].model)
@@ -253,12 +253,12 @@ TEST_CASE("emitters of Nori: spot lights have the documented defaults and parame
                  "<float name='falloffStart' value='40'/>")
           .model);
   CHECK(directed.to_world.point({0, 0, 0}) == Vec3f{1, 2, 3});
-  CHECK(near(directed.to_world.vector({0, 0, 1}), {0, -1, 0}));
+  CHECK(is_close(directed.to_world.vector({0, 0, 1}), {0, -1, 0}));
   CHECK(directed.cutoff_angle == 50);
   CHECK(directed.beam_width == 40);
   const auto looking = std::get<SpotLightDescription>(
       nori_light("spot", "<point name='position' value='1,2,3'/><point name='lookAt' value='1,2,-1'/>").model);
-  CHECK(near(looking.to_world.vector({0, 0, 1}), {0, 0, -1}));
+  CHECK(is_close(looking.to_world.vector({0, 0, 1}), {0, 0, -1}));
   const auto placed = std::get<SpotLightDescription>(
       nori_light("spot", "<transform name='toWorld'><translate value='4,5,6'/></transform>").model);
   CHECK(placed.to_world.point({0, 0, 0}) == Vec3f{4, 5, 6});
@@ -287,7 +287,7 @@ TEST_CASE("emitters of Nori: directional lights and environment maps have the do
           .model);
   CHECK(map.scale == 1);
   CHECK(map.mis_compensation);
-  CHECK(near(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
+  CHECK(is_close(map.to_world.vector({0, 0, 1}), {1, 0, 0}));
   CHECK(contains(nori_error("envmapp", kImageFile), "did you mean 'envmap'"));
 }
 

@@ -1,6 +1,7 @@
 // glTF files: containers, accessors, triangles, and errors.
 #include "scene/compile/compile.h"
 #include "tests/support/gltf_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -124,8 +125,8 @@ TEST_CASE("gltf: normalised integers become fractions and others stay") {
   CHECK(mesh.uvs[2].y == 0);
   REQUIRE(mesh.attributes.size() == 2);
   CHECK(mesh.attributes[0].name == "vertex_color");
-  CHECK(mesh.attributes[0].values[2] == doctest::Approx(0.2));
-  CHECK(mesh.attributes[1].values[2] == doctest::Approx(128.0 / 255));
+  CHECK(mesh.attributes[0].values[2] == near(0.2));
+  CHECK(mesh.attributes[1].values[2] == near(128.0 / 255));
 }
 
 TEST_CASE("gltf: interleaved views are read with their stride") {

@@ -2,6 +2,7 @@
 #include "scene/formats/draco.h"
 #include "scene/formats/meshopt.h"
 #include "tests/support/gltf_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -98,8 +99,8 @@ TEST_CASE("gltf: meshes compressed by Draco have their triangles and attributes"
   REQUIRE(mesh.positions.size() == 4);
   for (std::size_t i = 0; i < 4; ++i) {
     // u runs with x, and v, which points upwards, with y.
-    CHECK(mesh.uvs[i].x == doctest::Approx(mesh.positions[i].x / 4).epsilon(1e-2));
-    CHECK(mesh.uvs[i].y == doctest::Approx(mesh.positions[i].y / 2).epsilon(1e-2));
+    CHECK(mesh.uvs[i].x == near(mesh.positions[i].x / 4, 1e-2));
+    CHECK(mesh.uvs[i].y == near(mesh.positions[i].y / 2, 1e-2));
   }
 }
 

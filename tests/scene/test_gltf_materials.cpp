@@ -1,6 +1,7 @@
 // glTF materials: factors, textures, layers, transmission, emission and coverage.
 #include "scene/compile/compile.h"
 #include "tests/support/gltf_samples.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -89,8 +90,8 @@ TEST_CASE("gltf: texture transforms rotate and scale about the upper left corner
   const std::array<float, 6>& m = read.texture(read.opaque().base_color).to_uv;
   // With v downwards, (u, v) = (0.5, 0.25) is scaled to (1, 1), turned to (1, -1) and moved to (1.5, -0.75).
   const float u = 0.5f, v = 1 - 0.25f;
-  CHECK(m[0] * u + m[1] * v + m[2] == doctest::Approx(1.5));
-  CHECK(1 - (m[3] * u + m[4] * v + m[5]) == doctest::Approx(-0.75));
+  CHECK(m[0] * u + m[1] * v + m[2] == near(1.5));
+  CHECK(1 - (m[3] * u + m[4] * v + m[5]) == near(-0.75));
 }
 
 TEST_CASE("gltf: textures use the second set of coordinates, samplers wrap and filter") {
@@ -143,10 +144,10 @@ TEST_CASE("gltf: volumes refract, absorb and disperse") {
   // Abbe number 20 / 0.5 = 40 = (n_d - 1) / (n_F - n_C)
   REQUIRE(glass.int_dispersion);
   const float blue = ior<Scalar>(*glass.int_dispersion, 486.13f), red = ior<Scalar>(*glass.int_dispersion, 656.27f);
-  CHECK((ior<Scalar>(*glass.int_dispersion, 587.56f) - 1) / (blue - red) == doctest::Approx(40).epsilon(1e-3));
+  CHECK((ior<Scalar>(*glass.int_dispersion, 587.56f) - 1) / (blue - red) == near(40, 1e-3));
   REQUIRE(read.d.shapes.front().interior);
   const auto& medium = std::get<AbsorptionScatteringDescription>(read.d.media.front().coefficients);
-  CHECK(rgb_of(std::get<SpectrumDescription>(medium.sigma_a)).x == doctest::Approx(std::log(4.0) / 2));
+  CHECK(rgb_of(std::get<SpectrumDescription>(medium.sigma_a)).x == near(std::log(4.0) / 2));
   CHECK(rgb_of(std::get<SpectrumDescription>(medium.sigma_a)).y == 0);
 }
 
@@ -171,7 +172,7 @@ TEST_CASE("gltf: the partly metallic base of a transmitting volume is the rest o
   CHECK(std::get<float>(blend.weight) == 0.25f);
   const auto& base = read.model<MetallicRoughnessDescription>(read.model<TwoSidedDescription>(blend.nested[0]).front);
   // Metal is half of the whole, and the base three quarters.
-  CHECK(std::get<float>(base.metallic) == doctest::Approx(0.5 / 0.75));
+  CHECK(std::get<float>(base.metallic) == near(0.5 / 0.75));
 }
 
 TEST_CASE("gltf: surfaces emit by factor and strength, on both sides if double-sided") {

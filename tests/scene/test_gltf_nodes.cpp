@@ -1,6 +1,7 @@
 // glTF nodes: hierarchies, instances, skins, morph targets, animation, cameras and lights.
 #include "scene/compile/compile.h"
 #include "tests/support/gltf_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -182,7 +183,7 @@ TEST_CASE("gltf: cameras look along -z and are chosen by name") {
   const Description d = read_document(gltf);
   CHECK(d.film.width == 1200);
   CHECK(d.film.height == 600);
-  CHECK(d.camera.fov == doctest::Approx(180 / 3.14159265));
+  CHECK(d.camera.fov == near(180 / 3.14159265));
   CHECK(d.camera.near_clip == 0.5f);
   check_near(d.camera.to_world.point({0, 0, 1}), {0, 0, 4});
   check_near(d.camera.to_world.vector({1, 0, 0}), {-1, 0, 0});
@@ -240,8 +241,8 @@ TEST_CASE("gltf: punctual lights keep their place, direction and photometric int
   check_near(std::get<DirectionalLightDescription>(d.lights[1].model).direction, {0, 0, -1});
   const auto& spot = std::get<SpotLightDescription>(d.lights[2].model);
   check_near(spot.to_world.vector({0, 0, 1}), {0, 0, -1});
-  CHECK(spot.cutoff_angle == doctest::Approx(0.5 * 180 / 3.14159265));
-  CHECK(spot.beam_width == doctest::Approx(0.1 * 180 / 3.14159265));
+  CHECK(spot.cutoff_angle == near(0.5 * 180 / 3.14159265));
+  CHECK(spot.beam_width == near(0.1 * 180 / 3.14159265));
 }
 
 }  // namespace sheaf::test_gltf_nodes

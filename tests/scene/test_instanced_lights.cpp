@@ -6,6 +6,7 @@
 #include "tests/scene/floor_lighting.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -81,11 +82,11 @@ TEST_CASE("lights: instances emit like shapes in their place") {
     CAPTURE(i);
     const LightRow &x = a.lights.rows[i], &y = b.lights.rows[i];
     CHECK(x.kind == y.kind);
-    CHECK(a.lights.powers[i].x == doctest::Approx(b.lights.powers[i].x).epsilon(1e-4));
-    CHECK(a.lights.powers[i].y == doctest::Approx(b.lights.powers[i].y).epsilon(1e-4));
+    CHECK(a.lights.powers[i].x == near(b.lights.powers[i].x, 1e-4));
+    CHECK(a.lights.powers[i].y == near(b.lights.powers[i].y, 1e-4));
     if (!x.is(kLightKind<MeshLightKind>) && !x.is(kLightKind<RectangleLightKind>)) continue;
     const auto m = x.data<MeshLightData>(), n = y.data<MeshLightData>();
-    CHECK(m.area == doctest::Approx(n.area).epsilon(1e-4));
+    CHECK(m.area == near(n.area, 1e-4));
     for (std::uint32_t t = 0; t < m.triangle_count; ++t) {
       // The vertex order of mirrored shapes may differ; the plane may not.
       const auto &p = a.lights.triangles[m.first_triangle + t], &q = b.lights.triangles[n.first_triangle + t];

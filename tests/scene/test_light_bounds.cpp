@@ -6,6 +6,7 @@
 #include "scene/lights/light_powers.h"
 #include "scene/tables/quadric.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -103,23 +104,23 @@ TEST_CASE("light bounds: the power is pi times the intensity in the brightest di
   row.edge1.x = 2;
   row.edge2.y = 3;
   row.normal.z = 1;
-  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row}, 5).power == doctest::Approx(kPi * 5 * 3));
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row}, 5).power == near(kPi * 5 * 3));
   // Two faces back to back are not brighter than one.
   LightTriangleRow back = row;
   back.normal.z = -1;
   std::swap(back.edge1, back.edge2);
-  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).power == doctest::Approx(kPi * 5 * 3));
-  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).cos_theta_o == doctest::Approx(-1));
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).power == near(kPi * 5 * 3));
+  CHECK(mesh_light_bounds(std::vector<LightTriangleRow>{row, back}, 5).cos_theta_o == near(-1));
 
   const Transform doubled = Transform::scale({2, 2, 2});
   const auto power_of = [&](ShapeKind kind) {
     return quadric_light_bounds(make_quadric(kind, doubled, false), 3).power;
   };
-  CHECK(power_of(ShapeKind::kSphere) == doctest::Approx(kPi * 3 * kPi * 4));
-  CHECK(power_of(ShapeKind::kDisk) == doctest::Approx(kPi * 3 * kPi * 4));
-  CHECK(power_of(ShapeKind::kCylinder) == doctest::Approx(kPi * 3 * 8));
-  CHECK(point_light_bounds({1, 2, 3}, 7).power == doctest::Approx(kPi * 7));
-  CHECK(spot_light_bounds({1, 2, 3}, {0, 0, 1}, 0.5f, 7).power == doctest::Approx(kPi * 7));
+  CHECK(power_of(ShapeKind::kSphere) == near(kPi * 3 * kPi * 4));
+  CHECK(power_of(ShapeKind::kDisk) == near(kPi * 3 * kPi * 4));
+  CHECK(power_of(ShapeKind::kCylinder) == near(kPi * 3 * 8));
+  CHECK(point_light_bounds({1, 2, 3}, 7).power == near(kPi * 7));
+  CHECK(spot_light_bounds({1, 2, 3}, {0, 0, 1}, 0.5f, 7).power == near(kPi * 7));
 }
 
 TEST_CASE("light bounds: a spot light is chosen inside its cone only") {

@@ -6,6 +6,7 @@
 #include "tests/scene/light_tree_cases.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -293,19 +294,19 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
 
 TEST_CASE("light tree: two lights are chosen by their cosines and distances and powers") {
   // Powers and positions are rounded to 8 bits.
-  const auto near = [](double x) { return doctest::Approx(x).epsilon(3e-3); };
+  const auto rounded = [](double x) { return near(x, 3e-3); };
   // Equal distances, 60 and 0 degrees from the normal, then with the normal reversed, and without a normal.
   const Vec3f aslant = Vec3f{std::sqrt(0.75f), 0, 0.5f} * 5.0f, overhead{0, 0, 5};
   const LightTree points = build_light_tree(LightSet{point_at(aslant, 3), point_at(overhead, 3)});
-  CHECK(probability(points, {}, {0, 0, 1}, 0) == near(1 / 3.0));
-  CHECK(probability(points, {}, {0, 0, -1}, 0) == near(1 / 3.0));
-  CHECK(probability(points, {}, {}, 0) == near(0.5));
-  CHECK(light_tree_probability<Scalar>(points.view(), {}, {0, 0, 1}, false, 0, true) == near(0.5));
-  CHECK(sample_light_tree<Scalar>(points.view(), {}, {0, 0, 1}, false, 0.4f).probability == near(0.5));
+  CHECK(probability(points, {}, {0, 0, 1}, 0) == rounded(1 / 3.0));
+  CHECK(probability(points, {}, {0, 0, -1}, 0) == rounded(1 / 3.0));
+  CHECK(probability(points, {}, {}, 0) == rounded(0.5));
+  CHECK(light_tree_probability<Scalar>(points.view(), {}, {0, 0, 1}, false, 0, true) == rounded(0.5));
+  CHECK(sample_light_tree<Scalar>(points.view(), {}, {0, 0, 1}, false, 0.4f).probability == rounded(0.5));
   const LightTree unequal = build_light_tree(LightSet{point_at({0, 0, 5}, 1), point_at({0, 0, -10}, 2)});
-  CHECK(probability(unequal, {}, {0, 0, 1}, 0) == near(2 / 3.0));
+  CHECK(probability(unequal, {}, {0, 0, 1}, 0) == rounded(2 / 3.0));
   CHECK(draw_light(unequal, {}, {0, 0, 1}, 0.1f).probability + draw_light(unequal, {}, {0, 0, 1}, 0.9f).probability ==
-        doctest::Approx(1));
+        near(1));
   // Flat lights, one of which faces 60 degrees past the point. A cone of normals of 20 degrees raises the cosine to at
   // most cos 60 cos 20 + sin 20.
   LightBounds past = point_at(overhead), direct = point_at(overhead);
@@ -313,14 +314,14 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   direct.axis = {0, 0, -1};
   past.cos_theta_o = direct.cos_theta_o = 1;
   const auto share_of_past = [&](Vec3f p) { return probability(build_light_tree(LightSet{past, direct}), p, {}, 0); };
-  CHECK(share_of_past({}) == near(1 / 3.0));
+  CHECK(share_of_past({}) == rounded(1 / 3.0));
   past.cos_theta_o = std::cos(kPi / 9);
   const double exact = std::cos(kPi / 4.5), most = 0.5 * std::cos(kPi / 9) + std::sin(kPi / 9);
   CHECK(share_of_past({}) > exact / (1 + exact));
   CHECK(share_of_past({}) < most / (1 + most));
   past.cos_theta_o = 1;
   past.two_sided = direct.two_sided = true;
-  CHECK(share_of_past({0, 0, 10}) == near(1 / 3.0));
+  CHECK(share_of_past({0, 0, 10}) == rounded(1 / 3.0));
   // Spherical lights that subtend asin 0.2 raise the cosine as much. If they subtend more than 30 degrees, it is 1.
   past.two_sided = direct.two_sided = false;
   const auto enlarge = [&](float radius) {
@@ -329,16 +330,16 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
     past.upper = overhead + Vec3f{half, half, half};
   };
   enlarge(1);
-  CHECK(share_of_past({}) == near(0.7 / 1.7));
+  CHECK(share_of_past({}) == rounded(0.7 / 1.7));
   enlarge(3);
-  CHECK(share_of_past({}) == near(0.5));
+  CHECK(share_of_past({}) == rounded(0.5));
   // The same at the receiver, for a sphere 60 degrees from its normal.
   LightBounds ball = point_at(aslant);
   const float half = 1 / std::sqrt(3.0f);
   ball.lower = aslant - Vec3f{half, half, half};
   ball.upper = aslant + Vec3f{half, half, half};
   const LightTree balls = build_light_tree(LightSet{ball, point_at(overhead)});
-  CHECK(probability(balls, {}, {0, 0, 1}, 0) == near(0.7 / 1.7));
+  CHECK(probability(balls, {}, {0, 0, 1}, 0) == rounded(0.7 / 1.7));
 }
 
 }  // namespace sheaf::test_light_tree_sampling

@@ -2,6 +2,7 @@
 #include "scene/compile/compile.h"
 #include "tests/scene/floor_lighting.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -59,10 +60,10 @@ TEST_CASE("lights: a linear spot light falls off linearly in the angle") {
     CHECK((s.delta && s.pdf_solid_angle == 1.0f));
     return s.valid ? double(s.radiance.c0) : 0.0;
   };
-  CHECK(at(0) == doctest::Approx(2));
-  CHECK(at(9.9) == doctest::Approx(2));
-  CHECK(at(25) == doctest::Approx(1));
-  CHECK(at(37) == doctest::Approx(0.2));
+  CHECK(at(0) == near(2));
+  CHECK(at(9.9) == near(2));
+  CHECK(at(25) == near(1));
+  CHECK(at(37) == near(0.2));
   CHECK(at(40.1) == 0);
   CHECK(at(150) == 0);
 }
@@ -79,11 +80,11 @@ TEST_CASE("lights: a smooth spot light has half its intensity at the mean of the
     const auto s = sample_at(scene->view(), {sine, 0, static_cast<float>(cosine)});
     return s.valid ? double(s.radiance.c0) : 0.0;
   };
-  CHECK(at(middle) == doctest::Approx(0.5));
-  CHECK(at(std::cos(19 * kDegrees)) == doctest::Approx(1));
+  CHECK(at(middle) == near(0.5));
+  CHECK(at(std::cos(19 * kDegrees)) == near(1));
   CHECK(at(std::cos(61 * kDegrees)) == 0);
   const double quarter = std::cos(60 * kDegrees) + 0.25 * (std::cos(20 * kDegrees) - std::cos(60 * kDegrees));
-  CHECK(at(quarter) == doctest::Approx(0.15625));
+  CHECK(at(quarter) == near(0.15625));
 }
 
 TEST_CASE("lights: the power of spot lights and projectors is their integrated flux") {
@@ -95,8 +96,8 @@ TEST_CASE("lights: the power of spot lights and projectors is their integrated f
     const auto scene = lone(spot);
     const double c = 50 * kDegrees, b = 20 * kDegrees;
     const double expected = 2 * kPiD * 3 * (1 - (std::sin(c) - std::sin(b)) / (c - b));
-    CHECK(flux(scene->view(), 1.3) == doctest::Approx(expected).epsilon(1e-3));
-    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-3));
+    CHECK(flux(scene->view(), 1.3) == near(expected, 1e-3));
+    CHECK(scene->view().lights.powers[0].x == near(expected, 1e-3));
   }
   SUBCASE("smooth") {
     SpotLightDescription spot;
@@ -105,8 +106,8 @@ TEST_CASE("lights: the power of spot lights and projectors is their integrated f
     spot.beam_width = 20;
     const auto scene = lone(spot);
     const double expected = kPiD * (2 - std::cos(20 * kDegrees) - std::cos(50 * kDegrees));
-    CHECK(flux(scene->view(), 1.3) == doctest::Approx(expected).epsilon(1e-3));
-    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-3));
+    CHECK(flux(scene->view(), 1.3) == near(expected, 1e-3));
+    CHECK(scene->view().lights.powers[0].x == near(expected, 1e-3));
   }
   SUBCASE("textured") {
     Description d = empty_scene(4, 4);
@@ -117,8 +118,8 @@ TEST_CASE("lights: the power of spot lights and projectors is their integrated f
     d.lights.push_back({spot, {}});
     const auto scene = compile_scene(d);
     const double expected = 2 * kPiD * (1 - std::cos(45 * kDegrees));  // half of the cone at twice the intensity
-    CHECK(flux(scene->view(), 1.1) == doctest::Approx(expected).epsilon(3e-3));
-    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-2));
+    CHECK(flux(scene->view(), 1.1) == near(expected, 3e-3));
+    CHECK(scene->view().lights.powers[0].x == near(expected, 1e-2));
     CHECK(sample_at(scene->view(), {-0.1f, -0.1f, 1}).radiance.c0 > 1);
     CHECK(sample_at(scene->view(), {0.1f, -0.1f, 1}).radiance.c0 == 0);
   }
@@ -129,8 +130,8 @@ TEST_CASE("lights: the power of spot lights and projectors is their integrated f
     projector.fov = 60;
     const auto scene = lone(projector);
     const double expected = kPiD * 1.5 * 4 * std::tan(30 * kDegrees) * std::tan(30 * kDegrees);
-    CHECK(flux(scene->view(), std::tan(30 * kDegrees) * 1.0001) == doctest::Approx(expected).epsilon(2e-3));
-    CHECK(scene->view().lights.powers[0].x == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(flux(scene->view(), std::tan(30 * kDegrees) * 1.0001) == near(expected, 2e-3));
+    CHECK(scene->view().lights.powers[0].x == near(expected, 1e-4));
     CHECK_FALSE(sample_at(scene->view(), {0, 0.6f, 1}).valid);
     CHECK_FALSE(sample_at(scene->view(), {0, 0, -1}).valid);
   }
@@ -147,7 +148,7 @@ TEST_CASE("lights: a directional light has the closed-form irradiance") {
   CHECK((s.valid && s.delta && s.pdf_solid_angle == 1.0f));
   CHECK(length(s.direction - Vec3f{0, -0.6f, 0.8f}) < 1e-6f);
   CHECK(length(s.target - scene->view().center) > scene->view().radius);
-  CHECK(rendered(d).mean == doctest::Approx(0.5 / kPiD * 2 * 0.8).epsilon(1e-5));
+  CHECK(rendered(d).mean == near(0.5 / kPiD * 2 * 0.8, 1e-5));
   // BSDF sampling alone cannot find it.
   d.integrator.strategy = LightStrategy::kBsdfOnly;
   CHECK(rendered(d).mean == 0);
@@ -164,7 +165,7 @@ TEST_CASE("lights: all strategies agree on sun and sky") {
   const LightRow& row = scene->view().lights.rows[0];
   // Irradiance of a cone above the horizon: pi sin^2 of its half angle times the cosine of its axis.
   const double cosine = double(sun.direction.z), disk = kPiD * std::pow(std::sin(20 * kDegrees), 2);
-  CHECK(agreed(d) == doctest::Approx(0.5 / kPiD * double(row.radiance.c0) * disk * cosine).epsilon(0.01));
+  CHECK(agreed(d) == near(0.5 / kPiD * double(row.radiance.c0) * disk * cosine, 0.01));
   SkyDescription sky;
   sky.up = sun.up;
   sky.suns = {sun.direction};

@@ -2,6 +2,7 @@
 #include "scene/formats/loop_subdivision.h"
 
 #include "core/error.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -9,8 +10,6 @@
 #include <cmath>
 
 namespace sheaf::test_loop_subdivision {
-
-using doctest::Approx;
 
 namespace {
 
@@ -67,8 +66,8 @@ TEST_CASE("subdivision: the limit of an icosahedron keeps its symmetry") {
   const double share = 1 / (5 + 3 / (8 * (3.0 / 40))), radius = std::hypot(1.0, (1 + std::sqrt(5.0)) / 2);
   const double expected = radius * (1 - 5 * share + 5 * share / std::sqrt(5.0));
   for (std::size_t v = 0; v < 12; ++v) {
-    CHECK(double{length(sphere.positions[v])} == Approx(expected).epsilon(1e-6));
-    CHECK(double{dot(sphere.normals[v], normalize(sphere.positions[v]))} == Approx(1).epsilon(1e-6));
+    CHECK(double{length(sphere.positions[v])} == near(expected, 1e-6));
+    CHECK(double{dot(sphere.normals[v], normalize(sphere.positions[v]))} == near(1, 1e-6));
   }
   double worst = 1;
   for (std::size_t v = 0; v < sphere.positions.size(); ++v)
@@ -81,13 +80,13 @@ TEST_CASE("subdivision: planes stay planes and regular meshes give box splines")
   const Mesh flat = subdivide(lattice(4, plane), 2);
   const Vec3f normal = normalize(Vec3f{-0.25f, 0.5f, 1});
   for (std::size_t v = 0; v < flat.positions.size(); ++v) {
-    CHECK(flat.positions[v].z == Approx(plane(flat.positions[v].x, flat.positions[v].y)).scale(1).epsilon(1e-6));
+    CHECK(flat.positions[v].z == within(plane(flat.positions[v].x, flat.positions[v].y), 1e-6));
     CHECK(distance(flat.normals[v], normal) < 1e-6f);
   }
   // Quartic box splines shift x^2 by a constant: six neighbours with weight 1/12 each, four of them at x +- 1.
   const Mesh bowl = subdivide(lattice(6, [](float x, float) { return x * x; }), 0);
   const std::size_t middle = 3 * 7 + 3;
-  CHECK(bowl.positions[middle].z == Approx(9 + 4.0 / 12));
+  CHECK(bowl.positions[middle].z == near(9 + 4.0 / 12));
   CHECK(distance(bowl.normals[middle], normalize(Vec3f{-6, 0, 1})) < 1e-5f);
 }
 
@@ -102,7 +101,7 @@ TEST_CASE("subdivision: the boundary is the cubic B-spline of its control points
     const double weights[] = {s * s * s, 3 * t * t * t - 6 * t * t + 4, 3 * s * s * s - 6 * s * s + 4, t * t * t};
     double expected = 0;
     for (std::size_t k = 0; k < 4; ++k) expected += weights[k] / 6 * double{control.positions[1 + k].z};
-    CHECK(double{p.z} == Approx(expected).scale(1).epsilon(1e-6));
+    CHECK(double{p.z} == within(expected, 1e-6));
     ++found;
   }
   CHECK(found == 17);

@@ -1,6 +1,7 @@
 // Mesh operations: orientation under every kind of transform, normals, degenerate triangles.
 #include "scene/formats/mesh.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -17,9 +18,9 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 Mesh triangle(Vec3f a, Vec3f b, Vec3f c) { return {{a, b, c}, {}, {}, {{0, 1, 2}}}; }
 
 void check_near(Vec3f found, Vec3f expected, double epsilon = 1e-5) {
-  CHECK(found.x == doctest::Approx(expected.x).epsilon(epsilon));
-  CHECK(found.y == doctest::Approx(expected.y).epsilon(epsilon));
-  CHECK(found.z == doctest::Approx(expected.z).epsilon(epsilon));
+  CHECK(found.x == near(expected.x, epsilon));
+  CHECK(found.y == near(expected.y, epsilon));
+  CHECK(found.z == near(expected.z, epsilon));
 }
 
 /// Two triangles that meet at an angle: 0 1 2 in the plane z = 0, and 0 2 3 tilted.
@@ -53,7 +54,7 @@ TEST_CASE("mesh: the rectangle has its corners and uvs and normal") {
   const Mesh mesh = rectangle_mesh();
   check_mesh(mesh, {});
   CHECK(mesh.triangles.size() == 2);
-  CHECK(total_area(mesh) == doctest::Approx(4.0));
+  CHECK(total_area(mesh) == near(4.0));
   for (std::size_t i = 0; i < 4; ++i) {
     const Vec3f p = mesh.positions[i];
     CHECK(mesh.normals[i] == Vec3f{0, 0, 1});
@@ -68,7 +69,7 @@ TEST_CASE("mesh: the cube is closed and faces outwards and has the uvs of Mitsub
   check_mesh(mesh, {});
   CHECK(mesh.positions.size() == 24);
   CHECK(mesh.triangles.size() == 12);
-  CHECK(total_area(mesh) == doctest::Approx(24.0));
+  CHECK(total_area(mesh) == near(24.0));
   Vec3f sum{0, 0, 0};
   for (std::size_t i = 0; i < 12; ++i) {
     const Vec3f n = area_normal(mesh, i);
@@ -107,9 +108,9 @@ TEST_CASE("mesh: normals stay perpendicular to the surface under any transform")
     transform_mesh(mesh, transform);
     for (const auto& t : mesh.triangles) {
       const Vec3f a = mesh.positions[t[0]], n = mesh.normals[t[0]];
-      CHECK(length(n) == doctest::Approx(1.0));
-      CHECK(dot(n, normalize(mesh.positions[t[1]] - a) * 1.0f) == doctest::Approx(0.0).epsilon(1e-5));
-      CHECK(dot(n, normalize(mesh.positions[t[2]] - a) * 1.0f) == doctest::Approx(0.0).epsilon(1e-5));
+      CHECK(length(n) == near(1.0));
+      CHECK(dot(n, normalize(mesh.positions[t[1]] - a) * 1.0f) == within(0, 1e-5));
+      CHECK(dot(n, normalize(mesh.positions[t[2]] - a) * 1.0f) == within(0, 1e-5));
     }
     check_near(mesh.normals[0], normalize(transform.normal({0, 0, 1})));
   }
@@ -174,7 +175,7 @@ TEST_CASE("mesh: smooth normals are unit vectors where the mean is undefined") {
   mesh.triangles.push_back({0, 1, 4});
   compute_vertex_normals(mesh);
   REQUIRE(mesh.normals.size() == 5);
-  for (const Vec3f n : mesh.normals) CHECK(length(n) == doctest::Approx(1.0));
+  for (const Vec3f n : mesh.normals) CHECK(length(n) == near(1.0));
   CHECK(std::abs(mesh.normals[0].z) == 1.0f);
 }
 
@@ -223,7 +224,7 @@ TEST_CASE("mesh: no size within single precision makes a triangle degenerate") {
 TEST_CASE("mesh: a mesh scaled by 1e30 passes every step") {
   Mesh mesh = cube_mesh();
   transform_mesh(mesh, Transform::scale({1e30f, 1e30f, 1e30f}));
-  for (const Vec3f n : mesh.normals) CHECK(length(n) == doctest::Approx(1.0));
+  for (const Vec3f n : mesh.normals) CHECK(length(n) == near(1.0));
   CHECK(drop_degenerate_triangles(mesh) == 12);
   compute_vertex_normals(mesh);
   CHECK(mesh.normals.empty());

@@ -2,6 +2,7 @@
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
 #include "scene/spectra/spectrum_rgb.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -95,8 +96,8 @@ TEST_CASE("metals: values match the handbook") {
       return std::abs(s.wavelength - c.wavelength) < 0.02f;
     });
     REQUIRE(found != samples.end());
-    CHECK(found->eta == doctest::Approx(c.eta));
-    CHECK(found->k == doctest::Approx(c.k).epsilon(0.02));
+    CHECK(found->eta == near(c.eta));
+    CHECK(found->k == near(c.k, 0.02));
   }
 }
 

@@ -3,6 +3,7 @@
 #include "scene/compile/flakes.h"
 #include "scene/tables/medium_lookup.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 
 #include <doctest/doctest.h>
@@ -26,10 +27,10 @@ Description flakes_in_sphere(SggxDescription flakes) {
 }  // namespace
 
 TEST_CASE("microflakes: the largest area is the root of the largest eigenvalue and negative ones are clamped") {
-  CHECK(largest_flake_area({4, 9, 1, 0, 0, 0}) == doctest::Approx(3));
-  CHECK(largest_flake_area({2, 2, 2, 0, 0, 0}) == doctest::Approx(std::sqrt(2.0)));
+  CHECK(largest_flake_area({4, 9, 1, 0, 0, 0}) == near(3));
+  CHECK(largest_flake_area({2, 2, 2, 0, 0, 0}) == near(std::sqrt(2.0)));
   // Eigenvalues 3 and 1 in the xz plane, and 0.
-  CHECK(largest_flake_area({2, 0, 2, 0, 1, 0}) == doctest::Approx(std::sqrt(3.0)));
+  CHECK(largest_flake_area({2, 0, 2, 0, 1, 0}) == near(std::sqrt(3.0)));
   CHECK(largest_flake_area({}) == 0.0f);
   CHECK_THROWS_WITH_AS(largest_flake_area({1, 1, 1, 2, 0, 0}), doctest::Contains("the negative eigenvalue -1.0"),
                        SceneError);
@@ -50,9 +51,9 @@ TEST_CASE("microflakes: a grid of six channels is interpolated as matrices") {
   CHECK((medium.flags & kMediumHomogeneous) == 0);
   const FlakeMatrix s = flake_matrix(view, medium, {0.1f, -0.2f, 5});
   const float expected[6] = {1.6f, 1, 1, 0.15f, -0.25f, 0.125f};
-  for (int k = 0; k < 6; ++k) CHECK(s.entries[k] == doctest::Approx(expected[k]));
+  for (int k = 0; k < 6; ++k) CHECK(s.entries[k] == near(expected[k]));
   CHECK(medium.max_flakes >= s.projected_area({1, 0, 0}));
-  CHECK(flake_share(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) == doctest::Approx(std::sqrt(1.6f) / medium.max_flakes));
+  CHECK(flake_share(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) == near(std::sqrt(1.6f) / medium.max_flakes));
 }
 
 TEST_CASE("microflakes: invalid grids and emissive media are errors") {

@@ -1,6 +1,7 @@
 // Scenes of Mitsuba: defaults, shapes, emitters, references, transforms, old names, and agreement with the Nori
 // dialect.
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -35,7 +36,7 @@ TEST_CASE("Mitsuba: a minimal scene has the documented defaults") {
   CHECK(d.integrator.roulette_depth() == 2);
   // A 50 mm lens, measured along the diagonal of 36 mm x 24 mm film.
   CHECK(d.camera.fov_axis == CameraDescription::FovAxis::kDiagonal);
-  CHECK(d.camera.fov == doctest::Approx(46.7930));
+  CHECK(d.camera.fov == near(46.7930));
   CHECK(d.notes.empty());
 }
 
@@ -144,7 +145,7 @@ TEST_CASE("Mitsuba: transforms are composed in document order") {
   CHECK(transformed("<matrix value='0 -1 0 1 0 0 0 0 1'/>", {1, 2, 3}) == Vec3f{-2, 1, 3});
   CHECK(transformed("<matrix value='1 0 0 4 0 1 0 5 0 0 1 6 0 0 0 1'/>", {0, 0, 0}) == Vec3f{4, 5, 6});
   const Vec3f rotated = transformed("<rotate y='1' angle='90'/>", {0, 0, 1});
-  CHECK(rotated.x == doctest::Approx(1));
+  CHECK(rotated.x == near(1));
   // Without an up vector, looking along -z, x becomes y and y becomes x.
   CHECK(transformed("<lookat origin='0,0,1' target='0,0,0'/>", {1, 2, 3}) == Vec3f{2, 1, -2});
   const std::string element = "<shape type='sphere'>\n<transform name='to_world'>\n";

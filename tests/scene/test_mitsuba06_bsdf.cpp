@@ -1,6 +1,7 @@
 // Materials of Mitsuba 0.6 and mixtures: both notations, and compiled rows.
 #include "scene/compile/compile_materials.h"
 #include "tests/support/mitsuba_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -66,8 +67,8 @@ TEST_CASE("old materials: lobes that reflect too much are scaled down with a not
   const auto rgb = [](const SpectrumInput& input) {
     return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(input).value).value;
   };
-  CHECK(rgb(phong.diffuse_reflectance).y + rgb(phong.specular_reflectance).y == doctest::Approx(0.99));
-  CHECK(rgb(phong.diffuse_reflectance).x == doctest::Approx(0.5 * 0.99 / 1.5));
+  CHECK(rgb(phong.diffuse_reflectance).y + rgb(phong.specular_reflectance).y == near(0.99));
+  CHECK(rgb(phong.diffuse_reflectance).x == near(0.5 * 0.99 / 1.5));
   REQUIRE(scaled.notes.size() == 1);
   CHECK(scaled.notes[0].find("scaled down") != std::string::npos);
   const Description as_is = read_new(bsdf("ward", much + "<boolean name='ensureEnergyConservation' value='false'/>"));
@@ -162,21 +163,21 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   };
   const auto full = of("0.5, 0.2, 0.3", three);
   CHECK(full.size() == 3);
-  CHECK(full.at(0.1f) == doctest::Approx(0.5));
-  CHECK(full.at(0.2f) == doctest::Approx(0.2));
-  CHECK(full.at(0.3f) == doctest::Approx(0.3));
+  CHECK(full.at(0.1f) == near(0.5));
+  CHECK(full.at(0.2f) == near(0.2));
+  CHECK(full.at(0.3f) == near(0.3));
   const auto dark = of("0.2 0.1 0.3", three);
-  CHECK(dark.at(0.0f) == doctest::Approx(0.4));
-  CHECK(dark.at(0.2f) == doctest::Approx(0.1));
-  CHECK(of("1", grey_bsdf("0.1")).at(0.1f) == doctest::Approx(1));
+  CHECK(dark.at(0.0f) == near(0.4));
+  CHECK(dark.at(0.2f) == near(0.1));
+  CHECK(of("1", grey_bsdf("0.1")).at(0.1f) == near(1));
   const Description bright = read_new(bsdf("mixturebsdf", word("weights", "2, 1, 1") + three));
-  CHECK(shares(bright).at(0.1f) == doctest::Approx(0.5));
+  CHECK(shares(bright).at(0.1f) == near(0.5));
   REQUIRE(bright.notes.size() == 1);
   CHECK(bright.notes[0].find("normalized to 1") != std::string::npos);
   // The depth of nested blends is logarithmic: 100 materials are accepted.
   std::string many, weights;
   for (int i = 1; i <= 100; ++i) many += grey_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";
-  CHECK(of(weights, many).at(0.5f) == doctest::Approx(0.01));
+  CHECK(of(weights, many).at(0.5f) == near(0.01));
   const auto refused = [&](const std::string& w, const std::string& inside, const char* what) {
     CHECK(error_of_elements(bsdf("mixturebsdf", word("weights", w) + inside)).find(what) != std::string::npos);
   };

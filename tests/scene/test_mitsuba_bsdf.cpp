@@ -2,6 +2,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_materials.h"
 #include "tests/support/mitsuba_testing.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -119,7 +120,7 @@ TEST_CASE("Mitsuba materials: specular of principled becomes an index of refract
     const float eta =
         read_material<PrincipledDescription>("principled", number("specular", std::to_string(specular))).eta;
     // The reflectance at normal incidence is 0.08 times as large.
-    CHECK(std::pow((eta - 1) / (eta + 1), 2) == doctest::Approx(0.08 * specular));
+    CHECK(std::pow((eta - 1) / (eta + 1), 2) == near(0.08 * specular));
   }
 }
 
@@ -181,8 +182,8 @@ TEST_CASE("compile materials: hair gets its absorption and needs its tangent") {
   CHECK(brown.eumelanin == 1.3f);
   CHECK(brown.eumelanin_absorption.c2 == 1.37f);
   CHECK(brown.pheomelanin_absorption.c0 == 0.187f);
-  CHECK(brown.eta == doctest::Approx(1.55 / 1.000277));
-  CHECK(brown.tilt == doctest::Approx(0.0349066));
+  CHECK(brown.eta == near(1.55 / 1.000277));
+  CHECK(brown.tilt == near(0.0349066));
   CHECK(brown.fourth == 0);
   hair.color = HairDescription::Absorption{SpectrumDescription::rgb(0.25f, 0.5f, 4), 10};
   const auto dyed = parameters(hair);
@@ -261,11 +262,9 @@ TEST_CASE("Mitsuba materials: metals are found by name") {
   const auto copper = read_material<ConductorDescription>("conductor", word("material", "Cu"));
   const auto& table = std::get<SpectrumDescription::Table>(std::get<SpectrumDescription>(copper.ior->eta).value);
   const SpectrumDescription in_air = eta_of("");
-  CHECK(std::get<SpectrumDescription::Table>(in_air.value).values.at(3) ==
-        doctest::Approx(table.values.at(3) / 1.000277));
+  CHECK(std::get<SpectrumDescription::Table>(in_air.value).values.at(3) == near(table.values.at(3) / 1.000277));
   const SpectrumDescription in_water = eta_of(word("extEta", "water"));
-  CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) ==
-        doctest::Approx(table.values.at(3) / 1.333));
+  CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) == near(table.values.at(3) / 1.333));
   const SpectrumDescription given =
       eta_of("<spectrum name='eta' value='3'/><rgb name='k' value='1,2,3'/>" + number("extEta", "1.5"));
   CHECK(dump(given) == "constant 0x1p+1");

@@ -93,24 +93,24 @@ TEST_CASE("Mitsuba textures: uv transforms are applied") {
         .to_uv;
   };
   auto transform = [](const std::string& steps) { return "<transform name='to_uv'>" + steps + "</transform>"; };
-  auto near = [](std::array<float, 2> found, float u, float v) {
+  auto is_at = [](std::array<float, 2> found, float u, float v) {
     return std::abs(found[0] - u) < 1e-5f && std::abs(found[1] - v) < 1e-5f;
   };
-  CHECK(near(apply(to_uv(""), 0.25f, 0.125f), 0.25f, 0.875f));
-  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>")), 0.1f, 0.1f), 0.6f, 0.9f));
-  CHECK(near(apply(to_uv(transform("<translate y='0.5'/>")), 0.1f, 0.1f), 0.1f, 0.4f));
-  CHECK(near(apply(to_uv(transform("<scale x='2' y='3'/>")), 0.1f, 0.2f), 0.2f, 0.4f));
-  CHECK(near(apply(to_uv(transform("<scale value='2'/><translate value='-.5,-.5,0'/>")), 0.5f, 0.25f), 0.5f, 1.0f));
-  CHECK(near(apply(to_uv(transform("<rotate z='1' angle='90'/>")), 0.2f, 0.1f), -0.1f, 0.8f));
-  CHECK(near(
+  CHECK(is_at(apply(to_uv(""), 0.25f, 0.125f), 0.25f, 0.875f));
+  CHECK(is_at(apply(to_uv(transform("<translate x='0.5'/>")), 0.1f, 0.1f), 0.6f, 0.9f));
+  CHECK(is_at(apply(to_uv(transform("<translate y='0.5'/>")), 0.1f, 0.1f), 0.1f, 0.4f));
+  CHECK(is_at(apply(to_uv(transform("<scale x='2' y='3'/>")), 0.1f, 0.2f), 0.2f, 0.4f));
+  CHECK(is_at(apply(to_uv(transform("<scale value='2'/><translate value='-.5,-.5,0'/>")), 0.5f, 0.25f), 0.5f, 1.0f));
+  CHECK(is_at(apply(to_uv(transform("<rotate z='1' angle='90'/>")), 0.2f, 0.1f), -0.1f, 0.8f));
+  CHECK(is_at(
       apply(to_uv(number("uscale", "2") + number("vscale", "4") + number("uoffset", "0.5") + number("voffset", "0.25")),
             0.1f, 0.1f),
       0.7f, 0.35f));
-  CHECK(near(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
+  CHECK(is_at(apply(to_uv(number("uvscale", "2")), 0.1f, 0.2f), 0.2f, 0.6f));
   // Checkerboards are symmetric under the flip of v.
-  CHECK(near(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
-  CHECK(near(apply(to_uv(transform("<translate x='0.5'/>"), "checkerboard"), 0.1f, 0.1f), 0.6f, 0.1f));
-  CHECK(near(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));
+  CHECK(is_at(apply(to_uv("", "checkerboard"), 0.25f, 0.125f), 0.25f, 0.125f));
+  CHECK(is_at(apply(to_uv(transform("<translate x='0.5'/>"), "checkerboard"), 0.1f, 0.1f), 0.6f, 0.1f));
+  CHECK(is_at(apply(to_uv(number("vscale", "4"), "checkerboard"), 0.1f, 0.1f), 0.1f, 0.4f));
 }
 
 TEST_CASE("Mitsuba textures: checkerboards and mesh attributes and spectra are read") {

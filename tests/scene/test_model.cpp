@@ -1,5 +1,6 @@
 // A model without a scene: floor, environment, camera, materials.
 #include "scene/compile/compile.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -33,8 +34,8 @@ TEST_CASE("model: a model stands on a floor and has its materials and is lit") {
   for (const ShapeDescription& shape : d.shapes) CHECK(shape.material.has_value());
   const ShapeDescription& floor = d.shapes.back();
   CHECK(std::holds_alternative<DiskShape>(floor.geometry));
-  CHECK(floor.to_world.point({0.5f, 0.5f, 0}).y == doctest::Approx(1));
-  CHECK(floor.to_world.vector({0, 0, 1}).y == doctest::Approx(1));
+  CHECK(floor.to_world.point({0.5f, 0.5f, 0}).y == near(1));
+  CHECK(floor.to_world.vector({0, 0, 1}).y == near(1));
   CHECK(d.lights.size() == 2);
   CHECK(compile_scene(d)->info().triangles == 4);
 }
@@ -56,7 +57,7 @@ TEST_CASE("model: the whole model is in the image from every direction") {
         }
         const Vec3f eye = d.camera.to_world.point({0, 0, 0}) - Vec3f{3, 3, 1};
         const float height = up == ModelView::Up::kX ? eye.x : up == ModelView::Up::kY ? eye.y : eye.z;
-        CHECK(height / length(eye) == doctest::Approx(std::sin(elevation * 3.14159265 / 180)).epsilon(1e-3));
+        CHECK(height / length(eye) == near(std::sin(elevation * 3.14159265 / 180), 1e-3));
       }
 }
 
@@ -156,22 +157,21 @@ const TextureDescription* texture_of(const Description& d) {
 
 TEST_CASE("model: a cube has flat faces without smoothing groups and is smooth in one group") {
   const float corner = 1 / std::sqrt(3.0f);
-  CHECK(smallest_cosine_of("a.obj", kCube + "s off\n" + kCubeFaces) == doctest::Approx(1));
-  CHECK(smallest_cosine_of("a.obj", kCube + "s 0\n" + kCubeFaces) == doctest::Approx(1));
-  CHECK(smallest_cosine_of("a.obj", kCube + kCubeFaces) == doctest::Approx(1));
-  CHECK(smallest_cosine_of("a.obj", kCube + "s 1\n" + kCubeFaces) == doctest::Approx(corner));
-  CHECK(smallest_cosine_of("a.obj", "mtllib look.mtl\n" + kCube + "usemtl red\ns off\n" + kCubeFaces) ==
-        doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + "s off\n" + kCubeFaces) == near(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + "s 0\n" + kCubeFaces) == near(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + kCubeFaces) == near(1));
+  CHECK(smallest_cosine_of("a.obj", kCube + "s 1\n" + kCubeFaces) == near(corner));
+  CHECK(smallest_cosine_of("a.obj", "mtllib look.mtl\n" + kCube + "usemtl red\ns off\n" + kCubeFaces) == near(1));
   CHECK(smallest_cosine_of("a.obj", "mtllib look.mtl\n" + kCube +
                                         "s 1\nf 1 2 4 3\nf 5 7 8 6\nusemtl red\nf 1 5 6 2\n"
-                                        "f 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\nf 1 1 2\n") == doctest::Approx(corner));
+                                        "f 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\nf 1 1 2\n") == near(corner));
   std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
   for (std::size_t at = 0; at < kCube.size(); at = kCube.find('\n', at) + 1)
     ply += kCube.substr(at + 2, kCube.find('\n', at) - at - 1);
   ply += "4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3\n";
-  CHECK(smallest_cosine_of("a.ply", ply) == doctest::Approx(1));
+  CHECK(smallest_cosine_of("a.ply", ply) == near(1));
 }
 
 TEST_CASE("model: normals of the file are kept") {
@@ -190,7 +190,7 @@ TEST_CASE("model: colours of vertices and faces of PLY files are used") {
     CHECK(std::get<MeshAttributeDescription>(texture->model).name == attribute);
     const auto scene = compile_scene(d);
     CHECK(scene->warnings().empty());
-    CHECK(scene->view().textures.attribute_values[1] == doctest::Approx(0.21586).epsilon(1e-4));
+    CHECK(scene->view().textures.attribute_values[1] == near(0.21586, 1e-4));
   };
   check(square_ply("", bytes, "255 128 0 255"), "vertex_color");
   check(square_ply("", floats, "1 0.21586 0"), "vertex_color");

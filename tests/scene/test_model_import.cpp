@@ -1,6 +1,7 @@
 // Models that Assimp imports: COLLADA, FBX and 3D Studio.
 #include "scene/formats/model_import.h"
 #include "tests/support/model_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -130,8 +131,7 @@ TEST_CASE("model import: faces without normals are flat where they meet at a rig
     const Description d = read_as(file.name, file.bytes);
     const Mesh& mesh = std::get<Mesh>(d.shapes.front().geometry);
     REQUIRE(mesh.normals.size() == 12);  // three faces of four corners
-    for (const Vec3f n : mesh.normals)
-      CHECK(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) == doctest::Approx(1));
+    for (const Vec3f n : mesh.normals) CHECK(std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) == near(1));
   }
 }
 
@@ -148,18 +148,18 @@ TEST_CASE("model import: cameras and lights belong to their nodes") {
       "<node id='view'><translate>0 0 9</translate><instance_camera url='#c'/></node>"
       "<node id='bulb'><translate>0 2 3</translate><instance_light url='#l'/></node>";
   const Description d = read_as("a.dae", cube_dae(parts));
-  CHECK(camera_of(d).z == doctest::Approx(9));
-  CHECK(d.camera.to_world.vector({0, 0, 1}).z == doctest::Approx(-1));
+  CHECK(camera_of(d).z == near(9));
+  CHECK(d.camera.to_world.vector({0, 0, 1}).z == near(-1));
   CHECK(d.film.width == 900);
-  CHECK(2 * std::atan(1.5 * std::tan(d.camera.fov / 2 * M_PI / 180)) * 180 / M_PI == doctest::Approx(60));
+  CHECK(2 * std::atan(1.5 * std::tan(d.camera.fov / 2 * M_PI / 180)) * 180 / M_PI == near(60));
   CHECK(d.camera.far_clip > 100);
   REQUIRE(d.lights.size() == 1);
   const auto& light = std::get<PointLightDescription>(d.lights[0].model);
   CHECK(light.position.y == 2);
   // At the centre of the cube, at a distance of 2, the irradiance is pi.
   const Vec3f intensity = std::get<SpectrumDescription::Rgb>(light.intensity.value).value;
-  CHECK(intensity.x == doctest::Approx(4 * M_PI));
-  CHECK(intensity.y == doctest::Approx(2 * M_PI));
+  CHECK(intensity.x == near(4 * M_PI));
+  CHECK(intensity.y == near(2 * M_PI));
   CHECK(d.shapes.size() == 2);  // no floor
   ReadOptions missing;
   missing.camera = "other";
@@ -192,9 +192,9 @@ TEST_CASE("model import: animations move nodes") {
     for (const ColoredTriangle& t : triangles) y = std::min({y, t[1], t[4], t[7]});
     return y;
   };
-  CHECK(lowest(0) == doctest::Approx(-1));
-  CHECK(lowest(0.5f) == doctest::Approx(0));
-  CHECK(lowest(9) == doctest::Approx(3));
+  CHECK(lowest(0) == near(-1));
+  CHECK(lowest(0.5f) == within(0, 1e-6));
+  CHECK(lowest(9) == near(3));
 }
 
 TEST_CASE("model import: skins deform meshes by their bones") {
@@ -240,13 +240,13 @@ TEST_CASE("model import: Phong's materials get a roughness, a reflectance and an
   });
   REQUIRE(metallic != d.materials.end());
   const auto& model = std::get<MetallicRoughnessDescription>(metallic->model);
-  CHECK(std::get<float>(model.roughness) == doctest::Approx(0.5));
-  CHECK(std::get<float>(model.specular) == doctest::Approx(0.5));
+  CHECK(std::get<float>(model.roughness) == near(0.5));
+  CHECK(std::get<float>(model.specular) == near(0.5));
   const auto mask = std::find_if(d.materials.begin(), d.materials.end(), [](const MaterialDescription& m) {
     return std::holds_alternative<MaskDescription>(m.model);
   });
   REQUIRE(mask != d.materials.end());
-  CHECK(std::get<float>(std::get<MaskDescription>(mask->model).opacity) == doctest::Approx(0.25));
+  CHECK(std::get<float>(std::get<MaskDescription>(mask->model).opacity) == near(0.25));
 }
 
 TEST_CASE("model import: images are found by the name of their file") {

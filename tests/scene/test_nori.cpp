@@ -1,5 +1,6 @@
 // The Nori dialect: descriptions of each element, defaults, errors.
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_errors.h"
 
 #include <doctest/doctest.h>
@@ -235,8 +236,8 @@ TEST_CASE("Nori: emitters have the documented parameters") {
       light("<point name='position' value='1,2,3'/><color name='power' value='100,200,300'/>").model);
   CHECK(by_power.position == Vec3f{1, 2, 3});
   const Vec3f intensity = std::get<SpectrumDescription::Rgb>(by_power.intensity.value).value;
-  CHECK(intensity.x == doctest::Approx(100 / (4 * std::numbers::pi)));
-  CHECK(intensity.z == doctest::Approx(300 / (4 * std::numbers::pi)));
+  CHECK(intensity.x == near(100 / (4 * std::numbers::pi)));
+  CHECK(intensity.z == near(300 / (4 * std::numbers::pi)));
   const auto by_intensity = std::get<PointLightDescription>(light("<color name='intensity' value='1,2,3'/>").model);
   CHECK(dump(by_intensity.intensity) == "rgb 0x1p+0 0x1p+1 0x1.8p+1");
   CHECK(dump(light("<color name='radiance' value='1,1,2'/>", "constant")) == "constant rgb 0x1p+0 0x1p+0 0x1p+1");
@@ -256,8 +257,8 @@ TEST_CASE("Nori: transforms apply in document order") {
   CHECK(transformed("<scale value='2,2,2'/><translate value='1,0,0'/>", {0, 0, 0}) == Vec3f{1, 0, 0});
   CHECK(transformed("<matrix value='0,-1,0,5, 1,0,0,6, 0,0,1,7, 0,0,0,1'/>", {1, 0, 0}) == Vec3f{5, 7, 7});
   const Vec3f rotated = transformed("<rotate axis='0,0,1' angle='90'/>", {1, 0, 0});
-  CHECK(rotated.x == doctest::Approx(0).epsilon(1e-6));
-  CHECK(rotated.y == doctest::Approx(1));
+  CHECK(rotated.x == within(0, 1e-7));
+  CHECK(rotated.y == near(1));
 }
 
 TEST_CASE("Nori: spheres have the documented parameters") {
@@ -393,7 +394,7 @@ TEST_CASE("Nori: exercise integrators make the scene white and light it by a con
   const auto& light = std::get<PointLightDescription>(simple.lights[0].model);
   CHECK(light.position == Vec3f{1, 2, 3});
   const auto& rgb = std::get<SpectrumDescription::Rgb>(light.intensity.value);
-  CHECK(rgb.value.x == doctest::Approx(1 / std::numbers::pi));
+  CHECK(rgb.value.x == near(1 / std::numbers::pi));
 }
 
 TEST_CASE("Nori: instances refer to groups of type ref by name") {
@@ -433,7 +434,7 @@ TEST_CASE("Nori: names used by course projects are read") {
   CHECK(spot.beam_width == 60);
   // Power of a cone with a sharp edge: intensity times 2 pi (1 - cos 60).
   const auto& intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value);
-  CHECK(intensity.value.x == doctest::Approx(8 / std::numbers::pi));
+  CHECK(intensity.value.x == near(8 / std::numbers::pi));
 }
 
 TEST_CASE("Nori: the power of a spot light includes its falloff") {
@@ -450,7 +451,7 @@ TEST_CASE("Nori: the power of a spot light includes its falloff") {
     const double t = std::clamp(((i + 0.5) / kSteps - end) / (start - end), 0.0, 1.0);
     sum += t * t * (3 - 2 * t) / kSteps;
   }
-  CHECK(double{intensity.value.x} * 2 * std::numbers::pi * sum == doctest::Approx(8).epsilon(1e-3));
+  CHECK(double{intensity.value.x} * 2 * std::numbers::pi * sum == near(8, 1e-3));
 }
 
 }  // namespace sheaf::test_nori

@@ -1,6 +1,7 @@
 // OBJ files: every notation of faces and every kind of error.
 #include "scene/formats/obj.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -56,7 +57,7 @@ double slanted_area(const std::vector<Vec2f>& outline) {
 void check_covers(const std::vector<Vec2f>& outline) {
   const MeshFile file = read(polygon_file(outline));
   CHECK(file.warnings.empty());
-  CHECK(total_area(file.mesh) == doctest::Approx(slanted_area(outline)).epsilon(1e-5));
+  CHECK(total_area(file.mesh) == near(slanted_area(outline), 1e-5));
   const Vec3f first = area_normal(file.mesh, 0);
   for (std::size_t i = 0; i < file.mesh.triangles.size(); ++i) CHECK(dot(first, area_normal(file.mesh, i)) >= 0.0f);
 }
@@ -111,7 +112,7 @@ TEST_CASE("obj: corners with equal indices share a vertex and others do not") {
 TEST_CASE("obj: corners may lack attributes that others have") {
   const Mesh mesh = read(with_square("vt 0.2 0.3\nvn 0 1 0\nf 1/1/1 2 3\n"), true).mesh;
   REQUIRE(mesh.uvs.size() == 3);
-  CHECK(mesh.uvs[0].y == doctest::Approx(0.7));
+  CHECK(mesh.uvs[0].y == near(0.7));
   CHECK(mesh.uvs[1].x == 0);
   CHECK(mesh.uvs[1].y == 0);
   CHECK(mesh.normals == std::vector<Vec3f>{{0, 1, 0}, {0, 0, 0}, {0, 0, 0}});
@@ -149,7 +150,7 @@ TEST_CASE("obj: all line ends and blanks and continued lines are accepted") {
 TEST_CASE("obj: numbers in every notation and vertex colours and homogeneous coordinates are read") {
   const Mesh mesh = read("v -1.5e2 +.25 5. 0.1 0.2 0.3\nv 1E-3 -0 0 1.0\nv 0 1 0\nf 1 2 3\n").mesh;
   CHECK(mesh.positions[0] == Vec3f{-150, 0.25f, 5});
-  CHECK(mesh.positions[1].x == doctest::Approx(1e-3f));
+  CHECK(mesh.positions[1].x == near(1e-3f));
 }
 
 TEST_CASE("obj: numbers are rounded as those of the C library") {

@@ -2,6 +2,7 @@
 #include "core/color.h"
 #include "scene/formats/off.h"
 #include "tests/support/model_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -49,8 +50,8 @@ TEST_CASE("off: faces have colours as fractions or as bytes") {
   CHECK(colors.values == std::vector<float>{0.5f, 0.25f, 0, 1, 0, 0.75f, 0.6f, 0.6f, 0.6f});
   const Mesh bytes = read_text_as_off(tetrahedron + "3 0 2 1 255 0 128\n3 0 1 3 1 0 0\n3 0 3 2 7\n").mesh;
   CHECK(only_attribute(bytes).values[0] == 1);
-  CHECK(only_attribute(bytes).values[2] == doctest::Approx(srgb_to_linear(128 / 255.0f)));
-  CHECK(only_attribute(bytes).values[3] == doctest::Approx(srgb_to_linear(1 / 255.0f)));
+  CHECK(only_attribute(bytes).values[2] == near(srgb_to_linear(128 / 255.0f)));
+  CHECK(only_attribute(bytes).values[3] == near(srgb_to_linear(1 / 255.0f)));
   CHECK(only_attribute(bytes).values[6] == 0.6f);
 }
 

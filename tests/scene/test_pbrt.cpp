@@ -2,6 +2,7 @@
 #include "scene/dialects/pbrt/reader.h"
 #include "tests/support/capture.h"
 #include "tests/support/deflate.h"
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -14,7 +15,6 @@ namespace sheaf::test_pbrt {
 
 using namespace test;
 using namespace pbrt;
-using doctest::Approx;
 
 namespace {
 
@@ -66,7 +66,7 @@ TEST_CASE("pbrt: tokens are split as in pbrt") {
   CHECK_THROWS_AS(Tokens("\"\\q\"", "f"), SceneError);
   const auto number = [](const char* text) { return number_of(Tokens(text, "f").current(), {"f", 1}, "a number"); };
   CHECK(number("+3") == 3);
-  CHECK(number("-.5E-1") == Approx(-0.05));
+  CHECK(number("-.5E-1") == near(-0.05));
   CHECK(number("1e-400") == 0);
   for (const char* text : {"1e400", "nan", "inf", "1x", "\"1\"", "", "--1"}) CHECK_THROWS_AS(number(text), SceneError);
 }
@@ -115,7 +115,7 @@ TEST_CASE("pbrt cameras: spherical cameras face the direction of pbrt with +y up
       read_pbrt_world("",
                       "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 10\n"
                       "Camera \"orthographic\" \"float lensradius\" 0.5 \"float focaldistance\" 7");
-  CHECK(length(lens.camera.to_world.vector({lens.camera.aperture_radius, 0, 0})) == Approx(0.5));
+  CHECK(length(lens.camera.to_world.vector({lens.camera.aperture_radius, 0, 0})) == near(0.5));
   CHECK(lens.camera.focus_distance == 7);
 }
 

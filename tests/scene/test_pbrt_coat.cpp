@@ -3,6 +3,7 @@
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/materials/rough_coat.h"
 #include "scene/textures/texture_lookup.h"
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +14,6 @@
 namespace sheaf::test_pbrt_coat {
 
 using namespace test;
-using doctest::Approx;
 
 namespace {
 
@@ -86,7 +86,7 @@ TEST_CASE("pbrt coats: the base reflects as in the random walk of pbrt") {
       }
   // Without losses, the base has the given albedo.
   const pbrt::LayeredBase clear(0.2, 1.5, 0, 2000);
-  for (const float a : {0.0f, 0.3f, 1.0f}) CHECK(clear.albedo(a) == Approx(a).epsilon(1e-5));
+  for (const float a : {0.0f, 0.3f, 1.0f}) CHECK(clear.albedo(a) == near(a, 1e-5));
   CHECK(pbrt::LayeredBase(0, 1.5, 0.01, 0).albedo(0.5f) == 0);
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("pbrt coats: internal reflection of rough coats matches the tables of 
     CAPTURE(alpha);
     const double b = double{pbrt::LayeredBase(alpha, 1.5, 0, 1).albedo(1)};
     const RoughCoat coat = rough_coat(RoughnessDescription::Distribution::kGgx, alpha, 1.5);
-    CHECK(1 / b - 1 == Approx(double{coat.internal_reflectance}).epsilon(0.01));
+    CHECK(1 / b - 1 == near(double{coat.internal_reflectance}, 0.01));
   }
 }
 

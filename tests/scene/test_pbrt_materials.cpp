@@ -1,4 +1,5 @@
 // Materials of pbrt: parameters, constant textures, hair and subsurface scattering.
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -10,7 +11,6 @@
 namespace sheaf::test_pbrt_materials {
 
 using namespace test;
-using doctest::Approx;
 
 TEST_CASE("pbrt: roughness is remapped unless the file disables it") {
   const auto alpha = [](const std::string& parameters) {
@@ -24,13 +24,13 @@ TEST_CASE("pbrt: roughness is remapped unless the file disables it") {
   CHECK(std::get<float>(alpha("\"float roughness\" 0.25")->alpha_u) == 0.5f);
   CHECK(std::get<float>(alpha("\"float roughness\" 0.25 \"bool remaproughness\" false")->alpha_v) == 0.25f);
   const auto two = alpha("\"float roughness\" 0.04 \"float vroughness\" 0.09");
-  CHECK(std::get<float>(two->alpha_u) == Approx(0.2));
-  CHECK(std::get<float>(two->alpha_v) == Approx(0.3));
+  CHECK(std::get<float>(two->alpha_u) == near(0.2));
+  CHECK(std::get<float>(two->alpha_v) == near(0.3));
 }
 
 TEST_CASE("pbrt: materials have the documented parameters") {
   const Description glass = read_pbrt_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
-  CHECK(only_material<DielectricDescription>(glass)->int_ior == Approx(1.5168).epsilon(1e-4));
+  CHECK(only_material<DielectricDescription>(glass)->int_ior == near(1.5168, 1e-4));
   CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
   // Between the tabulated neighbours of 588 nm in pbrt.
   for (const auto& [name, low, high] : {std::tuple{"BAF10", 1.6686f, 1.6702f},
@@ -48,14 +48,14 @@ TEST_CASE("pbrt: materials have the documented parameters") {
   const Description mirror =
       read_pbrt_world("Material \"conductor\" \"rgb reflectance\" [ 0.5 0.8 0 ]\nShape \"sphere\"");
   CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).x == 2);
-  CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).y == Approx(4));
+  CHECK(rgb_of(std::get<SpectrumDescription>(only_material<ConductorDescription>(mirror)->ior->k)).y == near(4));
   const Description coat = read_pbrt_world("Material \"coatedconductor\"\nShape \"sphere\"");
   const auto* sides =
       std::get_if<TwoSidedDescription>(&coat.materials.at(static_cast<std::size_t>(*coat.shapes[0].material)).model);
   REQUIRE(sides != nullptr);
   const auto* blend = std::get_if<BlendDescription>(&coat.materials.at(static_cast<std::size_t>(sides->front)).model);
   REQUIRE(blend != nullptr);
-  CHECK(std::get<float>(blend->weight) == Approx(0.04));
+  CHECK(std::get<float>(blend->weight) == near(0.04));
   const Description mapped = read_pbrt_world(R"(Texture "r" "float" "imagemap" "string filename" "image.png"
 Material "dielectric" "texture roughness" "r"
 Shape "sphere")");
@@ -121,7 +121,7 @@ TEST_CASE("pbrt: subsurface scattering becomes a medium behind glass") {
   CHECK(color(std::get<Scattering>(given.coefficients).sigma_a) == Vec3f{1, 2, 3});
   CHECK(given.scale == 10.0f);
   CHECK(given.phase);
-  CHECK(color(std::get<Scattering>(medium("\"string name\" \"skin1\"").coefficients).sigma_s).x == Approx(0.74));
+  CHECK(color(std::get<Scattering>(medium("\"string name\" \"skin1\"").coefficients).sigma_s).x == near(0.74));
   // Without an index-mismatched boundary and with isotropic scattering, Kulla and Conty 2017 give the albedo for a
   // reflectance. Scale lengthens the mean free path.
   const MediumDescription diffuse =
@@ -130,7 +130,7 @@ TEST_CASE("pbrt: subsurface scattering becomes a medium behind glass") {
   CHECK(rgb_of(std::get<SpectrumDescription>(c.sigma_t)) == Vec3f{1, 0.5f, 0.25f});
   CHECK(diffuse.scale == 0.5f);
   const double s = 4.09712 + 4.20863 * 0.5 - std::sqrt(9.59217 + 41.6808 * 0.5 + 17.7126 * 0.25);
-  CHECK(rgb_of(std::get<SpectrumDescription>(c.albedo)).y == Approx(1 - s * s));
+  CHECK(rgb_of(std::get<SpectrumDescription>(c.albedo)).y == near(1 - s * s));
   // A reflective boundary needs a higher albedo for the same reflectance.
   const MediumDescription coated = medium(R"("rgb reflectance" [ 0.2 0.5 0.9 ] "float eta" 1.5)");
   CHECK(rgb_of(std::get<SpectrumDescription>(std::get<ExtinctionAlbedoDescription>(coated.coefficients).albedo)).y >
@@ -146,7 +146,7 @@ TEST_CASE("pbrt: diffuse transmission becomes a blend of two materials that cons
   const auto& blend =
       std::get<BlendDescription>(d.materials.at(static_cast<std::size_t>(*d.shapes.at(0).material)).model);
   const float share = std::get<float>(blend.weight);
-  CHECK(share == doctest::Approx(0.6 / 0.9));
+  CHECK(share == near(0.6 / 0.9));
   const auto& front = *model_of<DiffuseDescription>(d, blend.nested[0]);
   const auto& through = *model_of<DiffuseTransmitterDescription>(d, blend.nested[1]);
   const Vec3f r = rgb_of(std::get<SpectrumDescription>(front.reflectance)) * (1 - share);

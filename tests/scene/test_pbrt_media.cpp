@@ -5,6 +5,7 @@
 #include "scene/formats/nanovdb.h"
 #include "scene/tables/majorant_grid.h"
 #include "scene/tables/medium_lookup.h"
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -15,7 +16,6 @@
 namespace sheaf::test_pbrt_media {
 
 using namespace test;
-using doctest::Approx;
 
 namespace {
 
@@ -69,17 +69,17 @@ TEST_CASE("pbrt media: a uniform grid is interpolated between voxel centres and 
       "\"float Lescale\" [ 0 4 ]",
       "Translate 1 0 0");
   const auto at = [&](float x, float y) { return fog.look({1 + x, y, 0.5f}), fog.sigma_a.x / 2; };
-  CHECK(at(1, 0.5f) == Approx(1));
-  CHECK(at(3, 0.5f) == Approx(3));
-  CHECK(at(2, 0.5f) == Approx(2));
-  CHECK(at(3.5f, 0.5f) == Approx(2.25));
-  CHECK(at(3, 0.25f) == Approx(2.25));
+  CHECK(at(1, 0.5f) == near(1));
+  CHECK(at(3, 0.5f) == near(3));
+  CHECK(at(2, 0.5f) == near(2));
+  CHECK(at(3.5f, 0.5f) == near(2.25));
+  CHECK(at(3, 0.25f) == near(2.25));
   CHECK(at(4.01f, 0.5f) == 0);
   CHECK(at(-0.01f, 0.5f) == 0);
   fog.look({3, 0.5f, 0.5f});
-  CHECK(fog.sigma_a.z == Approx(2 * 3 * 2));
-  CHECK(fog.sigma_s.y == Approx(2 * 0.5 * 2));
-  CHECK(fog.emission.x == Approx(2));
+  CHECK(fog.sigma_a.z == near(2 * 3 * 2));
+  CHECK(fog.sigma_s.y == near(2 * 0.5 * 2));
+  CHECK(fog.emission.x == near(2));
 }
 
 TEST_CASE("pbrt media: absorption and scattering may vary by voxel and colour and their sum is bounded") {
@@ -89,7 +89,7 @@ TEST_CASE("pbrt media: absorption and scattering may vary by voxel and colour an
   fog.look({0.25f, 0.5f, 0.5f});
   CHECK(length(fog.sigma_a - Vec3f{0.5f, 1, 1.5f}) < 1e-5f);
   CHECK(length(fog.sigma_s - Vec3f{0, 2, 4}) < 1e-5f);
-  CHECK(fog.emission.y == Approx(1.06857).epsilon(1e-4));
+  CHECK(fog.emission.y == near(1.06857, 1e-4));
   fog.look({0.5f, 0.5f, 0.5f});
   CHECK(length(fog.sigma_a - Vec3f{1, 0.5f, 1}) < 1e-5f);
   CHECK(length(fog.sigma_s - Vec3f{0.5f, 2.5f, 2}) < 1e-5f);
@@ -113,12 +113,12 @@ TEST_CASE("pbrt media: coloured grids fade to zero at their box") {
   const auto glow_at = [&](float x, float y) { return grid.look({x, y, 0.5f}), grid.emission.y; };
   const float inside = glow_at(4, 0.5f);
   CHECK(inside > 0);
-  CHECK(glow_at(2, 0.5f) == Approx(inside / 2));
+  CHECK(glow_at(2, 0.5f) == near(inside / 2));
   // Half of the weight is that of the outermost voxel, the other half is outside.
-  CHECK(glow_at(5 - 1e-4f, 0.5f) == Approx(inside / 2).epsilon(1e-3));
+  CHECK(glow_at(5 - 1e-4f, 0.5f) == near(inside / 2, 1e-3));
   CHECK(length(grid.sigma_a - Vec3f{2, 2, 2}) < 1e-2f);
   CHECK(length(grid.sigma_s - Vec3f{4, 4, 4}) < 1e-2f);
-  CHECK(glow_at(4, 1e-4f) == Approx(inside / 2).epsilon(1e-3));
+  CHECK(glow_at(4, 1e-4f) == near(inside / 2, 1e-3));
   glow_at(1 + 1e-4f, 0.5f);
   CHECK(length(grid.sigma_a - Vec3f{0.5f, 1, 1.5f}) < 1e-2f);
   CHECK(length(grid.sigma_s - Vec3f{1, 0, 2}) < 1e-2f);
@@ -137,7 +137,7 @@ TEST_CASE("pbrt media: Lescale and the exposure multiply the emission of homogen
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ]") - Vec3f{1, 2, 3}) < 1e-5f);
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ] \"float Lescale\" 2.5") - Vec3f{2.5f, 5, 7.5f}) < 1e-5f);
   // Other spectra are normalised to a luminance of 1.
-  CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == Approx(3).epsilon(2e-3));
+  CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == near(3, 2e-3));
 }
 
 TEST_CASE("pbrt media: the emission of fire is a black body with maximum 1 at its temperature") {
@@ -150,9 +150,9 @@ TEST_CASE("pbrt media: the emission of fire is a black body with maximum 1 at it
     CAPTURE(medium);
     Filled fire(medium);
     fire.look({4, 4, 4});
-    CHECK(double{luminance(fire.emission)} == Approx(0.5 * unit_blackbody_luminance(2500)).epsilon(2e-3));
+    CHECK(double{luminance(fire.emission)} == near(0.5 * unit_blackbody_luminance(2500), 2e-3));
     CHECK(fire.emission.x > 2 * fire.emission.z);
-    CHECK(fire.sigma_a.x == Approx(2));
+    CHECK(fire.sigma_a.x == near(2));
   }
   Filled dark("\"nanovdb\" \"string filename\" \"fire.nvdb\" \"float LeScale\" 0");
   CHECK((dark.scene->view().media.rows[0].flags & kMediumEmits) == 0);
@@ -192,7 +192,7 @@ TEST_CASE("pbrt media: clouds match an independent implementation of the formula
        {Case{{2, 0.5, 2}, 0.81, 0.6, 0.15, 0.07537690329922543},
         Case{{0.7, 2, 4}, 0.37, 0.52, 0.66, 0.23470302532724308}, Case{{1, 1, 7}, 0.1, 0.55, 0.25, 0.5077235665925008},
         Case{{1, 1, 7}, 0.6, 0.55, 0.85, 0.22320655249814503}})
-    CHECK(pbrt::cloud_density(c.cloud, c.x, c.y, c.z) == Approx(c.density).epsilon(1e-9));
+    CHECK(pbrt::cloud_density(c.cloud, c.x, c.y, c.z) == near(c.density, 1e-9));
 }
 
 TEST_CASE("pbrt media: noise is 0 at integers and periodic and not constant") {
@@ -201,7 +201,7 @@ TEST_CASE("pbrt media: noise is 0 at integers and periodic and not constant") {
     CHECK(pbrt::noise(i, 3 * i % 7, -i) == 0);
     const double x = 0.37 * i, y = 0.71 * i, z = 1.13 * i, value = pbrt::noise(x, y, z);
     CHECK(std::fabs(value) <= 1.1);
-    CHECK(pbrt::noise(x + 256, y - 256, z) == Approx(value).scale(1).epsilon(1e-9));
+    CHECK(pbrt::noise(x + 256, y - 256, z) == within(value, 1e-9));
     sum += value, squares += value * value;
   }
   CHECK(std::fabs(sum / 1000) < 0.05);

@@ -1,6 +1,7 @@
 // Shapes of pbrt: parameters, texture coordinates of spheres, curves, and the media on both sides.
 #include "scene/compile/compile.h"
 #include "scene/tables/shape.h"
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +14,6 @@
 namespace sheaf::test_pbrt_shapes {
 
 using namespace test;
-using doctest::Approx;
 
 TEST_CASE("pbrt: shapes have the documented parameters") {
   const Description d = read_pbrt_world(R"(Shape "sphere" "float phimax" 90
@@ -31,11 +31,11 @@ Shape "trianglemesh" "point3 P" [ 0 0 0  1 0 0  0 1 0 ] "normal N" [ 0 0 1 0 0 1
                                                     mesh.positions[t[2]] - mesh.positions[t[0]])));
     return sum;
   };
-  CHECK(area(0) == Approx(3.14159265).epsilon(0.002));
-  CHECK(area(1) == Approx(3.14159265 * 0.75).epsilon(0.002));
+  CHECK(area(0) == near(3.14159265, 0.002));
+  CHECK(area(1) == near(3.14159265 * 0.75, 0.002));
   CHECK(std::get<Mesh>(d.shapes[2].geometry).triangles.size() > 100);
   CHECK(std::get<Mesh>(d.shapes[3].geometry).triangles.size() == 2);
-  CHECK(area(3) == Approx(1));
+  CHECK(area(3) == near(1));
   CHECK(d.shapes[4].flip_normals);
   CHECK(!d.shapes[5].flip_normals);
 }
@@ -50,8 +50,8 @@ Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "flo
       const Vec3f n{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
       const auto y =
           surface_point<Scalar, true>(view, view.geometry.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone, 0.0f);
-      CHECK(y.uv.x == Approx(static_cast<double>(turn) / (2 * std::numbers::pi)).epsilon(1e-4));
-      CHECK(y.uv.y == Approx(1 - static_cast<double>(polar) / std::numbers::pi).epsilon(1e-4));
+      CHECK(y.uv.x == near(static_cast<double>(turn) / (2 * std::numbers::pi), 1e-4));
+      CHECK(y.uv.y == near(1 - static_cast<double>(polar) / std::numbers::pi, 1e-4));
       CHECK(length(y.ng - n) < 1e-4f);
     }
 }
@@ -80,22 +80,22 @@ TEST_CASE("pbrt: curves become B-spline tubes of the same shape") {
     const Vec3f expected =
         Vec3f{1, 2, 0} * (3 * s * s * t) + Vec3f{3, 0, 1} * (3 * s * t * t) + Vec3f{4, 4, 4} * (t * t * t);
     CHECK(length(at(cubic, 0, t).position - expected) < 1e-5f);
-    CHECK(at(cubic, 0, t).radius == Approx(0.2 * (1 - t)).epsilon(1e-5));
+    CHECK(at(cubic, 0, t).radius == near(0.2 * (1 - t), 1e-5));
   }
   const Curves quadratic =
       curves(R"("point3 P" [ 0 0 0  1 2 0  2 0 0  3 -2 0  4 0 0 ] "integer degree" 2 "float width" 0.5)");
   CHECK(quadratic.starts == std::vector<std::uint32_t>{0, 4});
   CHECK(length(at(quadratic, 0, 0.5f).position - Vec3f{1, 1, 0}) < 1e-5f);
   CHECK(length(at(quadratic, 4, 0.5f).position - Vec3f{3, -1, 0}) < 1e-5f);
-  CHECK(at(quadratic, 4, 0.5f).radius == Approx(0.25));
+  CHECK(at(quadratic, 4, 0.5f).radius == near(0.25));
   const std::string points = R"("point3 P" [ 0 0 0  1 2 0  2 0 0  3 -2 0  4 0 0 ] "string basis" "bspline")";
   const Curves spline = curves(points + " \"float width1\" 3");
   CHECK(spline.starts.size() == 1);
   REQUIRE(spline.points.size() == 5);
   CHECK(spline.points[1].position == Vec3f{1, 2, 0});
-  CHECK(at(spline, 0, 0).radius == Approx(0.5));
-  CHECK(at(spline, 1, 0).radius == Approx(1));
-  CHECK(at(spline, 1, 1).radius == Approx(1.5));
+  CHECK(at(spline, 0, 0).radius == near(0.5));
+  CHECK(at(spline, 1, 0).radius == near(1));
+  CHECK(at(spline, 1, 1).radius == near(1.5));
   // A quadratic B-spline passes the middle between control points where segments meet.
   const Curves smooth = curves(points + " \"integer degree\" 2");
   CHECK(smooth.starts.size() == 3);
@@ -112,8 +112,8 @@ TEST_CASE("pbrt: curves with the same material and attributes become one shape")
   const Curves& two = std::get<Curves>(d.shapes[0].geometry);
   CHECK(two.starts == std::vector<std::uint32_t>{0, 4});
   CHECK(two.points[0].radius == 0.5f);
-  CHECK(two.points[4].radius == Approx(1));
-  CHECK(two.points[5].position.x == Approx(2 * two.points[1].position.x));
+  CHECK(two.points[4].radius == near(1));
+  CHECK(two.points[5].position.x == near(2 * two.points[1].position.x));
   CHECK(d.notes.empty());
   CHECK(model_of<HairDescription>(d, *d.shapes[1].material) != nullptr);
   const std::string board =

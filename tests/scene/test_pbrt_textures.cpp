@@ -4,6 +4,7 @@
 #include "scene/compile/compile_textures.h"
 #include "scene/dialects/pbrt/noise.h"
 #include "scene/textures/texture_lookup.h"
+#include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
@@ -14,7 +15,6 @@
 namespace sheaf::test_pbrt_textures {
 
 using namespace test;
-using doctest::Approx;
 
 namespace {
 
@@ -43,7 +43,7 @@ struct Seen {
     view.tiles = textures.tiles.get();
     const Spectrum4 value = lookup_texture<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
     const float grey = lookup_scalar<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
-    CHECK(grey == Approx(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2).scale(1).epsilon(1e-4));
+    CHECK(grey == within(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2, 1e-4));
     return {value.c0, value.c1, value.c2};
   }
 };
@@ -114,7 +114,7 @@ TEST_CASE("pbrt textures: dots are placed by noise") {
 TEST_CASE("pbrt textures: gamma encodings are decoded") {
   const Seen seen(R"(Texture "x" "spectrum" "imagemap" "string filename" "white.png" "string encoding" "gamma 2"
   "float scale" 0.25)");
-  CHECK(seen.at(0.25f, 0.5f).x == Approx(0.25));
+  CHECK(seen.at(0.25f, 0.5f).x == near(0.25));
   CHECK(contains(error_of_pbrt_world("Texture \"x\" \"spectrum\" \"imagemap\" \"string encoding\" \"gamma\" "
                                      "\"string filename\" \"scene.pbrt\""),
                  "expected sRGB, linear, or gamma and an exponent"));
@@ -169,7 +169,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
       TextureView view;
       view.rows = textures.rows.data();
       view.tiles = textures.tiles.get();
-      CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == Approx(c.expected).epsilon(1e-3));
+      CHECK(lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0}) == near(c.expected, 1e-3));
       // A note lists encodings without effect.
       const bool told = std::any_of(d.notes.begin(), d.notes.end(),
                                     [](const std::string& note) { return contains(note, "for PNG files only"); });
@@ -196,9 +196,9 @@ TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours")
     view.tiles = textures.tiles.get();
     return lookup_scalar<Scalar>(view, 0, {{0.5f, 0.5f}, 0, 0, 0, 0});
   };
-  CHECK(seen("a.exr", 0.25f) == Approx(0.25));
-  CHECK(seen("b.exr", 1) == Approx(0.5));  // red, green and blue have equal weight
-  CHECK(seen("c.tga", 0.25f) == Approx(1 / 3.0));
+  CHECK(seen("a.exr", 0.25f) == near(0.25));
+  CHECK(seen("b.exr", 1) == near(0.5));  // red, green and blue have equal weight
+  CHECK(seen("c.tga", 0.25f) == near(1 / 3.0));
 }
 
 TEST_CASE("pbrt textures: normal maps are linear in PNG files and sRGB in others with a note") {

@@ -1,5 +1,6 @@
 // Phase functions in scenes of Mitsuba: parameters, mixtures, and errors.
 #include "tests/scene/medium_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_errors.h"
 
 #include <doctest/doctest.h>
@@ -56,10 +57,10 @@ TEST_CASE("media: mixtures of phase functions become nested blends and constant 
   REQUIRE(d.phases.size() == 5);
   const auto whole = std::get<BlendPhaseDescription>(d.phases.at(4).model);
   CHECK(d.media.at(0).phase == PhaseId{4});
-  CHECK(whole.weight == doctest::Approx(0.8));
+  CHECK(whole.weight == near(0.8));
   CHECK(std::holds_alternative<RayleighDescription>(d.phases.at(static_cast<std::size_t>(whole.nested[0])).model));
   const auto rest = std::get<BlendPhaseDescription>(d.phases.at(static_cast<std::size_t>(whole.nested[1])).model);
-  CHECK(rest.weight == doctest::Approx(0.625));
+  CHECK(rest.weight == near(0.625));
   CHECK(std::holds_alternative<IsotropicPhaseDescription>(d.phases.at(static_cast<std::size_t>(rest.nested[0])).model));
   const auto error = [](const std::string& weights) {
     return error_of_text(

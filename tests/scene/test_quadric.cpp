@@ -1,6 +1,7 @@
 // Spheres, disks and cylinders: intersections against a numerical search, bounds, and areas.
 #include "scene/tables/quadric.h"
 
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/test_transforms.h"
 
@@ -148,7 +149,7 @@ TEST_CASE("quadric: rays in the plane of a disk or along the axis of a cylinder 
   CHECK_FALSE(intersect_quadric(cylinder, {0.5f, 0, -1}, {0, 0, 1}, 0, kInfinity).has_value());
   // Enters at the open end and leaves through the side.
   CHECK(intersect_quadric(cylinder, {0, 0, -1}, normalize(Vec3f{0.6f, 0, 1}), 0, kInfinity)->t ==
-        doctest::Approx(std::hypot(1, 1 / 0.6)).epsilon(1e-5));
+        near(std::hypot(1, 1 / 0.6), 1e-5));
 }
 
 TEST_CASE("quadric: a small distant sphere is hit at its position") {
@@ -156,8 +157,8 @@ TEST_CASE("quadric: a small distant sphere is hit at its position") {
     const QuadricRow row = make_quadric(ShapeKind::kSphere, Transform(), false);
     const auto hit = intersect_quadric(row, {0.5f, 0, -distance}, {0, 0, 1}, 0, kInfinity);
     REQUIRE(hit.has_value());
-    CHECK(hit->t == doctest::Approx(double(distance) - std::sqrt(0.75)).epsilon(1e-7));
-    CHECK(normalize(hit->normal).x == doctest::Approx(0.5).epsilon(1e-5));
+    CHECK(hit->t == near(double(distance) - std::sqrt(0.75), 1e-7));
+    CHECK(normalize(hit->normal).x == near(0.5, 1e-5));
   }
 }
 
@@ -189,19 +190,18 @@ TEST_CASE("quadric: areas of spheres and spheroids and disks and cylinders match
   const auto area = [&](ShapeKind kind, Vec3f scale) {
     return double(quadric_area(make_quadric(kind, turn * Transform::scale(scale), false)));
   };
-  CHECK(canonical_area(ShapeKind::kSphere) == doctest::Approx(4 * kPiD));
-  CHECK(canonical_area(ShapeKind::kDisk) == doctest::Approx(kPiD));
-  CHECK(canonical_area(ShapeKind::kCylinder) == doctest::Approx(2 * kPiD));
-  CHECK(area(ShapeKind::kSphere, {3, 3, 3}) == doctest::Approx(36 * kPiD).epsilon(1e-5));
-  CHECK(area(ShapeKind::kDisk, {2, 3, 7}) == doctest::Approx(6 * kPiD).epsilon(1e-5));
-  CHECK(area(ShapeKind::kCylinder, {2, 2, 5}) == doctest::Approx(20 * kPiD).epsilon(1e-5));
+  CHECK(canonical_area(ShapeKind::kSphere) == near(4 * kPiD));
+  CHECK(canonical_area(ShapeKind::kDisk) == near(kPiD));
+  CHECK(canonical_area(ShapeKind::kCylinder) == near(2 * kPiD));
+  CHECK(area(ShapeKind::kSphere, {3, 3, 3}) == near(36 * kPiD, 1e-5));
+  CHECK(area(ShapeKind::kDisk, {2, 3, 7}) == near(6 * kPiD, 1e-5));
+  CHECK(area(ShapeKind::kCylinder, {2, 2, 5}) == near(20 * kPiD, 1e-5));
   // Oblate (half axes 2, 2, 1) and prolate (1, 1, 2) spheroids.
   const double e = std::sqrt(0.75);
-  CHECK(area(ShapeKind::kSphere, {2, 2, 1}) ==
-        doctest::Approx(2 * kPiD * 4 * (1 + 0.25 / e * std::atanh(e))).epsilon(1e-4));
-  CHECK(area(ShapeKind::kSphere, {1, 1, 2}) == doctest::Approx(2 * kPiD * (1 + 2 / e * std::asin(e))).epsilon(1e-4));
+  CHECK(area(ShapeKind::kSphere, {2, 2, 1}) == near(2 * kPiD * 4 * (1 + 0.25 / e * std::atanh(e)), 1e-4));
+  CHECK(area(ShapeKind::kSphere, {1, 1, 2}) == near(2 * kPiD * (1 + 2 / e * std::asin(e)), 1e-4));
   // Height times the perimeter of an ellipse, 4 a E(e) with the complete elliptic integral.
-  CHECK(area(ShapeKind::kCylinder, {2, 1, 3}) == doctest::Approx(3 * 4 * 2 * std::comp_ellint_2(e)).epsilon(1e-4));
+  CHECK(area(ShapeKind::kCylinder, {2, 1, 3}) == near(3 * 4 * 2 * std::comp_ellint_2(e), 1e-4));
 }
 
 TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme proportions") {
@@ -234,18 +234,16 @@ TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme p
           for (std::size_t k = 0; k < 3; ++k) u[k] = c[k] - a[k], v[k] = d[k] - b[k];
           expected += 0.5 * std::hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
         }
-      CHECK(double(quadric_area(make_quadric(kind, map, false))) == doctest::Approx(expected).epsilon(2e-4));
+      CHECK(double(quadric_area(make_quadric(kind, map, false))) == near(expected, 2e-4));
     }
 }
 
 TEST_CASE("quadric: similarity transforms are recognised and projective ones are rejected") {
   const Transform turn = Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 40);
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale ==
-        doctest::Approx(3));
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({-3, 3, 3}), false).uniform_scale ==
-        doctest::Approx(3));
+  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale == near(3));
+  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({-3, 3, 3}), false).uniform_scale == near(3));
   CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3.01f}), false).uniform_scale == 0.0f);
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({1, -2, 3}), false).determinant == doctest::Approx(6));
+  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({1, -2, 3}), false).determinant == near(6));
   CHECK(make_quadric(ShapeKind::kSphere, Transform(), true).normal_sign == -1.0f);
   Matrix4 projective;
   projective.m[3][0] = 0.1;

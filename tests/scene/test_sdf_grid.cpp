@@ -3,6 +3,7 @@
 
 #include "scene/compile/compile.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/test_transforms.h"
 #include "tests/support/tiny_scenes.h"
@@ -168,8 +169,8 @@ TEST_CASE("sdf grid: planes are exact even through grid points") {
         const auto y = surface_at(scene->view(), origin, direction, *hit);
         CHECK(record_difference<Vec3>(y.p, target) < 2e-5);
         CHECK(std::fabs(dot(a, y.p - Vec3f{o, o, o})) < 3e-7f);
-        CHECK(dot(y.ng, a) == doctest::Approx(1).epsilon(1e-6));
-        CHECK(dot(y.ns, a) == doctest::Approx(1).epsilon(1e-6));
+        CHECK(dot(y.ng, a) == near(1, 1e-6));
+        CHECK(dot(y.ns, a) == near(1, 1e-6));
       }
       CHECK(hits > 30);
     }
@@ -195,7 +196,7 @@ TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
       CHECK(y.ng.z < 0);
     }
     const double area = double(hits) / (kSide * kSide);
-    CHECK(area == doctest::Approx(3.14159265 * kRadius * kRadius).epsilon(0.01));
+    CHECK(area == near(3.14159265 * kRadius * kRadius, 0.01));
     CHECK(off < 1.6e-4);  // 1/8 of the squared cell width times the sum of both curvatures
     CHECK(turned < (smooth ? 0.004 : 0.03));
   }

@@ -1,5 +1,6 @@
 // Sensors, films, pixel filters and samplers of Mitsuba: parameters, defaults, and errors with the nearest name.
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -34,7 +35,7 @@ Description with_film(const std::string& inside) {
   return with_perspective("<film type='hdrfilm'>" + inside + "</film>");
 }
 
-bool near(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
+bool is_close(Vec3f a, Vec3f b) { return length(a - b) < 1e-5f; }
 
 }  // namespace
 
@@ -60,7 +61,7 @@ TEST_CASE("Mitsuba: perspective sensors have the documented parameters") {
   for (const char* length : {"<string name='focal_length' value='85mm'/>", "<string name='focalLength' value='85'/>",
                              "<float name='focal_length' value='85'/>"}) {
     const Description e = with_perspective(length);
-    CHECK(e.camera.fov == doctest::Approx(2 * std::atan(std::hypot(36.0, 24.0) / 170) * 180 / std::numbers::pi));
+    CHECK(e.camera.fov == near(2 * std::atan(std::hypot(36.0, 24.0) / 170) * 180 / std::numbers::pi));
     CHECK(e.camera.fov_axis == Axis::kDiagonal);
   }
   const Description two = read_text(mitsuba_scene("<sensor type='perspective'/>",
@@ -191,8 +192,8 @@ TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
                   "0.6.0")
           .camera;
   CHECK(lens.projection == Projection::kOrthographic);
-  CHECK(lens.aperture_radius == doctest::Approx(0.5));
-  CHECK(lens.focus_distance == doctest::Approx(5));
+  CHECK(lens.aperture_radius == near(0.5));
+  CHECK(lens.focus_distance == near(5));
   CHECK(with_sensor("telecentric", "").camera.aperture_radius == 0);
   // Under a non-uniform scale, the lens has its radius along x and the focus its distance along z.
   const CameraDescription uneven =
@@ -200,13 +201,13 @@ TEST_CASE("sensors: spherical and distorted and telecentric cameras are read") {
                   "<transform name='toWorld'><scale value='4, 2, 5'/><rotate y='1' angle='90'/></transform>"
                   "<float name='apertureRadius' value='2'/><float name='focusDistance' value='20'/>")
           .camera;
-  CHECK(uneven.aperture_radius == doctest::Approx(2.0 / 4));
-  CHECK(uneven.focus_distance == doctest::Approx(20.0 / 5));
+  CHECK(uneven.aperture_radius == near(2.0 / 4));
+  CHECK(uneven.focus_distance == near(20.0 / 5));
   const CameraDescription far = with_sensor("telecentric",
                                             "<transform name='toWorld'><scale value='4, 2, 5'/></transform>"
                                             "<float name='farClip' value='50'/>")
                                     .camera;
-  CHECK(far.focus_distance == doctest::Approx(50.0 / 5));
+  CHECK(far.focus_distance == near(50.0 / 5));
 }
 
 TEST_CASE("sensors: films of Mitsuba 0.6 may have labels and metadata and channel names") {
@@ -236,11 +237,11 @@ TEST_CASE("sensors: meters are read") {
                                                   kPixel)
                                       .camera;
   CHECK(aimed.projection == Projection::kRadianceMeter);
-  CHECK(near(aimed.to_world.point({0, 0, 0}), {1, 2, 3}));
-  CHECK(near(aimed.to_world.vector({0, 0, 1}), {0, 0.8f, 0.6f}));
+  CHECK(is_close(aimed.to_world.point({0, 0, 0}), {1, 2, 3}));
+  CHECK(is_close(aimed.to_world.vector({0, 0, 1}), {0, 0.8f, 0.6f}));
   CHECK(aimed.near_clip == 0);
   const Description usual = with_sensor("radiancemeter", kPixel);
-  CHECK(near(usual.camera.to_world.vector({0, 0, 1}), {0, 0, 1}));
+  CHECK(is_close(usual.camera.to_world.vector({0, 0, 1}), {0, 0, 1}));
   CHECK(usual.film.filter.kind == PixelFilter::Kind::kBox);
   CHECK(contains(sensor_error("radiancemeter", "<point name='origin' value='1,2,3'/>" + kPixel), "expected both"));
   CHECK(contains(sensor_error("radiancemeter", ""), "768 x 576 pixels, expected one pixel"));
@@ -248,7 +249,7 @@ TEST_CASE("sensors: meters are read") {
   const std::string down = "<vector name='direction' value='0,0,-2'/>";
   const CameraDescription distant = with_sensor("distant", down + kPixel).camera;
   CHECK(distant.projection == Projection::kDistant);
-  CHECK(near(distant.to_world.vector({0, 0, 1}), {0, 0, -1}));
+  CHECK(is_close(distant.to_world.vector({0, 0, 1}), {0, 0, -1}));
   CHECK(std::holds_alternative<std::monostate>(distant.target));
   const auto point = with_sensor("distant", down + "<point name='target' value='1,2,3'/>" + kPixel).camera.target;
   CHECK(std::get<Vec3f>(point) == Vec3f{1, 2, 3});
@@ -262,7 +263,7 @@ TEST_CASE("sensors: meters are read") {
   };
   CHECK_FALSE(target("rectangle").round);
   CHECK(target("disk").round);
-  CHECK(near(target("disk").to_world.point({0, 0, 0}), {5, 0, 0}));
+  CHECK(is_close(target("disk").to_world.point({0, 0, 0}), {5, 0, 0}));
   CHECK(contains(sensor_error("distant", down + "<shape type='sphere'/>" + kPixel), "expected 'rectangle' or 'disk'"));
   CHECK(contains(sensor_error("distant", "<vector name='direction' value='0,0,0'/>" + kPixel), "no length"));
 
@@ -273,10 +274,10 @@ TEST_CASE("sensors: meters are read") {
   };
   const CameraDescription irradiance = read_text(mitsuba_scene(on("rectangle"), "")).camera;
   CHECK(irradiance.projection == Projection::kIrradianceMeter);
-  CHECK(near(irradiance.to_world.point({0, 0, 0}), {0, 0, 7}));
-  CHECK(near(irradiance.to_world.vector({0, 0, 1}), {0, 0, 1}));
+  CHECK(is_close(irradiance.to_world.point({0, 0, 0}), {0, 0, 7}));
+  CHECK(is_close(irradiance.to_world.vector({0, 0, 1}), {0, 0, 1}));
   const std::string flip = "<boolean name='flip_normals' value='true'/>";
-  CHECK(near(read_text(mitsuba_scene(on("rectangle", flip), "")).camera.to_world.vector({0, 0, 1}), {0, 0, -1}));
+  CHECK(is_close(read_text(mitsuba_scene(on("rectangle", flip), "")).camera.to_world.vector({0, 0, 1}), {0, 0, -1}));
   CHECK(contains(error_of_text(mitsuba_scene(on("sphere"), "")), "expected a 'rectangle'"));
   CHECK(contains(sensor_error("irradiancemeter", ""), "must be nested in a <shape>"));
   const Description both = read_text(mitsuba_scene(on("rectangle")));

@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/light_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"
@@ -168,7 +169,7 @@ TEST_CASE("shape: quadrics have tangents at poles and axes and centres") {
     CHECK(is_finite(y.dp_du));
     for (const Vec3f tangent : {y.dp_du, y.dp_dv}) {
       CHECK(length(tangent) > 0);
-      CHECK(length(normalize(tangent)) == doctest::Approx(1));
+      CHECK(length(normalize(tangent)) == near(1));
       CHECK(std::fabs(dot(normalize(tangent), y.ng)) < 1e-5f);
     }
     CHECK(is_finite(y.uv.x));
@@ -199,7 +200,7 @@ TEST_CASE("shape: meshes interpolate positions and normals and uv and tangents f
     CHECK(record_difference<Vec3>(y.p, kStretch.point(p)) < 1e-5);
     CHECK(record_difference<Vec3>(y.ns, normalize(n)) < 1e-5);
     CHECK(record_difference<Vec2>(y.uv, uv) < 1e-5);
-    CHECK(length(y.ng) == doctest::Approx(1).epsilon(1e-5));
+    CHECK(length(y.ng) == near(1, 1e-5));
     CHECK(dot(y.ng, y.ns) > 0.0f);
     // u increases along the tangent and v is constant.
     const Vec3f e1 = kStretch.vector(mesh.positions[t[1]] - mesh.positions[t[0]]),
@@ -208,11 +209,11 @@ TEST_CASE("shape: meshes interpolate positions and normals and uv and tangents f
     const Vec3f n2 = cross(e1, e2);
     const float s1 = dot(cross(y.dp_du, e2), n2) / dot(n2, n2), s2 = dot(cross(e1, y.dp_du), n2) / dot(n2, n2);
     const Vec2f a = mesh.uvs[t[0]], c = mesh.uvs[t[1]], d = mesh.uvs[t[2]];
-    CHECK(s1 * (c.x - a.x) + s2 * (d.x - a.x) == doctest::Approx(1).epsilon(1e-4));
+    CHECK(s1 * (c.x - a.x) + s2 * (d.x - a.x) == near(1, 1e-4));
     CHECK(std::fabs(s1 * (c.y - a.y) + s2 * (d.y - a.y)) < 1e-4f);
     const float r1 = dot(cross(y.dp_dv, e2), n2) / dot(n2, n2), r2 = dot(cross(e1, y.dp_dv), n2) / dot(n2, n2);
     CHECK(std::fabs(r1 * (c.x - a.x) + r2 * (d.x - a.x)) < 1e-4f);
-    CHECK(r1 * (c.y - a.y) + r2 * (d.y - a.y) == doctest::Approx(1).epsilon(1e-4));
+    CHECK(r1 * (c.y - a.y) + r2 * (d.y - a.y) == near(1, 1e-4));
   }
   CHECK(hits > 100);
 }
@@ -243,7 +244,7 @@ TEST_CASE("shape: opposing vertex normals and degenerate uv give a valid frame")
     const auto hit = trace_ray(scene->view(), origin, {0, 0, -1});
     REQUIRE(hit.has_value());
     const auto y = surface_at(scene->view(), origin, {0, 0, -1}, *hit);
-    CHECK(length(y.ns) == doctest::Approx(1).epsilon(1e-5));
+    CHECK(length(y.ns) == near(1, 1e-5));
     CHECK(length(y.dp_du) > 0.5f);
   }
 }

@@ -1,6 +1,7 @@
 // Shapes and textures that refer to files or other shapes: curves, hair, height fields, merged shapes.
 #include "scene/compile/compile.h"
 #include "tests/support/image_files.h"
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -53,7 +54,7 @@ TEST_CASE("Mitsuba: curves and hair are read") {
   CHECK(std::get<Curves>(d.shapes[1].geometry).basis == Curves::Basis::kLinear);
   CHECK(std::get<Curves>(d.shapes[1].geometry).points.size() == 5);
   CHECK(std::get<Curves>(d.shapes[2].geometry).points.at(2).position == Vec3f{1, 0, 1});
-  CHECK(std::get<Curves>(d.shapes[2].geometry).points.at(2).radius == doctest::Approx(1.5f));
+  CHECK(std::get<Curves>(d.shapes[2].geometry).points.at(2).radius == near(1.5f));
   CHECK(d.shapes[2].to_world.point({1, 0, 0}) == Vec3f{3, 0, 0});
   CHECK(contains(files.error(shape("hair", "wig.hair", "<float name='reduction' value='1'/>")), "is 1, expected less"));
   CHECK(contains(files.error(shape("hair", "curves.txt")), "curves.txt:1: expected 3 finite numbers"));
@@ -75,7 +76,7 @@ TEST_CASE("Mitsuba: height fields are meshes with a vertex for each pixel") {
   CHECK(mesh.triangles.size() == 4);
   CHECK(mesh.positions[0] == Vec3f{-1, -1, 0});
   CHECK(mesh.positions[1].x == 0);
-  CHECK(mesh.positions[1].z == doctest::Approx(2 * 64 / 255.0));
+  CHECK(mesh.positions[1].z == near(2 * 64 / 255.0));
   CHECK(mesh.positions[3] == Vec3f{-1, 1, 2});
   CHECK(mesh.uvs[5].x == 1);
   CHECK(mesh.uvs[5].y == 1);
@@ -84,12 +85,12 @@ TEST_CASE("Mitsuba: height fields are meshes with a vertex for each pixel") {
   REQUIRE(mesh.normals.size() == 6);
   // The lower left corner has the slopes of its cell's edges: 128 / 255 along x, 1 along y.
   const float slope = 2 * 64 / 255.0f;
-  CHECK(dot(mesh.normals[0], normalize(Vec3f{-slope, -1, 1})) == doctest::Approx(1).epsilon(1e-6));
+  CHECK(dot(mesh.normals[0], normalize(Vec3f{-slope, -1, 1})) == near(1, 1e-6));
   const Mesh& faceted = std::get<Mesh>(d.shapes.at(1).geometry);
   CHECK(faceted.normals.empty());
   CHECK(d.shapes.at(1).face_normals);
   // Bytes are sRGB-encoded unless the texture is raw.
-  CHECK(faceted.positions[1].z == doctest::Approx(std::pow((64 / 255.0 + 0.055) / 1.055, 2.4)).epsilon(1e-4));
+  CHECK(faceted.positions[1].z == near(std::pow((64 / 255.0 + 0.055) / 1.055, 2.4), 1e-4));
   CHECK(contains(files.error(shape("heightfield", "point.pgm")), "1 x 1 pixels (expected at least 2 x 2"));
   CHECK(contains(files.error("<shape type='heightfield'/>"), "filename"));
   CHECK(contains(files.error(shape("heightfield", "hills.pgm", raw)), "is set together with a texture"));
@@ -126,16 +127,15 @@ TEST_CASE("Mitsuba: height fields of procedural textures are sampled at the give
                  hills("name='color0'") + hills("name='color1'") + "</texture></shape><shape type='heightfield'>" +
                  hills("") + "</shape>"));
   for (int i = 0; i < 6; ++i)
-    CHECK(pixels->view().geometry.vertices[i].position.z ==
-          doctest::Approx(pixels->view().geometry.vertices[6 + i].position.z));
+    CHECK(pixels->view().geometry.vertices[i].position.z == near(pixels->view().geometry.vertices[6 + i].position.z));
   for (std::uint32_t y = 0; y < 6; ++y)
     for (std::uint32_t x = 0; x < 4; ++x) {
       const bool first = (x < 2) == (y < 3);
       const std::uint32_t i = 4 * y + x;
-      CHECK(view.geometry.vertices[i].position.x == doctest::Approx(2 * static_cast<float>(x) / 3 - 1));
-      CHECK(view.geometry.vertices[i].position.y == doctest::Approx(2 * static_cast<float>(y) / 5 - 1));
+      CHECK(view.geometry.vertices[i].position.x == near(2 * static_cast<float>(x) / 3 - 1));
+      CHECK(view.geometry.vertices[i].position.y == near(2 * static_cast<float>(y) / 5 - 1));
       CHECK(view.geometry.vertices[i].position.z == (first ? 0.5f : 1.0f));
-      CHECK(view.geometry.vertices[24 + i].position.z == doctest::Approx(first ? 1.5 : 3.0));
+      CHECK(view.geometry.vertices[24 + i].position.z == near(first ? 1.5 : 3.0));
       CHECK(view.geometry.vertices[48 + i].position.z == 1.0f);
     }
   const auto compile_error = [&](const std::string& inside) {
@@ -240,10 +240,10 @@ TEST_CASE("Mitsuba: ellipsoids are transformed spheres") {
   CHECK(d.shapes[0].material == d.shapes[1].material);
   CHECK(distance(d.shapes[0].to_world.point({1, 0, 0}), {12, 2, 3}) < 1e-5f);
   CHECK(distance(d.shapes[0].to_world.point({0, 1, 0}), {11, 2 + e, 3}) < 1e-5f);
-  CHECK(d.shapes[0].to_world.vector({0, 0, 1}).z == doctest::Approx(1e-6f));
+  CHECK(d.shapes[0].to_world.vector({0, 0, 1}).z == near(1e-6f));
   CHECK(distance(d.shapes[1].to_world.point({1, 0, 0}), {14, 6, 6}) < 1e-5f);
   CHECK(distance(d.shapes[1].to_world.point({0, 1, 0}), {14 - e, 5, 6}) < 1e-5f);
-  CHECK(files.read(shape("ellipsoidsmesh", "cloud.ply")).shapes[0].to_world.vector({1, 0, 0}).x == doctest::Approx(3));
+  CHECK(files.read(shape("ellipsoidsmesh", "cloud.ply")).shapes[0].to_world.vector({1, 0, 0}).x == near(3));
   CHECK(contains(files.error(shape("ellipsoids", "short.ply")), "short.ply"));
   CHECK(contains(files.error(shape("ellipsoids", "zero.ply")), "row 1 of element 'vertex' (2 rows): an ellipsoid"));
   CHECK(contains(files.error(shape("ellipsoids", "nan.ply")), "row 1"));
@@ -272,10 +272,9 @@ TEST_CASE("Mitsuba: textures of version 0.6 are read") {
   CHECK(texture_of(0).to_uv[0] == 4);
   CHECK(std::get<MeshAttributeDescription>(texture_of(1).model).name == "vertex_color");
   const auto& scaled = std::get<GridTextureDescription>(texture_of(2).model);
-  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(scaled.color0).value).value.y ==
-        doctest::Approx(0.2f));
+  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(scaled.color0).value).value.y == near(0.2f));
   CHECK(std::get<SpectrumDescription::Constant>(std::get<SpectrumDescription>(scaled.color1).value).value ==
-        doctest::Approx(0.2f));
+        near(0.2f));
   CHECK(contains(files.error("<bsdf type='diffuse'><texture name='reflectance' type='scale'/></bsdf>"),
                  "needs a nested <texture>"));
 }

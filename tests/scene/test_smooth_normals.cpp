@@ -3,6 +3,7 @@
 
 #include "scene/formats/mesh.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -55,7 +56,7 @@ float smallest_cosine(const Mesh& mesh) {
 
 void check_lengths(const Mesh& mesh) {
   REQUIRE(mesh.normals.size() == mesh.positions.size());
-  for (const Vec3f& n : mesh.normals) CHECK(length(n) == doctest::Approx(1));
+  for (const Vec3f& n : mesh.normals) CHECK(length(n) == near(1));
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ TEST_CASE("smooth normals: a cube has flat faces unless it is one smoothing grou
     const std::vector<std::uint32_t> groups(off ? 12 : 0, 0);
     compute_creased_normals(cube, groups);
     check_lengths(cube);
-    CHECK(smallest_cosine(cube) == doctest::Approx(1));
+    CHECK(smallest_cosine(cube) == near(1));
     CHECK(cube.positions.size() >= 24);
     check_mesh(cube, {});
   }
@@ -74,8 +75,7 @@ TEST_CASE("smooth normals: a cube has flat faces unless it is one smoothing grou
   const std::vector<std::uint32_t> one_group(12, 1);
   compute_creased_normals(smooth, one_group);
   CHECK(smooth.positions.size() == 8);
-  for (std::size_t i = 0; i < 8; ++i)
-    CHECK(dot(smooth.normals[i], normalize(smooth.positions[i])) == doctest::Approx(1));
+  for (std::size_t i = 0; i < 8; ++i) CHECK(dot(smooth.normals[i], normalize(smooth.positions[i])) == near(1));
 }
 
 TEST_CASE("smooth normals: smoothing groups are smooth inside and creased at common edges") {
@@ -87,7 +87,7 @@ TEST_CASE("smooth normals: smoothing groups are smooth inside and creased at com
   check_lengths(mesh);
   CHECK(mesh.positions.size() == 16 + 4);  // two edges are split
   const float inside = std::cos(std::numbers::pi_v<float> / 8);
-  CHECK(smallest_cosine(mesh) == doctest::Approx(inside).epsilon(1e-3));
+  CHECK(smallest_cosine(mesh) == near(inside, 1e-3));
 }
 
 TEST_CASE("smooth normals: edges without groups are smooth below the crease angle") {
@@ -96,13 +96,13 @@ TEST_CASE("smooth normals: edges without groups are smooth below the crease angl
     compute_creased_normals(mesh, {});
     CHECK(mesh.positions.size() == 2 * static_cast<std::size_t>(sides));
     for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-      CHECK(dot(mesh.normals[i], Vec3f{mesh.positions[i].x, mesh.positions[i].y, 0}) == doctest::Approx(1));
+      CHECK(dot(mesh.normals[i], Vec3f{mesh.positions[i].x, mesh.positions[i].y, 0}) == near(1));
   }
   for (const int sides : {3, 4, 6}) {  // 60 degrees and more
     Mesh mesh = prism(sides);
     compute_creased_normals(mesh, {});
     CHECK(mesh.positions.size() == 4 * static_cast<std::size_t>(sides));
-    CHECK(smallest_cosine(mesh) == doctest::Approx(1));
+    CHECK(smallest_cosine(mesh) == near(1));
   }
 }
 

@@ -6,6 +6,7 @@
 #include "core/spectral_sensor.h"
 #include "scene/data/illuminants.h"
 #include "tests/support/lanes_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/spectral_testing.h"
 
 #include <doctest/doctest.h>
@@ -41,9 +42,9 @@ SpectrumDescription table(std::vector<float> wavelengths, std::vector<float> val
 }
 
 void check_close(Vec3f found, Vec3f expected, double relative) {
-  CHECK(found.x == doctest::Approx(static_cast<double>(expected.x)).epsilon(relative));
-  CHECK(found.y == doctest::Approx(static_cast<double>(expected.y)).epsilon(relative));
-  CHECK(found.z == doctest::Approx(static_cast<double>(expected.z)).epsilon(relative));
+  CHECK(found.x == near(static_cast<double>(expected.x), relative));
+  CHECK(found.y == near(static_cast<double>(expected.y), relative));
+  CHECK(found.z == near(static_cast<double>(expected.z), relative));
 }
 
 }  // namespace
@@ -56,9 +57,9 @@ TEST_CASE("spectrum rows: constants and greys are flat and emitters have the spe
       CHECK(row.is_flat() == (use != SpectrumUse::kIlluminant));
       for (float lambda = 360; lambda <= 830; lambda += 47) {
         if (use == SpectrumUse::kIlluminant)
-          CHECK(100 * at(set, row, lambda) / at(set, row, 560) == doctest::Approx(double(cie_d65(lambda))));
+          CHECK(100 * at(set, row, lambda) / at(set, row, 560) == near(double(cie_d65(lambda))));
         else
-          CHECK(at(set, row, lambda) == doctest::Approx(0.37).epsilon(1e-7));
+          CHECK(at(set, row, lambda) == near(0.37, 1e-7));
       }
     }
   const SpectrumRow light = set.row(SpectrumDescription::constant(3), SpectrumUse::kIlluminant);
@@ -78,7 +79,7 @@ TEST_CASE("spectrum rows: colours of every use match RGB mode") {
     CHECK(largest_difference(reflectance_to_rgb([&](float l) { return at(set, eta, l); }), strong) < 1e-2f);
     // A coefficient in the range of reflectances has the same spectrum.
     CHECK(set.row(description, SpectrumUse::kUnbounded) == reflects);
-    CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == doctest::Approx(double(luminance(rgb))));
+    CHECK(at(set, set.row(description, SpectrumUse::kRaw), 444) == near(double(luminance(rgb))));
   }
 }
 
@@ -86,8 +87,8 @@ TEST_CASE("spectrum rows: tables keep their values and their colours match RGB m
   SpectrumSet set;
   const std::vector<float> wavelengths{400, 500, 600, 700}, values{0, 0.3f, 0.6f, 0.7f}, strong{0, 8, 15.6f, 18.4f};
   const auto row = set.row(table(wavelengths, values), SpectrumUse::kReflectance);
-  CHECK(at(set, row, 550) == doctest::Approx(0.45));
-  CHECK(at(set, row, 550.5f) == doctest::Approx(0.4515));
+  CHECK(at(set, row, 550) == near(0.45));
+  CHECK(at(set, row, 550.5f) == near(0.4515));
   CHECK(at(set, row, 399) == 0.0f);
   CHECK(at(set, row, 702) == 0.0f);
   CHECK(largest_difference(reflectance_to_rgb([&](float l) { return at(set, row, l); }),
@@ -96,7 +97,7 @@ TEST_CASE("spectrum rows: tables keep their values and their colours match RGB m
   check_close(emission_color(set, emits), emission_table_to_rgb(wavelengths, strong), 2e-4);
   CHECK(at(set, set.row(table(wavelengths, strong), SpectrumUse::kReflectance), 600) == 1.0f);
   const auto unbounded = set.row(table(wavelengths, strong), SpectrumUse::kUnbounded);
-  CHECK(at(set, unbounded, 600) == doctest::Approx(15.6).epsilon(1e-3));
+  CHECK(at(set, unbounded, 600) == near(15.6, 1e-3));
   CHECK(set.row(table({300, 900}, {2, 2}), SpectrumUse::kUnbounded).is_flat());
 }
 
@@ -105,7 +106,7 @@ TEST_CASE("spectrum rows: resampling keeps the power of lines and steps at any w
   for (const float centre : {500.0f, 546.07f, 611.5f, 435.83f}) {
     // A line of width 0.02 nm and power 1, which point samples would miss or overestimate.
     const auto line = set.row(table({centre - 0.02f, centre, centre + 0.02f}, {0, 50, 0}), SpectrumUse::kIlluminant);
-    CHECK(integral(set, line) == doctest::Approx(1).epsilon(5e-3));
+    CHECK(integral(set, line) == near(1, 5e-3));
     CHECK(at(set, line, centre + 2.1f) == 0.0f);
     const Vec3f seen = emission_color(set, line) * 100.0f;  // outside the gamut, where RGB mode clamps
     check_close({std::max(seen.x, 0.0f), std::max(seen.y, 0.0f), std::max(seen.z, 0.0f)},
@@ -115,17 +116,17 @@ TEST_CASE("spectrum rows: resampling keeps the power of lines and steps at any w
   }
   // The line is no wider than necessary.
   const auto sharp = set.row(table({499.99f, 500, 500.01f}, {0, 100, 0}), SpectrumUse::kIlluminant);
-  CHECK(at(set, sharp, 500) == doctest::Approx(1).epsilon(2e-2));
+  CHECK(at(set, sharp, 500) == near(1, 2e-2));
   CHECK(at(set, sharp, 501) < 0.01f);
   const auto step = set.row(table({450.3f, 620.8f}, {1, 1}), SpectrumUse::kIlluminant);
-  CHECK(integral(set, step) == doctest::Approx(170.5).epsilon(1e-5));
+  CHECK(integral(set, step) == near(170.5, 1e-5));
 }
 
 TEST_CASE("spectrum rows: black bodies have absolute radiance") {
   SpectrumSet set;
   const auto row = set.row({SpectrumDescription::Blackbody{2856, 2}}, SpectrumUse::kIlluminant);
   for (const float lambda : {360.0f, 500.5f, 830.0f})
-    CHECK(at(set, row, lambda) == doctest::Approx(2 * blackbody_radiance(double(lambda), 2856)).epsilon(1e-4));
+    CHECK(at(set, row, lambda) == near(2 * blackbody_radiance(double(lambda), 2856), 1e-4));
   check_close(emission_color(set, row), blackbody_to_rgb(2856, 2), 1e-4);
 }
 
@@ -190,7 +191,7 @@ TEST_CASE("illuminants: chromaticities match the published ones and luminance is
     const auto [x, y, z] = power_to_xyz([&](float lambda) { return at(set, row, lambda); });
     CHECK(std::abs(x / (x + y + z) - c.x) < 5e-5);
     CHECK(std::abs(y / (x + y + z) - c.y) < 5e-5);
-    CHECK(y == doctest::Approx(1).epsilon(1e-4));
+    CHECK(y == near(1, 1e-4));
   }
   CHECK_FALSE(find_illuminant("D65").has_value());
   CHECK_FALSE(find_illuminant("").has_value());

@@ -1,4 +1,5 @@
 // Spectra of Mitsuba in every notation, and spectrum files.
+#include "tests/support/near.h"
 #include "tests/support/scene_files.h"
 
 #include <doctest/doctest.h>
@@ -57,8 +58,7 @@ TEST_CASE("Mitsuba: spectra are read in every notation") {
         "constant 0x1p+1");
   const Description d = read_text(mitsuba_scene("<bsdf type='diffuse'><srgb name='reflectance' value='0.5'/></bsdf>"));
   const auto& reflectance = std::get<DiffuseDescription>(d.materials.at(0).model).reflectance;
-  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(reflectance).value).value.x ==
-        doctest::Approx(0.21404));
+  CHECK(std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(reflectance).value).value.x == near(0.21404));
 }
 
 TEST_CASE("Mitsuba: spectra are read from files") {

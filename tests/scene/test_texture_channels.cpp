@@ -8,6 +8,7 @@
 #include "tests/scene/texture_lookups.h"
 #include "tests/support/contains.h"
 #include "tests/support/image_files.h"
+#include "tests/support/near.h"
 
 #include <doctest/doctest.h>
 
@@ -45,6 +46,9 @@ TextureDescription texture_of(const std::shared_ptr<const EncodedImage>& image, 
   return texture_of(bitmap);
 }
 
+/// Maximum error of the decoding of sRGB bytes (decode_srgb_byte()), and of rounding.
+constexpr double kDecodingError = 6.5e-6;
+
 double decoded(int byte) { return srgb_to_linear(static_cast<float>(byte) / 255.0f); }
 
 /// Pixels (10, 60, 110, 160), (20, 70, 120, 170) from the left.
@@ -75,8 +79,9 @@ TEST_CASE("texture channels: bytes stay bytes, and alpha is never decoded") {
       const int byte = 10 + 10 * x + 50 * static_cast<int>(i % 4);
       const TextureQuery<Scalar> query = query_at(0.25f + 0.5f * static_cast<float>(x), 0.5f);
       const double expected = linear ? byte / 255.0 : decoded(byte);
-      CHECK(lookup_scalar<Scalar>(view, i, query) == doctest::Approx(expected).epsilon(1e-4));
-      CHECK(lookup_texture<Scalar>(view, i, query).c2 == doctest::Approx(expected).epsilon(1e-4));
+      const Near value = linear ? near(expected) : within(expected, kDecodingError);
+      CHECK(lookup_scalar<Scalar>(view, i, query) == value);
+      CHECK(lookup_texture<Scalar>(view, i, query).c2 == value);
     }
     CHECK(lanes_agree(view, i, [](int k) { return random_query(static_cast<std::uint32_t>(k)); }));
   }
@@ -93,10 +98,10 @@ TEST_CASE("texture channels: grey images have their grey in all colours, and ima
   const TextureTables textures = compile_textures(descriptions);
   const TextureView view = view_of(textures);
   for (std::uint32_t i = 0; i < 3; ++i)
-    CHECK(lookup_scalar<Scalar>(view, i, query_at(0.75f, 0.5f)) == doctest::Approx(decoded(50)).epsilon(1e-4));
+    CHECK(lookup_scalar<Scalar>(view, i, query_at(0.75f, 0.5f)) == within(decoded(50), kDecodingError));
   for (const std::uint32_t alpha : {3u, 4u})
     for (std::uint32_t i = 0; i < 20; ++i) CHECK(lookup_scalar<Scalar>(view, alpha, random_query(i)) == 1.0f);
-  CHECK(lookup_texture<Scalar>(view, 5, query_at(0.75f, 0.5f)).c1 == doctest::Approx(decoded(5)).epsilon(1e-3));
+  CHECK(lookup_texture<Scalar>(view, 5, query_at(0.75f, 0.5f)).c1 == within(decoded(5), kDecodingError));
 }
 
 TEST_CASE("texture channels: wide integers, floats and colour transforms") {
@@ -114,12 +119,12 @@ TEST_CASE("texture channels: wide integers, floats and colour transforms") {
        channel_of(folder / "a.exr", Channel::kBlue), channel_of(folder / "a.exr", Channel::kAlpha), scaled, green});
   const TextureView view = view_of(textures);
   const auto value = [&](std::uint32_t i) { return lookup_scalar<Scalar>(view, i, query_at(0.25f, 0.5f)); };
-  CHECK(value(0) == doctest::Approx(srgb_to_linear(20000.0f / 65535)).epsilon(1e-5));
-  CHECK(value(1) == doctest::Approx(20000.0 / 65535));
+  CHECK(value(0) == near(srgb_to_linear(20000.0f / 65535), 1e-5));
+  CHECK(value(1) == near(20000.0 / 65535));
   CHECK(value(2) == 4.0f);
   CHECK(value(3) == 0.25f);
-  CHECK(value(4) == doctest::Approx(std::max(0.0, 1 - 3 * 160 / 255.0)));
-  CHECK(value(5) == doctest::Approx(0.5 * decoded(60)).epsilon(1e-5));
+  CHECK(value(4) == near(std::max(0.0, 1 - 3 * 160 / 255.0)));
+  CHECK(value(5) == near(0.5 * decoded(60), 1e-5));
   for (std::size_t i = 0; i < 6; ++i) CHECK(row_of(textures, i).format == TexelFormat::kFloat1);
 }
 
@@ -130,8 +135,8 @@ TEST_CASE("texture channels: scaling a texture scales its channel") {
   twice.model = scaled_texture(plain.model, 2, [](const SpectrumInput& color) { return color; });
   const TextureTables textures = compile_textures({plain, twice});
   const TextureView view = view_of(textures);
-  CHECK(lookup_scalar<Scalar>(view, 0, query_at(0.25f, 0.5f)) == doctest::Approx(160 / 255.0));
-  CHECK(lookup_scalar<Scalar>(view, 1, query_at(0.25f, 0.5f)) == doctest::Approx(2 * 160 / 255.0));
+  CHECK(lookup_scalar<Scalar>(view, 0, query_at(0.25f, 0.5f)) == near(160 / 255.0));
+  CHECK(lookup_scalar<Scalar>(view, 1, query_at(0.25f, 0.5f)) == near(2 * 160 / 255.0));
 }
 
 TEST_CASE("encoded images: textures of one image share its texels") {
@@ -151,9 +156,9 @@ TEST_CASE("encoded images: textures of one image share its texels") {
   CHECK(row_of(textures, 1).format == TexelFormat::kByte4);
   CHECK(row_of(textures, 3).format == TexelFormat::kSrgbByte1);
   const TextureView view = view_of(textures);
-  CHECK(lookup_texture<Scalar>(view, 0, query_at(0.75f, 0.5f)).c0 == doctest::Approx(decoded(100)).epsilon(1e-4));
-  CHECK(lookup_texture<Scalar>(view, 1, query_at(0.75f, 0.5f)).c1 == doctest::Approx(90 / 255.0));
-  CHECK(lookup_scalar<Scalar>(view, 3, query_at(0.25f, 0.5f)) == doctest::Approx(decoded(200)).epsilon(1e-4));
+  CHECK(lookup_texture<Scalar>(view, 0, query_at(0.75f, 0.5f)).c0 == within(decoded(100), kDecodingError));
+  CHECK(lookup_texture<Scalar>(view, 1, query_at(0.75f, 0.5f)).c1 == near(90 / 255.0));
+  CHECK(lookup_scalar<Scalar>(view, 3, query_at(0.25f, 0.5f)) == within(decoded(200), kDecodingError));
 }
 
 TEST_CASE("encoded images: errors name the texture and the image") {

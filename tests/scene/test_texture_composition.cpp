@@ -5,6 +5,7 @@
 #include "scene/compile/compile_textures.h"
 #include "scene/textures/texture_lookup.h"
 #include "tests/scene/texture_lookups.h"
+#include "tests/support/near.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 
@@ -71,15 +72,15 @@ TEST_CASE("product textures: colours and scalars are multiplied, slopes follow t
   const TextureView view = view_of(textures);
   // Texel centres are at 1/4 and 3/4: at u = v = 0.4 the factors are 1 + 0.3 * 2 and 2 + 0.3 * 8.
   const TextureQuery<Scalar> query = query_at(0.4f, 0.4f);
-  CHECK(lookup_scalar<Scalar>(view, 2, query) == doctest::Approx(1.6 * 4.4));
-  CHECK(lookup_texture<Scalar>(view, 2, query).c1 == doctest::Approx(1.6 * 4.4));
+  CHECK(lookup_scalar<Scalar>(view, 2, query) == near(1.6 * 4.4));
+  CHECK(lookup_texture<Scalar>(view, 2, query).c1 == near(1.6 * 4.4));
   const Vec2f slopes = lookup_scalar_gradient<Scalar>(view, 2, query);
-  CHECK(slopes.x == doctest::Approx(4 * 4.4));
-  CHECK(slopes.y == doctest::Approx(1.6 * 16));
+  CHECK(slopes.x == near(4 * 4.4));
+  CHECK(slopes.y == near(1.6 * 16));
   const Spectrum4 rgb = lookup_texture<Scalar>(view, 3, query);
-  CHECK(rgb.c0 == doctest::Approx(0.5 * 1.6));
-  CHECK(rgb.c1 == doctest::Approx(2 * 1.6));
-  CHECK(rgb.c2 == doctest::Approx(4 * 1.6));
+  CHECK(rgb.c0 == near(0.5 * 1.6));
+  CHECK(rgb.c1 == near(2 * 1.6));
+  CHECK(rgb.c2 == near(4 * 1.6));
   CHECK(rgb.c3 == 0.0f);
   for (std::uint32_t i = 0; i < 50; ++i)
     for (const std::uint32_t row : {2u, 3u})
@@ -141,10 +142,10 @@ TEST_CASE("direction textures: the angle of the vector in two channels, with an 
   const double angles[4] = {0, 0.5 * std::numbers::pi, std::numbers::pi, -0.25 * std::numbers::pi};
   for (std::uint32_t i = 0; i < 4; ++i) {
     const TextureQuery<Scalar> query = query_at((static_cast<float>(i) + 0.5f) / 4, 0.5f);
-    CHECK(double{lookup_scalar<Scalar>(view, 2, query)} == doctest::Approx(angles[i]));
-    CHECK(double{lookup_scalar<Scalar>(view, 3, query)} == doctest::Approx(angles[i] + 0.25));
-    CHECK(double{lookup_scalar<Scalar>(view, 4, query)} == doctest::Approx(2 * angles[i] + 0.5));
-    CHECK(double{lookup_texture<Scalar>(view, 3, query).c1} == doctest::Approx(angles[i] + 0.25));
+    CHECK(double{lookup_scalar<Scalar>(view, 2, query)} == near(angles[i]));
+    CHECK(double{lookup_scalar<Scalar>(view, 3, query)} == near(angles[i] + 0.25));
+    CHECK(double{lookup_scalar<Scalar>(view, 4, query)} == near(2 * angles[i] + 0.5));
+    CHECK(double{lookup_texture<Scalar>(view, 3, query).c1} == near(angles[i] + 0.25));
   }
   CHECK(lookup_scalar<Scalar>(view, 5, query_at(0, 0)) == 0.0f);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();

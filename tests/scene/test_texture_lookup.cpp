@@ -8,6 +8,7 @@
 #include "tests/scene/texture_lookups.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/media_testing.h"
+#include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
@@ -61,12 +62,12 @@ TEST_CASE("texture lookup: mesh attributes of vertices and faces are interpolate
 
   const TextureQuery<Scalar> second{{0, 0}, 1, 1, 0.25f, 0.5f};
   const Spectrum4 color = lookup_texture<Scalar>(view, 0, second);
-  CHECK(color.c0 == doctest::Approx(2 * (0.25 * 0 + 0.25 * 0 + 0.5 * 1)));
-  CHECK(color.c1 == doctest::Approx(2 * (0.25 * 0 + 0.25 * 1 + 0.5 * 1)));
-  CHECK(color.c2 == doctest::Approx(2 * (0.25 * 1 + 0.25 * 0 + 0.5 * 0.5)));
-  CHECK(lookup_scalar<Scalar>(view, 0, second) == doctest::Approx(luminance({color.c0, color.c1, color.c2})));
+  CHECK(color.c0 == near(2 * (0.25 * 0 + 0.25 * 0 + 0.5 * 1)));
+  CHECK(color.c1 == near(2 * (0.25 * 0 + 0.25 * 1 + 0.5 * 1)));
+  CHECK(color.c2 == near(2 * (0.25 * 1 + 0.25 * 0 + 0.5 * 0.5)));
+  CHECK(lookup_scalar<Scalar>(view, 0, second) == near(luminance({color.c0, color.c1, color.c2})));
   const TextureQuery<Scalar> first{{0, 0}, 1, 0, 0.25f, 0.5f};
-  CHECK(lookup_scalar<Scalar>(view, 1, first) == doctest::Approx(0.25 * 1 + 0.25 * 2 + 0.5 * 4));
+  CHECK(lookup_scalar<Scalar>(view, 1, first) == near(0.25 * 1 + 0.25 * 2 + 0.5 * 4));
   CHECK(lookup_texture<Scalar>(view, 1, first).c2 == lookup_scalar<Scalar>(view, 1, first));
   CHECK(lookup_texture<Scalar>(view, 2, first).c1 == 2.0f);
   CHECK(lookup_texture<Scalar>(view, 2, second).c2 == 6.0f);
@@ -107,13 +108,13 @@ TEST_CASE("texture lookup: volumes are evaluated at the position in world space"
   const auto at = [](Vec3f p) { return TextureQuery<Scalar>{{0.9f, 0.1f}, 0, 0, 0, 0, p}; };
   const Spectrum4 color = lookup_texture<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f}));
   CHECK(record_difference<Spectrum>(color, {0.5f * 0.6f, 0.5f * 0.75f, 0.5f * 0.15f, 0}) < 1e-5);
-  CHECK(lookup_scalar<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f})) == doctest::Approx(luminance({0.3f, 0.375f, 0.075f})));
-  CHECK(lookup_texture<Scalar>(view, 0, at({9, 1, 1})).c0 == doctest::Approx(0.5 * 15 / 16));
+  CHECK(lookup_scalar<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f})) == near(luminance({0.3f, 0.375f, 0.075f})));
+  CHECK(lookup_texture<Scalar>(view, 0, at({9, 1, 1})).c0 == near(0.5 * 15 / 16));
   // At voxel centres products are exact.
-  CHECK(lookup_scalar<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})) == doctest::Approx(5.5 / 8 * 2.5 / 8));
-  CHECK(lookup_texture<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})).c2 == doctest::Approx(5.5 * 2.5 / 64));
-  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f + 2, 0.9f, 0.1f})).c0 == doctest::Approx(0.5 / 8));
-  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f, 0.9f, 0.1f})).c1 == doctest::Approx(3.5 / 8));
+  CHECK(lookup_scalar<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})) == near(5.5 / 8 * 2.5 / 8));
+  CHECK(lookup_texture<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})).c2 == near(5.5 * 2.5 / 64));
+  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f + 2, 0.9f, 0.1f})).c0 == near(0.5 / 8));
+  CHECK(lookup_texture<Scalar>(view, 2, at({1.1f, 0.9f, 0.1f})).c1 == near(3.5 / 8));
   for (std::uint32_t texture = 0; texture < 3; ++texture)
     CHECK(lanes_agree(view, texture, [&](int k) {
       const auto r = static_cast<std::uint32_t>(k);
@@ -172,18 +173,18 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
   };
   // In the middle of the smooth step: 3/4 of the line width.
   for (const std::uint32_t triangle : {0u, 1u}) {
-    CHECK(at(0, triangle, 1, 0.3f).c0 == doctest::Approx(0.5));
-    CHECK(at(0, triangle, 0.3f, 1).c1 == doctest::Approx(0.25));
+    CHECK(at(0, triangle, 1, 0.3f).c0 == near(0.5));
+    CHECK(at(0, triangle, 0.3f, 1).c1 == near(0.25));
     CHECK(at(0, triangle, 1, 0.19f).c0 == 0.0f);
-    CHECK(at(0, triangle, 1, 0.41f).c0 == doctest::Approx(1));
+    CHECK(at(0, triangle, 1, 0.41f).c0 == near(1));
     CHECK(at(0, triangle, 1, 0.41f).c2 == 0.0f);
   }
   // 0.3 from the hypotenuse, whose unit normal is (0.8, 0.6).
-  CHECK(at(0, 0, 1.5f - 0.3f * 0.8f, 2 - 0.3f * 0.6f).c0 == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(at(0, 0, 1.5f - 0.3f * 0.8f, 2 - 0.3f * 0.6f).c0 == near(0.5, 1e-3));
   // The mean edge length is 6: lines of width 0.6 without a smooth step.
   CHECK(at(1, 1, 1, 0.59f).c0 == 0.0f);
   CHECK(at(1, 1, 1, 0.61f).c0 == 1.0f);
-  CHECK(lookup_scalar<Scalar>(view, 0, {{0, 0}, 0, 0, 1.0f / 3, 0.1f}) == doctest::Approx(luminance({1, 0.5f, 0})));
+  CHECK(lookup_scalar<Scalar>(view, 0, {{0, 0}, 0, 0, 1.0f / 3, 0.1f}) == near(luminance({1, 0.5f, 0})));
   CHECK(lookup_texture<Scalar>(view, 0, {{0, 0}, 1, 0, 0, 0}).c0 == 1.0f);  // a shape without triangles
   for (std::uint32_t i = 0; i < 50; ++i)
     CHECK(lanes_agree(view, 0, [&](int k) {
@@ -203,7 +204,7 @@ TEST_CASE("texture lookup: bindings give numbers or reflectances or unbounded co
   const float red = lookup_texture<Scalar>(view, 0, query_at(0, 0)).c0,
               blue = lookup_texture<Scalar>(view, 0, query_at(0, 0)).c2;
   CHECK(red == 3.0f);
-  CHECK(bound(1, TextureRole::kScalar).c0 == doctest::Approx(luminance({red, 0.5f, blue})));
+  CHECK(bound(1, TextureRole::kScalar).c0 == near(luminance({red, 0.5f, blue})));
   CHECK(bound(4, TextureRole::kReflectance).c0 == 1.0f);
   CHECK(bound(4, TextureRole::kReflectance).c1 == 0.5f);
   CHECK(bound(4, TextureRole::kReflectance).c2 == 0.0f);

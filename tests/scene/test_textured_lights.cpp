@@ -2,6 +2,7 @@
 #include "scene/compile/compile.h"
 #include "scene/lights/light_powers.h"
 #include "tests/scene/floor_lighting.h"
+#include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -54,8 +55,8 @@ TEST_CASE("lights: a textured light has the mean of its texture") {
   const Result a = rendered(d), b = rendered(plain);
   CHECK(std::fabs(a.mean - b.mean) < 4.5 * std::hypot(a.error, b.error));
   const auto scene = compile_scene(d), other = compile_scene(plain);
-  CHECK(scene->view().lights.powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(5e-3));
-  CHECK(other->view().lights.powers[0].x == doctest::Approx(4 * kPiD * 4).epsilon(1e-5));
+  CHECK(scene->view().lights.powers[0].x == near(4 * kPiD * 4, 5e-3));
+  CHECK(other->view().lights.powers[0].x == near(4 * kPiD * 4, 1e-5));
 }
 
 TEST_CASE("lights: a mesh attribute can be the radiance of a light") {
@@ -69,9 +70,9 @@ TEST_CASE("lights: a mesh attribute can be the radiance of a light") {
   add_shape(d, mesh, above, add_diffuse(d, 0)).radiance = TextureId{0};
   CHECK(agreed(d) > 0);
   const Vec3f power = compile_scene(d)->view().lights.powers[0];
-  CHECK(power.x == doctest::Approx(kPiD * 2 * 8));
-  CHECK(power.y == doctest::Approx(kPiD * 2 * 4));
-  CHECK(power.z == doctest::Approx(kPiD * 4 * 2));
+  CHECK(power.x == near(kPiD * 2 * 8));
+  CHECK(power.y == near(kPiD * 2 * 4));
+  CHECK(power.z == near(kPiD * 4 * 2));
 }
 
 TEST_CASE("lights: products, thresholds and other coordinates can be the radiance of a light") {
@@ -93,8 +94,8 @@ TEST_CASE("lights: products, thresholds and other coordinates can be the radianc
   add_shape(d, mesh, above, add_diffuse(d, 0)).radiance = add(ProductTextureDescription{moved, right});
   const double mean = agreed(d);
   const Vec3f power = compile_scene(d)->view().lights.powers[0];
-  CHECK(power.x == doctest::Approx(kPiD * 2 * 6).epsilon(5e-3));
-  CHECK(power.y == doctest::Approx(kPiD * 2 * 1).epsilon(5e-3));
+  CHECK(power.x == near(kPiD * 2 * 6, 5e-3));
+  CHECK(power.y == near(kPiD * 2 * 1, 5e-3));
   // The same light as half of the rectangle
   Description half = floor_scene();
   add_area_light_rectangle(half, above * Transform::translate({0.5f, 0, 0}) * Transform::scale({0.5f, 1, 1}), 6);
@@ -144,9 +145,9 @@ TEST_CASE("lights: lights that share the mean of a texture have the same power a
   for (std::uint32_t i = 0; i < view.lights.count; ++i) {
     CAPTURE(i);
     const Vec3f alone = light_power(view, i), together = view.lights.powers[i];
-    CHECK(together.x == doctest::Approx(alone.x).epsilon(2e-4));
-    CHECK(together.y == doctest::Approx(alone.y).epsilon(2e-4));
-    CHECK(together.z == doctest::Approx(alone.z).epsilon(2e-4));
+    CHECK(together.x == near(alone.x, 2e-4));
+    CHECK(together.y == near(alone.y, 2e-4));
+    CHECK(together.z == near(alone.z, 2e-4));
   }
 }
 

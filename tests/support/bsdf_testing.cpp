@@ -1,4 +1,5 @@
 #include "tests/support/bsdf_testing.h"
+#include "tests/support/near.h"
 
 #include <algorithm>
 #include <cmath>
@@ -108,7 +109,7 @@ void check_bsdf_weights(const BsdfView& bsdf, double tolerance) {
     for (std::uint32_t i = 0; i < 1000; ++i) {
       const auto s = bsdf.sample(wo, lane_random(12, i, 0));
       if (!s.valid) continue;
-      CHECK(length(s.wi) == doctest::Approx(1).epsilon(1e-5));
+      CHECK(length(s.wi) == near(1, 1e-5));
       const auto [f, pdf] = bsdf.evaluate(wo, s.wi);
       worst_pdf = std::max(worst_pdf, std::fabs(double(s.pdf_solid_angle) / pdf - 1));
       for (const auto& [weight, value] :
@@ -127,7 +128,7 @@ void check_bsdf_reciprocity(const BsdfView& bsdf, double eta) {
       return std::array<double, 3>{f.c0 * scale, f.c1 * scale, f.c2 * scale};
     };
     const auto there = scaled(bsdf.evaluate(wo, wi).f_cos, wi), back = scaled(bsdf.evaluate(wi, wo).f_cos, wo);
-    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == doctest::Approx(back[c]).epsilon(1e-4));
+    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == near(back[c], 1e-4));
   }
 }
 

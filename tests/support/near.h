@@ -1,11 +1,11 @@
-// Comparison of floating-point numbers in tests, by relative error. doctest::Approx adds an absolute tolerance, so that it
-// compares nothing below 1; a test of the build rejects its name.
+// Comparison of floating-point numbers in tests, by relative error. The comparison of doctest adds an absolute
+// tolerance, so that it compares nothing below 1; tests/tools/test_forbidden_names.cpp rejects its name.
 #pragma once
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace sheaf {
 
@@ -17,17 +17,20 @@ struct Near {
   friend bool operator==(double value, const Near& near) {
     return value == near.expected || std::fabs(value - near.expected) <= near.distance;
   }
-  friend bool operator==(const Near& near, double value) { return value == near; }
   friend doctest::String toString(const Near& near) {
-    return doctest::toString(near.expected) + " +- " + doctest::toString(near.distance);
+    char text[64];
+    std::snprintf(text, sizeof text, "%.9g +- %.3g", near.expected, near.distance);
+    return text;
   }
 };
 
-/// Equals numbers with a relative error of at most `tolerance`. Zero equals only zero: use within() for rounding errors
-/// around zero.
-inline Near near(double expected, double tolerance = 1e-5) { return {expected, tolerance * std::fabs(expected)}; }
-/// Equals numbers with an absolute error of at most `distance`. For numbers whose expected value may be zero; `distance`
-/// must be small compared with the terms that cancel.
+/// Equals numbers with an absolute error of at most `distance`. For numbers whose expected value may be zero;
+/// `distance` must be small compared with the terms that cancel.
 inline Near within(double expected, double distance) { return {expected, distance}; }
+/// Equals numbers with a relative error of at most `tolerance`, by default 100 times the rounding error of a float.
+/// Zero equals only zero, and infinity only infinity: use within() for rounding errors around zero.
+inline Near near(double expected, double tolerance = 1.2e-5) {
+  return within(expected, std::isfinite(expected) ? tolerance * std::fabs(expected) : 0.0);
+}
 
 }  // namespace sheaf

@@ -43,7 +43,7 @@ using PixelMeans = std::array<MeanVariance, 3>;
 inline PixelMeans pixel_means(const Description& d, ColorMode color = ColorMode::kRgb) {
   CompileOptions options;
   options.color = color;
-  const Image image = render(*compile_scene(d, options), {}).film.to_image();
+  const Image image = render(*compile_scene(d, options), {}).to_image();
   PixelMeans means;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)

@@ -1,6 +1,7 @@
 // Messages of commands at each verbosity.
 #include "core/exr.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
@@ -54,7 +55,7 @@ TEST_CASE("messages: a render prints one line with size, samples, time, noise an
   for (const ExrMetadata::Attribute& each : read_exr_attributes(place.folder / "out.exr"))
     if (each.name == "sheaf/noise") {
       const auto noise = static_cast<double>(std::get<float>(each.value));
-      CHECK(std::atof(found[1].str().c_str()) == doctest::Approx(noise * 100).epsilon(0.06));
+      CHECK(std::atof(found[1].str().c_str()) == near(noise * 100, 0.06));
     }
 }
 

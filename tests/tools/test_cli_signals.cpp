@@ -1,6 +1,7 @@
 // Interruption and resumption of renders: signals and checkpoints.
 #include "core/exr.h"
 #include "tests/support/capture.h"
+#include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
@@ -40,8 +41,7 @@ double mean_samples(const Image& image) {
 void check_marked(const TemporaryFolder& folder, const std::string& file, const Image& image, int planned) {
   const double taken = mean_samples(image);
   CHECK(attribute<int>(folder / file, "sheaf/interrupted") == 1);
-  CHECK(double{attribute<float>(folder / file, "sheaf/samplesTaken").value_or(-1.0f)} ==
-        doctest::Approx(taken).epsilon(1e-5));
+  CHECK(double{attribute<float>(folder / file, "sheaf/samplesTaken").value_or(-1.0f)} == near(taken, 1e-5));
   CHECK(attribute<int>(folder / file, "sheaf/samplesPlanned") == planned);
   CHECK(attribute<int>(folder / file, "sheaf/samplesPerPixel") == static_cast<int>(std::lround(taken)));
   CHECK(attribute<std::string>(folder / file, "sheaf/integrator") == "path");

@@ -3,6 +3,7 @@
 #include "scene/formats/model_import.h"
 #include "tests/support/capture.h"
 #include "tests/support/model_files.h"
+#include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 
@@ -143,7 +144,7 @@ TEST_CASE("streams: info prints JSON of scenes and images") {
   CHECK(scene["max_depth"] == 6);
   CHECK(scene["quadrics"] == 1);
   CHECK(scene["lights"] == 1);
-  CHECK(scene["bounds"]["min"][0].get<double>() == doctest::Approx(-1).epsilon(1e-4));
+  CHECK(scene["bounds"]["min"][0].get<double>() == near(-1, 1e-4));
   CHECK(scene["memory"]["loaded"].get<double>() > 1e6);
   CHECK(scene["files"] == nlohmann::json{"scene.xml"});
   CHECK(nlohmann::json::parse(shell(folder, "$SHEAF info - --json <scene.xml").out)["width"] == 24);
