@@ -82,7 +82,7 @@ inline Case instanced_case() {
   for (const Transform& place : {kTilt, Transform::translate({1, 0, 3}) * Transform::rotate({1, 1, 0}, 150) *
                                             Transform::scale({-1.2f, 0.7f, 0.9f})}) {
     InstanceDescription instance;
-    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(place.matrix().m[i / 4][i % 4]);
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
     c.scene.instances.push_back(instance);
   }
   return c;

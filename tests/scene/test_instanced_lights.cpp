@@ -52,7 +52,7 @@ Description instanced_scene() {
   d.groups.push_back(group);
   for (const Transform& place : kPlaces) {
     InstanceDescription instance;
-    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(place.matrix().m[i / 4][i % 4]);
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
     d.instances.push_back(instance);
   }
   return d;

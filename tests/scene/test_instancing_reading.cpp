@@ -30,7 +30,7 @@ TEST_CASE("instancing: Mitsuba scenes may define a group before or after its ins
     CHECK(d.groups[0].shapes[1].flip_normals);
     REQUIRE(d.instances.size() == 2);
     CHECK(d.instances[0].group == 0);
-    CHECK(d.instances[1].to_world == std::array<float, 12>{2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1, 0});
+    CHECK(d.instances[1].to_world == std::array<double, 12>{2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1, 0});
   }
   const Description nested = test::read_text(
       test::mitsuba_scene("<shape type='instance'><shape type='shapegroup'><shape type='sphere'/></shape></shape>"));
@@ -50,7 +50,7 @@ TEST_CASE("instancing: Nori scenes are read") {
   REQUIRE(d.groups[0].shapes.size() == 1);
   CHECK(d.groups[0].shapes[0].material.has_value());
   REQUIRE(d.instances.size() == 1);
-  CHECK(d.instances[0].to_world == std::array<float, 12>{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
+  CHECK(d.instances[0].to_world == std::array<double, 12>{1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3});
 }
 
 TEST_CASE("instancing: errors include the line") {

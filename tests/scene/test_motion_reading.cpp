@@ -36,7 +36,7 @@ double difference(const Transform& a, const Transform& b) {
   return largest;
 }
 
-Transform transform_of(const std::array<float, 12>& rows) {
+Transform transform_of(const std::array<double, 12>& rows) {
   Matrix4 m;
   for (std::size_t i = 0; i < 12; ++i) m.m[i / 4][i % 4] = double{rows[i]};
   return Transform(m);

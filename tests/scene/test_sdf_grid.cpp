@@ -335,7 +335,7 @@ TEST_CASE("sdf grid: flipped normals, instances, and beside other shapes") {
   const Transform place =
       Transform::translate({1, 2, 3}) * Transform::rotate({1, 1, 0}, 50) * Transform::scale({2, 1.5f, 2});
   InstanceDescription instance;
-  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(place.matrix().m[i / 4][i % 4]);
+  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
   instanced.instances.push_back(instance);
   const auto a = compile_scene(plain), b = compile_scene(instanced);
   int on_grid[2] = {0, 0};

@@ -252,7 +252,7 @@ TEST_CASE("sensors: meters are read") {
   CHECK(is_close(distant.to_world.vector({0, 0, 1}), {0, 0, -1}));
   CHECK(std::holds_alternative<std::monostate>(distant.target));
   const auto point = with_sensor("distant", down + "<point name='target' value='1,2,3'/>" + kPixel).camera.target;
-  CHECK(std::get<Vec3f>(point) == Vec3f{1, 2, 3});
+  CHECK(std::get<Vec3d>(point) == Vec3d{1, 2, 3});
   const auto target = [&](const std::string& type) {
     return std::get<CameraDescription::TargetArea>(
         with_sensor("distant", down + "<shape type='" + type +

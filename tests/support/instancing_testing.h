@@ -69,7 +69,7 @@ inline std::vector<ShapeDescription> every_kind(const std::vector<MaterialId>& m
 inline void add_instance(Description& d, std::uint32_t group, const Transform& to_world) {
   InstanceDescription instance;
   instance.group = group;
-  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = static_cast<float>(to_world.matrix().m[i / 4][i % 4]);
+  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = to_world.matrix().m[i / 4][i % 4];
   d.instances.push_back(instance);
 }
 
