@@ -66,7 +66,8 @@ bool ends_chains(const LightRow& light) {
   Lights::for_each([&]<class Light>(Light) {
     if (light.is(kLightKind<typename Light::Kind>)) kind = Light::kHitKind;
   });
-  return kind == LightHitKind::kNever || (kind == LightHitKind::kSurface && !light.is_along_normal());
+  const bool is_reached = !light.is_along_normal() && !light.has_flag(kMissedByRays);
+  return kind == LightHitKind::kNever || (kind == LightHitKind::kSurface && is_reached);
 }
 
 CasterTriangle caster_triangle(const SceneView& scene, const ShapeRow& shape, std::uint32_t triangle, float time) {
@@ -96,7 +97,7 @@ CausticCasters::CausticCasters(const SceneView& scene) : instance_of_(scene.geom
   std::vector<float> weights;
   for (std::uint32_t i = 0; i < scene.geometry.shape_count; ++i) {
     const ShapeRow& shape = scene.geometry.shapes[i];
-    if (shape.light != kNone || !is_supported(shape)) continue;
+    if (shape.light != kNone || (shape.flags & kUntraced) != 0 || !is_supported(shape)) continue;
     const MaterialRow& front = scene.materials.rows[shape.material];
     float size = area(scene, shape);
     if (const auto placed = caster_placement(scene, instances[i], 0)) {

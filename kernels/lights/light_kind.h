@@ -60,7 +60,7 @@ template <class L> struct LightSample {
   Vec3<L> direction;     ///< from the reference point, unit length
   Vec3<L> target;        ///< end of the shadow ray: on the light, offset from its surface
   Spectrum<L> radiance;  ///< incident radiance; point lights: intensity over squared distance
-  /// Pdf per solid angle. Delta lights: 1. Volume lights: per solid angle and length.
+  /// Pdf per solid angle. Lights at a point or in one direction: 1. Volume lights: per solid angle and length.
   typename L::Float pdf_solid_angle;
   typename L::Mask delta;          ///< BSDF sampling cannot hit this light; set by the caller of the kind
   typename L::Mask valid;          ///< false: no light arrives

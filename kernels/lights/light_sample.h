@@ -120,6 +120,7 @@ SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, const LightSamp
     s = sample_given_light<L, kMode>(scene, {rest_point<L>(motion, at.p), {}}, light, u, lambda, drawn, time);
     move_light_sample<L>(scene, motion, choice.light, s);
   }
+  s.delta = s.delta | light.has_flag(kMissedByRays);
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;
   return s;
 }

@@ -76,8 +76,9 @@ SHEAF_INLINE LightPath<L> light_path(const SceneView& scene, const Wave& wave, c
   return path;
 }
 
-/// Whether rays that leave the scene can find a light.
+/// Whether camera rays that leave the scene see something.
 bool has_surroundings(const SceneView& scene) {
+  if (scene.lights.has_black_environment) return true;
   for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light)
     if (surrounds_scene(scene, light)) return true;
   return false;

@@ -20,16 +20,23 @@ LightContext SceneCompiler::light_context() {
 std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& shape) {
   if (!shape.radiance) return std::nullopt;
   const LightContext context = light_context();
-  const auto* texture = std::get_if<TextureId>(&*shape.radiance);
-  const Vec3f radiance =
-      texture != nullptr ? Vec3f{1, 1, 1} : emission_rgb(std::get<SpectrumDescription>(*shape.radiance));
+  const auto* spectrum = std::get_if<SpectrumDescription>(&*shape.radiance);
+  const Vec3f radiance = spectrum != nullptr ? emission_rgb(*spectrum) : Vec3f{1, 1, 1};
   if (!(max_component(radiance) > 0.0f)) return std::nullopt;
+  const std::optional<TextureId> texture = emission_texture_of(shape);
   return AreaEmission{radiance,
-                      texture != nullptr ? context.texture_row(*texture, shape.where) : kNone,
+                      texture ? context.texture_row(*texture, shape.where) : kNone,
                       context.emission_row(*shape.radiance, shape.where),
                       shape.emits_along_normal,
                       shape.emits_on_both_sides,
+                      !shape.is_visible,
                       shape.power};
+}
+
+std::optional<TextureId> SceneCompiler::emission_texture_of(const ShapeDescription& shape) {
+  if (!shape.radiance) return std::nullopt;
+  const auto* texture = std::get_if<TextureId>(&*shape.radiance);
+  return texture != nullptr ? std::optional(*texture) : shape.radiance_scale;
 }
 
 void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
@@ -83,7 +90,11 @@ void SceneCompiler::add_lights() {
   for (const LightDescription& light : in_.lights) {
     const auto place = [&](const auto& description) { return place_light(description, light.where, context); };
     try {
-      if (auto row = std::visit(place, light.model)) placed.emplace_back(*row, &light);
+      auto row = std::visit(place, light.model);
+      // A black environment lights nothing, but it is what camera rays see.
+      if (LightKinds::is_environment(light.model) && !(row && max_component(emitted_rgb(row->row)) > 0.0f))
+        out_->lights_.has_black_environment = true;
+      if (row) placed.emplace_back(*row, &light);
     } catch (const SceneError& error) { throw at_place(light.where, error); }
   }
   for (const bool infinite : {false, true}) {

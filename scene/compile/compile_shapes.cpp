@@ -181,6 +181,7 @@ void SceneCompiler::add_quadric(ShapeRow row, const ShapeDescription& shape, con
 
 void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, const GridBox& box) {
   const auto index = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
+  if (!shape.is_visible) row.flags |= kUntraced;
   // Add the boundary between media
   if (shape.interior || shape.exterior) {
     row.boundary = static_cast<std::uint32_t>(out_->media_.boundaries.size());
@@ -188,9 +189,8 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
     if (shape.exterior_is_surrounding) surrounded_shapes_.push_back(index);
   }
   // Add the light
-  if (shape.radiance)
-    if (const auto* texture = std::get_if<TextureId>(&*shape.radiance))
-      emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));
+  if (const std::optional<TextureId> texture = emission_texture_of(shape))
+    emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));
   if (const std::optional<AreaEmission> emission = emission_of(shape)) {
     if (group_emitters_ != nullptr) {
       row.light = static_cast<std::uint32_t>(group_emitters_->size());

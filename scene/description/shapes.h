@@ -124,6 +124,8 @@ struct ShapeDescription {
   std::optional<MaterialId> material;  ///< default: diffuse, reflectance 0.5
   /// Makes the shape an area light that emits on the side of the normal; W / (m^2 sr).
   std::optional<SpectrumInput> radiance;
+  /// Texture that `radiance` is multiplied by, if that is a spectrum.
+  std::optional<TextureId> radiance_scale = {};
   /// The area light emits only along its normal: `radiance` is then radiant exitance, W / m^2. Only photons can sample
   /// it.
   bool emits_along_normal = false;
@@ -139,6 +141,8 @@ struct ShapeDescription {
   std::string id = {}, emitter_id = {};  ///< names of the shape and of its area light in files; may be empty
   /// Of shapes outside of groups.
   std::optional<MotionId> motion = {};
+  /// False: rays never hit the shape. If it emits, only light sampling finds it.
+  bool is_visible = true;
 };
 
 /// Shapes that are visible only through instances. Their transforms lead to the group's space. Each instance of an

@@ -10,6 +10,7 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
   light.row.texture = emission.texture;
   if (emission.along_normal) light.row.flags |= kEmitsAlongNormal;
   if (emission.two_sided) light.row.flags |= kEmitsOnBothSides;
+  if (emission.missed_by_rays) light.row.flags |= kMissedByRays;
   light.row.radiance = {emission.radiance.x, emission.radiance.y, emission.radiance.z, 0.0f};
   if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh) {
     complete_mesh_light(light, shape, shape_index, tables, places, instance);

@@ -30,6 +30,7 @@ struct AreaEmission {
   SpectrumRow spectrum = {};        ///< spectrum of `radiance`, in spectral mode
   bool along_normal = false;        ///< see kEmitsAlongNormal
   bool two_sided = false;           ///< see kEmitsOnBothSides
+  bool missed_by_rays = false;      ///< see kMissedByRays
   std::optional<float> power = {};  ///< see ShapeDescription::power
 };
 

@@ -38,6 +38,11 @@ template <class... Some, class... More, class... Lists>
 struct AnyDescription<LightDescriptions<Some...>, LightDescriptions<More...>, Lists...>
     : AnyDescription<LightDescriptions<Some..., More...>, Lists...> {};
 
+/// Whether a list contains a description.
+template <class Description, class... All> constexpr bool lists(LightDescriptions<All...>) {
+  return (std::is_same_v<Description, All> || ...);
+}
+
 }  // namespace light_list_detail
 
 /// A list of kinds of lights.
@@ -54,6 +59,16 @@ template <CompilableLight... Kinds> struct LightKindList {
   }
   /// Calls f.operator()<Kind>() for each kind.
   template <class F> static constexpr void for_each(F&& f) { (f.template operator()<Kinds>(), ...); }
+  /// Whether a description is that of an environment.
+  static bool is_environment(const Model& model) {
+    return std::visit(
+        []<class Description>(const Description&) {
+          return ((Kinds::kDomain == LightDomain::kEnvironment &&
+                   light_list_detail::lists<Description>(typename Kinds::Descriptions{})) ||
+                  ...);
+        },
+        model);
+  }
 };
 
 /// All kinds of lights, in the order of LightKind.

@@ -53,7 +53,8 @@ void attach_shapes(RTCDevice device, RTCScene scene, const AccelInput& in, Shape
   for (std::uint32_t id = 0; id < range.shape_count; ++id) {
     const std::uint32_t i = range.first_shape + id;
     const ShapeRow& shape = in.shapes[i];
-    if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh && shape.triangle_count == 0) continue;
+    const bool is_empty = static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh && shape.triangle_count == 0;
+    if (is_empty || (shape.flags & kUntraced) != 0) continue;
     attach_geometry(scene, make_embree_shape(device, in, i, grids), id);
   }
 }

@@ -17,6 +17,7 @@ enum LightFlags : std::uint32_t {
   kEmitsAlongNormal = 1,  ///< area lights: emits only along its normal; radiance is radiant exitance (W / m^2)
   kEmitsOnBothSides = 2,  ///< area lights: also emits on the side opposite to the normal
   kIsEven = 4,            ///< projectors: see ProjectorDescription::is_even
+  kMissedByRays = 8,      ///< area lights: rays never hit its shape; only light sampling finds it
 };
 
 /// Words of LightRecord::payload.

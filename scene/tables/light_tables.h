@@ -31,6 +31,7 @@ struct LightView {
   const LightFrameRow* frames = nullptr;
   EnvmapView envmap;  ///< if the environment is an environment map
   bool has_textured_area_lights = false;
+  bool has_black_environment = false;  ///< not a light, but camera rays see it
 };
 
 /// Owns the tables of lights.
@@ -47,6 +48,7 @@ struct LightTables {
   std::vector<LightFrameRow> frames;
   Envmap envmap;
   bool has_textured_area_lights = false;
+  bool has_black_environment = false;
   std::vector<SourceLocation> source_locations;  ///< by row; only for the first kMaxReportedLights
 
   LightView view() const {
@@ -62,7 +64,8 @@ struct LightTables {
             uvs.data(),
             frames.data(),
             envmap.view(),
-            has_textured_area_lights};
+            has_textured_area_lights,
+            has_black_environment};
   }
   /// Memory in bytes.
   std::size_t bytes() const {

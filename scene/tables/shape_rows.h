@@ -13,9 +13,10 @@ enum class ShapeKind : std::uint32_t { kMesh, kSphere, kDisk, kCylinder, kLinear
 enum ShapeFlags : std::uint32_t {
   kHasNormals = 1,  ///< vertices have normals; else the shape is faceted
   kHasUvs = 2,      ///< vertices have uv; else barycentric coordinates are used as uv
+  kUntraced = 4,    ///< rays never hit the shape
 };
 /// The bits from here on: 0, or 1 + the row of a shape that deforms in MotionView::deformations.
-inline constexpr int kDeformationShift = 2;
+inline constexpr int kDeformationShift = 3;
 
 /// One shape. Shapes of groups follow all others, group by group, in their group's space. Half a cache line.
 template <class L> struct ShapeRecord {

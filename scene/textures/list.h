@@ -9,6 +9,7 @@
 #include "scene/textures/grid.h"
 #include "scene/textures/mesh_attribute.h"
 #include "scene/textures/mix.h"
+#include "scene/textures/opacity.h"
 #include "scene/textures/product.h"
 #include "scene/textures/threshold.h"
 #include "scene/textures/uv_set.h"
@@ -48,6 +49,7 @@ using TextureKinds = TextureKindList<ConstantTextureDescription,   //
                                      WireframeDescription,         //
                                      ProductTextureDescription,    //
                                      ThresholdTextureDescription,  //
+                                     OpacityTextureDescription,    //
                                      DirectionTextureDescription,  //
                                      UvSetTextureDescription>;
 

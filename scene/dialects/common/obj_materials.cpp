@@ -2,6 +2,7 @@
 #include "scene/dialects/common/obj_materials.h"
 
 #include "core/read_ahead.h"
+#include "scene/dialects/common/covered_emission.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/obj.h"
 #include "scene/formats/smooth_normals.h"
@@ -227,6 +228,13 @@ class MaterialLibraries {
     return found->second;
   }
 
+  /// Sets the radiance Ke of a shape's material, covered by its opacity.
+  void set_emission(const MtlMaterial& material, ShapeDescription& shape) {
+    CoveredEmission emission = covered_emission(description_, spectrum(*material.emission), *shape.material);
+    shape.radiance = std::move(emission.radiance);
+    shape.radiance_scale = emission.scale;
+  }
+
   void note(const SourceLocation& where, const std::string& message) {
     description_.notes.push_back(SceneError(where, message).what());
   }
@@ -360,7 +368,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
     part.to_world = to_world;
     if (materials[i] != nullptr) {
       part.material = libraries.add(*materials[i], geometry.flip_tex_coords);
-      if (largest(materials[i]->emission) > 0 && !part.radiance) part.radiance = spectrum(*materials[i]->emission);
+      if (largest(materials[i]->emission) > 0 && !part.radiance) libraries.set_emission(*materials[i], part);
     }
     parts.push_back(std::move(part));
   }

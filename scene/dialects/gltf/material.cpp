@@ -1,4 +1,5 @@
 // Materials of glTF as materials, textures and media of a scene.
+#include "scene/dialects/common/covered_emission.h"
 #include "scene/dialects/gltf/reader.h"
 
 #include <algorithm>
@@ -57,6 +58,11 @@ class MaterialBuilder {
       add_emission(surface);
     }
     surface.material = add_alpha(surface.material);
+    if (surface.radiance) {
+      CoveredEmission emission = covered_emission(out_, std::move(*surface.radiance), surface.material);
+      surface.radiance = std::move(emission.radiance);
+      surface.radiance_scale = emission.scale;
+    }
     return surface;
   }
 
@@ -185,11 +191,24 @@ class MaterialBuilder {
     const ScalarInput share = times(transmission, one_minus(opaque.metallic));
     DielectricDescription glass = dielectric(opaque, is_smooth_wall);
     if (share == ScalarInput(1.0f)) return finish(add(std::move(glass)), false);
-    if (std::holds_alternative<float>(share) && std::get<float>(share) < 1)
-      opaque.metallic = times(opaque.metallic, 1 / (1 - std::get<float>(share)));
-    const MaterialId base = add(std::move(opaque));
-    const MaterialId both = add(TwoSidedDescription{base, base});
-    return finish(add(BlendDescription{share, {both, add(std::move(glass))}}), false);
+    const ScalarInput metallic = opaque.metallic;
+    const bool has_metal = metallic != ScalarInput(0.0f);
+    if (const float* constant = std::get_if<float>(&share); constant != nullptr && has_metal)
+      opaque.metallic = times(metallic, 1 / (1 - *constant));
+    if (std::holds_alternative<float>(share) || !has_metal)
+      return finish(add(BlendDescription{share, {add_two_sided(std::move(opaque)), add(std::move(glass))}}), false);
+    // With textures, the metal is blended with the rest in place of being a part of the opaque one, which would be
+    // metallic / (1 - share). The model is linear in `metallic`.
+    opaque.metallic = 0.0f;
+    MetallicRoughnessDescription metal = opaque;
+    metal.metallic = 1.0f;
+    const MaterialId rest = add(BlendDescription{transmission, {add_two_sided(std::move(opaque)), add(std::move(glass))}});
+    return finish(add(BlendDescription{metallic, {rest, add_two_sided(std::move(metal))}}), false);
+  }
+
+  MaterialId add_two_sided(MaterialModel model) {
+    const MaterialId id = add(std::move(model));
+    return add(TwoSidedDescription{id, id});
   }
 
   MetallicRoughnessDescription layers() {

@@ -46,6 +46,7 @@ std::vector<Primitive> load_mesh(GltfFile& file, int mesh, const Deformation& de
 struct Surface {
   MaterialId material{};
   std::optional<SpectrumInput> radiance;
+  std::optional<TextureId> radiance_scale;
   bool emits_on_both_sides = false;
   std::optional<MediumId> interior;
 };

@@ -124,6 +124,7 @@ class SceneReader {
       shape.face_normals = !primitive.has_normals;
       shape.material = surface.material;
       shape.radiance = surface.radiance;
+      shape.radiance_scale = surface.radiance_scale;
       shape.emits_on_both_sides = surface.emits_on_both_sides;
       shape.interior = surface.interior;
       shape.exterior_is_surrounding = surface.interior.has_value();

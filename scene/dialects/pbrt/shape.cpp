@@ -1,5 +1,6 @@
 // The pbrt dialect: shapes. Full spheres, cylinders and disks stay analytic. Partial ones, and textured disks, are
 // tessellated because their texture coordinates differ.
+#include "scene/dialects/common/covered_emission.h"
 #include "scene/dialects/pbrt/reader.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/ply_header.h"
@@ -172,12 +173,15 @@ constexpr NameTable<Geometry (*)(Parameters&, ShapeDescription&, bool textured)>
      {"sphere", read_sphere},
      {"trianglemesh", read_triangles}}};
 
-/// Applies the `alpha` mask to the material.
-MaterialId masked(Parameters& p, MaterialId nested) {
-  std::optional<ScalarInput> alpha = find_scalar_input(p, "alpha");
-  float* number = alpha ? std::get_if<float>(&*alpha) : nullptr;
-  if (!alpha || (number != nullptr && *number >= 1.0f)) return nested;
-  if (number != nullptr) *number = std::max(*number, 0.0f);
+/// Applies the `alpha` mask to the material. A constant of 0 makes the shape invisible: rays never hit it, but its area
+/// light emits in full.
+MaterialId masked(Parameters& p, MaterialId nested, ShapeDescription& shape) {
+  const std::optional<ScalarInput> alpha = find_scalar_input(p, "alpha");
+  if (!alpha) return nested;
+  if (const float* number = std::get_if<float>(&*alpha)) {
+    shape.is_visible = *number > 0.0f;
+    if (!shape.is_visible || *number >= 1.0f) return nested;
+  }
   return add(p.reader(), MaskDescription{*alpha, nested}, p.where());
 }
 
@@ -190,15 +194,20 @@ void add_emission(Parameters& p, ShapeDescription& shape, const Geometry& geomet
   if (reader.attributes.material.is_interface)
     return reader.note(p.where(), p.title() + " has the material 'interface', its AreaLightSource is ignored");
   if (std::holds_alternative<Curves>(shape.geometry)) return p.unsupported("light of curves", "ignored");
-  shape.radiance = light->radiance;
   shape.emits_on_both_sides = light->two_sided;
-  if (!light->power) return;
-  // For shapes other than meshes, pbrt uses the area before the transform.
-  if (geometry.area > 0.0f)
-    shape.radiance =
-        scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area * (light->two_sided ? 2 : 1)));
-  else
-    shape.power = *light->power * static_cast<float>(geometry.lights);
+  std::optional<SpectrumInput> radiance = light->radiance;
+  if (light->power) {
+    // For shapes other than meshes, pbrt uses the area before the transform.
+    if (geometry.area > 0.0f)
+      radiance =
+          scaled_input(reader, light->radiance, *light->power / (kPi * geometry.area * (light->two_sided ? 2 : 1)));
+    else
+      shape.power = *light->power * static_cast<float>(geometry.lights);
+  }
+  if (!radiance) return;
+  CoveredEmission emission = covered_emission(reader.description, std::move(*radiance), *shape.material);
+  shape.radiance = std::move(emission.radiance);
+  shape.radiance_scale = emission.scale;
 }
 
 /// Sets the media on both sides if they differ; otherwise the surface is no medium boundary.
@@ -223,7 +232,7 @@ void read_shape(Reader& reader, Entity entity) {
     reader.attributes.material = *reader.standard_material;
   }
   reader.used_texture = reader.attributes.material.textured;
-  shape.material = masked(p, *reader.attributes.material.id);
+  shape.material = masked(p, *reader.attributes.material.id, shape);
   const bool has_emission_image =
       reader.attributes.area_light && std::holds_alternative<TextureId>(reader.attributes.area_light->radiance);
   const bool textured = reader.used_texture || has_emission_image;
@@ -232,8 +241,9 @@ void read_shape(Reader& reader, Entity entity) {
   const bool is_curve = std::holds_alternative<Curves>(shape.geometry);
   shape.flip_normals = !is_curve && reader.attributes.reverse_orientation != mirrored;
   add_emission(p, shape, geometry);
-  add_media(p, shape);
+  if (shape.is_visible) add_media(p, shape);
   p.reject_unused();
+  if (!shape.is_visible && !shape.radiance) return;
   if (transform.moves()) {
     shape.motion = reader.motion_of(transform, transform.start.inverse() * shape.to_world, entity.where);
     if (shape.motion) shape.to_world = reader.description.motions[static_cast<std::size_t>(*shape.motion)].reference();

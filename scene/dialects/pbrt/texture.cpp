@@ -13,7 +13,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-constexpr int kMaxTextureDepth = 16;
+constexpr int kMaxNesting = 16;
 
 TextureDescription& texture_at(Reader& reader, TextureId id) {
   return reader.description.textures.at(static_cast<std::size_t>(id));
@@ -269,7 +269,7 @@ std::optional<SpectrumInput> changed_input(Reader& reader, const SpectrumInput& 
                                            int depth) {
   if (const SpectrumDescription* constant = constant_of(input)) return change_constant(*constant);
   TextureDescription copy = texture_at(reader, std::get<TextureId>(input));
-  if (depth > kMaxTextureDepth) throw SceneError(copy.where, "textures are nested deeper than 16 levels");
+  if (depth > kMaxNesting) throw SceneError(copy.where, "textures are nested deeper than 16 levels");
   const auto change = [&](const SpectrumInput& nested) {
     return changed_input(reader, nested, change_constant, change_bitmap, depth + 1);
   };
