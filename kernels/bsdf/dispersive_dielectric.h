@@ -9,7 +9,7 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/bsdf/fresnel.h"
+#include "kernels/bsdf/specular_scale.h"
 #include "scene/materials/dielectric.h"
 
 namespace sheaf {
@@ -35,6 +35,21 @@ template <class L> SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L>
   return f;
 }
 
+/// The same, scaled by the factors of kernels/bsdf/specular_scale.h.
+template <class L>
+SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, const Spectrum<L>& eta, Float<L> specular,
+                                                     const Spectrum<L>& color) {
+  DispersiveFresnel<L> f = fresnel_dispersive<L>(cos_incident, eta);
+  const Spectrum<L> r = f.reflectance;
+  f.reflectance = {scaled_reflectance(r.c0, eta.c0, specular, color.c0),
+                   scaled_reflectance(r.c1, eta.c1, specular, color.c1),
+                   scaled_reflectance(r.c2, eta.c2, specular, color.c2),
+                   scaled_reflectance(r.c3, eta.c3, specular, color.c3)};
+  f.first.reflectance = f.reflectance.c0;
+  f.probability = total(f.reflectance) * Float<L>(0.25f);
+  return f;
+}
+
 /// Weight of refraction, given the weight `through` of the first wavelength. The first component counts for all four
 /// wavelengths and is 4 `through`; the others are 0. Lanes with `single` have `through` in all components.
 template <class L> SHEAF_INLINE Spectrum<L> first_for_all(Mask<L> single, Float<L> through) {
@@ -51,7 +66,7 @@ template <class L> struct DispersiveDielectricBsdf : DispersiveDielectricParamet
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
-    const auto f = fresnel_dispersive<L>(wo.z, this->eta);
+    const auto f = fresnel_dispersive<L>(wo.z, this->eta, this->specular, this->specular_color);
     const auto reflected = u.x < f.probability;
     const F inverse_eta = F(1.0f) / f.first.eta;
     const F per_choice = F(1.0f) / select(reflected, f.probability, F(1.0f) - f.probability);
@@ -77,7 +92,7 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
   /// See ThinDielectricBsdf::passage().
   SHEAF_INLINE StraightTransmission<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
-    const Spectrum<L> once = fresnel_dispersive<L>(abs(cos_theta), this->eta).reflectance;
+    const Spectrum<L> once = interface(cos_theta);
     const Spectrum<L> through =
         map_spectrum<L>(once, [](F r) SHEAF_LAMBDA_INLINE { return (F(1.0f) - r) / (F(1.0f) + r); });
     return {this->transmittance * through, total(through) * F(0.25f)};
@@ -85,7 +100,7 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
-    const Spectrum<L> once = fresnel_dispersive<L>(abs(wo.z), this->eta).reflectance;
+    const Spectrum<L> once = interface(wo.z);
     const Spectrum<L> back = map_spectrum<L>(once, [](F r) SHEAF_LAMBDA_INLINE { return (r + r) / (F(1.0f) + r); });
     const F probability = total(back) * F(0.25f);
     const auto reflected = u.x < probability;
@@ -98,6 +113,12 @@ template <class L> struct DispersiveThinDielectricBsdf : DispersiveDielectricPar
     s.eta_scale = F(1.0f);
     s.valid = wo.z != F(0.0f);
     return s;
+  }
+
+ private:
+  /// Reflectances of one of the two interfaces.
+  SHEAF_INLINE Spectrum<L> interface(Float<L> cos_theta) const {
+    return fresnel_dispersive<L>(abs(cos_theta), this->eta, this->specular, this->specular_color).reflectance;
   }
 };
 

@@ -22,7 +22,7 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
     const Vec3<L> half = o + i * select(reflected, F(1.0f), ior.c0);
     const Vec3<L> m = normalize(half * copysign(F(1.0f), half.z));
     const F cos_o = dot(o, m), cos_i = dot(i, m);
-    const auto f = fresnel_dispersive<L>(cos_o, ior);
+    const auto f = fresnel_dispersive<L>(cos_o, ior, this->specular, this->specular_color);
     const F facet_pdf = rough_boundary_pdf<L>(facets(), o, m, cos_o, cos_i, ior.c0, reflected);
     const F pdf = facet_pdf * choice(f, reflected);
     const auto valid = (cos_o > F(0.0f)) & select(reflected, cos_i > F(0.0f), cos_i < F(0.0f)) & (facet_pdf > F(0.0f));
@@ -39,7 +39,7 @@ struct DispersiveRoughDielectricModel : DispersiveRoughDielectricParameters<L> {
     // Sample a visible normal, then reflection or refraction.
     const Vec3<L> m = facets().sample_visible(o, u.y, u.z);
     const F cos_o = min(dot(o, m), F(1.0f));
-    const auto f = fresnel_dispersive<L>(cos_o, ior);
+    const auto f = fresnel_dispersive<L>(cos_o, ior, this->specular, this->specular_color);
     const auto reflected = u.x < f.probability;
     const F cos_i = select(reflected, cos_o, f.first.cos_transmitted);
     const F scale = select(reflected, F(1.0f), F(1.0f) / ior.c0);

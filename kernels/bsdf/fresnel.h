@@ -29,6 +29,9 @@ template <class L> SHEAF_INLINE DielectricFresnel<L> fresnel_dielectric(Float<L>
   return {select(cos_t2 <= F(0.0f), F(1.0f), matched), select(outside, -cos_t, cos_t), relative};
 }
 
+/// Reflectance at normal incidence of a dielectric whose relative index of refraction is `eta`.
+template <class F> SHEAF_INLINE F normal_reflectance(F eta) { return sqr((eta - F(1.0f)) / (eta + F(1.0f))); }
+
 /// Reflectance of a conductor with complex index eta + i k relative to the outside, for one wavelength. `cos_incident`
 /// is in [0, 1] (Pharr et al. 2023, equation 9.5, with the complex square root written out).
 template <class F> SHEAF_INLINE F fresnel_conductor(F cos_incident, F eta, F k) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
 
 namespace sheaf {
@@ -56,9 +57,6 @@ template <class F> SHEAF_INLINE F schlick_weight(F cos_theta) {
   const F m = clamp(F(1.0f) - cos_theta, F(0.0f), F(1.0f)), m2 = m * m;
   return m2 * m2 * m;
 }
-
-/// Reflectance at normal incidence of a dielectric whose relative index of refraction is `eta`.
-template <class F> SHEAF_INLINE F normal_reflectance(F eta) { return sqr((eta - F(1.0f)) / (eta + F(1.0f))); }
 
 /// The luminance `known` unless it is 0. Otherwise that of the first three components as linear Rec.709.
 template <class L> SHEAF_INLINE Float<L> rec709_luminance(const Spectrum<L>& c, Float<L> known) {

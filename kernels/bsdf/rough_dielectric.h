@@ -6,8 +6,8 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"
+#include "kernels/bsdf/specular_scale.h"
 #include "scene/materials/dielectric.h"
 
 namespace sheaf {
@@ -45,11 +45,13 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     const Vec3<L> half = o + i * select(reflected, F(1.0f), ior);
     const Vec3<L> m = normalize(half * copysign(F(1.0f), half.z));
     const F cos_o = dot(o, m), cos_i = dot(i, m);
-    const F share = fresnel_dielectric<L>(cos_o, ior).reflectance;
+    const SpecularChoice<L> choice = choice_at(fresnel_dielectric<L>(cos_o, ior).reflectance, ior);
+    const F share = choice.probability;
     const F pdf = pdf_solid_angle(o, m, cos_o, cos_i, ior, reflected) * select(reflected, share, F(1.0f) - share);
     const auto valid = (cos_o > F(0.0f)) & select(reflected, cos_i > F(0.0f), cos_i < F(0.0f)) & (pdf > F(0.0f));
     const F shadowing = abs(i.z) * facets().smith_g1_over_cos(i);
-    return {select<L>(valid, tint(reflected, ior) * (pdf * shadowing), Spectrum<L>(F(0.0f))),
+    return {select<L>(valid, tint(reflected, ior) * choice.weight(reflected) * (pdf * shadowing),
+                      Spectrum<L>(F(0.0f))),
             select(valid, pdf, F(0.0f))};
   }
 
@@ -61,15 +63,16 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     const Vec3<L> m = facets().sample_visible(o, u.y, u.z);
     const F cos_o = min(dot(o, m), F(1.0f));
     const auto fresnel = fresnel_dielectric<L>(cos_o, ior);
-    const auto reflected = u.x < fresnel.reflectance;
+    const SpecularChoice<L> choice = choice_at(fresnel.reflectance, ior);
+    const auto reflected = u.x < choice.probability;
     const F cos_i = select(reflected, cos_o, fresnel.cos_transmitted);
     const F scale = select(reflected, F(1.0f), inverse_ior);
     const Vec3<L> i = m * fma(cos_o, scale, cos_i) - o * scale;
     const F pdf = pdf_solid_angle(o, m, cos_o, cos_i, ior, reflected) *
-                  select(reflected, fresnel.reflectance, F(1.0f) - fresnel.reflectance);
+                  select(reflected, choice.probability, F(1.0f) - choice.probability);
     BsdfSample<L> s;
     s.wi = {i.x, i.y, i.z * side};
-    s.weight = tint(reflected, ior) * (abs(i.z) * facets().smith_g1_over_cos(i));
+    s.weight = tint(reflected, ior) * choice.weight(reflected) * (abs(i.z) * facets().smith_g1_over_cos(i));
     s.pdf_solid_angle = pdf;
     s.eta_scale = select(reflected, F(1.0f), ior * ior);
     s.valid = (o.z > F(0.0f)) & (cos_o > F(0.0f)) & select(reflected, i.z > F(0.0f), i.z < F(0.0f)) & (pdf > F(0.0f)) &
@@ -81,6 +84,10 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
 
  private:
   SHEAF_INLINE Distribution<L> facets() const { return {this->alpha_u, this->alpha_v}; }
+
+  SHEAF_INLINE SpecularChoice<L> choice_at(Float<L> fresnel, Float<L> ior) const {
+    return {fresnel, ior, this->specular, this->specular_color};
+  }
 
   SHEAF_INLINE Float<L> relative_index(Float<L> side) const { return rough_boundary_index<L>(this->eta, side); }
 

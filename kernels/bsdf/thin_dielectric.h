@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/bsdf/fresnel.h"
+#include "kernels/bsdf/specular_scale.h"
 #include "scene/materials/dielectric.h"
 
 namespace sheaf {
@@ -17,22 +17,34 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
   /// `cos_theta`: cosine to the normal, on either side.
   SHEAF_INLINE StraightTransmission<L> passage(Float<L> cos_theta) const {
     using F = Float<L>;
-    const F once = fresnel_dielectric<L>(abs(cos_theta), this->eta).reflectance;
-    const F through = (F(1.0f) - once) / (F(1.0f) + once);
-    return {this->transmittance * through, through};
+    const SpecularChoice<L> once = interface(cos_theta);
+    const auto through = [](F r) SHEAF_LAMBDA_INLINE { return (F(1.0f) - r) / (F(1.0f) + r); };
+    return {this->transmittance * map_spectrum<L>(once.reflectance, through), through(once.probability)};
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
-    const F once = fresnel_dielectric<L>(abs(wo.z), this->eta).reflectance;
-    const auto reflected = u.x * (F(1.0f) + once) < once + once;
+    const SpecularChoice<L> once = interface(wo.z);
+    const F chosen = once.probability;
+    const auto reflected = u.x * (F(1.0f) + chosen) < chosen + chosen;
+    // The share of reflection, or of transmission, over its probability
+    const auto share = [&](F r) SHEAF_LAMBDA_INLINE { return select(reflected, r + r, F(1.0f) - r) / (F(1.0f) + r); };
+    const F probability = max(share(chosen), F(1e-20f));
+    const auto weight = [&](F r) SHEAF_LAMBDA_INLINE { return share(r) / probability; };
     BsdfSample<L> s;
     s.wi = {-wo.x, -wo.y, select(reflected, wo.z, -wo.z)};
-    s.weight = select<L>(reflected, this->reflectance, this->transmittance);
+    s.weight = select<L>(reflected, this->reflectance, this->transmittance) * map_spectrum<L>(once.reflectance, weight);
     s.pdf_solid_angle = F(0.0f);
     s.eta_scale = F(1.0f);
     s.valid = wo.z != F(0.0f);
     return s;
+  }
+
+ private:
+  /// Reflection at one of the two interfaces.
+  SHEAF_INLINE SpecularChoice<L> interface(Float<L> cos_theta) const {
+    return {fresnel_dielectric<L>(abs(cos_theta), this->eta).reflectance, this->eta, this->specular,
+            this->specular_color};
   }
 };
 

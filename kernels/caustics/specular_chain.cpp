@@ -201,11 +201,13 @@ bool ChainTracer::scatter(const CasterHit& hit, bool refract, DifferentialRay& r
     *weight = *weight * (b.reflectance * fresnel_conductor<Scalar>(cosine, b.eta, b.k));
   } else if (has_closure<DielectricClosure>(scene_, hit.material)) {
     const auto b = bsdf_of<DielectricBsdf>(scene_, hit.material, lambda_);
-    *weight = *weight * (refract ? b.transmittance * ((1 - fresnel.reflectance) * inverse * inverse)
-                                 : b.reflectance * fresnel.reflectance);
+    const Spectrum4 reflected =
+        SpecularChoice<Scalar>(fresnel.reflectance, b.eta, b.specular, b.specular_color).reflectance;
+    const Spectrum4 refracted = map_spectrum<Scalar>(reflected, [](float r) { return 1 - r; });
+    *weight = *weight * (refract ? b.transmittance * refracted * (inverse * inverse) : b.reflectance * reflected);
   } else {
     const auto b = bsdf_of<DispersiveDielectricBsdf>(scene_, hit.material, lambda_);
-    const auto f = fresnel_dispersive<Scalar>(wo, b.eta);
+    const auto f = fresnel_dispersive<Scalar>(wo, b.eta, b.specular, b.specular_color);
     const float through = (1 - f.first.reflectance) * inverse * inverse;
     *weight = *weight *
               (refract ? b.transmittance * first_for_all<Scalar>(f.single, through) : b.reflectance * f.reflectance);

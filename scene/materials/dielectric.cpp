@@ -71,12 +71,19 @@ SpectrumRow relative_index(SpectrumSet& set, const DielectricDescription& d) {
   return set.tabulate(std::move(samples));
 }
 
+/// Sets the parameters that all dielectrics have, except the index.
+void set_factors(auto& m, const DielectricDescription& d) {
+  m.set(m.p.reflectance, d.specular_reflectance);
+  m.set(m.p.transmittance, d.specular_transmittance);
+  m.set(m.p.specular, d.specular);
+  m.set(m.p.specular_color, d.specular_color, TextureRole::kUnbounded);
+}
+
 MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& context) {
   const auto make = [&](auto& m) {
     m.p.eta = Spectrum4(d.int_ior / d.ext_ior);
     m.row_of(m.p.eta) = relative_index(*context.set, d);
-    m.set(m.p.reflectance, d.specular_reflectance);
-    m.set(m.p.transmittance, d.specular_transmittance);
+    set_factors(m, d);
   };
   if (!d.roughness) {
     MaterialRowBuilder<DispersiveDielectricParameters> m{context};
@@ -94,8 +101,7 @@ MaterialRow make_dispersive_row(const DielectricDescription& d, RowContext& cont
 template <template <class> class Parameters>
 void set_dielectric(MaterialRowBuilder<Parameters>& m, const DielectricDescription& d) {
   m.p.eta = d.int_ior / d.ext_ior;
-  m.set(m.p.reflectance, d.specular_reflectance);
-  m.set(m.p.transmittance, d.specular_transmittance);
+  set_factors(m, d);
 }
 
 }  // namespace

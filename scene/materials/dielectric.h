@@ -14,7 +14,12 @@ template <class L> struct DielectricParameters {
   typename L::Float eta;      ///< int / ext
   Spectrum<L> reflectance;    ///< factor on reflected light
   Spectrum<L> transmittance;  ///< factor on transmitted light
-  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+  /// See kernels/bsdf/specular_scale.h.
+  typename L::Float specular = typename L::Float(1.0f);
+  Spectrum<L> specular_color = Spectrum<L>(typename L::Float(1.0f));
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.specular, s.specular_color);
+  }
 };
 
 /// Parameters of kernels/bsdf/rough_dielectric.h.
@@ -22,8 +27,10 @@ template <class L> struct RoughDielectricParameters {
   typename L::Float eta;                   ///< int / ext
   Spectrum<L> reflectance, transmittance;  ///< as for DielectricParameters
   typename L::Float alpha_u, alpha_v;      ///< roughness along the tangent and the bitangent
+  typename L::Float specular = typename L::Float(1.0f);
+  Spectrum<L> specular_color = Spectrum<L>(typename L::Float(1.0f));
   static constexpr auto fields(auto& s) {
-    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v, s.specular, s.specular_color);
   }
 };
 
@@ -31,15 +38,21 @@ template <class L> struct RoughDielectricParameters {
 template <class L> struct DispersiveDielectricParameters {
   Spectrum<L> eta;  ///< int / ext
   Spectrum<L> reflectance, transmittance;
-  static constexpr auto fields(auto& s) { return std::tie(s.eta, s.reflectance, s.transmittance); }
+  typename L::Float specular = typename L::Float(1.0f);
+  Spectrum<L> specular_color = Spectrum<L>(typename L::Float(1.0f));
+  static constexpr auto fields(auto& s) {
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.specular, s.specular_color);
+  }
 };
 
 /// RoughDielectricParameters with an index per wavelength (kernels/bsdf/dispersive_rough_dielectric.h).
 template <class L> struct DispersiveRoughDielectricParameters {
   Spectrum<L> eta, reflectance, transmittance;
   typename L::Float alpha_u, alpha_v;
+  typename L::Float specular = typename L::Float(1.0f);
+  Spectrum<L> specular_color = Spectrum<L>(typename L::Float(1.0f));
   static constexpr auto fields(auto& s) {
-    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v);
+    return std::tie(s.eta, s.reflectance, s.transmittance, s.alpha_u, s.alpha_v, s.specular, s.specular_color);
   }
 };
 
@@ -78,6 +91,10 @@ struct DielectricDescription {
   SpectrumInput specular_transmittance = SpectrumDescription::constant(1.0f);
   bool thin = false;  ///< thin dielectric: transmitted light keeps its direction; never rough
   std::optional<RoughnessDescription> roughness;  ///< empty: smooth
+  /// Factors on the reflectance (KHR_materials_specular): at all angles, and at normal incidence. The rest is
+  /// transmitted. The colour may exceed 1.
+  ScalarInput specular = 1.0f;
+  SpectrumInput specular_color = SpectrumDescription::constant(1.0f);
 
   using Closures = ClosureList<DielectricClosure, ThinDielectricClosure, RoughDielectricBeckmannClosure,
                                RoughDielectricGgxClosure, DispersiveDielectricClosure, DispersiveThinDielectricClosure,
@@ -89,7 +106,7 @@ struct DielectricDescription {
       {"dielectric", read_smooth}, {"thindielectric", read_thin}, {"roughdielectric", read_rough}};
   static constexpr auto fields(auto& s) {
     return std::tie(s.int_ior, s.ext_ior, s.int_dispersion, s.ext_dispersion, s.specular_reflectance,
-                    s.specular_transmittance, s.thin, s.roughness);
+                    s.specular_transmittance, s.thin, s.roughness, s.specular, s.specular_color);
   }
   bool transmits() const { return true; }
   MaterialRow make_row(RowContext& context) const;
