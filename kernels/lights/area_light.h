@@ -30,6 +30,7 @@ SHEAF_INLINE LightSample<L> sample_towards(Vec3<L> from, const LightPoint<L>& po
   s.pdf_solid_angle = point.pdf_area * squared / select(s.valid, cos_light, F(1.0f));
   s.target = y.p + y.ng * select(behind, -y.offset, y.offset);
   s.radiance = light.radiance;
+  s.normal = y.ng;
   return s;
 }
 
@@ -58,6 +59,7 @@ SHEAF_INLINE PhotonEmission<L> emit_from(const LightPoint<L>& at, const LightRec
   e.pdf_direction = select(parallel, F(1.0f), cosine_hemisphere_pdf_solid_angle(local.z)) / sides;
   e.flux = light.radiance * (select(parallel, F(1.0f), F(kPi)) * sides / at.pdf_area);
   e.valid = parallel | (local.z > F(0.0f));
+  e.normal = outwards;
   return e;
 }
 

@@ -15,6 +15,7 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& f
   into.pdf_position = select(m, from.pdf_position, into.pdf_position);
   into.pdf_direction = select(m, from.pdf_direction, into.pdf_direction);
   into.valid = select(m, from.valid, into.valid);
+  into.normal = select<L>(m, from.normal, into.normal);
 }
 
 }  // namespace light_emit_detail
@@ -46,6 +47,10 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
         on_shape = on_shape | light.is(kLightKind<typename Light::Kind>);
     });
     move_photon<L>(light_motion<L>(scene, choice.light, Mask<L>(true), time), e, on_shape);
+  }
+  if (scene.lights.coats != nullptr) {
+    const F cosine = dot(e.direction, e.normal) / max(length(e.normal), F(1e-20f));
+    e.flux = e.flux * coat_transmittance<L>(scene, light, e.valid, cosine, query);
   }
   const auto chosen = choice.probability > F(0.0f);
   e.flux = e.flux * (F(1.0f) / select(chosen, choice.probability, F(1.0f)));

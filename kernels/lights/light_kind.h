@@ -65,6 +65,7 @@ template <class L> struct LightSample {
   typename L::Mask delta;          ///< BSDF sampling cannot hit this light; set by the caller of the kind
   typename L::Mask valid;          ///< false: no light arrives
   typename L::Uint target_medium;  ///< see TransmittanceItem::target_medium; set by the caller of the kind
+  Vec3<L> normal{};                ///< area lights: geometric normal at the target; any length
 };
 
 /// A point on an area light that a ray has hit.
@@ -92,6 +93,7 @@ template <class L> struct PhotonEmission {
   /// another medium, its origin lay outside the medium and the photon is discarded. Other lights: kNone, because they
   /// do not know the medium around them.
   typename L::Uint medium;
+  Vec3<L> normal{};  ///< area lights: geometric normal at the origin; any length
 };
 
 /// Copies `a` to the lanes of `m`.

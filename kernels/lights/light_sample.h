@@ -5,6 +5,7 @@
 #include "core/lane_array.h"
 #include "core/sampler.h"
 #include "core/uplift.h"
+#include "kernels/lights/light_coat.h"
 #include "kernels/lights/light_select.h"
 #include "kernels/lights/list.h"
 #include "kernels/lights/moving_light.h"
@@ -62,6 +63,7 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.pdf_solid_angle = select(m, a.pdf_solid_angle, into.pdf_solid_angle);
   into.delta = select(m, a.delta, into.delta);
   into.valid = select(m, a.valid, into.valid);
+  into.normal = select<L>(m, a.normal, into.normal);
 }
 
 /// sample_given_light() unless all lights are meshes or all are rectangles. Not inlined, because the code of all kinds
@@ -77,17 +79,11 @@ template <class L, ColorMode kMode>
   return s;
 }
 
-}  // namespace light_detail
-
-/// Samples a direction from `at` towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the
-/// light. In spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
-template <class L, ColorMode kMode = ColorMode::kRgb>
-SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, const LightSampleContext<L>& at,
-                                               const LightRecord<L>& light, const Random4<L>& u,
-                                               const Spectrum<L>& lambda = {}, const EnvmapDraw<L>* drawn = nullptr,
-                                               Float<L> time = Float<L>(0.0f)) {
-  using namespace light_detail;
-  TextureQuery<L> query{};
+/// Samples given lights where their tables place them, without their coats. `query`: set where a texture is looked up.
+template <class L, ColorMode kMode>
+SHEAF_INLINE LightSample<L> sample_at_rest(const SceneView& scene, const LightSampleContext<L>& at,
+                                           const LightRecord<L>& light, const Random4<L>& u, const Spectrum<L>& lambda,
+                                           const EnvmapDraw<L>* drawn, Float<L> time, TextureQuery<L>& query) {
   const LightQuery<L> lights{scene, light, Mask<L>(true), lambda, drawn, time, at.n};
   LightSample<L> s;
   if (all(light.is(kLightKind<MeshLightKind>))) {
@@ -104,6 +100,30 @@ SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, const Lig
   return s;
 }
 
+/// Attenuates the light of area lights by their coats. The sample's direction and normal must be those in the world.
+template <class L>
+SHEAF_INLINE void apply_coats(const SceneView& scene, const LightRecord<L>& light, const TextureQuery<L>& query,
+                              LightSample<L>& s) {
+  if (scene.lights.coats == nullptr) return;
+  const Float<L> cosine = dot(s.direction, s.normal) / max(length(s.normal), Float<L>(1e-20f));
+  s.radiance = s.radiance * coat_transmittance<L>(scene, light, s.valid, cosine, query);
+}
+
+}  // namespace light_detail
+
+/// Samples a direction from `at` towards given lights by u.y, u.z and u.w. The pdf does not include the choice of the
+/// light. In spectral mode light.radiance must be light_spectra() at `lambda`. `drawn`: see LightQuery.
+template <class L, ColorMode kMode = ColorMode::kRgb>
+SHEAF_INLINE LightSample<L> sample_given_light(const SceneView& scene, const LightSampleContext<L>& at,
+                                               const LightRecord<L>& light, const Random4<L>& u,
+                                               const Spectrum<L>& lambda = {}, const EnvmapDraw<L>* drawn = nullptr,
+                                               Float<L> time = Float<L>(0.0f)) {
+  TextureQuery<L> query{};
+  LightSample<L> s = light_detail::sample_at_rest<L, kMode>(scene, at, light, u, lambda, drawn, time, query);
+  light_detail::apply_coats<L>(scene, light, query, s);
+  return s;
+}
+
 /// Samples a direction from `at` towards the chosen lights at times in [0, 1]. The pdf includes the choice. `lambda`:
 /// wavelengths in spectral mode. `drawn`: see LightQuery.
 template <class L, ColorMode kMode = ColorMode::kRgb>
@@ -117,8 +137,11 @@ SHEAF_INLINE LightSample<L> sample_light(const SceneView& scene, const LightSamp
     s = sample_given_light<L, kMode>(scene, at, light, u, lambda, drawn, time);
   } else {
     const MotionSample<L> motion = light_motion<L>(scene, choice.light, Mask<L>(true), time);
-    s = sample_given_light<L, kMode>(scene, {rest_point<L>(motion, at.p), {}}, light, u, lambda, drawn, time);
+    TextureQuery<L> query{};
+    s = light_detail::sample_at_rest<L, kMode>(scene, {rest_point<L>(motion, at.p), {}}, light, u, lambda, drawn, time,
+                                               query);
     move_light_sample<L>(scene, motion, choice.light, s);
+    light_detail::apply_coats<L>(scene, light, query, s);
   }
   s.delta = s.delta | light.has_flag(kMissedByRays);
   s.pdf_solid_angle = s.pdf_solid_angle * choice.probability;

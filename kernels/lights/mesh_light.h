@@ -102,7 +102,7 @@ struct MeshLight {
     out.y.ng = triangle.normal;
     out.y.offset = triangle.offset;
     // Set up the texture lookup
-    const auto textured = lights.active & (lights.light.texture != U(kNone));
+    const auto textured = lights.active & lights.light.needs_texture_query();
     if (any(textured)) {
       const U row = select(textured, mesh.first_uv + chosen.index, U(0u));
       const LightUvRecord<L> uvs = gather_rows<L>(scene.lights.uvs, row);

@@ -37,6 +37,7 @@ SHEAF_INLINE void move_light_sample(const SceneView& scene, const MotionSample<L
   const F stretched = length(direction), inverse = F(1.0f) / stretched;
   const auto moves = motion.moves;
   s.direction = select<L>(moves, direction * inverse, s.direction);
+  s.normal = select<L>(moves, motion.placed.normal(s.normal), s.normal);
   s.target = select<L>(moves, motion.placed.point(s.target), s.target);
   F factor = solid_angle_factor<L>(motion.placed, stretched);
   // Pdfs of points in volumes are per length as well
@@ -72,6 +73,7 @@ SHEAF_INLINE void move_photon(const MotionSample<L>& motion, PhotonEmission<L>& 
   const auto in_volume = motion.moves & (e.medium != Uint<L>(kNone));
   e.origin = select<L>(motion.moves, motion.placed.point(e.origin), e.origin);
   e.direction = select<L>(motion.moves & !in_volume, direction / sqrt(squared), e.direction);
+  e.normal = select<L>(motion.moves, motion.placed.normal(e.normal), e.normal);
   e.flux = select<L>(motion.moves & on_shape, e.flux * (ratio * ratio), e.flux);
   e.flux = select<L>(in_volume, e.flux * abs(motion.placed.determinant), e.flux);
 }

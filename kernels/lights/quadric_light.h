@@ -34,7 +34,7 @@ SHEAF_INLINE LightPoint<L> point_on_quadric(const LightQuery<L>& lights, const Q
   LightPoint<L> out;
   out.y = quadric_surface<L, false>(q, kind, x);
   out.y.offset = max(out.y.offset, select(lights.active, light.min_offset, F(0.0f)));
-  const auto textured = lights.active & (lights.light.texture != U(kNone));
+  const auto textured = lights.active & lights.light.needs_texture_query();
   if (any(textured)) set_quadric_query<L>(textured, q, light, x, texture);
   // The transformation scales the area element by |det| |M^-T n|.
   const Vec3<L> n = {select(disk, F(0.0f), x.x), select(disk, F(0.0f), x.y),

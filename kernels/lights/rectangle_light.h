@@ -107,7 +107,7 @@ struct RectangleLight {
     out.y.ng = triangle.normal;
     out.y.offset = triangle.offset;
     out.pdf_area = pdf_area<L>(lights);
-    const auto textured = lights.active & (lights.light.texture != Uint<L>(kNone));
+    const auto textured = lights.active & lights.light.needs_texture_query();
     if (any(textured)) set_rectangle_query<L>(lights, textured, at, texture);
     return out;
   }

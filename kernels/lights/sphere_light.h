@@ -41,7 +41,7 @@ struct SphereLight {
     const F offset = max(F(2.0f * kOffsetUlps) * extent, select(lights.active, sphere.surface.min_offset, F(0.0f)));
     s.target = sphere.center + normal * ((sphere.radius + offset) / n_length);
     // Look up the texture coordinates.
-    const auto textured = lights.active & (lights.light.texture != U(kNone));
+    const auto textured = lights.active & lights.light.needs_texture_query();
     if (any(textured)) {
       const auto q = gather_rows<L>(lights.scene.geometry.quadrics, select(textured, sphere.surface.quadric, U(0u)));
       const Vec3<L> x = q.object_point(sphere.center + normal * (sphere.radius / n_length));
@@ -49,6 +49,7 @@ struct SphereLight {
     }
     s.pdf_solid_angle = F(0.5f * kInvPi) / select(s.valid, one_minus_cos_max, F(1.0f));
     s.radiance = lights.light.radiance;
+    s.normal = normal * (F(1.0f) / n_length);
     return s;
   }
 

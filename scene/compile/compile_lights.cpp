@@ -30,7 +30,13 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
                       shape.emits_along_normal,
                       shape.emits_on_both_sides,
                       !shape.is_visible,
+                      coat_of(shape),
                       shape.power};
+}
+
+LightCoatRow SceneCompiler::coat_of(const ShapeDescription& shape) {
+  if (const float* strength = std::get_if<float>(&shape.emission_coat)) return {std::clamp(*strength, 0.0f, 1.0f), kNone};
+  return {0, light_context().texture_row(std::get<TextureId>(shape.emission_coat), shape.where)};
 }
 
 std::optional<TextureId> SceneCompiler::emission_texture_of(const ShapeDescription& shape) {
@@ -58,8 +64,14 @@ void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, 
     spectrum.scale *= factor;
   }
   // Append its rows
+  if (const LightCoatRow& coat = emitter.emission.coat; coat.strength > 0 || coat.texture != kNone) {
+    out_->lights_.coats.push_back(coat);
+    if (out_->lights_.coats.size() >= std::size_t(1) << (32 - kLightCoatShift))
+      throw SceneError("too many emitting shapes with a clearcoat");
+    light.row.flags |= static_cast<std::uint32_t>(out_->lights_.coats.size()) << kLightCoatShift;
+  }
   add_light_row(light.row, spectrum, emitter.where, emitter.name);
-  out_->lights_.has_textured_area_lights = out_->lights_.has_textured_area_lights || light.row.texture != kNone;
+  out_->lights_.has_textured_area_lights = out_->lights_.has_textured_area_lights || light.row.needs_texture_query();
   out_->lights_.triangle_alias.insert(out_->lights_.triangle_alias.end(), light.alias.begin(), light.alias.end());
   out_->lights_.triangles.insert(out_->lights_.triangles.end(), light.triangles.begin(), light.triangles.end());
   out_->lights_.uvs.insert(out_->lights_.uvs.end(), light.uvs.begin(), light.uvs.end());

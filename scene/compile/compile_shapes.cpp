@@ -191,6 +191,8 @@ void SceneCompiler::push_shape(ShapeRow row, const ShapeDescription& shape, cons
   // Add the light
   if (const std::optional<TextureId> texture = emission_texture_of(shape))
     emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));
+  if (const auto* texture = std::get_if<TextureId>(&shape.emission_coat); texture != nullptr && shape.radiance)
+    emission_textures_.emplace_back(index, static_cast<std::uint32_t>(*texture));
   if (const std::optional<AreaEmission> emission = emission_of(shape)) {
     if (group_emitters_ != nullptr) {
       row.light = static_cast<std::uint32_t>(group_emitters_->size());

@@ -219,6 +219,8 @@ class SceneCompiler {
                      const std::string& name);
   /// Emission of a shape; empty if it is black.
   std::optional<AreaEmission> emission_of(const ShapeDescription& shape);
+  /// The clearcoat over a shape's emission.
+  LightCoatRow coat_of(const ShapeDescription& shape);
   /// The texture of a shape's emission, if it emits by one.
   static std::optional<TextureId> emission_texture_of(const ShapeDescription& shape);
   /// Builds the tables for light selection. Textures must be available.

@@ -126,6 +126,8 @@ struct ShapeDescription {
   std::optional<SpectrumInput> radiance;
   /// Texture that `radiance` is multiplied by, if that is a spectrum.
   std::optional<TextureId> radiance_scale = {};
+  /// Strength of a clearcoat over the emission: its reflectance attenuates `radiance` (kernels/lights/light_coat.h).
+  ScalarInput emission_coat = 0.0f;
   /// The area light emits only along its normal: `radiance` is then radiant exitance, W / m^2. Only photons can sample
   /// it.
   bool emits_along_normal = false;

@@ -8,6 +8,7 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
                           const AreaEmission& emission, const LightPlaces& places, const InstanceRow* instance) {
   AreaLight light;
   light.row.texture = emission.texture;
+  if (emission.texture != kNone || emission.coat.texture != kNone) light.row.flags |= kNeedsTextureQuery;
   if (emission.along_normal) light.row.flags |= kEmitsAlongNormal;
   if (emission.two_sided) light.row.flags |= kEmitsOnBothSides;
   if (emission.missed_by_rays) light.row.flags |= kMissedByRays;

@@ -31,6 +31,7 @@ struct AreaEmission {
   bool along_normal = false;        ///< see kEmitsAlongNormal
   bool two_sided = false;           ///< see kEmitsOnBothSides
   bool missed_by_rays = false;      ///< see kMissedByRays
+  LightCoatRow coat = {};           ///< strength 0 and no texture: none
   std::optional<float> power = {};  ///< see ShapeDescription::power
 };
 

@@ -214,7 +214,7 @@ IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightR
 
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
                          const LightPlaces& places, const InstanceRow* instance) {
-  const bool textured = light.row.texture != kNone;
+  const bool textured = light.row.needs_texture_query();
   const DeformationRow motion = motion_of(tables.deformations, shape);
   std::vector<float> areas(shape.triangle_count);
   double area = 0;

@@ -18,6 +18,15 @@ enum LightFlags : std::uint32_t {
   kEmitsOnBothSides = 2,  ///< area lights: also emits on the side opposite to the normal
   kIsEven = 4,            ///< projectors: see ProjectorDescription::is_even
   kMissedByRays = 8,      ///< area lights: rays never hit its shape; only light sampling finds it
+  kNeedsTextureQuery = 16,  ///< area lights: its texture or that of its coat is looked up
+};
+/// The bits of LightRecord::flags from here on: 0, or 1 + the row of the light's coat in LightView::coats.
+inline constexpr int kLightCoatShift = 8;
+
+/// A clearcoat over the emission of area lights; see kernels/lights/light_coat.h.
+struct LightCoatRow {
+  float strength = 0;             ///< in [0, 1]
+  std::uint32_t texture = kNone;  ///< of the strength, in place of the number; kNone: none
 };
 
 /// Words of LightRecord::payload.
@@ -29,7 +38,7 @@ template <class L> struct LightRecord {
   using U = typename L::Uint;
 
   U kind{};              ///< LightKind; see is()
-  U flags{};             ///< LightFlags
+  U flags{};             ///< LightFlags and kLightCoatShift
   U texture = U(kNone);  ///< into SceneView::textures; kNone: no texture
   /// Radiance (W / (m^2 sr)), unless the data of the kind (scene/lights/) state otherwise. A texture is multiplied by
   /// it.
@@ -51,6 +60,7 @@ template <class L> struct LightRecord {
   }
   SHEAF_INLINE typename L::Mask has_flag(LightFlags flag) const { return (flags & U(flag)) != U(0u); }
   SHEAF_INLINE typename L::Mask is_along_normal() const { return has_flag(kEmitsAlongNormal); }
+  SHEAF_INLINE typename L::Mask needs_texture_query() const { return has_flag(kNeedsTextureQuery); }
   SHEAF_INLINE typename L::Mask is_two_sided() const { return has_flag(kEmitsOnBothSides); }
 };
 

@@ -29,6 +29,7 @@ struct LightView {
   const AliasEntry* triangle_alias = nullptr;  ///< triangles of each mesh light by area; cells of volume lights
   const LightUvRow* uvs = nullptr;
   const LightFrameRow* frames = nullptr;
+  const LightCoatRow* coats = nullptr;  ///< null: no light has one
   EnvmapView envmap;  ///< if the environment is an environment map
   bool has_textured_area_lights = false;
   bool has_black_environment = false;  ///< not a light, but camera rays see it
@@ -46,6 +47,7 @@ struct LightTables {
   std::vector<AliasEntry> triangle_alias;
   std::vector<LightUvRow> uvs;
   std::vector<LightFrameRow> frames;
+  std::vector<LightCoatRow> coats;
   Envmap envmap;
   bool has_textured_area_lights = false;
   bool has_black_environment = false;
@@ -63,13 +65,14 @@ struct LightTables {
             triangle_alias.data(),
             uvs.data(),
             frames.data(),
+            coats.empty() ? nullptr : coats.data(),
             envmap.view(),
             has_textured_area_lights,
             has_black_environment};
   }
   /// Memory in bytes.
   std::size_t bytes() const {
-    return bytes_of(rows, alias, tree.nodes, tree.trails, powers, triangles, triangle_alias, uvs, frames) +
+    return bytes_of(rows, alias, tree.nodes, tree.trails, powers, triangles, triangle_alias, uvs, frames, coats) +
            envmap.bytes();
   }
 };

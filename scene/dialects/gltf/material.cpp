@@ -180,8 +180,7 @@ class MaterialBuilder {
     const ScalarInput transmission = number(m_.transmission, m_.transmission_texture, Channel::kRed);
     const bool transmits = m_.transmission > 0 && opaque.metallic != ScalarInput(1.0f);
     const bool is_volume = transmits && m_.thickness > 0;
-    const float* roughness = std::get_if<float>(&opaque.roughness);
-    const bool is_smooth_wall = transmits && !is_volume && roughness != nullptr && *roughness <= kSmooth;
+    const bool is_smooth_wall = transmits && !is_volume && is_smooth(opaque);
     if (!is_volume && !is_smooth_wall) {
       if (transmits) opaque.transmission = transmission;
       return finish(add(std::move(opaque)), !transmits);
@@ -204,6 +203,13 @@ class MaterialBuilder {
     metal.metallic = 1.0f;
     const MaterialId rest = add(BlendDescription{transmission, {add_two_sided(std::move(opaque)), add(std::move(glass))}});
     return finish(add(BlendDescription{metallic, {rest, add_two_sided(std::move(metal))}}), false);
+  }
+
+  /// Whether the roughness is at most kSmooth everywhere. Textures are at most 1.
+  bool is_smooth(const MetallicRoughnessDescription& surface) const {
+    const float* roughness = std::get_if<float>(&surface.roughness);
+    if (roughness != nullptr) return *roughness <= kSmooth;
+    return !m_.specular_glossiness && m_.roughness <= kSmooth;
   }
 
   MaterialId add_two_sided(MaterialModel model) {
@@ -245,10 +251,13 @@ class MaterialBuilder {
     glass.ext_ior = 1;
     glass.specular_transmittance = opaque.base_color;
     glass.thin = is_thin;
+    if (!m_.specular_glossiness) {
+      glass.specular = opaque.specular;
+      glass.specular_color = opaque.specular_color;
+    }
     if (is_thin) return glass;
     if (m_.dispersion > 0) glass.int_dispersion = dispersion_of(glass.int_ior, 20 / m_.dispersion);
-    const float* roughness = std::get_if<float>(&opaque.roughness);
-    if (roughness != nullptr && *roughness <= kSmooth) return glass;
+    if (is_smooth(opaque)) return glass;
     const ScalarInput alpha = times(opaque.roughness, opaque.roughness);
     glass.roughness = {RoughnessDescription::Distribution::kGgx, alpha, alpha};
     return glass;
@@ -289,6 +298,7 @@ class MaterialBuilder {
     if (is_zero(m_.emissive) || m_.emissive_strength == 0) return;
     surface.radiance = color(m_.emissive * m_.emissive_strength, m_.emissive_texture);
     surface.emits_on_both_sides = m_.double_sided;
+    surface.emission_coat = number(m_.clearcoat, m_.clearcoat_texture, Channel::kRed);
   }
 
   MaterialId add_alpha(MaterialId id) {

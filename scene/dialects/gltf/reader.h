@@ -47,6 +47,7 @@ struct Surface {
   MaterialId material{};
   std::optional<SpectrumInput> radiance;
   std::optional<TextureId> radiance_scale;
+  ScalarInput emission_coat = 0.0f;
   bool emits_on_both_sides = false;
   std::optional<MediumId> interior;
 };

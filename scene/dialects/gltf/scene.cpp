@@ -125,6 +125,7 @@ class SceneReader {
       shape.material = surface.material;
       shape.radiance = surface.radiance;
       shape.radiance_scale = surface.radiance_scale;
+      shape.emission_coat = surface.emission_coat;
       shape.emits_on_both_sides = surface.emits_on_both_sides;
       shape.interior = surface.interior;
       shape.exterior_is_surrounding = surface.interior.has_value();
