@@ -189,7 +189,8 @@ void SceneCompiler::set_bounds() {
   // Shadow rays to the environment end outside of everything, including the cameras.
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     const Camera& camera = i == 0 ? out_->sensor_.camera : out_->sensor_.more_cameras[i - 1];
-    for (const Vec3f p : places_of_camera(i, camera.origin))
+    const MotionRow motion = i < out_->motion_.cameras.size() ? out_->motion_.cameras[i] : MotionRow{};
+    for (const Vec3f p : places_along(motion, camera.origin))
       out_->radius_ = std::max(out_->radius_, length(p - out_->center_));
   }
   out_->radius_ = std::max(out_->radius_, 1e-3f);

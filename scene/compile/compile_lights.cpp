@@ -45,7 +45,7 @@ std::optional<TextureId> SceneCompiler::emission_texture_of(const ShapeDescripti
   return texture != nullptr ? std::optional(*texture) : shape.radiance_scale;
 }
 
-void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance) {
+void SceneCompiler::add_area_light(const ShapeRow& row, const Emitter& emitter, const LightInstance* instance) {
   const ShapeTables tables{out_->geometry_.vertices.data(), out_->geometry_.triangles.data(),
                            out_->geometry_.quadrics.data(), out_->motion_.view().deformations};
   // Build the light

@@ -45,14 +45,24 @@ Transform moved(const AnimatedTransform* motion, double time) {
   return motion == nullptr ? Transform() : motion->at(time) * motion->reference().inverse();
 }
 
-double largest_difference(const Transform& a, const Transform& b) {
+double largest_linear_difference(const Transform& a, const Transform& b) {
   double largest = 0;
   for (std::size_t row = 0; row < 3; ++row)
-    for (std::size_t column = 0; column < 4; ++column) {
+    for (std::size_t column = 0; column < 3; ++column) {
       const double x = a.matrix().m[row][column], y = b.matrix().m[row][column];
       largest = std::max(largest, std::fabs(x - y) / (1 + std::fabs(x)));
     }
   return largest;
+}
+
+/// The position of the origin of an object that a transform places.
+std::array<double, 3> origin_under(const Transform& transform) {
+  const auto& m = transform.matrix().m;
+  return {m[0][3], m[1][3], m[2][3]};
+}
+
+double distance_of(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 /// Calls f(time) at the keys of the motions, and at times in between, until it returns false.
@@ -73,10 +83,22 @@ template <class F> bool at_times_of(const AnimatedTransform* a, const AnimatedTr
 
 /// Whether two motions are the same map from the first key at all times, up to rounding of files.
 bool move_alike(const AnimatedTransform* a, const AnimatedTransform* b) {
-  constexpr double kTolerance = 1e-5;
-  return a == b || at_times_of(a, b, [&](double time) {
-           return largest_difference(moved(a, time), moved(b, time)) < kTolerance;
-         });
+  if (a == b) return true;
+  // Compare rotations and stretches, and the paths of the first object's origin relative to their lengths
+  constexpr double kTolerance = 1e-5, kRounding = 2e-7;
+  const Transform rest = a != nullptr ? a->reference() : b->reference();
+  const std::array<double, 3> start = origin_under(rest);
+  double largest = 0, length = 0, difference = 0;
+  for (const AnimatedTransform* motion : {a, b})
+    if (motion != nullptr) largest = std::max(largest, distance_of(origin_under(motion->reference()), {}));
+  const bool same_linear = at_times_of(a, b, [&](double time) {
+    const Transform by_a = moved(a, time), by_b = moved(b, time);
+    const std::array<double, 3> at_a = origin_under(by_a * rest), at_b = origin_under(by_b * rest);
+    length = std::max({length, distance_of(at_a, start), distance_of(at_b, start)});
+    difference = std::max(difference, distance_of(at_a, at_b));
+    return largest_linear_difference(by_a, by_b) < kTolerance;
+  });
+  return same_linear && difference <= kTolerance * length + kRounding * largest;
 }
 
 /// Whether a motion keeps all distances.
@@ -167,14 +189,19 @@ std::optional<GridBox> SceneCompiler::box_of_extinction(std::size_t medium) cons
 std::vector<GridBox> SceneCompiler::boxes_at_rest(std::size_t medium, const AnimatedTransform* motion) const {
   constexpr int kSteps = 64;
   std::vector<GridBox> out;
+  const double open = in_.shutter.open, duration = moves() ? in_.shutter.close - open : 0;
   for (const MediumShape& shape : medium_shapes_[medium]) {
     if (move_alike(shape.motion, motion)) {
       out.push_back(shape.box);
       continue;
     }
     GridBox all{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-    for (int i = 0; i <= (moves() ? kSteps : 0); ++i) {
-      const double time = in_.shutter.open + (in_.shutter.close - in_.shutter.open) * i / kSteps;
+    std::vector<double> times{open};
+    for (int i = 1; i <= kSteps && duration > 0; ++i) times.push_back(open + duration * i / kSteps);
+    for (const AnimatedTransform* moving : {motion, shape.motion})
+      for (const double key : moving != nullptr ? moving->key_times() : std::vector<double>{})
+        if (key > open && key < open + duration) times.push_back(key);
+    for (const double time : times) {
       const Transform relative = moved(motion, time).inverse() * moved(shape.motion, time);
       const InstanceBounds box =
           instance_bounds(make_instance(matrix_rows(relative), 0, 0), shape.box.min, shape.box.max);
@@ -198,7 +225,7 @@ void SceneCompiler::move_media() {
       const AnimatedTransform* motion = motion_of_medium(i);
       medium_boxes_.push_back(boxes_at_rest(i, motion));
       if (motion == nullptr) continue;
-      medium_motions_[i] = add_motion_from_rest({*motion, motion->reference().inverse()}, box_of_grids(i));
+      medium_motions_[i] = add_motion_from_rest(*motion, MotionProbes::of_box(box_of_grids(i)));
       if (medium_motions_[i].segment_count == 0 || (out_->media_.rows[i].flags & kMediumHomogeneous) != 0) continue;
       out_->motion_.media.resize(i);
       out_->motion_.media.push_back(medium_motions_[i]);

@@ -256,7 +256,9 @@ void SceneCompiler::add_instances(const std::vector<GroupContents>& groups) {
     grow(bounds.lower, bounds.upper);
     // Add its lights
     row.first_light = static_cast<std::uint32_t>(out_->lights_.rows.size());
-    for (const Emitter& emitter : group.emitters) add_area_light(out_->geometry_.shapes[emitter.shape], emitter, &row);
+    const LightInstance placed{row};
+    for (const Emitter& emitter : group.emitters)
+      add_area_light(out_->geometry_.shapes[emitter.shape], emitter, &placed);
     out_->geometry_.instances.push_back(row);
     out_->counts_.instanced_triangles += group.triangles;
   }

@@ -9,23 +9,32 @@ namespace sheaf {
 
 namespace {
 
-/// Number of segments for keys that lie at no common multiple of a fraction of the shutter interval.
-constexpr int kDefaultSegments = 16;
-
-/// The number of equidistant segments of the shutter interval between which all keys lie.
-int segments_of(const std::vector<double>& keys, const ShutterDescription& shutter) {
-  constexpr double kTolerance = 1e-4;
-  for (int segments = 1; segments <= kMaxMotionSegments; ++segments) {
-    const bool fits = std::all_of(keys.begin(), keys.end(), [&](double key) {
+/// The largest distance of a key inside of the interval from the nearest end of one of `segments` equal parts, in
+/// parts.
+double distance_of_keys(const std::vector<double>& keys, const ShutterDescription& shutter, int segments) {
+  double largest = 0;
+  for (const double key : keys)
+    if (key > shutter.open && key < shutter.close) {
       const double at = (key - shutter.open) / (shutter.close - shutter.open) * segments;
-      return at <= kTolerance || at >= segments - kTolerance || std::fabs(at - std::round(at)) <= kTolerance;
-    });
-    if (fits) return segments;
-  }
-  return kDefaultSegments;
+      largest = std::max(largest, std::fabs(at - std::round(at)));
+    }
+  return largest;
 }
 
 }  // namespace
+
+int segments_of_keys(const std::vector<double>& keys, const ShutterDescription& shutter) {
+  constexpr double kRounding = 1e-4;  ///< of a part
+  constexpr double kClose = 1e-3;     ///< of the interval
+  int closest = 1;
+  double smallest = 1;
+  for (int segments = 1; segments <= kMaxMotionSegments; ++segments) {
+    const double distance = distance_of_keys(keys, shutter, segments);
+    if (distance <= kRounding) return segments;
+    if (smallest > kClose && distance / segments < smallest) closest = segments, smallest = distance / segments;
+  }
+  return closest;
+}
 
 KeyInterval interval_at(const std::vector<double>& keys, double time) {
   const auto after = static_cast<std::size_t>(std::upper_bound(keys.begin(), keys.end(), time) - keys.begin());
@@ -38,7 +47,7 @@ KeyInterval interval_at(const std::vector<double>& keys, double time) {
 std::vector<double> step_times(const std::vector<double>& keys, const ShutterDescription& shutter) {
   std::vector<double> times{shutter.open};
   const bool moves = shutter.close > shutter.open && keys.size() > 1;
-  const int segments = moves ? segments_of(keys, shutter) : 0;
+  const int segments = moves ? segments_of_keys(keys, shutter) : 0;
   for (int i = 1; i <= segments; ++i)
     times.push_back(shutter.open + (shutter.close - shutter.open) * i / static_cast<double>(segments));
   return times;

@@ -1,4 +1,4 @@
-// Times of the keys of shapes that deform.
+// Times of the keys of shapes that deform, and of motions.
 #pragma once
 
 #include "scene/description/motion.h"
@@ -17,8 +17,13 @@ struct KeyInterval {
 /// The interval that contains a time. `keys`: times that increase, at least one.
 KeyInterval interval_at(const std::vector<double>& keys, double time);
 
-/// Equidistant times over the shutter at which to tabulate a shape with keys at these times: as many as hit all keys,
-/// or a default number if that would take too many; only the time at which the shutter opens if nothing moves.
+/// The smallest number of equal parts of the shutter interval between which all keys inside of it lie. If that would
+/// exceed kMaxMotionSegments: the smallest with all keys within a thousandth of the interval of the ends of parts, or
+/// else the one whose ends are closest to the keys.
+int segments_of_keys(const std::vector<double>& keys, const ShutterDescription& shutter);
+
+/// Equidistant times over the shutter at which to tabulate a shape with keys at these times, in segments_of_keys()
+/// parts; only the time at which the shutter opens if nothing moves.
 std::vector<double> step_times(const std::vector<double>& keys, const ShutterDescription& shutter);
 
 }  // namespace sheaf

@@ -4,6 +4,7 @@
 #include "scene/compile/compile.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/compile/kept_geometry.h"
+#include "scene/compile/motion_steps.h"
 #include "scene/compile/open_boundaries.h"
 #include "scene/compile/prepare_mesh.h"
 #include "scene/compile/scene_naming.h"
@@ -155,17 +156,9 @@ class SceneCompiler {
   void add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid);
 
   // compile_motion.cpp
-  /// A transform over time, applied after a constant one.
-  struct Motion {
-    const AnimatedTransform& transform;
-    Transform before = {};
-  };
   /// Whether the shutter is open long enough for anything to move.
   bool moves() const { return in_.shutter.close > in_.shutter.open; }
   const AnimatedTransform& motion_of(MotionId id) const { return in_.motions.at(static_cast<std::size_t>(id)); }
-  /// The matrices at equidistant times over the shutter: a single one if they do not differ. Points of `box` are moved
-  /// with an error of at most `tolerance`. Throws SceneError if a matrix is singular or too extreme.
-  std::vector<MotionStepRow> tabulate(const Motion& motion, const GridBox& box, double tolerance) const;
   /// Appends steps to the tables.
   MotionRow add_motion(const std::vector<MotionStepRow>& steps);
   /// Whether a shape has a motion, which places it as an instance.
@@ -174,17 +167,17 @@ class SceneCompiler {
   void add_moving_shapes();
   /// Adds an instance of a group that moves. `rest`: transform that places the lights' tables.
   void add_moving_instance(const GroupContents& group, const Motion& motion, const Transform& rest);
-  /// Adds a motion to all lights from row `first` on. `box`: their bounds at rest.
-  void add_light_motion(std::size_t first, const Motion& motion, const GridBox& box);
+  /// Adds a motion to all lights from row `first` on.
+  void add_light_motion(std::size_t first, const MotionRow& row);
   /// Adds the motion of a light that is not on a shape, the last row. Call after the bounds are known.
   void move_last_light(MotionId id);
   /// The camera as it is when the shutter opens. Adds its motion from there.
   CameraDescription place_camera(CameraDescription camera, std::size_t index);
-  /// Where the point `p` of camera `index` is at each step.
-  std::vector<Vec3f> places_of_camera(std::size_t index, Vec3f p) const;
-  /// Adds the motion of an object from where its tables place it, with the bounds `box`. Returns a row without segments
-  /// if it is always there.
-  MotionRow add_motion_from_rest(const Motion& motion, const GridBox& box);
+  /// Where the tables place a point, and where it is at each step of its motion.
+  std::vector<Vec3f> places_along(const MotionRow& motion, Vec3f p) const;
+  /// Adds the motion of an object from the first key, where its tables place it. Returns a row without segments if it
+  /// is always there.
+  MotionRow add_motion_from_rest(const AnimatedTransform& motion, const MotionProbes& probes);
   /// A row with the transform of a step.
   InstanceRow step_placement(std::uint32_t step) const;
   /// Bounds of a light at all steps of its motion.
@@ -211,7 +204,7 @@ class SceneCompiler {
   void add_lights();
   /// Makes lights of emitting media if lights are sampled and the estimator supports it.
   void add_volume_lights();
-  void add_area_light(const ShapeRow& row, const Emitter& emitter, const InstanceRow* instance);
+  void add_area_light(const ShapeRow& row, const Emitter& emitter, const LightInstance* instance);
   /// Adds a light unless it is black. Throws for a second environment light.
   void push_light(const CompiledLight& light, const LightDescription& from);
   /// `name`: may be empty.
@@ -236,8 +229,16 @@ class SceneCompiler {
   void probe_media();
   /// The same for scenes with boundaries. `default_value`: the medium outside of all shapes.
   void probe_boundaries(std::uint32_t default_value);
-  /// Finds the medium in which the camera's rays start. Warns if there are several.
-  void probe_camera();
+  /// Whether a shape that bounds a medium moves or deforms.
+  bool boundaries_move() const;
+  /// Finds the media around the shapes that do not name theirs, for each of their instances and over the shutter.
+  void probe_surroundings(std::uint32_t default_value);
+  /// Finds the media in which the rays of each camera start, over the shutter.
+  void probe_cameras(std::uint32_t default_value);
+  /// Warns if the rays of a camera start in several media when the shutter opens. `width`, `height`: of its part of the
+  /// film. `middle`: where the central ray starts.
+  void warn_of_camera_media(const Camera& camera, const SourceLocation& where, float width, float height, Vec3f middle,
+                            std::uint32_t default_value);
 
   const Description& in_;
   const CompileOptions& options_;

@@ -51,19 +51,32 @@ struct AreaLight {
   float area = 0;                           ///< in world space, m^2; mean over the steps
 };
 
+/// An instance of a shape that emits.
+struct LightInstance {
+  InstanceRow rest;  ///< where the light's tables place it
+  /// If it moves: the transforms from the group's space at some times over the shutter, with the changes of their
+  /// entries over the whole interval if they always changed as then.
+  struct Step {
+    InstanceRow placed;
+    std::array<float, 12> speed;
+  };
+  std::vector<Step> steps = {};
+
+  /// Ray offset of a point in the group's space, so that it covers rounding errors at all times. In units of the
+  /// resting instance along its normal; see place_instance(). `ng`, `offset`: in the group's space.
+  float offset(Vec3f p, Vec3f ng, float offset) const;
+};
+
 /// Makes the light of the shape with index `shape_index`, or of an instance of it if `instance` is not null.
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                          const AreaEmission& emission, const LightPlaces& places, const InstanceRow* instance);
+                          const AreaEmission& emission, const LightPlaces& places, const LightInstance* instance);
 
 /// Sets the members of `light` that depend on the kind of shape.
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                         const LightPlaces& places, const InstanceRow* instance);
+                         const LightPlaces& places, const LightInstance* instance);
 /// Makes a mesh light a rectangle light if its triangles form a rectangle.
 void complete_rectangle_light(AreaLight& light);
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
-                            const ShapeTables& tables, const LightPlaces& places, const InstanceRow* instance);
-
-/// Ray offset of a point of an instance; see place_instance().
-float instance_offset(const InstanceRow& instance, Vec3f p, Vec3f ng, float offset);
+                            const ShapeTables& tables, const LightPlaces& places, const LightInstance* instance);
 
 }  // namespace sheaf

@@ -62,7 +62,7 @@ void corners_of(const ShapeTables& tables, const ShapeRow& shape, std::size_t fi
   }
 }
 
-TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const InstanceRow* instance) {
+TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const LightInstance* instance) {
   double p[3][3], q[3][3];
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3f at = corners[k]->position;
@@ -71,13 +71,13 @@ TriangleWithArea make_triangle(const VertexRow* const (&corners)[3], const Insta
   if (instance == nullptr) return make_triangle(p, 1.0);
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t c = 0; c < 3; ++c) {
-      const float* m = instance->to_world + 4 * c;
+      const float* m = instance->rest.to_world + 4 * c;
       q[k][c] = m[0] * p[k][0] + m[1] * p[k][1] + m[2] * p[k][2] + m[3];
     }
-  TriangleWithArea out = make_triangle(q, instance->determinant < 0.0f ? -1.0 : 1.0);
+  TriangleWithArea out = make_triangle(q, instance->rest.determinant < 0.0f ? -1.0 : 1.0);
   const LightTriangleRow own = make_triangle(p, 1.0).row;
   for (const VertexRow* corner : corners)
-    out.row.offset = std::max(out.row.offset, instance_offset(*instance, corner->position, own.normal, own.offset));
+    out.row.offset = std::max(out.row.offset, instance->offset(corner->position, own.normal, own.offset));
   return out;
 }
 
@@ -213,7 +213,7 @@ IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightR
 }
 
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                         const LightPlaces& places, const InstanceRow* instance) {
+                         const LightPlaces& places, const LightInstance* instance) {
   const bool textured = light.row.needs_texture_query();
   const DeformationRow motion = motion_of(tables.deformations, shape);
   std::vector<float> areas(shape.triangle_count);

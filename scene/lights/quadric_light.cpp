@@ -15,7 +15,7 @@ namespace sheaf {
 namespace {
 
 /// Upper estimate of the ray offset on an instance's quadric, from sample points.
-float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
+float quadric_offset(const QuadricRow& own, const LightInstance& instance) {
   float largest = 0;
   constexpr int kPoints = 64;
   for (int i = 0; i < kPoints; ++i) {
@@ -25,7 +25,7 @@ float quadric_offset(const QuadricRow& own, const InstanceRow& instance) {
     if (own.kind == ShapeKind::kCylinder) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), u};
     if (own.kind == ShapeKind::kDisk) x = {std::cos(2 * kPi * v), std::sin(2 * kPi * v), 0};
     const auto y = quadric_surface<Scalar, false>(own, static_cast<std::uint32_t>(own.kind), x);
-    largest = std::max(largest, instance_offset(instance, y.p, y.ng, y.offset));
+    largest = std::max(largest, instance.offset(y.p, y.ng, y.offset));
   }
   return 1.5f * largest;
 }
@@ -96,12 +96,12 @@ IntegralSharing QuadricLightKind::integral_key(const SceneView& scene, const Lig
 }
 
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
-                            const ShapeTables& tables, const LightPlaces& places, const InstanceRow* instance) {
+                            const ShapeTables& tables, const LightPlaces& places, const LightInstance* instance) {
   QuadricRow q = tables.quadrics[shape.first_triangle];
   QuadricLightData<Scalar> data{shape_index, places.quadric, canonical_area(q.kind), 0.0f};
   if (instance != nullptr) {
     data.min_offset = quadric_offset(q, *instance);
-    q = place_quadric(q, *instance);
+    q = place_quadric(q, instance->rest);
     light.quadric = q;
   }
   // A flipped sphere emits inwards, where sampling the cone of visible directions does not apply.

@@ -8,23 +8,40 @@ namespace {
 
 constexpr int kMaxSegments = 64;
 
-/// Maximum error of positions between keys, as a fraction of the size of the mesh.
+/// Maximum error of positions between keys, as a fraction of the size of the mesh and of the distance by which its
+/// vertices move.
 constexpr float kMaxDeformationError = 2e-4f;
 
 using Primitives = std::map<int, std::vector<Primitive>>;
 
-float size_of(const Mesh& mesh) {
-  if (mesh.positions.empty()) return 0;
+struct Extent {
+  float size, largest;  ///< diagonal of the bounds; largest coordinate
+};
+
+Extent extent_of(const Mesh& mesh) {
+  if (mesh.positions.empty()) return {0, 0};
   Vec3f lower = mesh.positions[0], upper = lower;
   for (const Vec3f p : mesh.positions) {
     lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
     upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
   }
-  return length(upper - lower);
+  return {length(upper - lower), std::max(max_component(abs(lower)), max_component(abs(upper)))};
+}
+
+/// The largest distance of a vertex of primitive `k` from where it is at index 0.
+float motion_of(const Primitives& at, std::size_t k) {
+  float longest = 0;
+  const std::vector<Vec3f>& first = at.at(0)[k].mesh.positions;
+  for (const auto& [index, primitives] : at)
+    for (std::size_t i = 0; i < first.size(); ++i)
+      longest = std::max(longest, length(primitives[k].mesh.positions[i] - first[i]));
+  return longest;
 }
 
 /// Whether linear interpolation between every `stride`th index reproduces all primitives.
 bool interpolate(const Primitives& at, int stride) {
+  std::vector<float> motions;
+  for (std::size_t k = 0; k < at.at(0).size(); ++k) motions.push_back(motion_of(at, k));
   for (const auto& [index, primitives] : at) {
     const int first = index / stride * stride;
     if (first == index) continue;
@@ -32,7 +49,10 @@ bool interpolate(const Primitives& at, int stride) {
     const std::vector<Primitive>&a = at.at(first), &b = at.at(first + stride);
     for (std::size_t k = 0; k < primitives.size(); ++k) {
       const std::vector<Vec3f>&p = a[k].mesh.positions, &q = b[k].mesh.positions, &r = primitives[k].mesh.positions;
-      const float tolerance = kMaxDeformationError * std::max(size_of(a[k].mesh), size_of(b[k].mesh));
+      const Extent before = extent_of(a[k].mesh), after = extent_of(b[k].mesh);
+      constexpr float kRounding = 4e-7f;
+      const float tolerance = std::max(kMaxDeformationError * std::min(motions[k], std::max(before.size, after.size)),
+                                       kRounding * std::max(before.largest, after.largest));
       for (std::size_t i = 0; i < r.size(); ++i)
         if (length(p[i] * (1 - t) + q[i] * t - r[i]) > tolerance) return false;
     }
