@@ -65,15 +65,31 @@ SHEAF_INLINE CameraRay<L> camera_ray(const SceneView& scene, Float<L> x, Float<L
   return ray;
 }
 
+/// The media in which rays start that have a position `x` across the film, if the media depend on it or on the time.
+template <class L> [[gnu::noinline]] Uint<L> camera_media(const SceneView& scene, Float<L> x, Float<L> time) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  U medium(scene.media.camera_medium);
+  for (std::uint32_t i = 0; i < scene.media.camera_medium_count; ++i) {
+    const CameraMediumRow& row = scene.media.camera_media[i];
+    const F begin(row.camera == 0 ? -kInfinity : static_cast<float>(row.camera) * scene.sensor.column_width);
+    medium = select((x >= begin) & (time >= F(row.time)), U(row.medium), medium);
+  }
+  return medium;
+}
+
 /// Initializes the state for scenes with SceneView::needs_transmittance. Returns the medium and, in RGB mode, a random
-/// hero lane as bits of RayState::flags.
+/// hero lane as bits of RayState::flags. `x`: position across the film.
 template <class L>
 SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, const Slot* slots, int count,
-                                     const PathState<L>& path) {
+                                     const PathState<L>& path, Float<L> x, Float<L> time) {
   using F = typename L::Float;
   using U = typename L::Uint;
   wave.rescaled_pdfs.scatter<L>(slots, count, {Spectrum<L>(F(1.0f)), Spectrum<L>(F(1.0f))});
-  const U medium(context.scene.media.camera_medium << kRayMediumShift);
+  U medium(context.scene.media.camera_medium);
+  if (context.scene.media.camera_medium_count > 0) [[unlikely]]
+    medium = camera_media<L>(context.scene, x, time);
+  medium = medium << kRayMediumShift;
   if (context.scene.color == ColorMode::kSpectral) return medium;
   const F u = draw<L>(context.sampler, path.pixel, path.sample, U(0u), SampleBlock::kWavelength, {}, kNumberX).x;
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
@@ -144,7 +160,8 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
   if (context.tries_candidates())
     for (int lane = 0; lane < count; ++lane) wave.moments.row(slots[lane]) = {};
-  if (context.scene.needs_transmittance) ray.flags |= start_in_medium<L>(context, wave, slots, count, path);
+  if (context.scene.needs_transmittance)
+    ray.flags |= start_in_medium<L>(context, wave, slots, count, path, film_x, time);
 
   radiance.scatter_pdf = F(0.0f);
   radiance.normal = U(0u);

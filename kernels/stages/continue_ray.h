@@ -4,6 +4,7 @@
 
 #include "core/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
 
@@ -17,12 +18,12 @@ template <class L> struct RayBehind {
   typename L::Uint flags;
 };
 
-/// The ray behind `surface` in an unchanged direction. `boundary`: ShapeRow::boundary of the surface.
+/// The ray behind `surface` in an unchanged direction.
 template <class L>
-SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<L>& surface, Uint<L> boundary,
-                                     Vec3<L> direction, Uint<L> flags) {
+SHEAF_INLINE RayBehind<L> ray_behind(const SceneView& scene, const SurfacePoint<L>& surface,
+                                     const BoundaryCrossing<L>& at, Vec3<L> direction, Uint<L> flags) {
   return {offset_origin<L>(surface.p, surface.ng, surface.offset, direction),
-          medium_behind<L>(scene, boundary, surface.ng, direction, flags)};
+          medium_behind<L>(scene, at, surface.ng, direction, flags)};
 }
 
 /// Whether Wave::distance_since_vertex is maintained.
@@ -42,23 +43,24 @@ SHEAF_INLINE void add_distance_since_vertex(Wave& wave, const Slot* slots, std::
   for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE { wave.distance_since_vertex[slots[lane]] += more[lane]; });
 }
 
-/// Continues the paths of `passing` behind the surface that their rays hit at distance `t`. They become active, or
-/// finished when their dimension reaches kLongestPath. `ray`, `path`: their states. The far end of the ray stays in
-/// place, and random numbers behind the surface are new ones.
+/// Continues the paths of `passing` behind the surface that their rays hit. They become active, or finished when their
+/// dimension reaches kLongestPath. `boundary`: ShapeRow::boundary of the surface. `hit`, `ray`, `path`: their states.
+/// The far end of the ray stays in place, and random numbers behind the surface are new ones.
 template <class L>
 SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* slots, int count, Mask<L> passing,
-                                const SurfacePoint<L>& surface, Uint<L> boundary, Float<L> t, RayState<L> ray,
-                                PathState<L> path) {
+                                const SurfacePoint<L>& surface, Uint<L> boundary, const HitState<L>& hit,
+                                RayState<L> ray, PathState<L> path) {
   using F = Float<L>;
   using U = Uint<L>;
   const std::uint32_t pass = mask_bits(passing & L::first(count));
   if (pass == 0) return;
-  const RayBehind<L> behind = ray_behind<L>(scene, surface, boundary, ray.direction, ray.flags);
+  const BoundaryCrossing<L> at{boundary, hit.instance, path_times<L>(scene, wave, slots)};
+  const RayBehind<L> behind = ray_behind<L>(scene, surface, at, ray.direction, ray.flags);
   ray.origin = select<L>(passing, behind.origin, ray.origin);
   ray.flags = select(passing, behind.flags, ray.flags);
-  ray.t_max = select(passing, max(ray.t_max - t, F(0.0f)), ray.t_max);
+  ray.t_max = select(passing, max(ray.t_max - hit.t, F(0.0f)), ray.t_max);
   wave.rays.scatter<L>(slots, count, ray);
-  add_distance_since_vertex<L>(wave, slots, pass, t);
+  add_distance_since_vertex<L>(wave, slots, pass, hit.t);
   std::uint32_t going = pass;
   // Other scenes draw no random numbers between one surface and the next.
   if (scene.needs_transmittance) {

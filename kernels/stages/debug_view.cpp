@@ -62,8 +62,7 @@ SHEAF_INLINE void pass_hidden_tile(const SceneView& scene, Wave& wave, const Slo
   const ShapeRecord<L> shape = gather_rows<L>(scene.geometry.shapes, hit.shape);
   const auto y = surface_point<L>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                   hit.instance, path_times<L>(scene, wave, slots));
-  continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit.t, ray,
-                   wave.paths.gather<L>(slots));
+  continue_rays<L>(scene, wave, slots, count, Mask<L>(true), y, shape.boundary, hit, ray, wave.paths.gather<L>(slots));
 }
 
 }  // namespace

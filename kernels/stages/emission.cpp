@@ -188,7 +188,7 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   add_emission<L>(context, wave, slots, mask_bits(lit & L::first(count)), emitted, from.divisor, radiance.scatter_pdf,
                   pdf * from.light_ratio, hit.light);
   // Continue camera rays behind hidden lights
-  continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit.t, ray, path);
+  continue_rays<L>(context.scene, wave, slots, count, hidden, y, shape.boundary, hit, ray, path);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "core/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/wave.h"
 #include "scene/tables/shape.h"
 
@@ -41,8 +42,10 @@ void push_transmittance(const SceneView& scene, Wave& wave, const Slot* slots, c
   out.flags = ray.flags;
   if (!in_medium) {
     const auto through = dot(ray.direction, item.ng) * dot(shadow.direction, item.ng) > F(0.0f);
-    const U boundary = gather_member<L>(scene.geometry.shapes, &ShapeRow::boundary, wave.hits.gather<L>(slots).shape);
-    out.flags = select(through, medium_behind<L>(scene, boundary, item.ng, shadow.direction, out.flags), out.flags);
+    const HitState<L> hit = wave.hits.gather<L>(slots);
+    const U boundary = gather_member<L>(scene.geometry.shapes, &ShapeRow::boundary, hit.shape);
+    const BoundaryCrossing<L> at{boundary, hit.instance, path_times<L>(scene, wave, slots)};
+    out.flags = select(through, medium_behind<L>(scene, at, item.ng, shadow.direction, out.flags), out.flags);
   }
   out.flags = (out.flags & U(~kShadowFlags)) | end.flags;
   wave.transmittances.compress<L>(wave.shadow_count, out, kept);

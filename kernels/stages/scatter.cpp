@@ -12,6 +12,7 @@
 #include "kernels/stages/roulette.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/load_bsdf.h"
+#include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
 #include "scene/tables/shape.h"
@@ -76,7 +77,8 @@ Float<L> leave_vertex(const StageContext& context, Wave& wave, const Slot* slots
     const auto through = dot(before.direction, ng) * dot(ray.direction, ng) > F(0.0f);
     const HitState<L> hit = wave.hits.gather<L>(slots);
     const U boundary = gather_member<L>(scene.geometry.shapes, &ShapeRow::boundary, hit.shape);
-    flags = select(through, medium_behind<L>(scene, boundary, ng, ray.direction, flags), flags);
+    const BoundaryCrossing<L> at{boundary, hit.instance, path_times<L>(scene, wave, slots)};
+    flags = select(through, medium_behind<L>(scene, at, ng, ray.direction, flags), flags);
     distance = hit.t;
   }
   ray.flags |= flags;

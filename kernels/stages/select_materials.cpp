@@ -138,7 +138,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   if (pass != 0)
     note_passing<L>(context.scene, wave, slots, pass, query, shape.material, behind,
                     shares_of_masks<L>(context.scene, first, shape.material, behind, passing & L::first(count)));
-  continue_rays<L>(context.scene, wave, slots, count, passing, y, shape.boundary, hit.t, ray, path);
+  continue_rays<L>(context.scene, wave, slots, count, passing, y, shape.boundary, hit, ray, path);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "core/lane_array.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/path_state.h"
+#include "scene/tables/exterior_medium.h"
 #include "scene/tables/shape.h"
 
 namespace sheaf {
@@ -47,8 +48,9 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
                                              from + along * packet.t_far[i], packet.instance[i], times[lane]);
             // Find the medium on the near side of the boundary
             if (shape.boundary != kNone) {
-              const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
-              medium[lane] = dot(y.ng, along) < 0.0f ? sides.exterior : sides.interior;
+              medium[lane] = dot(y.ng, along) < 0.0f
+                                 ? exterior_medium(scene.media, shape.boundary, packet.instance[i], times[lane])
+                                 : scene.media.boundaries[shape.boundary].interior;
               continue;
             }
             // Continue behind other surfaces

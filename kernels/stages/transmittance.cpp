@@ -128,7 +128,8 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   ray.item.contribution = ray.item.contribution * passage.share;
   // BSDF sampling passes the surface with this probability, light sampling with certainty.
   ray.state.r_u = ray.state.r_u * passage.probability;
-  const RayBehind<Scalar> behind_it = ray_behind<Scalar>(scene, y, shape.boundary, d, ray.state.flags);
+  const RayBehind<Scalar> behind_it =
+      ray_behind<Scalar>(scene, y, {shape.boundary, packet.instance[at], packet.time[at]}, d, ray.state.flags);
   ray.state.flags = behind_it.flags;
   ray.item.origin = behind_it.origin;
   ray.item.direction = target - ray.item.origin;

@@ -1,6 +1,7 @@
 #include "scene/compile/medium_probe.h"
 
 #include "core/warp.h"
+#include "scene/tables/exterior_medium.h"
 #include "scene/tables/shape.h"
 
 #include <algorithm>
@@ -22,14 +23,14 @@ struct Probe {
 };
 
 /// Processes the hit of lane `i`: sets the result, or continues the probe behind the surface.
-void cross(const SceneView& scene, const RayPacket& packet, int i, std::uint32_t ignored, Probe& probe) {
+void cross(const SceneView& scene, const RayPacket& packet, int i, PlacedShape ignored, Probe& probe) {
   const std::uint32_t index = packet.shape[i];
   const ShapeRow& shape = scene.geometry.shapes[index];
   const Vec3f d = probe.direction;
   const auto y = surface_point<Scalar, false>(scene, shape, packet.primitive[i], packet.u[i], packet.v[i],
-                                              probe.origin + d * packet.t_far[i], packet.instance[i], 0.0f);
+                                              probe.origin + d * packet.t_far[i], packet.instance[i], packet.time[i]);
   probe.origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
-  if (shape.boundary == kNone || index == ignored) return;
+  if (shape.boundary == kNone || (index == ignored.shape && packet.instance[i] == ignored.instance)) return;
   int& inside = probe.entered[{index, packet.instance[i]}];
   if (dot(y.ng, d) < 0.0f) {
     ++inside;
@@ -58,9 +59,28 @@ std::uint32_t majority(std::vector<std::uint32_t> votes) {
   return best;
 }
 
+/// The `i`th of `count` points on a shape at a time, in the space in which it was compiled.
+SurfacePoint<Scalar> place_on(const SceneView& scene, const ShapeRow& row, std::uint32_t i, std::uint32_t count,
+                              float time) {
+  const auto kind = static_cast<ShapeKind>(row.kind);
+  const auto part = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / count);
+  if (kind == ShapeKind::kMesh) return surface_point<Scalar, false>(scene, row, part, 0.3f, 0.3f, {}, kNone, time);
+  if (kind == ShapeKind::kSdfGrid) {
+    const SdfGridRow& grid = scene.geometry.sdf_grids[row.first_vertex];
+    const std::uint32_t* words = scene.geometry.sdf_cells + 2 * (std::size_t{grid.first_cell} + part);
+    const Vec3f corner{static_cast<float>(words[0] & 0xffffu), static_cast<float>(words[0] >> 16),
+                       static_cast<float>(words[1])};
+    const Vec3f middle = scene.geometry.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
+    return surface_point<Scalar, false>(scene, row, part, 0, 0, middle, kNone, time);
+  }
+  const QuadricRow& q = scene.geometry.quadrics[row.first_triangle];
+  const Vec3f x = spread_direction(static_cast<int>(3 * i));
+  return surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone, time);
+}
+
 }  // namespace
 
-std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, std::uint32_t default_value) {
+std::uint32_t medium_at(const SceneView& scene, Vec3f p, float time, PlacedShape ignored, std::uint32_t default_value) {
   // Start a probe in each direction
   std::vector<Probe> probes(kPacketWidth);
   for (int i = 0; i < kPacketWidth; ++i) {
@@ -73,6 +93,7 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, std::uint32_t ignored, 
     for (int i = 0; i < kPacketWidth; ++i) {
       const Probe& probe = probes[static_cast<std::size_t>(i)];
       packet.set_ray(i, probe.origin, probe.direction, probe.found ? 0.0f : kInfinity);
+      packet.time[i] = time;
     }
     scene.accel->intersect(packet, kPacketWidth);
     for (int i = 0; i < kPacketWidth; ++i) {
@@ -111,8 +132,8 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
                                                   origin + d * packet.t_far[0], packet.instance[0], 0.0f);
       // Vote for the near side of the first boundary
       if (shape.boundary != kNone) {
-        const BoundaryRow& sides = scene.media.boundaries[shape.boundary];
-        votes.push_back(dot(y.ng, d) < 0.0f ? sides.exterior : sides.interior);
+        votes.push_back(dot(y.ng, d) < 0.0f ? exterior_medium(scene.media, shape.boundary, packet.instance[0], 0.0f)
+                                            : scene.media.boundaries[shape.boundary].interior);
         break;
       }
       origin = offset_origin<Scalar>(y.p, y.ng, y.offset, d);
@@ -121,32 +142,19 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
   return votes.empty() ? default_value : majority(std::move(votes));
 }
 
-std::uint32_t medium_around(const SceneView& scene, std::uint32_t shape, std::uint32_t default_value) {
-  const ShapeRow& row = scene.geometry.shapes[shape];
+std::uint32_t medium_around(const SceneView& scene, PlacedShape placed, float time, std::uint32_t default_value) {
   constexpr std::uint32_t kPlaces = 5;
   std::vector<std::uint32_t> votes;
   for (std::uint32_t i = 0; i < kPlaces; ++i) {
-    // Choose a point on the shape
-    const bool mesh = static_cast<ShapeKind>(row.kind) == ShapeKind::kMesh;
-    SurfacePoint<Scalar> y;
-    if (mesh) {
-      const auto triangle = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
-      y = surface_point<Scalar, false>(scene, row, triangle, 0.3f, 0.3f, {}, kNone, 0.0f);
-    } else if (static_cast<ShapeKind>(row.kind) == ShapeKind::kSdfGrid) {
-      const auto cell = static_cast<std::uint32_t>(std::uint64_t{row.triangle_count} * i / kPlaces);
-      const SdfGridRow& grid = scene.geometry.sdf_grids[row.first_vertex];
-      const std::uint32_t* words = scene.geometry.sdf_cells + 2 * (std::size_t{grid.first_cell} + cell);
-      const Vec3f corner{static_cast<float>(words[0] & 0xffffu), static_cast<float>(words[0] >> 16),
-                         static_cast<float>(words[1])};
-      const Vec3f middle = scene.geometry.quadrics[row.first_triangle].world_point(corner + Vec3f{0.5f, 0.5f, 0.5f});
-      y = surface_point<Scalar, false>(scene, row, cell, 0, 0, middle, kNone, 0.0f);
-    } else {
-      const QuadricRow& q = scene.geometry.quadrics[row.first_triangle];
-      const Vec3f x = spread_direction(static_cast<int>(3 * i));
-      y = surface_point<Scalar, false>(scene, row, 0, 0, 0, q.world_point(x), kNone, 0.0f);
+    SurfacePoint<Scalar> y = place_on(scene, scene.geometry.shapes[placed.shape], i, kPlaces, time);
+    if (placed.instance != kNone) {
+      const auto row = gather_rows<Scalar>(scene.geometry.instances, placed.instance);
+      const InstanceAt<Scalar> at = place_at<Scalar>(scene.motion, row, placed.instance, true, time, y.p);
+      place_instance<Scalar, false>(at.placed, true, y);
+      y.offset += at.error * kOffsetUlps;
     }
     // Vote for the medium just outside of it
-    votes.push_back(medium_at(scene, y.p + y.ng * y.offset, shape, default_value));
+    votes.push_back(medium_at(scene, y.p + y.ng * y.offset, time, placed, default_value));
   }
   return majority(std::move(votes));
 }

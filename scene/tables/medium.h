@@ -72,7 +72,23 @@ struct BlackbodyTable {
 /// The media on both sides of a surface: 0 for vacuum, else 1 + the row.
 struct BoundaryRow {
   std::uint32_t interior = 0;  ///< behind the geometric normal
-  std::uint32_t exterior = 0;
+  std::uint32_t exterior = 0;  ///< unless MediumView::surroundings has rows for the instance; see exterior_medium()
+  std::uint32_t first_surrounding = 0, surrounding_count = 0;  ///< into MediumView::surroundings
+};
+
+/// The medium outside of a boundary from a time on. Rows of a boundary are in the order of instance and time. The first
+/// one of each instance has time 0.
+struct SurroundingRow {
+  std::uint32_t instance;  ///< kNone: a shape outside of groups
+  float time;              ///< in [0, 1] over the shutter
+  std::uint32_t medium;    ///< 0 for vacuum, else 1 + the row
+};
+
+/// A medium in which the rays of a camera start, from a time on.
+struct CameraMediumRow {
+  std::uint32_t camera;  ///< in the order of the film's columns
+  float time;            ///< in [0, 1] over the shutter
+  std::uint32_t medium;  ///< 0 for vacuum, else 1 + the row
 };
 
 }  // namespace sheaf

@@ -18,8 +18,13 @@ struct MediumView {
   BrickGridView grids;
   const MajorantGridRow* majorants = nullptr;
   const BlackbodyTable* blackbodies = nullptr;  ///< RGB mode, if a medium has a temperature
-  std::uint32_t camera_medium = 0;              ///< medium that contains the camera
-  std::uint32_t outer_medium = 0;               ///< medium that surrounds the scene
+  std::uint32_t camera_medium = 0;              ///< medium that contains the first camera when the shutter opens
+  /// The media in which camera rays start, in the order of camera and time. Each camera has a row for time 0. Empty if
+  /// all rays start in camera_medium.
+  const CameraMediumRow* camera_media = nullptr;
+  std::uint32_t camera_medium_count = 0;         ///< number of rows
+  const SurroundingRow* surroundings = nullptr;  ///< null: each boundary has the same medium outside of it everywhere
+  std::uint32_t outer_medium = 0;                ///< medium that surrounds the scene
   /// Radius around SceneView::center at which unbounded media end; infinite if no light is at infinity.
   float outer_radius = kInfinity;
 };
@@ -28,6 +33,8 @@ struct MediumView {
 struct MediumTables {
   std::vector<MediumRow> rows;
   std::vector<BoundaryRow> boundaries;
+  std::vector<SurroundingRow> surroundings;
+  std::vector<CameraMediumRow> camera_media;
   std::vector<BrickGrid> grids;
   std::vector<BrickGridRow> grid_rows;  ///< one per grid
   std::vector<MajorantGrid> majorants;
@@ -43,12 +50,15 @@ struct MediumTables {
             majorant_rows.data(),
             blackbodies ? &*blackbodies : nullptr,
             camera_medium,
+            camera_media.data(),
+            static_cast<std::uint32_t>(camera_media.size()),
+            surroundings.empty() ? nullptr : surroundings.data(),
             outer_medium,
             outer_radius};
   }
   /// Memory in bytes.
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(rows, boundaries);
+    std::size_t sum = bytes_of(rows, boundaries, surroundings, camera_media);
     for (const BrickGrid& grid : grids) sum += grid.bytes();
     for (const MajorantGrid& grid : majorants) sum += grid.bytes();
     return sum;
