@@ -40,19 +40,22 @@ json parse_json(std::string_view text, const std::filesystem::path& file) {
   }
 }
 
-/// Reads the chunks of a .glb file.
-GltfDocument split_binary(const std::string& bytes, const std::filesystem::path& file) {
+/// Reads the chunks of a .glb file, which ends where its header says (glTF 2.0, 4.4.2).
+GltfDocument split_binary(const std::string& bytes, GltfFile& out) {
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
   constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942, kVersion = 2;
-  const auto fail = [&](const std::string& message) { return SceneError({file.string(), 0}, message); };
-  const auto number = [&](std::size_t at) { return little_endian<std::uint32_t>(bytes.data() + at); };
+  const auto fail = [&](const std::string& message) { return SceneError({out.file.string(), 0}, message); };
+  const auto number = [&](std::size_t at) { return std::size_t{little_endian<std::uint32_t>(bytes.data() + at)}; };
   if (bytes.size() < kHeader + kChunkHeader) throw fail("is truncated");
   if (number(4) != kVersion) throw fail("has version " + std::to_string(number(4)) + " of glTF, expected 2");
+  const std::size_t size = number(8);
+  if (size > bytes.size())
+    throw fail("is truncated: it has " + std::to_string(bytes.size()) + " of " + std::to_string(size) + " bytes");
   GltfDocument document;
   std::string_view text;
-  for (std::size_t at = kHeader; at + kChunkHeader <= bytes.size();) {
-    const std::size_t length = number(at), begin = at + kChunkHeader;
-    const std::uint32_t type = number(at + 4);
+  std::size_t end = 0;
+  for (std::size_t at = kHeader; at == kHeader || at + kChunkHeader <= size;) {
+    const std::size_t length = number(at), begin = at + kChunkHeader, type = number(at + 4);
     if (length > bytes.size() - begin) throw fail("is truncated: a chunk ends behind the file");
     if (at == kHeader && type != kJson) throw fail("does not begin with a JSON chunk");
     if (at == kHeader) text = std::string_view(bytes).substr(begin, length);
@@ -60,9 +63,18 @@ GltfDocument split_binary(const std::string& bytes, const std::filesystem::path&
       const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data()) + begin;
       document.chunk.assign(first, first + length);
     }
+    end = begin + length;
     at = begin + (length + 3) / 4 * 4;
   }
-  *document.json = parse_json(text, file);
+  if (end > size) {
+    out.notes.push_back(fail("its header gives " + std::to_string(size) + " bytes, but its last chunk ends at byte " +
+                             std::to_string(end) + " (read to there)")
+                            .what());
+  } else if (bytes.size() > size) {
+    out.notes.push_back(
+        fail(std::to_string(bytes.size() - size) + " bytes behind the end that its header gives are ignored").what());
+  }
+  *document.json = parse_json(text, out.file);
   return document;
 }
 
@@ -83,23 +95,6 @@ std::string decode_uri(const std::string& uri) {
     }
   }
   return path;
-}
-
-/// Removes the indices of primitives whose triangles are compressed: their accessors need not have data, which the
-/// library does not know.
-void remove_compressed_indices(json& document) {
-  const auto list = [](json& object, const char* name) {
-    const bool has = object.is_object() && object.contains(name) && object[name].is_array();
-    return has ? &object[name] : nullptr;
-  };
-  json* const meshes = list(document, "meshes");
-  if (meshes == nullptr) return;
-  for (json& mesh : *meshes)
-    if (json* const primitives = list(mesh, "primitives"))
-      for (json& primitive : *primitives) {
-        const json::json_pointer compression("/extensions/KHR_draco_mesh_compression");
-        if (primitive.is_object() && primitive.contains(compression)) primitive.erase("indices");
-      }
 }
 
 /// Encodes a path as a URI; see decode_uri().
@@ -239,10 +234,11 @@ class ByteLoader {
 
 }  // namespace
 
-GltfDocument read_gltf_document(const std::filesystem::path& file) {
+GltfDocument read_gltf_document(GltfFile& out) {
+  const std::filesystem::path& file = out.file;
   const std::string bytes = is_imported_model(file) ? import_model(file) : read_mesh_bytes(file, "glTF file");
   if (bytes.empty()) throw SceneError({file.string(), 0}, "is empty");
-  if (bytes.starts_with("glTF")) return split_binary(bytes, file);
+  if (bytes.starts_with("glTF")) return split_binary(bytes, out);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   const std::string_view text = bytes;
   GltfDocument document;
@@ -255,7 +251,6 @@ void take_bytes(GltfDocument& document, GltfFile& out) {
   ByteLoader loader(document, out);
   loader.load_buffers();
   loader.load_images();
-  remove_compressed_indices(*document.json);
 }
 
 }  // namespace sheaf

@@ -11,6 +11,7 @@
 #include "scene/formats/meshopt.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 namespace sheaf {
@@ -216,7 +217,11 @@ class Converter : GltfChecker {
   GltfPrimitive primitive(const tinygltf::Primitive& from, const std::string& part) const {
     GltfPrimitive to;
     to.attributes = attributes(from.attributes, part);
-    to.indices = index(from.indices, out.accessors.size(), part, "indices");
+    const auto without_view = from.extensions.find(kIndicesWithoutView);
+    const int indices = without_view == from.extensions.end()
+                            ? from.indices
+                            : integer(without_view->second, "accessor", kNoIndex, part);
+    to.indices = index(indices, out.accessors.size(), part, "indices");
     to.material = index(from.material, out.materials.size(), part, "material");
     if (from.mode < 0 || from.mode > TINYGLTF_MODE_TRIANGLE_FAN)
       throw out.error(part, "'mode' is " + std::to_string(from.mode) + ", expected 0 to 6");
@@ -383,6 +388,22 @@ class Converter : GltfChecker {
   }
 };
 
+/// Throws SceneError for files of another major version, and for those that need a later minor version (glTF 2.0, 3.2).
+void check_version(const nlohmann::json& document, GltfFile& out) {
+  const auto member = [&](const char* name) {
+    const nlohmann::json::json_pointer place(std::string("/asset/") + name);
+    return document.contains(place) && document[place].is_string() ? document[place].get<std::string>() : std::string();
+  };
+  const std::string version = member("version"), needed = member("minVersion");
+  if (!version.empty() && !version.starts_with("2."))
+    throw SceneError({out.file.string(), 0},
+                     "has version " + version + " of glTF, expected 2; convert it with a tool for glTF 1");
+  if (std::strtod(needed.c_str(), nullptr) > 2)
+    throw out.error("asset", "'minVersion' is " + in_quotes(needed) + ", but Sheaf reads version 2.0");
+  if (!version.empty() && version != "2.0")
+    out.notes.push_back(out.error("asset", "has version " + version + " (read as version 2.0)").what());
+}
+
 tinygltf::Model parse(const GltfDocument& document, const std::filesystem::path& file) {
   tinygltf::Model model;
   tinygltf::TinyGLTF parser;
@@ -414,13 +435,10 @@ GltfFile read_gltf_file(const std::filesystem::path& file, const std::filesystem
   GltfFile out;
   out.file = file;
   out.folder = folder;
-  GltfDocument document = read_gltf_document(file);
-  const nlohmann::json& asset = (*document.json)["asset"];
-  if (asset.is_object() && asset.contains("version") && asset["version"].is_string() &&
-      !asset["version"].get<std::string>().starts_with("2."))
-    throw SceneError({file.string(), 0}, "has version " + asset["version"].get<std::string>() +
-                                             " of glTF, expected 2; convert it with a tool for glTF 1");
+  GltfDocument document = read_gltf_document(out);
+  check_version(*document.json, out);
   take_bytes(document, out);
+  adapt_document(*document.json, out);
   const tinygltf::Model model = parse(document, file);
   Converter(model, out).convert();
   return out;

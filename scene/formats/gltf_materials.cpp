@@ -163,6 +163,7 @@ class MaterialConverter {
                        transform);
   }
 
+  /// Nothing, with a note, if the texture has no image in a format that is read.
   GltfTexture texture_use(int index, int uv_set, const Value* transform) const {
     const auto& model = from_.model;
     const int checked = from_.required(index, model.textures.size(), part_, "index");
@@ -170,6 +171,10 @@ class MaterialConverter {
     const std::string part = "textures[" + std::to_string(index) + "]";
     GltfTextureUse use;
     use.image = image_of(texture, part);
+    if (use.image == kNoIndex) {
+      from_.out.notes.push_back(from_.out.error(part, "has no image of a supported format (ignored)").what());
+      return std::nullopt;
+    }
     use.uv_set = uv_set;
     const int sampler = from_.index(texture.sampler, model.samplers.size(), part, "sampler");
     if (sampler != kNoIndex) {
@@ -188,13 +193,12 @@ class MaterialConverter {
     return use;
   }
 
-  /// The image of a texture: WebP if there is one.
+  /// The image of a texture: WebP if there is one; kNoIndex: none.
   int image_of(const tinygltf::Texture& texture, const std::string& part) const {
-    const std::size_t count = from_.out.images.size();
+    int source = texture.source;
     const auto webp = texture.extensions.find("EXT_texture_webp");
-    if (webp != texture.extensions.end())
-      return from_.required(from_.integer(webp->second, "source", kNoIndex, part), count, part, "source");
-    return from_.required(texture.source, count, part, "source");
+    if (webp != texture.extensions.end()) source = from_.integer(webp->second, "source", source, part);
+    return from_.index(source, from_.out.images.size(), part, "source");
   }
 
   GltfTextureUse::Wrap wrap(int mode, const std::string& part) const {
