@@ -60,7 +60,8 @@ template <class L, ColorMode kMode>
 /// Directions in the shading frame of a part, and its shadow terminator.
 template <class L> struct PartFrame {
   Vec3<L> wo, wi;
-  Float<L> softened;  ///< factor on the part's value
+  Float<L> softened;    ///< factor on the part's value
+  Float<L> handedness;  ///< see handedness_of()
 };
 
 /// The shading frame of a part, with its normal flipped for two-sided materials and mapped.
@@ -84,7 +85,7 @@ template <class L>
   const ShadingFrame<L, true> frame(n, tangent_of<L>(Frame<L>::from_normal(n), at.y.dp_du));
   const Vec3<L> wi = frame.to_local(at.wi);
   const F softened = m.flags & kMapped ? shadow_terminator<L>(base, terminator, at.wi, wi.z) : F(1.0f);
-  return {frame.to_local(-at.from), wi, softened};
+  return {frame.to_local(-at.from), wi, softened, handedness_of<L>(base, at.y.dp_du, at.y.dp_dv)};
 }
 
 /// Sums the parts of one blend. All of `lanes` are on this blend and on the same side of it.
@@ -123,7 +124,10 @@ template <class L> struct BlendSum {
           part_words<L, ColorMode::kSpectral>(scene, row, at, words);
         else
           part_words<L, ColorMode::kRgb>(scene, row, at, words);
-        const PartFrame<L> frame = part_frame<L>(scene, scene.materials.rows[row], at, lanes);
+        const MaterialRow& m = scene.materials.rows[row];
+        const PartFrame<L> frame = part_frame<L>(scene, m, at, lanes);
+        if (const std::uint32_t word = m.flags >> kRotationWordShift; word != 0)
+          words[word - 1] = words[word - 1] * frame.handedness;
         const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
                                                  [&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
         // Add its value, weighted by its share

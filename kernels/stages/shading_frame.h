@@ -16,6 +16,13 @@ template <class L> SHEAF_INLINE Vec2<L> tangent_of(const Frame<L>& frame, Vec3<L
   return {select(usable, x * scale, F(1.0f)), select(usable, y * scale, F(0.0f))};
 }
 
+/// -1 where tangent, bitangent and normal are left-handed, otherwise 1. The shading frame is right-handed: angles from
+/// the tangent towards the bitangent have this sign in it.
+template <class L> SHEAF_INLINE Float<L> handedness_of(Vec3<L> n, Vec3<L> dp_du, Vec3<L> dp_dv) {
+  using F = Float<L>;
+  return select(dot(cross(n, dp_du), dp_dv) < F(0.0f), F(-1.0f), F(1.0f));
+}
+
 /// Shading frame of a vertex: z along the shading normal; x along the tangent if `kWithTangent`, otherwise arbitrary.
 template <class L, bool kWithTangent> struct ShadingFrame {
   Frame<L> frame;

@@ -1,5 +1,5 @@
-// Stage: textures. Processes runs of one material: replaces closure parameters by texture values, and applies normal
-// and bump maps.
+// Stage: textures. Processes runs of one material: replaces closure parameters by texture values, orients
+// rotations of anisotropy, and applies normal and bump maps.
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/adjoint.h"
 #include "kernels/stages/normal_map.h"
@@ -65,6 +65,15 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
       store(words, select(lanes, channels[k], constant));
     }
   }
+}
+
+/// Turns an angle from the tangent the other way where the shading frame is mirrored.
+template <class L> void orient_rotation(Wave& wave, std::uint32_t word, const TextureTile<L>& tile) {
+  float* const angles = wave.closures.columns().words[word] + tile.column;
+  const TexturedItem<L> t = wave.textured.load<L>(tile.column);
+  Float<L> angle;
+  load(angles, angle);
+  store(angles, select(tile.lanes(), angle * handedness_of<L>(t.ns_unmapped, t.dp_du, t.dp_dv), angle));
 }
 
 /// Selects at random between a mapped normal and its mirror image for photons, and divides the throughput by the
@@ -150,6 +159,8 @@ void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, 
                               std::min(part.last - at, int{L::width})};
     if (material.binding_count > 0)
       with_color_mode(scene, [&]<ColorMode kMode>() { texture_words<L, kMode>(scene, wave, material, tile); });
+    if (const std::uint32_t word = material.flags >> kRotationWordShift; word != 0)
+      orient_rotation<L>(wave, word - 1, tile);
     if (material.flags & kMapped) turn_normals<L, kWithTangent>(context, wave, material, tile);
   }
 }

@@ -215,6 +215,7 @@ void SceneCompiler::finish_tables() {
   // Pad the tables of geometry: triangles are loaded four words at a time, and inactive lanes read row zero
   if (geometry.vertices.empty()) geometry.vertices.emplace_back();
   geometry.vertices.shrink_to_fit();
+  if (!geometry.tangents.empty()) geometry.tangents.resize(geometry.vertices.size());
   geometry.triangles.insert(geometry.triangles.end(), kTrianglePadding, 0u);
   geometry.triangles.shrink_to_fit();
   if (geometry.quadrics.empty()) geometry.quadrics.emplace_back();

@@ -31,6 +31,13 @@ void append(std::vector<VertexRow>& rows, const Mesh& mesh, const auto& at) {
   }
 }
 
+/// Appends the tangents of the most recent vertices. SceneCompiler::finish_tables() adds those of later vertices.
+void append_tangents(GeometryTables& geometry, const std::vector<MeshTangent>& tangents) {
+  if (tangents.empty()) return;
+  geometry.tangents.resize(geometry.vertices.size() - tangents.size());
+  for (const MeshTangent& tangent : tangents) geometry.tangents.push_back({tangent.direction, tangent.handedness});
+}
+
 /// A canonical quadric with its transform.
 struct Placement {
   ShapeKind kind;
@@ -119,6 +126,7 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
   row.triangle_count = static_cast<std::uint32_t>(mesh.triangles.size());
   row.flags = (mesh.normals.empty() ? 0u : kHasNormals) | (mesh.uvs.empty() ? 0u : kHasUvs);
   append(geometry.vertices, mesh, mesh);
+  append_tangents(geometry, mesh.tangents);
   if (steps > 1) add_mesh_steps(row, mesh, prepared.later_steps);
   make_room(geometry.triangles, 3 * mesh.triangles.size() + kTrianglePadding);
   for (const auto& t : mesh.triangles) geometry.triangles.insert(geometry.triangles.end(), t.begin(), t.end());
@@ -140,7 +148,10 @@ void SceneCompiler::add_mesh(ShapeRow row, const ShapeDescription& shape, Prepar
 }
 
 void SceneCompiler::add_mesh_steps(ShapeRow& row, const Mesh& mesh, const std::vector<MeshStep>& later) {
-  for (const MeshStep& step : later) append(out_->geometry_.vertices, mesh, step);
+  for (const MeshStep& step : later) {
+    append(out_->geometry_.vertices, mesh, step);
+    append_tangents(out_->geometry_, step.tangents);
+  }
   add_deformation(row, later.size(), mesh.positions.size());
 }
 

@@ -49,9 +49,13 @@ void check_same_topology(const KeyMesh& first, const KeyMesh& later, std::size_t
   if (a.triangles != b.triangles)
     throw SceneError(where, "the meshes of a deformation have different triangles: those of numbers 1 and " +
                                 std::to_string(number) + " connect different vertices");
-  if (a.normals.empty() != b.normals.empty())
-    throw SceneError(
-        where, "only some meshes of a deformation have normals: numbers 1 and " + std::to_string(number) + " differ");
+  const auto check_presence = [&](const char* what, bool differ_in_it) {
+    if (differ_in_it)
+      throw SceneError(where, "only some meshes of a deformation have " + std::string(what) + ": numbers 1 and " +
+                                  std::to_string(number) + " differ");
+  };
+  check_presence("normals", a.normals.empty() != b.normals.empty());
+  check_presence("tangents", a.tangents.empty() != b.tangents.empty());
 }
 
 /// Whether a triangle can be traced at all times and has an area at one of them.
@@ -94,7 +98,7 @@ void compute_normals(Mesh& mesh, const std::vector<std::uint32_t>& places) {
 /// The vertices at a time.
 MeshStep step_at(const std::vector<KeyMesh>& keys, const KeyInterval& interval) {
   const Mesh &a = keys[interval.before].mesh, &b = keys[interval.after].mesh;
-  MeshStep out{a.positions, a.normals};
+  MeshStep out{a.positions, a.normals, a.tangents};
   if (interval.before == interval.after) return out;
   const float t = interval.t;
   for (std::size_t i = 0; i < out.positions.size(); ++i)
@@ -104,6 +108,8 @@ MeshStep step_at(const std::vector<KeyMesh>& keys, const KeyInterval& interval) 
     const float size = length(sum);
     if (size > 0) out.normals[i] = sum / size;
   }
+  for (std::size_t i = 0; i < out.tangents.size(); ++i)
+    out.tangents[i].direction = out.tangents[i].direction * (1 - t) + b.tangents[i].direction * t;
   return out;
 }
 
@@ -144,12 +150,14 @@ PreparedMesh prepare_deforming_mesh(const ShapeDescription& shape, const Deformi
   for (std::size_t i = 1; i < steps.size(); ++i) {
     prepared.later_steps.push_back(step_at(keys, interval_at(times, steps[i])));
     const MeshStep& step = prepared.later_steps.back();
-    changes = changes || step.positions != first.positions || step.normals != first.normals;
+    changes = changes || step.positions != first.positions || step.normals != first.normals ||
+              step.tangents != first.tangents;
   }
   if (!changes) prepared.later_steps.clear();
   prepared.mesh = std::move(keys[0].mesh);
   prepared.mesh.positions = std::move(first.positions);
   prepared.mesh.normals = std::move(first.normals);
+  prepared.mesh.tangents = std::move(first.tangents);
   return prepared;
 }
 

@@ -83,8 +83,9 @@ void SceneCompiler::build_accel() {
                          out_->motion_.view()};
   KeptGeometry* const kept = options_.kept;
   if (kept != nullptr && kept->vertex_counts.size() == vertex_counts_.size() && kept->matches(geometry, input)) {
-    // Embree refers to the kept tables. Shapes may have other materials and lights.
+    // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
     kept->tables.shapes = std::move(geometry.shapes);
+    kept->tables.tangents = std::move(geometry.tangents);
     geometry = std::move(kept->tables);
     out_->accel_ = std::move(kept->accel);
     return;

@@ -41,7 +41,7 @@ std::string precision_note(const Mesh& mesh) {
 }
 
 double copy_bytes(const Mesh& mesh) {
-  return static_cast<double>(mesh.positions.size() * sizeof(VertexRow) +
+  return static_cast<double>(mesh.positions.size() * sizeof(VertexRow) + mesh.tangents.size() * sizeof(TangentRow) +
                              mesh.triangles.size() * sizeof(mesh.triangles[0]));
 }
 

@@ -12,7 +12,8 @@ namespace sheaf {
 
 /// The vertices of a mesh at one time.
 struct MeshStep {
-  std::vector<Vec3f> positions, normals;  ///< as long as those of the mesh
+  std::vector<Vec3f> positions, normals;   ///< as long as those of the mesh
+  std::vector<MeshTangent> tangents = {};  ///< likewise
 };
 
 /// A mesh that is ready for the tables of the scene.
@@ -21,7 +22,7 @@ struct PreparedMesh {
   std::vector<std::string> warnings;      ///< from reading its file, with the file's name
   std::size_t dropped = 0;                ///< degenerate or non-finite triangles
   OpenBoundaries::Boundary open_edges{};  ///< if the shape bounds a medium
-  /// Of meshes that deform: positions and normals at the later ones of equidistant times over the shutter.
+  /// Of meshes that deform: vertices at the later ones of equidistant times over the shutter.
   std::vector<MeshStep> later_steps = {};
 };
 

@@ -17,6 +17,13 @@
 
 namespace sheaf {
 
+/// The tangent of a vertex, in which normal maps and anisotropic materials are given.
+struct MeshTangent {
+  Vec3f direction;
+  float handedness = 1;  ///< 1 or -1: the bitangent is handedness * cross(normal, direction)
+  bool operator==(const MeshTangent&) const = default;
+};
+
 /// A triangle mesh. Per-vertex arrays are either empty or as long as `positions`.
 struct Mesh {
   std::vector<Vec3f> positions;
@@ -30,6 +37,9 @@ struct Mesh {
     std::vector<float> values;  ///< `channels` per vertex or per triangle
   };
   std::vector<Attribute> attributes = {};
+  /// Replace the directions of increasing u and v, which are the tangents and bitangents of other meshes. Ignored
+  /// without normals. Bump maps need the directions of uv: not for meshes with such materials.
+  std::vector<MeshTangent> tangents = {};
 };
 
 /// A triangle mesh in a file (.obj, .ply, .serialized, .stl, .off).

@@ -134,7 +134,7 @@ struct GltfPrimitive {
   GltfAttributes attributes;
   int indices = kNoIndex, material = kNoIndex;
   enum class Mode { kPoints, kLines, kLineLoop, kLineStrip, kTriangles, kStrip, kFan } mode = Mode::kTriangles;
-  std::vector<GltfAttributes> targets;  ///< morph targets: differences of positions and normals
+  std::vector<GltfAttributes> targets;  ///< morph targets: differences of positions, normals and tangents
   std::optional<GltfDraco> draco;
 };
 

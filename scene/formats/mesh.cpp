@@ -150,6 +150,7 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
   // Check vertex data and attributes
   check_length(mesh.normals.size(), "normals");
   check_length(mesh.uvs.size(), "texture coordinates");
+  check_length(mesh.tangents.size(), "tangents");
   for (const Mesh::Attribute& attribute : mesh.attributes) {
     const std::size_t rows = is_per_vertex(attribute) ? count : mesh.triangles.size();
     const auto channels = static_cast<std::size_t>(std::max(attribute.channels, 1));
@@ -168,10 +169,12 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
 
 void transform_mesh(Mesh& mesh, const Transform& to_world) {
   for (Vec3f& p : mesh.positions) p = to_world.point(p);
-  if (mesh.normals.empty()) return;
+  if (mesh.normals.empty()) return mesh.tangents.clear();
   for (Vec3f& n : mesh.normals) n = direction(to_world.normal(n)).rounded();
+  for (MeshTangent& t : mesh.tangents) t.direction = direction(to_world.vector(t.direction)).rounded();
   if (to_world.swaps_handedness()) {
     for (Triangle& t : mesh.triangles) reverse(t);
+    for (MeshTangent& t : mesh.tangents) t.handedness = -t.handedness;
   }
   orient_by_normals(mesh);
   fill_zero_normals(mesh);
@@ -186,6 +189,7 @@ void apply_linear_part(Mesh& mesh, Transform& to_world) {
 void flip_mesh(Mesh& mesh) {
   for (Triangle& t : mesh.triangles) reverse(t);
   for (Vec3f& n : mesh.normals) n = -n;
+  for (MeshTangent& t : mesh.tangents) t.handedness = -t.handedness;
 }
 
 void compute_vertex_normals(Mesh& mesh) {
@@ -201,6 +205,7 @@ void append_vertex_copies(Mesh& mesh, const std::vector<std::uint32_t>& sources)
   append(mesh.positions, 1);
   append(mesh.normals, 1);
   append(mesh.uvs, 1);
+  append(mesh.tangents, 1);
   for (Mesh::Attribute& attribute : mesh.attributes)
     if (is_per_vertex(attribute)) append(attribute.values, static_cast<std::size_t>(attribute.channels));
 }
@@ -224,6 +229,7 @@ Mesh extract_triangles(const Mesh& mesh, const std::vector<std::uint32_t>& trian
   part.positions = select_rows(mesh.positions, vertices);
   part.normals = select_rows(mesh.normals, vertices);
   part.uvs = select_rows(mesh.uvs, vertices);
+  part.tangents = select_rows(mesh.tangents, vertices);
   for (const Mesh::Attribute& a : mesh.attributes) {
     const auto& rows = is_per_vertex(a) ? vertices : triangles;
     part.attributes.push_back({a.name, a.channels, select_rows(a.values, rows, static_cast<std::size_t>(a.channels))});

@@ -34,7 +34,10 @@ MaterialRow MetallicRoughnessDescription::make_row(RowContext& context) const {
   m.set(m.p.clearcoat_roughness, clearcoat_roughness);
   m.p.f0 = normal_reflectance_of(eta);
   m.p.is_thin = transmits() ? 1 : 0;
-  return with_tangent(m.row<MetallicRoughnessClosure>(), anisotropy);
+  MaterialRow row = with_tangent(m.row<MetallicRoughnessClosure>(), anisotropy);
+  const bool is_rotated = anisotropy != ScalarInput(0.0f) && anisotropy_rotation != ScalarInput(0.0f);
+  if (is_rotated) row.flags |= (m.word_of(m.p.anisotropy_rotation) + 1) << kRotationWordShift;
+  return row;
 }
 
 }  // namespace sheaf

@@ -20,6 +20,7 @@ struct GeometryView {
   const float* sdf_values = nullptr;
   const std::uint32_t* sdf_cells = nullptr;
   const InstanceRow* instances = nullptr;  ///< null: no instances
+  const TangentRow* tangents = nullptr;    ///< one per vertex; null: no mesh has tangents
   std::uint32_t shape_count = 0;
 };
 
@@ -35,6 +36,7 @@ struct GeometryTables {
   std::vector<float> sdf_values;
   std::vector<std::uint32_t> sdf_cells;
   std::vector<InstanceRow> instances;
+  std::vector<TangentRow> tangents;  ///< of all vertices, or empty
 
   GeometryView view() const {
     return {shapes.data(),
@@ -47,12 +49,13 @@ struct GeometryTables {
             sdf_values.data(),
             sdf_cells.data(),
             instances.empty() ? nullptr : instances.data(),
+            tangents.empty() ? nullptr : tangents.data(),
             static_cast<std::uint32_t>(shapes.size())};
   }
   /// Memory in bytes.
   std::size_t bytes() const {
     return bytes_of(shapes, vertices, triangles, quadrics, curve_points, curve_segments, sdf_grids, sdf_values,
-                    sdf_cells, instances);
+                    sdf_cells, instances, tangents);
   }
 };
 

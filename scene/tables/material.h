@@ -53,11 +53,14 @@ enum MaterialFlags : std::uint32_t {
   kPart = 16,      ///< one of the rows that a composite material chooses from
 };
 
+/// The bits from here on: 0, or 1 + the word of a closure's angle from the tangent towards the bitangent.
+inline constexpr int kRotationWordShift = 8;
+
 /// One material after flattening of composites. 64 words.
 struct alignas(64) MaterialRow {
   ClosureKind kind{};
   std::uint32_t back = 0;              ///< row for the back side of the surface; the row itself for one-sided materials
-  std::uint32_t flags = 0;             ///< MaterialFlags
+  std::uint32_t flags = 0;             ///< MaterialFlags and kRotationWordShift
   std::uint16_t bucket = 0;            ///< sorting key; ordered by kind, then material
   std::uint16_t binding_count = 0;     ///< number of its texture bindings
   std::uint32_t first_binding = 0;     ///< into MaterialView::bindings

@@ -50,6 +50,34 @@ template <class L>
   }
 }
 
+/// Replaces the derivatives of the position by the tangent and the bitangent of triangles that have tangents.
+/// `corners`: relative to the shape's first vertex.
+template <class L>
+[[gnu::noinline]] void apply_tangents(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
+                                      const Uint<L> (&corners)[3], Float<L> u, Float<L> v, Float<L> time,
+                                      SurfacePoint<L>& out) {
+  using F = Float<L>;
+  using U = Uint<L>;
+  TangentRecord<L> t[3];
+  for (std::size_t k = 0; k < 3; ++k)
+    t[k] = gather_rows<L>(scene.geometry.tangents, select(active, shape.first_vertex + corners[k], U(0u)));
+  if (scene.motion.deformations != nullptr) {
+    const DeformationSegment<L> segment = deformation_segment<L>(scene.motion, shape.flags, active, time);
+    const U first = shape.first_vertex + segment.step * segment.vertex_count;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const U row = select(segment.deforms, first + corners[k], U(0u));
+      const U next = select(segment.deforms, row + segment.vertex_count, U(0u));
+      const Vec3<L> a = gather_rows<L>(scene.geometry.tangents, row).direction;
+      const Vec3<L> b = gather_rows<L>(scene.geometry.tangents, next).direction;
+      t[k].direction = select<L>(segment.deforms, a + (b - a) * segment.t, t[k].direction);
+    }
+  }
+  const Vec3<L> sum = t[0].direction * (F(1.0f) - u - v) + t[1].direction * u + t[2].direction * v;
+  const Mask<L> usable = active & (dot(sum, sum) > F(1e-12f));
+  out.dp_du = select<L>(usable, sum, out.dp_du);
+  out.dp_dv = select<L>(usable, cross(out.ns, sum) * t[0].handedness, out.dp_dv);
+}
+
 /// Surface point of a triangle mesh at barycentric coordinates (u, v), at times in [0, 1].
 template <class L, bool kWithUv>
 SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
@@ -87,7 +115,11 @@ SHEAF_INLINE SurfacePoint<L> triangle_point(const SceneView& scene, const ShapeR
     const auto usable = smooth & (squared > F(1e-12f));
     out.ns = select<L>(usable, sum * (F(1.0f) / sqrt(select(usable, squared, F(1.0f)))), out.ng);
   }
-  if constexpr (kWithUv) triangle_uv<L, kWithUv>(shape, t, u, v, p, out);
+  if constexpr (kWithUv) {
+    triangle_uv<L, kWithUv>(shape, t, u, v, p, out);
+    if (scene.geometry.tangents != nullptr)
+      apply_tangents<L>(scene, shape, active, {corners[0], corners[1], corners[2]}, u, v, time, out);
+  }
   return out;
 }
 

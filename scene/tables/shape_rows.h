@@ -52,6 +52,15 @@ template <class L> struct alignas(row_alignment<L>(32)) VertexRecord {
 using VertexRow = VertexRecord<Scalar>;
 static_assert(sizeof(VertexRow) == 32);
 
+/// The tangent of a vertex. Four words, loaded together.
+template <class L> struct alignas(row_alignment<L>(16)) TangentRecord {
+  Vec3<L> direction;             ///< any length; zero: that of increasing u
+  typename L::Float handedness;  ///< see MeshTangent
+  static constexpr auto fields(auto& s) { return std::tie(s.direction, s.handedness); }
+};
+using TangentRow = TangentRecord<Scalar>;
+static_assert(sizeof(TangentRow) == 16);
+
 /// A sphere, disk or cylinder as an affine image of the canonical shape: the unit sphere around the origin, the unit
 /// disk at z = 0, or the lateral surface of radius 1 for z in [0, 1].
 template <class L> struct QuadricRecord {

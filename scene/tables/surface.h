@@ -15,7 +15,7 @@ template <class L> struct SurfacePoint {
   Vec2<L> uv;                ///< only with kWithUv
   /// Derivatives of the position by u and v, only with kWithUv. Never zero. If one vanishes (poles, the centre of a
   /// disk), it has the right direction and a tiny length. If a triangle's uv are missing or degenerate, they are
-  /// arbitrary orthonormal tangents.
+  /// arbitrary orthonormal tangents. If a mesh has tangents, the directions of tangent and bitangent.
   Vec3<L> dp_du, dp_dv;
 };
 

@@ -53,6 +53,8 @@ inline GltfBuilder gltf_sample() {
   GltfBuilder gltf;
   json& primitive = gltf.add_triangle();
   primitive["attributes"]["NORMAL"] = gltf.add<float>({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  primitive["attributes"]["TANGENT"] =
+      gltf.add<std::int8_t>({127, 0, 0, 127, 127, 0, 0, 127, 0, 127, 0, -127}, "VEC4", true);
   primitive["attributes"]["TEXCOORD_0"] = gltf.add<float>({0, 0, 1, 0, 0, 1}, "VEC2");
   primitive["attributes"]["TEXCOORD_1"] = gltf.add<std::uint16_t>({0, 0, 65535, 0, 0, 65535}, "VEC2", true);
   primitive["attributes"]["COLOR_0"] =
@@ -60,7 +62,8 @@ inline GltfBuilder gltf_sample() {
   primitive["attributes"]["JOINTS_0"] = gltf.add<std::uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0}, "VEC4");
   primitive["attributes"]["WEIGHTS_0"] = gltf.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0}, "VEC4");
   primitive["indices"] = gltf.add<std::uint8_t>({0, 1, 2}, "SCALAR");
-  primitive["targets"] = {{{"POSITION", gltf.add<float>({0, 0, 1, 0, 0, 0, 0, 0, 0}, "VEC3")}}};
+  const int difference = gltf.add<float>({0, 0, 1, 0, 0, 0, 0, 0, 0}, "VEC3");
+  primitive["targets"] = {{{"POSITION", difference}, {"TANGENT", difference}, {"COLOR_0", difference}}};
   primitive["material"] = 0;
   gltf.json["nodes"][0]["skin"] = 0;
   gltf.json["skins"] = {{{"joints", {1, 2}},
@@ -92,7 +95,8 @@ inline GltfBuilder gltf_sample() {
       {{"channels",
         {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}},
          {{"sampler", 1}, {"target", {{"node", 2}, {"path", "rotation"}}}},
-         {{"sampler", 2}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+         {{"sampler", 2}, {"target", {{"node", 0}, {"path", "weights"}}}},
+         {{"sampler", 2}, {"target", {{"path", "pointer"}}}}}},
        {"samplers",
         {{{"input", times},
           {"output", gltf.add<float>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0}, "VEC3")},

@@ -1,10 +1,12 @@
 // Meshes of glTF: triangles of all modes, morph targets and skins.
 #include "scene/formats/mesh.h"
 #include "scene/dialects/gltf/reader.h"
+#include "scene/dialects/gltf/vertex_map.h"
 #include "scene/formats/draco.h"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace sheaf::gltf {
 
@@ -26,6 +28,9 @@ bool uses_uv_set(const GltfMaterial& m, int set) {
   return false;
 }
 
+/// Whether a material depends on tangents.
+bool uses_tangents(const GltfMaterial& m) { return m.normal_texture || m.anisotropy > 0; }
+
 /// Loads one primitive.
 class PrimitiveLoader {
  public:
@@ -45,6 +50,7 @@ class PrimitiveLoader {
       return std::nullopt;
     }
     out_.material = from_.material;
+    note_ignored_targets(notes);
     load_vertices();
     load_triangles(lenient, notes);
     if (out_.mesh.triangles.empty()) return std::nullopt;
@@ -116,14 +122,25 @@ class PrimitiveLoader {
     out_.mesh.positions = vectors(values("POSITION", 3));
     out_.has_normals = has("NORMAL");
     if (out_.has_normals) out_.mesh.normals = vectors(values("NORMAL", 3));
-    load_uvs();
-    if (has("COLOR_0")) load_colors();
-  }
-
-  void load_uvs() {
     const GltfMaterial standard;
     const GltfMaterial& material =
         from_.material == kNoIndex ? standard : file_.materials[static_cast<std::size_t>(from_.material)];
+    // Tangents belong to normals (glTF 2.0, 3.7.2.1)
+    if (out_.has_normals && has("TANGENT") && uses_tangents(material)) load_tangents();
+    load_uvs(material);
+    if (has("COLOR_0")) load_colors();
+  }
+
+  void load_tangents() {
+    const std::vector<float> xyzw = values("TANGENT", 4);
+    out_.mesh.tangents.reserve(vertices_);
+    for (std::size_t i = 0; i < vertices_; ++i) {
+      const float* t = &xyzw[4 * i];
+      out_.mesh.tangents.push_back({{t[0], t[1], t[2]}, t[3] < 0 ? -1.0f : 1.0f});
+    }
+  }
+
+  void load_uvs(const GltfMaterial& material) {
     const int primary = primary_uv_set(material);
     for (const auto& [name, index] : from_.attributes) {
       constexpr std::string_view kPrefix = "TEXCOORD_";
@@ -199,15 +216,32 @@ class PrimitiveLoader {
   void morph(const std::vector<float>& weights) {
     for (std::size_t t = 0; t < std::min(weights.size(), from_.targets.size()); ++t) {
       if (weights[t] == 0) continue;
-      const auto add = [&](const char* name, std::vector<Vec3f>& to) {
+      const auto add = [&](const char* name, auto& to, auto&& vector_of) {
         const auto found = from_.targets[t].find(name);
         if (found == from_.targets[t].end() || to.empty()) return;
         const std::vector<Vec3f> difference = vectors(values(found->second, name, 3));
-        for (std::size_t i = 0; i < to.size(); ++i) to[i] = to[i] + difference[i] * weights[t];
+        for (std::size_t i = 0; i < to.size(); ++i) {
+          Vec3f& vector = vector_of(to[i]);
+          vector = vector + difference[i] * weights[t];
+        }
       };
-      add("POSITION", out_.mesh.positions);
-      add("NORMAL", out_.mesh.normals);
+      const auto itself = [](Vec3f& v) -> Vec3f& { return v; };
+      add("POSITION", out_.mesh.positions, itself);
+      add("NORMAL", out_.mesh.normals, itself);
+      add("TANGENT", out_.mesh.tangents, [](MeshTangent& tangent) -> Vec3f& { return tangent.direction; });
     }
+  }
+
+  /// Notes the attributes of morph targets that are ignored.
+  void note_ignored_targets(std::vector<std::string>& notes) const {
+    std::set<std::string> ignored;
+    for (const GltfAttributes& target : from_.targets)
+      for (const auto& [name, index] : target)
+        if (name.starts_with("COLOR_") || name.starts_with("TEXCOORD_")) ignored.insert(name);
+    std::string names;
+    for (const std::string& name : ignored) names += (names.empty() ? "" : ", ") + name;
+    if (!names.empty())
+      notes.push_back(file_.error(part_, "its morph targets change " + names + " (not supported: ignored)").what());
   }
 
   /// Moves the vertices by the weighted mean of their joints' transforms.
@@ -225,11 +259,7 @@ class PrimitiveLoader {
       if (!(totals[i] > 0)) continue;
       for (auto& row : sums[i].m)
         for (double& x : row) x /= totals[i];
-      Matrix4 inverse;
-      if (!invert(sums[i], inverse)) continue;
-      const Transform to_world(sums[i]);
-      out_.mesh.positions[i] = to_world.point(out_.mesh.positions[i]);
-      if (!out_.mesh.normals.empty()) out_.mesh.normals[i] = to_world.normal(out_.mesh.normals[i]);
+      VertexMap(sums[i]).apply(out_.mesh, i);
     }
   }
 
