@@ -130,11 +130,14 @@ void animate(const GltfFile& file, const GltfAnimation& animation, double moment
   }
 }
 
-/// The transform of a node to its parent. Throws SceneError if it is singular.
+/// The transform of a matrix, thickened if it is flat. Throws SceneError if it leaves only a line or a point.
+Transform regular(const Matrix4& matrix) { return Transform(thickened(matrix).value_or(matrix)); }
+
+/// The transform of a node to its parent. Throws SceneError if it leaves only a line or a point.
 AnimatedTransform local_transform(const GltfNode& node, const NodeTracks& tracks, const GltfPose& pose) {
-  if (node.matrix) return AnimatedTransform(Transform(*node.matrix));
+  if (node.matrix) return AnimatedTransform(regular(*node.matrix));
   const auto factor = [](const std::optional<AnimatedTransform>& track, const GltfPose& rest) {
-    return track ? *track : AnimatedTransform(Transform(matrix_of(rest)));
+    return track ? *track : AnimatedTransform(regular(matrix_of(rest)));
   };
   return factor(tracks.translation, {pose.translation}) * factor(tracks.rotation, {{}, pose.rotation}) *
          factor(tracks.scale, {{}, {0, 0, 0, 1}, pose.scale});
@@ -183,13 +186,13 @@ std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file,
     try {
       const AnimatedTransform local = local_transform(file.nodes[i], tracks[i], poses[i]);
       AnimatedTransform outer;
-      if (!is_root) outer = motions[parent] ? *motions[parent] : AnimatedTransform(Transform(pose.to_world[parent]));
+      if (!is_root) outer = motions[parent] ? *motions[parent] : AnimatedTransform(regular(pose.to_world[parent]));
       motions[i] = outer * local;
       if (counts[i] <= kMaxTracks) continue;
       motions[i] = tabulate(shutter, [&](double time) { return motions[i]->at(time); });
       counts[i] = 1;
     } catch (const SceneError&) {
-      // Singular: the reader of the scene leaves the node out
+      // Collapsed: the reader of the scene leaves the node out
       motions[i].reset();
     }
   }

@@ -38,10 +38,7 @@ class SceneReader {
     count_uses();
     for (const std::size_t i : nodes_) {
       const GltfNode& node = file_.nodes[i];
-      if (node.light != kNoIndex) {
-        add_light(file_.lights[static_cast<std::size_t>(node.light)], placement_of(i), file_, out_);
-        contents_.has_lights = true;
-      }
+      if (node.light != kNoIndex) add_light_of(i);
       if (node.mesh != kNoIndex) add_mesh(i);
     }
     if (degenerate_ > 0)
@@ -88,7 +85,26 @@ class SceneReader {
     contents_.has_camera = !nodes.empty();
     if (nodes.empty() && wanted.empty()) return;
     const std::size_t i = nodes[choose_camera(wanted, names, file_.file)];
-    set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], placement_of(i), file_, out_);
+    set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], directed_placement_of(i), file_, out_);
+  }
+
+  void add_light_of(std::size_t i) {
+    const GltfLight& light = file_.lights[static_cast<std::size_t>(file_.nodes[i].light)];
+    const NodePlacement node = directed_placement_of(i);
+    contents_.has_lights = true;
+    Matrix4 inverse;
+    if (light.kind != GltfLight::Kind::kPoint && node.motion == nullptr && !invert(node.to_world, inverse))
+      return note(i, "its transform is singular (the light has no direction and is ignored)");
+    add_light(light, node, file_, out_);
+  }
+
+  /// The placement of a light or camera, which scales do not affect, not even scales of zero.
+  NodePlacement directed_placement_of(std::size_t i) const {
+    NodePlacement node = placement_of(i);
+    for (std::size_t row = 0; row < 3; ++row)
+      for (std::size_t column = 0; column < 3; ++column)
+        node.to_world.m[row][column] = pose_.directions[i].m[row][column];
+    return node;
   }
 
   NodePlacement placement_of(std::size_t i) const { return {pose_.to_world[i], motions_[i] ? &*motions_[i] : nullptr}; }
@@ -143,10 +159,10 @@ class SceneReader {
     // Skins have the transforms of their joints
     const NodePlacement node = file_.nodes[i].skin == kNoIndex ? placement_of(i) : NodePlacement{};
     if (use.count == 1) {
-      Matrix4 inverse;
-      if (node.motion == nullptr && !invert(node.to_world, inverse)) return note_singular(i);
-      const Placement placement =
-          node.motion != nullptr ? Placement(*node.motion) : Placement(Transform(node.to_world));
+      const std::optional<Placement> place =
+          node.motion != nullptr ? Placement(*node.motion) : place_of(node, Matrix4{});
+      if (!place) return note_collapsed(i);
+      const Placement& placement = *place;
       const Transform& transform = placement.to_world;
       const std::optional<MotionId> motion = add_motion(out_.motions, placement);
       for (ShapeDescription& shape : shapes(i, key)) {
@@ -166,21 +182,25 @@ class SceneReader {
     add_instances(i, node, *use.group);
   }
 
-  void note_singular(std::size_t i) {
-    file_.notes.push_back(
-        file_.error("nodes[" + std::to_string(i) + "]", "its transform is singular (not rendered)").what());
+  /// The placement of what `local` places in a node; nothing if it collapses to a line or a point.
+  static std::optional<Placement> place_of(const NodePlacement& node, const Matrix4& local) {
+    const std::optional<Matrix4> matrix = thickened(node.motion != nullptr ? local : node.to_world * local);
+    if (!matrix) return std::nullopt;
+    return node.motion != nullptr ? Placement(*node.motion) * Transform(*matrix) : Placement(Transform(*matrix));
+  }
+
+  void note_collapsed(std::size_t i) { note(i, "its transform collapses it to a line or a point (not rendered)"); }
+  void note(std::size_t i, const std::string& message) {
+    file_.notes.push_back(file_.error("nodes[" + std::to_string(i) + "]", message).what());
   }
 
   void add_instances(std::size_t i, const NodePlacement& node, std::uint32_t group) {
-    bool singular = false;
+    bool collapsed = false;
     const auto add = [&](const Matrix4& local) {
-      Matrix4 inverse;
-      if (!invert(node.motion != nullptr ? local : node.to_world * local, inverse)) {
-        singular = true;
-        return;
-      }
-      const Placement placement = node.motion != nullptr ? Placement(*node.motion) * Transform(local)
-                                                         : Placement(Transform(node.to_world * local));
+      const std::optional<Placement> place = place_of(node, local);
+      collapsed = collapsed || !place;
+      if (!place) return;
+      const Placement& placement = *place;
       out_.instances.push_back({rows_of(placement.to_world), group, add_motion(out_.motions, placement)});
     };
     const GltfAttributes& attributes = file_.nodes[i].instances;
@@ -189,7 +209,7 @@ class SceneReader {
     } else {
       for (const GltfPose& pose : instance_poses(attributes, i)) add(matrix_of(pose));
     }
-    if (singular) note_singular(i);
+    if (collapsed) note_collapsed(i);
   }
 
   /// The poses of EXT_mesh_gpu_instancing.
