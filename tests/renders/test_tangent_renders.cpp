@@ -173,7 +173,10 @@ TEST_SUITE("Renders") {
         const Tangents frame{angle, handedness};
         const Vector n = unit(frame.tangent() * x + frame.bitangent() * y + Vector{0, 0, z});
         // For alpha = 1 the GGX distribution is constant, and masking depends on the cosines alone
-        const double expected = 0.5 * dot(n, kLight) / (dot(n, kLight) + dot(n, kView));
+        const double radiance = 0.5 * dot(n, kLight) / (dot(n, kLight) + dot(n, kView));
+        // The shadow terminator of Estevez, Lecocq and Stein (2019)
+        const double alpha2 = 0.125 * (1 / (n.z * n.z) - 1), tan2 = 1 / (kLight.z * kLight.z) - 1;
+        const double expected = radiance * 2 / (1 + std::sqrt(1 + alpha2 * tan2));
         for (const Source source : {Source::kAttribute, Source::kUv})
           CHECK(Square(frame, source, material).mean() == near(expected, 1e-3));
       }
