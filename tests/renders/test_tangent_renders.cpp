@@ -91,9 +91,13 @@ class Square {
   /// Turns a node about z by 90 degrees within the shutter interval.
   void turn(int node) {
     const float half = std::sqrt(0.5f);
+    animate(node, "rotation", gltf.add<float>({0, 0, 0, 1, 0, 0, half, half}, "VEC4"));
+  }
+
+  /// Animates a node from time 0 to time 1, while the shutter is open.
+  void animate(int node, const char* path, int output) {
     const int times = gltf.add<float>({0, 1}, "SCALAR");
-    const int output = gltf.add<float>({0, 0, 0, 1, 0, 0, half, half}, "VEC4");
-    gltf.json["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "rotation"}}}}}},
+    gltf.json["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", path}}}}}},
                                 {"samplers", {{{"input", times}, {"output", output}}}}}};
     options.moment = {0, {}};
     options.shutter = ShutterDescription{0, 1, 0};
@@ -105,7 +109,7 @@ class Square {
     write_bmp(folder / "map.bmp", 1, 1, map);
     Description d = read_scene(write_below(folder, "model.gltf", gltf.text()), options);
     d.film.width = d.film.height = 8;
-    d.sampler.sample_count = 4;
+    d.sampler.sample_count = samples;
     const Image image = render(*compile_scene(d), {}).film.to_image();
     double sum = 0;
     for (int y = 0; y < 8; ++y)
@@ -115,6 +119,7 @@ class Square {
 
   GltfBuilder gltf;
   ReadOptions options;
+  std::uint32_t samples = 4;
 };
 
 json metal(double roughness, double anisotropy = 0, double rotation = 0) {
@@ -184,7 +189,7 @@ TEST_SUITE("Renders") {
 
   TEST_CASE("gltf tangents: nodes, instances, joints and motion carry them as they carry texture coordinates") {
     struct Place {
-      const char* name;
+      std::string name;
       void (*put)(Square&);
     };
     const Place places[] = {
@@ -246,6 +251,17 @@ TEST_SUITE("Renders") {
     const double left = Square({0, -1}, Source::kAttribute, glass).mean();
     CHECK(left == near(Square({0, 1}, Source::kAttribute, turned).mean(), 1e-4));
     CHECK(left != near(Square({0, 1}, Source::kAttribute, glass).mean(), 0.02));
+  }
+
+  TEST_CASE("gltf: a joint shrinks its vertices to nothing while the shutter is open") {
+    Square square({}, Source::kUv, metal(1));
+    square.add_joint(json::object());
+    square.animate(3, "scale", square.gltf.add<float>({1, 1, 1, 0, 0, 0}, "VEC3"));
+    square.samples = 64;
+    // The square fills the image until its edge is a quarter of its length: 3/4 + integral of (4 s)^2 from 0 to 1/4
+    const double lit = 0.5 * kLight.z / (kLight.z + kView.z), share = 0.75 + 1 / 12.0;
+    // Five standard errors of independent samples
+    CHECK(square.mean() == within(lit * share, 5 * lit * std::sqrt(share * (1 - share) / (64 * 64))));
   }
 
   TEST_CASE("gltf: alpha masks compare the product of factor and vertex colour") {
