@@ -128,9 +128,15 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
   if (options.shutter) description.shutter = *options.shutter;
   const GltfContents contents = read_gltf(file, options.folder.value_or(file.parent_path()), options.moment,
                                           options.camera, options.lenient, description);
-  if (description.shapes.empty() && description.instances.empty())
-    throw SceneError({file.string(), 0}, "has no triangles to render");
-  const std::array<Vec3d, 2> box = read_bounds(description, options.lenient);
+  std::array<Vec3d, 2> box{Vec3d{-1, -1, -1}, Vec3d{1, 1, 1}};
+  if (!description.shapes.empty() || !description.instances.empty()) {
+    box = read_bounds(description, options.lenient);
+  } else {
+    // An animation may hide everything for a while
+    const SceneError nothing({file.string(), 0}, "has no triangles to render");
+    if (!contents.has_camera) throw nothing;
+    description.notes.push_back(nothing.what());
+  }
   if (!contents.has_camera) frame_box(box, options.view, description);
   if (!contents.has_camera && !contents.has_lights && options.surroundings.floor)
     add_floor(box, options.view, description);

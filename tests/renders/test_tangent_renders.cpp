@@ -241,6 +241,17 @@ TEST_SUITE("Renders") {
     }
   }
 
+  TEST_CASE("gltf tangents: an instance looks like the same mesh alone") {
+    for (const double handedness : {1.0, -1.0}) {
+      Square alone({0.3, handedness}, Source::kAttribute, full_material());
+      alone.gltf.json["nodes"][0]["scale"] = {1, -2, 1};
+      Square shared = alone;
+      shared.gltf.json["nodes"].push_back({{"mesh", 0}, {"translation", {0, 0, -5}}});
+      shared.gltf.json["scenes"][0]["nodes"].push_back(3);
+      CHECK(shared.mean() == near(alone.mean(), 1e-4));
+    }
+  }
+
   TEST_CASE("gltf tangents: in mixtures with glass, handedness turns the rotation of anisotropy") {
     json glass = metal(0.4, 0.9, 0.6);
     glass["pbrMetallicRoughness"]["metallicFactor"] = 0.5;

@@ -117,6 +117,21 @@ TEST_CASE("gltf skins: a joint of scale zero collapses its vertices") {
   check_vector(mesh.positions.at(mesh.triangles[0][1]), {3, 1, 0});
 }
 
+TEST_CASE("gltf skins: a mesh that collapses as a whole leaves an empty image, if there is a camera") {
+  GltfBuilder gltf = two_joints();
+  gltf.json["nodes"][1]["scale"] = {0, 0, 0};
+  gltf.json["nodes"][2]["scale"] = {0, 0, 0};
+  CHECK_THROWS_WITH_AS(read_document(gltf), doctest::Contains("no triangles to render"), SceneError);
+  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}}};
+  gltf.json["nodes"].push_back({{"camera", 0}});
+  gltf.json["scenes"][0]["nodes"].push_back(4);
+  const Description d = read_document(gltf);
+  CHECK(d.shapes.empty());
+  REQUIRE(!d.notes.empty());
+  CHECK(contains(d.notes.back(), "no triangles to render"));
+  CHECK(compile_scene(d)->info().triangles == 0);
+}
+
 TEST_CASE("gltf skins: joints that are flat give finite normals of the plane") {
   GltfBuilder gltf = two_joints();
   gltf.json["nodes"][1]["scale"] = {1, 1, 0};
