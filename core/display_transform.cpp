@@ -6,12 +6,27 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace sheaf {
 
 namespace {
 
 constexpr double kMiddleGrey = 0.18;
+/// Exponent of the sRGB curve (IEC 61966-2-1): the weights of luminances are about the values that a display receives.
+constexpr double kEncodingExponent = 1 / 2.4;
+/// Stops from middle grey down to the first level of an 8-bit sRGB image above black, 1/255 on the linear segment of
+/// the curve, whose slope is 12.92: log2(0.18 x 12.92 x 255).
+const double kFaintStops = std::log2(kMiddleGrey * 12.92 * 255);
+
+/// Least coverage by which colours are divided: the first level of 8 bits.
+constexpr double kMinCoverage = 1.0 / 255;
+
+/// The luminance of a pixel with light, log2.
+struct LitPixel {
+  double level;           ///< over black
+  double straight_level;  ///< divided by the coverage, unless that is below kMinCoverage
+};
 
 /// The colour channels of a pixel; grey as three equal ones.
 Vec3f color_of(const float* pixel, const DisplayChannels& channels) {
@@ -46,6 +61,33 @@ void expose(const Image& image, const DisplayChannels& channels, double stops, I
   }
 }
 
+std::vector<LitPixel> lit_pixels(const Image& image) {
+  const DisplayChannels channels = display_channels(image);
+  std::vector<LitPixel> out;
+  out.reserve(image.pixel_count());
+  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
+    const float* const pixel = &image.data[i * image.channels.size()];
+    const auto value = static_cast<double>(luminance(color_of(pixel, channels)));
+    if (!(value > 0) || !std::isfinite(value)) continue;
+    const double alpha = channels.alpha < 0 ? 1.0 : static_cast<double>(pixel[channels.alpha]);
+    const double level = std::log2(value);
+    out.push_back({level, alpha >= kMinCoverage && alpha < 1 ? level - std::log2(alpha) : level});
+  }
+  return out;
+}
+
+/// The log-average of the brighter part of an image: luminances have the weights of their encoded values, so that
+/// neither many faint pixels nor few bright ones, such as the disc of the sun, decide alone.
+double bright_level(const std::vector<LitPixel>& pixels) {
+  double sum = 0, weights = 0;
+  for (const LitPixel& pixel : pixels) {
+    const double weight = std::exp2(kEncodingExponent * pixel.level);
+    sum += weight * pixel.level;
+    weights += weight;
+  }
+  return sum / weights;
+}
+
 /// A value that OpenColorIO may receive: NaN becomes 0, and infinity the largest half.
 float finite(float value) {
   constexpr float kMaxHalf = 65504;
@@ -56,19 +98,19 @@ float finite(float value) {
 
 double auto_exposure(const Image& image) {
   if (image.channels.empty()) return 0;
-  const DisplayChannels channels = display_channels(image);
+  const std::vector<LitPixel> pixels = lit_pixels(image);
+  if (pixels.empty()) return 0;
+  const double faintest = bright_level(pixels) - kFaintStops;
   double sum = 0;
   std::uint64_t count = 0;
-  for (std::size_t i = 0; i < image.pixel_count(); ++i) {
-    const float* const pixel = &image.data[i * image.channels.size()];
-    const float alpha = display_alpha(pixel, channels);
-    if (!(alpha > 0)) continue;
-    const double value = static_cast<double>(luminance(color_of(pixel, channels))) / static_cast<double>(alpha);
-    if (!(value > 0) || !std::isfinite(value)) continue;
-    sum += std::log2(value);
+  for (const LitPixel& pixel : pixels) {
+    if (pixel.level < faintest) continue;
+    sum += pixel.straight_level;
     ++count;
   }
-  return count == 0 ? 0.0 : std::log2(kMiddleGrey) - sum / static_cast<double>(count);
+  // The brightest pixel counts, because its level is not below any mean. Limit the exposure to finite factors
+  constexpr double kMaxStops = std::numeric_limits<float>::max_exponent - 2;
+  return std::min(std::log2(kMiddleGrey) - sum / static_cast<double>(count), kMaxStops);
 }
 
 double DisplayTransform::exposure_of(const Image& image) const {

@@ -12,8 +12,13 @@
 namespace sheaf {
 
 /// Exposure in stops that brings the log-average luminance of an image to middle grey, 0.18. See Reinhard et al.,
-/// "Photographic Tone Reproduction for Digital Images" (2002), equation 1. Pixels without light are omitted, as is the
-/// background behind transparent pixels. 0 for an image without light.
+/// "Photographic Tone Reproduction for Digital Images" (2002), equation 1, which adds a small number to each luminance:
+/// the logarithm would give faint pixels, such as the tails of filters, the weight of many stops. Here, pixels do not
+/// count that would be darker than the first level of an 8-bit sRGB image above black if the brighter part of the image
+/// were middle grey. Multiplying an image by a factor changes the exposure by its logarithm.
+///
+/// Colours count by their straight values; light without coverage, alpha below 1/255, counts as it appears over black.
+/// Pixels with NaN, infinite or negative luminance do not count. 0 for an image without light.
 double auto_exposure(const Image& image);
 
 /// Settings of a DisplayTransform. If `display_view` is set, `tone_map` is kNone.
