@@ -37,8 +37,9 @@ class WordLines {
   template <class T> T number(std::size_t i) const {
     if (i >= words_.size()) fail("the line has too few numbers");
     const std::string_view word = words_[i];
+    const std::size_t sign = word.starts_with('+') && !word.starts_with("+-") ? 1 : 0;
     T value{};
-    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+    const auto result = std::from_chars(word.data() + sign, word.data() + word.size(), value);
     if (result.ec != std::errc() || result.ptr != word.data() + word.size())
       fail(in_quotes(word) + (std::is_integral_v<T> ? " is not an index or a count" : " is not a number"));
     return value;

@@ -1,10 +1,15 @@
 // STL meshes: lists of triangles without shared vertices.
 #include "scene/formats/stl.h"
 
+#include "core/byte_order_mark.h"
 #include "scene/formats/little_endian.h"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <unordered_map>
 
 namespace sheaf {
@@ -12,6 +17,7 @@ namespace sheaf {
 namespace {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50;  ///< bytes of the binary format
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 /// Collects triangles, and merges equal vertices.
 class TriangleList {
@@ -44,14 +50,38 @@ class TriangleList {
   std::size_t count_ = 0;
 };
 
+/// Number of triangles that the header of a binary file announces. `bytes`: at least kHeader.
+std::size_t announced_triangles(const std::string& bytes) {
+  return little_endian<std::uint32_t>(bytes.data() + kHeader - 4);
+}
+
+bool equal_words(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  return a.size() == b.size() &&
+         std::equal(a.begin(), a.end(), b.begin(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+/// Whether the first word is `solid`, in any case. Headers of binary files may begin so as well.
+bool begins_with_solid(std::string_view bytes) {
+  constexpr std::string_view kSolid = "solid";
+  bytes.remove_prefix(std::min(bytes.find_first_not_of(kBlanks), bytes.size()));
+  return equal_words(bytes.substr(0, kSolid.size()), kSolid);
+}
+
+/// Whether all triangles of the header are there.
 bool is_binary(const std::string& bytes) {
   if (bytes.size() < kHeader) return false;
-  const std::size_t triangles = little_endian<std::uint32_t>(bytes.data() + kHeader - 4);
-  return triangles <= (bytes.size() - kHeader) / kTriangle && !(bytes.starts_with("solid") && triangles == 0);
+  const std::size_t triangles = announced_triangles(bytes);
+  return triangles <= (bytes.size() - kHeader) / kTriangle && !(begins_with_solid(bytes) && triangles == 0);
+}
+
+/// Whether the bytes of a header and of the first triangle are characters of a text: binary files have zeros there.
+bool is_text(const std::string& bytes) {
+  return std::string_view(bytes).substr(0, kHeader + kTriangle).find('\0') == std::string_view::npos;
 }
 
 void read_binary(const std::string& bytes, TriangleList& out) {
-  const std::size_t triangles = little_endian<std::uint32_t>(bytes.data() + kHeader - 4);
+  const std::size_t triangles = announced_triangles(bytes);
   const auto number = [&](std::size_t at) {
     return std::bit_cast<float>(little_endian<std::uint32_t>(bytes.data() + at));
   };
@@ -77,17 +107,61 @@ class Words {
     while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
     return std::string_view(text_).substr(begin, at_ - begin);
   }
+  /// Skips the name of a solid: the rest of the line, or the words before `facet normal` with three numbers and
+  /// `outer`, which may follow in the same line.
+  void skip_name() {
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    for (;;) {
+      const Words before = *this;
+      const std::string_view word = next();
+      if (word.empty() || at_ > end) {
+        at_ = end;
+        line_ = before.line_;
+        return;
+      }
+      if (!equal_words(word, "facet")) continue;
+      const Words after = *this;
+      if (begins_facet()) {
+        at_ = before.at_;
+        line_ = before.line_;
+        return;
+      }
+      at_ = after.at_;
+      line_ = after.line_;
+    }
+  }
   float number() {
     const std::string_view word = next();
-    float value = 0;
-    const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (word.empty() || result.ec != std::errc() || result.ptr != word.data() + word.size())
-      throw SceneError({file_.string(), line_}, in_quotes(word) + " is not a number");
-    return value;
+    if (word.empty()) fail("ends inside a triangle: the file is truncated");
+    const std::optional<double> value = parse(word);
+    if (!value) fail(in_quotes(word) + " is not a number");
+    if (std::isfinite(*value) && std::abs(*value) > static_cast<double>(std::numeric_limits<float>::max()))
+      fail(in_quotes(word) + " is too large for single precision");
+    return static_cast<float>(*value);
   }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_.string(), line_}, message); }
 
  private:
-  static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+  static bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
+  /// Whether the words after `facet` are `normal`, three numbers and `outer`.
+  bool begins_facet() {
+    if (!equal_words(next(), "normal")) return false;
+    for (int i = 0; i < 3; ++i)
+      if (!parse(next())) return false;
+    return equal_words(next(), "outer");
+  }
+  /// Numbers that underflow are 0, those that overflow infinite.
+  static std::optional<double> parse(std::string_view word) {
+    if (word.starts_with('+')) word.remove_prefix(1);
+    if (word.empty() || word.starts_with('+')) return std::nullopt;
+    double value = 0;
+    const char* const end = word.data() + word.size();
+    const auto result = std::from_chars(word.data(), end, value);
+    if (result.ptr != end || result.ec == std::errc::invalid_argument) return std::nullopt;
+    if (result.ec == std::errc::result_out_of_range)
+      return word.find("e-") != word.npos || word.find("E-") != word.npos ? 0.0 : std::numeric_limits<double>::max();
+    return value;
+  }
 
   const std::string& text_;
   const std::filesystem::path& file_;
@@ -95,31 +169,60 @@ class Words {
   int line_ = 1;
 };
 
-void read_ascii(const std::string& text, const std::filesystem::path& file, TriangleList& out) {
+/// Reads the facets of all solids. The normals of the file are ignored, as are unknown words.
+void read_ascii(const std::string& text, const std::filesystem::path& file, TriangleList& out,
+                std::vector<std::string>& warnings) {
   Words words(text, file);
+  bool in_solid = false, in_facet = false;
+  const auto check_facet = [&] {
+    if (!out.is_complete()) words.fail("a facet does not have 3 vertices");
+  };
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (word != "vertex") continue;
-    const float x = words.number(), y = words.number(), z = words.number();
-    out.add({x, y, z});
+    const bool is_end = equal_words(word, "end");  // "end facet"
+    if (is_end) word = words.next();
+    if (equal_words(word, "vertex")) {
+      const float x = words.number(), y = words.number(), z = words.number();
+      out.add({x, y, z});
+    } else if (equal_words(word, "facet") || equal_words(word, "endfacet")) {
+      check_facet();
+      in_facet = equal_words(word, "facet") && !is_end;
+    } else if (equal_words(word, "solid") || equal_words(word, "endsolid")) {
+      check_facet();
+      in_solid = equal_words(word, "solid") && !is_end;
+      in_facet = false;
+      words.skip_name();
+    }
   }
+  if (in_facet || !out.is_complete()) words.fail("ends inside a triangle: the file is truncated");
+  if (in_solid) warnings.emplace_back("ends without 'endsolid': it may be truncated");
 }
 
 }  // namespace
 
 MeshFile read_stl(const std::filesystem::path& file) {
-  const std::string bytes = read_mesh_bytes(file, "STL file");
+  std::string bytes = read_mesh_bytes(file, "STL file");
+  const SourceLocation where{file.string()};
+  MeshFile out;
   TriangleList triangles;
   if (is_binary(bytes)) {
     read_binary(bytes, triangles);
-  } else if (bytes.starts_with("solid")) {
-    read_ascii(bytes, file, triangles);
   } else {
-    throw SceneError({file.string(), 0}, "is neither a binary nor an ASCII STL file, or it is truncated");
+    remove_byte_order_mark(bytes, file.string());
+    if (begins_with_solid(bytes) && is_text(bytes)) {
+      read_ascii(bytes, file, triangles, out.warnings);
+    } else if (bytes.size() < kHeader) {
+      throw SceneError(where, "is not an STL file (ASCII files begin with 'solid', binary ones have at least " +
+                                  std::to_string(kHeader) + " bytes)");
+    } else {
+      const std::size_t announced = announced_triangles(bytes);
+      throw SceneError(where, "is a truncated binary STL file, or not an STL file: its header announces " +
+                                  std::to_string(announced) + " triangles (" +
+                                  std::to_string(kHeader + announced * kTriangle) + " bytes), but the file has " +
+                                  std::to_string(bytes.size()) + " bytes");
+    }
   }
-  if (!triangles.is_complete()) throw SceneError({file.string(), 0}, "ends inside a triangle");
-  MeshFile out;
   out.mesh = triangles.take();
-  if (out.mesh.triangles.empty()) throw SceneError({file.string(), 0}, "has no triangles");
+  if (out.mesh.triangles.empty()) throw SceneError(where, "has no triangles");
   return out;
 }
 
