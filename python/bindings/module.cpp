@@ -14,6 +14,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <span>
 #include <thread>
 
 namespace py = pybind11;
@@ -137,6 +138,24 @@ std::vector<double> matrix_of(const Session& session, const TreePath& path) {
   std::vector<double> out;
   for (const auto& row : transform.matrix().m) out.insert(out.end(), row.begin(), row.end());
   return out;
+}
+
+/// A copy of the array of an <array>.
+py::array array_of(const Session& session, const TreePath& path) {
+  const XmlElement& element = at(session.tree(), path);
+  if (element.array == nullptr) throw Error(ExitCode::kUsage, "the parameter is not an array");
+  const ArrayValue& array = *element.array;
+  const auto copy = [&]<class T>(std::span<const T> values) -> py::array {
+    return py::array_t<T>({array.shape.begin(), array.shape.end()}, values.data());
+  };
+  switch (array.type) {
+    case ArrayValue::Type::kIndex:
+      return copy(array.indices());
+    case ArrayValue::Type::kByte:
+      return copy(array.bytes());
+    default:
+      return copy(array.floats());
+  }
 }
 
 /// Calls run() in another thread. Meanwhile handles signals and calls the functions of the user. A signal that raises
@@ -310,6 +329,7 @@ void add_scene(py::module_& m) {
       .def("set", set_child)
       .def("remove", remove_child)
       .def("matrix", matrix_of)
+      .def("array", array_of)
       .def("render", render);
 }
 

@@ -80,10 +80,25 @@ class Object:
                     return index, element, attributes
         return None
 
+    def _array(self, index: int) -> np.ndarray:
+        """A copy of the array of a child."""
+        with converted_errors():
+            return self._scene._session.array((*self._path[1], index))
+
+    def _attributes(self) -> Dict[str, np.ndarray]:
+        """The attributes of a mesh by name."""
+        return {attributes["name"]: self._array(index)
+                for index, (element, attributes) in enumerate(self._get()[2])
+                if element == "array" and tree.is_attribute(attributes["name"])}
+
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
         found = self._find(name)
+        if found is None and name == "attributes":
+            attributes = self._attributes()
+            if attributes:
+                return attributes
         if found is None:
             near = difflib.get_close_matches(name, dir(self), 1)
             raise AttributeError(f"{self!r} sets no parameter '{name}'" + (f", did you mean '{near[0]}'?" if near else ""))
@@ -96,6 +111,8 @@ class Object:
         if element == "transform":
             with converted_errors():
                 return Transform(np.reshape(self._scene._session.matrix(path), (4, 4)))
+        if element == "array":
+            return self._array(index)
         text = attributes.get("value", "")
         numbers = _numbers(text)
         if element == "boolean":

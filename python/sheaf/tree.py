@@ -73,6 +73,11 @@ def array(name: str, value: Any, where: str) -> tuple:
     return ("array", {"name": name}, [], where, values)
 
 
+def is_attribute(name: str) -> bool:
+    """Whether an array of a mesh is one of its attributes."""
+    return name.startswith(("vertex_", "face_"))
+
+
 def _transform(name: str, matrix: np.ndarray, where: str) -> tuple:
     text = " ".join(_number(v) for v in _finite(matrix, where).flat)
     return ("transform", {"name": name}, [("matrix", {"value": text}, [], where)], where)
@@ -161,7 +166,8 @@ def property_of(name: str, value: Any, parent: str, where: str, now: Optional[st
         raise SceneError(f"{where}: is a {type(value).__name__} without numbers, expected numbers")
     if values.shape == (4, 4) and name.lower().replace("_", "") in ("toworld", "touv"):
         return _transform(name, values.astype(np.float64), where)
-    if values.ndim == 1 and len(values) in _DIMENSIONS and now != "array":
+    is_array = now == "array" or (parent in ("shape", "mesh") and is_attribute(name))
+    if values.ndim == 1 and len(values) in _DIMENSIONS and not is_array:
         if now in _COLORS or now == "spectrum" or now == "texture":
             return _color("rgb", name, values, where)
         text = ", ".join(_number(v) for v in _finite(values, where))
