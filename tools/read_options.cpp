@@ -129,7 +129,7 @@ ShutterDescription parse_shutter(const std::string& text) {
     at = colon + 1;
   }
   if (numbers.size() < 2) throw Error(ExitCode::kUsage, option + "OPEN:CLOSE or OPEN:CLOSE:RAMP, such as 0:0.02");
-  if (numbers[1] < numbers[0]) throw Error(ExitCode::kUsage, option + "a shutter that opens before it closes");
+  if (numbers[1] < numbers[0]) throw Error(ExitCode::kUsage, option + "a shutter that does not close before it opens");
   numbers.resize(3, 0.0);
   if (!(numbers[2] >= 0 && numbers[2] <= 0.5)) throw Error(ExitCode::kUsage, option + "a ramp from 0 to 0.5");
   return {numbers[0], numbers[1], static_cast<float>(numbers[2])};

@@ -51,7 +51,8 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     const ScopedTimer timer(times_.texture_seconds);
     out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_);
   });
-  out_->warnings_ = out_->textures_.warnings;
+  out_->warnings_ = in_.warnings;
+  out_->warnings_.insert(out_->warnings_.end(), out_->textures_.warnings.begin(), out_->textures_.warnings.end());
   attributes_.emplace(out_->textures_.attribute_names);
   add_materials();
   for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->materials_.bindings))

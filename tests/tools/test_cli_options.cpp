@@ -355,7 +355,7 @@ TEST_CASE("options: --shutter takes two times and a ramp") {
                                          {"0:inf", "expected OPEN:CLOSE"},
                                          {"0:1e39", "expected OPEN:CLOSE"},
                                          {"0:1s", "expected OPEN:CLOSE"},
-                                         {"2:1", "expected a shutter that opens before it closes"},
+                                         {"2:1", "expected a shutter that does not close before it opens"},
                                          {"0:1:0.6", "expected a ramp from 0 to 0.5"},
                                          {"0:1:nan", "expected OPEN:CLOSE"}}) {
     const Outcome outcome = place.render("--shutter '" + std::string(shutter) + "'");

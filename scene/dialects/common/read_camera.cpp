@@ -19,7 +19,7 @@ ShutterDescription read_shutter(Properties& p) {
   if (close < open)
     p.fail_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
               "makes the shutter open at " + number_text(double{open}) + " and close at " + number_text(double{close}) +
-                  ", expected it to close later");
+                  ", expected it to close at the same time or later");
   return {double{open}, double{close}, p.number("shutter_ramp", 0, {0, 0.5, false})};
 }
 

@@ -171,6 +171,26 @@ constexpr NameTable<FilterReader> kFilters{{{"box",
 
 }  // namespace
 
+ShutterDescription read_shutter(Reader& reader, const Entity& camera) {
+  ShutterDescription shutter{0, 1};
+  for (const Parameter& parameter : camera.parameters)
+    if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
+      (parameter.name == "shutteropen" ? shutter.open : shutter.close) = parameter.numbers[0];
+  if (shutter.close < shutter.open) {
+    reader.warn(camera.where, "Camera: 'shutteropen' " + number_text(shutter.open) + " is later than 'shutterclose' " +
+                                  number_text(shutter.close) + ": exchanged");
+    std::swap(shutter.open, shutter.close);
+  } else if (shutter.close == shutter.open) {
+    reader.note(camera.where, "Camera: the shutter opens and closes at " + number_text(shutter.open) +
+                                  ": a still without motion blur, with the exposure of 1 s");
+  }
+  return shutter;
+}
+
+double exposure_time(const ShutterDescription& shutter) {
+  return shutter.close > shutter.open ? shutter.close - shutter.open : 1;
+}
+
 void read_film(Reader& reader, Entity entity, float shutter) {
   Parameters p(reader, "Film '" + entity.type + "'", entity.where, std::move(entity.parameters));
   const std::vector<std::string> known = {"gbuffer", "rgb", "spectral"};

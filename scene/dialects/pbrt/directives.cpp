@@ -222,17 +222,11 @@ void SceneBuilder::world_begin(Tokens&) {
   };
   // Determine the exposure time
   Entity camera = option("Camera", "perspective");
-  double shutter[2] = {0, 1};
-  for (const Parameter& parameter : camera.parameters)
-    if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
-      shutter[parameter.name == "shutterclose" ? 1 : 0] = parameter.numbers[0];
-  if (!(shutter[0] < shutter[1]))
-    throw SceneError(camera.where,
-                     "Camera: the shutter closes before it opens, expected 'shutteropen' below 'shutterclose'");
+  const ShutterDescription shutter = read_shutter(reader_, camera);
   // Read the rendering options, then reset the transform
-  read_film(reader_, option("Film", "rgb"), static_cast<float>(shutter[1] - shutter[0]));
+  read_film(reader_, option("Film", "rgb"), static_cast<float>(exposure_time(shutter)));
   read_filter(reader_, option("PixelFilter", "gaussian"));
-  reader_.description.shutter = {shutter[0], shutter[1]};
+  reader_.description.shutter = shutter;
   pbrt::read_camera(reader_, std::move(camera), world_from_camera_, camera_medium_);
   read_sampler(reader_, option("Sampler", "zsobol"));
   read_integrator(reader_, option("Integrator", "volpath"));

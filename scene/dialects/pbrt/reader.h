@@ -107,6 +107,8 @@ struct Reader {
   void note(const SourceLocation& where, const std::string& message);
   /// Adds a note, each message once.
   void note_once(const SourceLocation& where, const std::string& message);
+  /// Adds a warning about an error that is corrected.
+  void warn(const SourceLocation& where, const std::string& message);
   /// Reports that an element is replaced or dropped.
   void stand_in(const SourceLocation& where, const std::string& message);
   /// Throws SceneError that `what` is not supported; if lenient, reports it and the replacement `instead`.
@@ -257,6 +259,12 @@ bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription&
 // camera.cpp
 /// `world_from_camera` is the inverse of the current transformation matrices at the Camera directive.
 void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside);
+/// The shutter of a camera, whose times default to 0 and 1. Exchanges them if it closes before it opens, with a
+/// warning.
+ShutterDescription read_shutter(Reader& reader, const Entity& camera);
+/// The exposure time of a shutter. A still, whose shutter opens and closes at one time, has the exposure of 1 s.
+double exposure_time(const ShutterDescription& shutter);
+
 /// Reads Film and PixelFilter. Call these before read_camera(), which needs the frame's size. `shutter` is the exposure
 /// time (s).
 void read_film(Reader& reader, Entity entity, float shutter);

@@ -29,6 +29,10 @@ void Reader::note_once(const SourceLocation& where, const std::string& message) 
   if (noted.insert(message).second) note(where, message);
 }
 
+void Reader::warn(const SourceLocation& where, const std::string& message) {
+  description.warnings.push_back(SceneError(where, message).what());
+}
+
 void Reader::stand_in(const SourceLocation& where, const std::string& message) {
   description.stand_ins.push_back(SceneError(where, message).what());
 }
