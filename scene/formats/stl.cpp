@@ -152,8 +152,7 @@ class Words {
   }
   /// Numbers that underflow are 0, those that overflow infinite.
   static std::optional<double> parse(std::string_view word) {
-    if (word.starts_with('+')) word.remove_prefix(1);
-    if (word.empty() || word.starts_with('+')) return std::nullopt;
+    if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
     double value = 0;
     const char* const end = word.data() + word.size();
     const auto result = std::from_chars(word.data(), end, value);

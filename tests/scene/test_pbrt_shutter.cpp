@@ -1,5 +1,6 @@
 // Shutters of pbrt's cameras: times in the wrong order, and equal times.
 #include "scene/compile/compile.h"
+#include "scene/xml/named_values.h"
 #include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
