@@ -70,8 +70,11 @@ TEST_CASE("disney: values equal the published formulas") {
       const auto& c = p.base_color;
       const double lum = 0.3 * c.c0 + 0.6 * c.c1 + 0.1 * c.c2;
       const auto f = disney(p).evaluate(wo, wi).f_cos;
-      for (const auto& [value, base] : {std::pair{f.c0, c.c0}, std::pair{f.c1, c.c1}, std::pair{f.c2, c.c2}})
-        CHECK(value == within(reference(p, base, lum, wo, wi), 1e-4 * 0.01));
+      for (const auto& [value, base] : {std::pair{f.c0, c.c0}, std::pair{f.c1, c.c1}, std::pair{f.c2, c.c2}}) {
+        const double expected = reference(p, base, lum, wo, wi);
+        // Dark values are sums of terms that cancel
+        CHECK(value == within(expected, 1e-4 * (expected + 0.01)));
+      }
     }
 }
 

@@ -187,7 +187,9 @@ TEST_CASE("rough plastic: vanishing roughness gives the smooth plastic") {
   const auto rough = rough_plastic<RoughPlasticBeckmannBsdf>(1.5f, 1e-4f, 0.6f, 0.0f);
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(53, i), wi = random_direction(54, i);
-    CHECK(rough.evaluate(wo, wi).f_cos.c0 == near(smooth.evaluate(wo, wi).f_cos.c0, 0.01));
+    // At grazing incidence, the error of the fitted transmittance counts
+    const double expected = smooth.evaluate(wo, wi).f_cos.c0, fit = 0.01 * 0.6 / 3.14159265 * std::fabs(double{wi.z});
+    CHECK(rough.evaluate(wo, wi).f_cos.c0 == within(expected, 0.01 * expected + fit));
   }
 }
 

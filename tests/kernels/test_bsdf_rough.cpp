@@ -54,7 +54,8 @@ template <template <class> class Bsdf> void check_metal() {
     const auto s = mirror.sample(wo, lane_random(41, i, 0));
     CHECK(s.valid);
     CHECK(s.weight.c0 == near(1, 1e-3));  // hardly any masking
-    CHECK(s.wi.z == near(wo.z, 0.1));
+    // Of 100 normals of the GGX distribution, about one has a slope above 10 times the roughness
+    CHECK(s.wi.z == within(wo.z, 0.2));
   }
 }
 

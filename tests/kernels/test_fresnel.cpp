@@ -60,12 +60,17 @@ TEST_CASE("fresnel: dielectrics match the sine and tangent laws from both sides"
   CHECK(worst < 2e-5);
 }
 
+/// Error of the squared sine of the refracted direction in single precision, for sines near 1.
+constexpr double kSineError = 2.5e-7;
+
 TEST_CASE("fresnel: dielectrics have their known reflectance at normal and Brewster and grazing incidence") {
   for (const double eta : kIndices) {
     const float e = static_cast<float>(eta);
     const double normal = std::pow((eta - 1) / (eta + 1), 2);
-    CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == near(normal, 1e-4));
-    CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == near(normal, 1e-4));
+    // The amplitude is rounded by about 1e-7, the index included
+    const Near expected = within(normal, 1e-4 * normal + 2e-7 * std::sqrt(normal));
+    CHECK(fresnel_dielectric<Scalar>(1.0f, e).reflectance == expected);
+    CHECK(fresnel_dielectric<Scalar>(-1.0f, e).reflectance == expected);
     // Brewster's angle, tan = eta: the parallel component is not reflected.
     const double s = (1 - eta * eta) / (1 + eta * eta);
     const float brewster = static_cast<float>(std::cos(std::atan(eta)));
@@ -88,7 +93,7 @@ TEST_CASE("fresnel: refracted cosines obey Snell's law and have the opposite sig
           if (sin2_t > 1 + 1e-5) CHECK(f.reflectance == 1.0f);
           continue;
         }
-        CHECK(double(f.cos_transmitted) * f.cos_transmitted == near(1 - sin2_t, 2e-5));
+        CHECK(double(f.cos_transmitted) * f.cos_transmitted == within(1 - sin2_t, 2e-5 * (1 - sin2_t) + kSineError));
         CHECK(f.cos_transmitted * cos_i <= 0.0f);
       }
 }
@@ -99,8 +104,10 @@ TEST_CASE("fresnel: the reflectance of a dielectric is the same along the revers
       const auto there = fresnel_dielectric<Scalar>(c, static_cast<float>(eta));
       if (there.reflectance == 1.0f || c < 1e-3f) continue;
       const auto back = fresnel_dielectric<Scalar>(there.cos_transmitted, static_cast<float>(eta));
-      CHECK(back.reflectance == near(there.reflectance, 1e-3));
-      CHECK(back.cos_transmitted == near(c, 1e-3));
+      // Relative error of the cosine; the reflectance changes by at most its fourth power
+      const double error = 1e-3 + kSineError / (2 * double(c) * c);
+      CHECK(back.reflectance == near(there.reflectance, 4 * error));
+      CHECK(back.cos_transmitted == near(c, error));
       CHECK(back.eta * there.eta == near(1, 1e-6));
     }
 }
@@ -109,7 +116,8 @@ TEST_CASE("fresnel: matched indices reflect nothing and do not refract") {
   for (const float c : cosines()) {
     if (c == 0.0f) continue;
     const auto f = fresnel_dielectric<Scalar>(c, 1.0f);
-    CHECK(f.cos_transmitted == near(-c, 1e-3));
+    CHECK(f.cos_transmitted <= 0.0f);
+    CHECK(double(f.cos_transmitted) * f.cos_transmitted == within(double(c) * c, 1e-5 * c * c + kSineError));
     if (c < 1e-3f) continue;  // 1 - cos^2 rounds to 1 in single precision
     CHECK(f.reflectance == 0.0f);
     CHECK(fresnel_dielectric<Scalar>(-c, 1.0f).reflectance == 0.0f);

@@ -2,12 +2,14 @@
 #include "kernels/passes/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/near.h"
+#include "tests/support/render_testing.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/xml_elements.h"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -50,11 +52,14 @@ struct Rendering {
 
 const std::string kFew = integer("photonCount", "4000") + number("photonRadius", "0.15");
 
-Rendering rendering(const std::string& properties, const std::string& type = "photonmapper", bool fog = false) {
+/// `samples`: per pixel; 0: as the scene says.
+Rendering rendering(const std::string& properties, const std::string& type = "photonmapper", bool fog = false,
+                    std::uint32_t seed = 3, std::uint32_t samples = 0) {
   const Description d = read_text(
       scene_of("<integrator type='" + type + "'>" + properties + integer("maxDepth", "6") + "</integrator>", fog));
   RenderOptions options;
-  options.seed = 3;
+  options.seed = seed;
+  if (samples > 0) options.samples_per_pixel = samples;
   const RenderResult result = render(*compile_scene(d), options);
   const Image image = result.film.to_image();
   Rendering out;
@@ -72,6 +77,21 @@ Rendering rendering(const std::string& properties, const std::string& type = "ph
   return out;
 }
 
+/// Checks that photon mapping with these properties has the mean of path tracing, over several seeds. Blur across the
+/// edges of surfaces may change it by 3 %.
+void check_same_mean_as_paths(const std::string& properties, bool fog = false) {
+  constexpr int kRepeats = 16;
+  // Standard error 0.5 %
+  static const std::array<double, 2> expected{rendering("", "path_mis", false, 1, 1024).mean,
+                                              rendering("", "path_mis", true, 1, 1024).mean};
+  MeanVariance found;
+  for (std::uint32_t seed = 0; seed < kRepeats; ++seed)
+    found.add(rendering(properties, "photonmapper", fog, 100 + seed).mean);
+  const double right = expected[fog ? 1 : 0];
+  CHECK(found.variance() < kRepeats * std::pow(0.1 * right, 2));
+  check_mean(found, right, significance_of_each(7), 0.03 * right);
+}
+
 }  // namespace
 
 TEST_CASE("photon settings: counts and radii are read") {
@@ -87,17 +107,17 @@ TEST_CASE("photon settings: counts and radii are read") {
   for (const char* kernel : {"cone", "epanechnikov"}) {
     const Rendering other = rendering(kFew + word("kernel", kernel));
     CHECK(other.data != plain.data);
-    CHECK(other.mean == near(plain.mean, 0.1));
+    check_same_mean_as_paths(kFew + word("kernel", kernel));
   }
   CHECK(rendering(kFew + word("kernel", "disc")).data == plain.data);
 }
 
 TEST_CASE("photon settings: numGatherRays enables final gathering") {
-  const Rendering plain = rendering(kFew), path = rendering("", "path_mis");
+  const Rendering plain = rendering(kFew);
   const Rendering gathered = rendering(kFew + integer("numGatherRays", "4"));
   CHECK(gathered.data == rendering(kFew + flag("finalGather") + integer("numGatherRays", "4")).data);
   CHECK(gathered.spp == 4 * plain.spp);
-  CHECK(gathered.mean == near(path.mean, 0.1));
+  check_same_mean_as_paths(kFew + integer("numGatherRays", "4"));
   CHECK(rendering(kFew + integer("numGatherRays", "1")).data == rendering(kFew + flag("finalGather")).data);
   CHECK(rendering(kFew + integer("numGatherRays", "0")).data == plain.data);
   // Final gathering is disabled explicitly.
@@ -106,19 +126,19 @@ TEST_CASE("photon settings: numGatherRays enables final gathering") {
 }
 
 TEST_CASE("photon settings: causticPhotonCount enables a caustic map with causticRadius") {
-  const Rendering plain = rendering(kFew), path = rendering("", "path_mis");
+  const Rendering plain = rendering(kFew);
   const std::string caustics = integer("causticPhotonCount", "4000");
   const Rendering sharp = rendering(kFew + caustics + number("causticRadius", "0.04"));
   const Rendering blurred = rendering(kFew + caustics + number("causticRadius", "0.5"));
   CHECK(sharp.stored > plain.stored + 3000);
   CHECK(sharp.peak > 1.1 * plain.peak);
   CHECK(blurred.peak < 0.8 * plain.peak);
-  CHECK(sharp.mean == near(path.mean, 0.1));
+  check_same_mean_as_paths(kFew + caustics + number("causticRadius", "0.04"));
   CHECK(rendering(kFew + integer("causticPhotonCount", "0") + number("causticRadius", "0.04")).data == plain.data);
   // Caustic maps combined with final gathering and with direct light sampling.
   const Rendering both = rendering(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
   CHECK(both.data != rendering(kFew + integer("numGatherRays", "4")).data);
-  CHECK(both.mean == near(path.mean, 0.1));
+  check_same_mean_as_paths(kFew + caustics + number("causticRadius", "0.04") + integer("numGatherRays", "4"));
   const Rendering sampled = rendering(kFew + flag("sampleDirect"));
   CHECK(sampled.stored < 0.7 * plain.stored);
   CHECK(sampled.roughness < plain.roughness);
@@ -129,15 +149,15 @@ TEST_CASE("photon settings: photons in media are read") {
   const auto in_fog = [](const std::string& properties, const std::string& type = "photonmapper") {
     return rendering(properties, type, true);
   };
-  const Rendering plain = in_fog(kFew), path = in_fog("", "path_mis");
+  const Rendering plain = in_fog(kFew);
   const std::string volume = integer("volumePhotonCount", "3000");
   const Rendering points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
   CHECK(points.stored == near(plain.stored + 3000, 0.1));
-  CHECK(points.mean == near(path.mean, 0.15));
+  check_same_mean_as_paths(kFew + volume + number("volumeRadius", "0.1"), true);
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.4")).roughness < points.roughness);
   const Rendering beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
   CHECK(beams.data != points.data);
-  CHECK(beams.mean == near(path.mean, 0.15));
+  check_same_mean_as_paths(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"), true);
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "points")).data == points.data);
   // With photonCount alone, media get as many photons with the same radius. Both can be set separately.
   const Rendering both = in_fog(kFew, "volumetricphotonmapper");

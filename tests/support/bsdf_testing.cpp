@@ -128,7 +128,8 @@ void check_bsdf_reciprocity(const BsdfView& bsdf, double eta) {
       return std::array<double, 3>{f.c0 * scale, f.c1 * scale, f.c2 * scale};
     };
     const auto there = scaled(bsdf.evaluate(wo, wi).f_cos, wi), back = scaled(bsdf.evaluate(wi, wo).f_cos, wo);
-    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == near(back[c], 1e-4));
+    // In the tails of a lobe, rounding of the half vector changes values by up to all of their size
+    for (std::size_t c = 0; c < 3; ++c) CHECK(there[c] == within(back[c], 1e-3 * std::fabs(back[c]) + 1e-6));
   }
 }
 
