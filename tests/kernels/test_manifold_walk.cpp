@@ -125,6 +125,19 @@ TEST_CASE("manifold walks: the solid angle ratio is that of finite differences o
     add_shape(d, SphereShape{{0, 0, 0}, 1}, Transform::rotate({1, 1, 0}, 30) * Transform::scale({1, 0.8f, 1.3f}), m);
   };
   const auto add_ball = [](Description& d, MaterialId m) { add_sphere(d, {0, 0, 0}, 1, m); };
+  const auto add_inverted_ball = [](Description& d, MaterialId m) {
+    add_sphere(d, {0, 0, 0}, 1, m).flip_normals = true;
+  };
+  const auto add_inverted_cylinder = [](Description& d, MaterialId m) {
+    add_shape(d, CylinderShape{{0, 0, -3}, {0, 0, 3}, 1}, Transform(), m).flip_normals = true;
+  };
+  const auto add_mirrored_ellipsoid = [](Description& d, MaterialId m) {
+    add_shape(d, SphereShape{{0, 0, 0}, 1}, Transform::rotate({1, 1, 0}, 30) * Transform::scale({-1, 0.8f, 1.3f}), m)
+        .flip_normals = true;
+  };
+  const auto add_two_sided_ball = [](Description& d, MaterialId m) {
+    add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, m)).flip_normals = true;
+  };
   const auto add_mesh = [](Description& d, MaterialId m) { add_shape(d, smooth_ball(6, 9), Transform(), m); };
   // Round at half of the exposure only, and elsewhere before
   const auto add_moving = [](Description& d, MaterialId m) {
@@ -157,6 +170,10 @@ TEST_CASE("manifold walks: the solid angle ratio is that of finite differences o
                         {"glass ellipsoid", add_ellipsoid, false, through},
                         {"mirror cylinder", add_cylinder, true, reflected},
                         {"glass cylinder", add_cylinder, false, through},
+                        {"inverted glass ball", add_inverted_ball, false, through},
+                        {"inverted glass cylinder", add_inverted_cylinder, false, through},
+                        {"mirrored and inverted glass ellipsoid", add_mirrored_ellipsoid, false, through},
+                        {"inverted two-sided mirror ball", add_two_sided_ball, true, reflected},
                         {"mirror mesh", add_mesh, true, reflected},
                         {"glass mesh", add_mesh, false, through},
                         {"moving glass ball", add_moving, false, through},
