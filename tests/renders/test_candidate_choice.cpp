@@ -4,6 +4,7 @@
 #include "kernels/guiding/guide_field.h"
 #include "kernels/passes/candidate_choice.h"
 #include "kernels/passes/passes.h"
+#include "kernels/passes/train_guiding.h"
 #include "kernels/passes/worker.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/near.h"
@@ -73,6 +74,27 @@ Description sky_and_fog() {
   return d;
 }
 
+/// A floor under unequal point lights in a medium that only absorbs, and a half-open pane above the floor: shadow rays
+/// are attenuated, and lights at a point have no MIS weights.
+Description dim_lights() {
+  Description d = empty_scene(kSide, kSide);
+  d.sampler.kind = SamplerKind::kIndependent;
+  d.integrator.max_depth = 3;
+  d.integrator.light_selector = LightSelector::kUniform;
+  look_at(d, {0, 0.3f, 1.2f}, {0, 0, 0}, {0, 1, 0}, 60);
+  add_rectangle(d, Transform::rotate({1, 0, 0}, -90) * Transform::scale({4, 4, 1}), add_diffuse(d, 0.5f));
+  MaskDescription half;
+  half.nested = add_two_sided(d, add_diffuse(d, 0.5f));
+  half.opacity = 0.4f;
+  add_rectangle(d,
+                Transform::translate({0, 0.5f, 0}) * Transform::rotate({1, 0, 0}, 90) * Transform::scale({0.6f, 4, 1}),
+                add_material(d, half));
+  for (int i = 0; i < 4; ++i)
+    add_point_light(d, {0.5f * static_cast<float>(i) - 0.7f, 0.8f, 0.2f * static_cast<float>(i)}, i == 1 ? 8.0f : 1.0f);
+  d.camera.medium = add_medium(d, fog(0.8f, 0));
+  return d;
+}
+
 /// Results of the samples of all pixels, in order.
 struct Samples {
   std::vector<float> radiance;
@@ -135,10 +157,13 @@ bool same_bits(const Film& a, const Film& b) {
 }  // namespace
 
 TEST_CASE("candidate choice: the trial estimates the squared radiance with each number of candidates") {
-  constexpr int kTests = 2 * 4 * 2;
-  for (const bool has_fog : {false, true}) {
-    CAPTURE(has_fog);
-    const auto scene = compile_scene(has_fog ? sky_and_fog() : lamps(kSide));
+  constexpr int kTests = 3 * 4 * 2;
+  enum class Kind { kLamps, kSkyAndFog, kDimLights };
+  for (const Kind kind : {Kind::kLamps, Kind::kSkyAndFog, Kind::kDimLights}) {
+    CAPTURE(static_cast<int>(kind));
+    const auto scene = compile_scene(kind == Kind::kLamps       ? lamps(kSide)
+                                     : kind == Kind::kSkyAndFog ? sky_and_fog()
+                                                                : dim_lights());
     const Samples trial = sample(*scene, 0, 1);
     for (int k = 0; k < 4; ++k) {
       const int candidates = kCandidateCounts[k];
@@ -153,7 +178,8 @@ TEST_CASE("candidate choice: the trial estimates the squared radiance with each 
         squares.add(difference / kSamples);
       }
       // With fog, the MIS weights of fewer candidates are those without fog.
-      if (!has_fog || candidates == kTrialCandidates) CHECK(squares.p_value(0) > significance_of_each(kTests));
+      if (kind != Kind::kSkyAndFog || candidates == kTrialCandidates)
+        CHECK(squares.p_value(0) > significance_of_each(kTests));
       const auto rays = static_cast<double>(trial.vertices.shadow_rays[static_cast<std::size_t>(k)]);
       CHECK(rays == near(static_cast<double>(plain.shadow_rays), 0.01));
     }
@@ -218,6 +244,36 @@ TEST_CASE("candidate choice: a render has the bits of one with that number, with
   const RenderResult guided = rendered(*scene, true, 2, GuidingMode::kOn);
   CHECK_FALSE(guided.report.candidates.gains.empty());
   CHECK(same_bits(guided.film, rendered(*scene, true, 1, GuidingMode::kOn).film));
+}
+
+TEST_CASE("candidate choice: a trial with a rejected guide does not count, and one with a used guide does") {
+  constexpr int kWidth = 64;
+  Description d = point_lights();
+  d.film.width = d.film.height = kWidth;
+  const auto scene = compile_scene(d);
+  const auto trained = [&](GuidingMode mode, const std::vector<TrainingPass>& passes) {
+    CameraTask task;
+    StageContext context(*scene, task);
+    context.sampler = make_sampler(SamplerKind::kSobol, 3, 16);
+    const GuideField field;
+    context.sample_from(field.view());
+    Workers workers([&] { return Worker(512, WaveNeeds::with_candidate_trial(context)); });
+    GuideTraining training{[] { return false; }, [](std::uint64_t) {}};
+    train_guide(context, workers, kWidth, kWidth, passes, mode, true, training);
+    CHECK(training.report.is_used == (mode == GuidingMode::kOn));
+    return training.candidates.gains;
+  };
+  const auto pass = [](std::uint32_t first_pair) { return TrainingPass{first_pair, 1, kTrialSet, 2, 2}; };
+  const auto rejected = trained(GuidingMode::kAuto, {pass(0), pass(1)});
+  CHECK(rejected[3] > 1.05);
+  // Only the first pass counts, which no guide has changed.
+  CHECK(rejected == trained(GuidingMode::kAuto, {pass(0), pass(2)}));
+  CHECK(rejected == trained(GuidingMode::kAuto, {pass(0), pass(1), pass(2)}));
+  CHECK(rejected != trained(GuidingMode::kAuto, {pass(2), pass(1)}));
+  // The last pass of the trial counts.
+  const auto used = trained(GuidingMode::kOn, {pass(0), pass(1)});
+  CHECK(used != rejected);
+  CHECK(used != trained(GuidingMode::kOn, {pass(0), pass(2)}));
 }
 
 TEST_CASE("candidate choice: parts and continued renders have the same number") {
