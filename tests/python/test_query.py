@@ -169,6 +169,30 @@ class BsdfTest(unittest.TestCase):
         self.assertLess(abs(passed.mean() - 0.75), 4.5 * np.sqrt(0.75 * 0.25 / 20000))
         np.testing.assert_allclose(sample.wi[passed], [[-0.6, 0, -0.8]] * passed.sum(), atol=1e-6)
 
+    def test_parts_of_blends_get_uniform_numbers(self):
+        """The number that chooses a part must not decide about its lobes again."""
+        glass = {"type": "dielectric", "int_ior": 3.0, "ext_ior": 1.0}  # reflects 1/4 at normal incidence
+        black = {"type": "diffuse", "reflectance": rgb(0.0, 0.0, 0.0)}
+        coat = {"type": "plastic", "diffuse_reflectance": rgb(0.6, 0.6, 0.6)}
+        scene = scene_of(first={"type": "blendbsdf", "weight": 0.5, "a": glass, "b": black},
+                         second={"type": "blendbsdf", "weight": 0.5, "a": black, "b": glass},
+                         third={"type": "blendbsdf", "weight": 0.8,
+                                "a": {"type": "blendbsdf", "weight": 0.5, "a": black, "b": glass}, "b": black},
+                         coated={"type": "blendbsdf", "weight": 0.5, "a": black, "b": coat}, coat=coat)
+        count = 20000
+        for name, share in (("first", 0.5), ("second", 0.5), ("third", 0.1)):
+            sample = sheaf.bsdf(scene, name).sample((0, 0, 1), count=count)
+            delta = sample.valid & (sample.pdf == 0)
+            self.assertLess(abs(delta.mean() - share), 4.5 * np.sqrt(share * (1 - share) / count), name)
+            reflected = (delta & (sample.wi[:, 2] > 0)).mean()
+            self.assertLess(abs(reflected - share / 4), 4.5 * np.sqrt(share / 4 / count), name)
+        # Plastic: as often as alone, the delta lobe is chosen
+        wo = (0.8, 0, 0.6)
+        alone = (sheaf.bsdf(scene, "coat").sample(wo, count=count).pdf == 0).mean()
+        self.assertTrue(0.05 < alone < 0.95)
+        blended = (sheaf.bsdf(scene, "coated").sample(wo, count=count).pdf == 0).mean()
+        self.assertLess(abs(blended - 0.5 * alone), 4.5 * np.sqrt(0.5 / count))
+
     def test_numbers_and_errors(self):
         wall = sheaf.bsdf(self.scene, "wall")
         u = np.random.default_rng(8).random((20, 3))
