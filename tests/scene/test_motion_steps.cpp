@@ -4,8 +4,10 @@
 #include "scene/lights/list.h"
 #include "scene/tables/motion_sample.h"
 #include "tests/support/instancing_testing.h"
+#include "tests/support/media_testing.h"
 #include "tests/support/motion_testing.h"
 #include "tests/support/near.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>
@@ -234,6 +236,30 @@ TEST_CASE("motion steps: lights of moving instances are where the instances are"
           CHECK(double(length(a - b)) < 1e-6 * (1 + 4 * double(unit)));
         }
       }
+    }
+}
+
+TEST_CASE("motion steps: grids that move differently are found at all scales") {
+  const TemporaryFolder folder;
+  const auto file = write_vol(folder / "half.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
+  for (const float size : kScales)
+    for (const bool alike : {true, false}) {
+      CAPTURE(size);
+      CAPTURE(alike);
+      Description d = empty_scene(4, 4);
+      const auto grid = [&](float way) {
+        GridVolumeDescription out = vol(file, shift(-0.5f * size, 0, 0) * scaled(size));
+        out.motion = add_motion(d, {{0, out.to_world}, {1, shift(way * size) * out.to_world}});
+        return out;
+      };
+      MediumDescription m;
+      m.coefficients = ExtinctionAlbedoDescription{grid(1), grid(alike ? 1 : 1.1f)};
+      fill(d, add_sphere(d, {0, 0, 0}, size), add_medium(d, m));
+      expose(d, 0, 1);
+      if (alike)
+        CHECK_NOTHROW(compile_scene(d));
+      else
+        CHECK_THROWS_AS(compile_scene(d), SceneError);
     }
 }
 
