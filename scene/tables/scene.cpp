@@ -34,12 +34,14 @@ SceneInfo Scene::info() const {
 std::vector<MemoryUse> Scene::memory() const {
   const auto vertices = static_cast<double>(geometry_.vertices.capacity());
   const auto indices = static_cast<double>(bytes_of(geometry_.triangles));
-  const double rest = static_cast<double>(geometry_.bytes()) - vertices * sizeof(VertexRow) - indices;
+  const auto tangents = static_cast<double>(bytes_of(geometry_.tangents));
+  const double rest = static_cast<double>(geometry_.bytes()) - vertices * sizeof(VertexRow) - indices - tangents;
   std::vector<MemoryUse> uses;
   const auto add = [&](const char* what, double bytes) { uses.push_back({what, bytes, {}}); };
   add("positions", vertices * sizeof(Vec3f));
   add("normals", vertices * sizeof(Vec3f));
   add("texture coordinates", vertices * sizeof(Vec2f));
+  if (tangents > 0) add("tangents", tangents);
   add("vertex indices", indices);
   add("shapes and instances", rest);
   add("BVH", accel_ != nullptr ? static_cast<double>(accel_->bytes()) : 0.0);
