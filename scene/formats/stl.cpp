@@ -110,24 +110,14 @@ class Words {
   /// Skips the name of a solid: the rest of the line, or the words before `facet normal` with three numbers and
   /// `outer`, which may follow in the same line.
   void skip_name() {
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
     for (;;) {
       const Words before = *this;
       const std::string_view word = next();
-      if (word.empty() || at_ > end) {
-        at_ = end;
-        line_ = before.line_;
-        return;
-      }
+      if (word.empty() || line_ != before.line_) return go_to(before);
       if (!equal_words(word, "facet")) continue;
       const Words after = *this;
-      if (begins_facet()) {
-        at_ = before.at_;
-        line_ = before.line_;
-        return;
-      }
-      at_ = after.at_;
-      line_ = after.line_;
+      if (begins_facet()) return go_to(before);
+      go_to(after);
     }
   }
   float number() {
@@ -142,6 +132,10 @@ class Words {
   [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_.string(), line_}, message); }
 
  private:
+  void go_to(const Words& other) {
+    at_ = other.at_;
+    line_ = other.line_;
+  }
   static bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
   /// Whether the words after `facet` are `normal`, three numbers and `outer`.
   bool begins_facet() {

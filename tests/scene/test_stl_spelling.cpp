@@ -87,6 +87,10 @@ TEST_CASE("stl: solids have any names, and several of them make one mesh") {
   }
   CHECK(is_read("solid\n" + kFacets + "endsolid other name\n"));
   CHECK(is_read(replaced(solid(" several words") + solid(" facet"), "\n", " "), 2));
+  // Many solids in one line
+  std::string many;
+  for (int i = 0; i < 20000; ++i) many += replaced(solid(" a"), "\n", "\r");
+  CHECK(is_read(many, 20000));
   // An empty solid beside others
   CHECK(is_read("solid a\nendsolid a\n" + solid(" b")));
 }

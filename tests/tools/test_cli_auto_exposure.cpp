@@ -36,8 +36,8 @@ double printed_stops(const Outcome& outcome) {
 TEST_CASE("auto exposure: filters and denoisers around a lamp change it little") {
   const TemporaryFolder folder;
   const double expected = std::log2(0.18 / 0.02);
-  // A ring of visible tails, whose width is up to two pixels, makes the small lamp less than 2 stops brighter. The middle
-  // of the lamp, 0.18 in the box filter, is encoded as 0.46.
+  // A ring of visible tails, whose width is up to two pixels, makes the small lamp less than 2 stops brighter. The
+  // middle of the lamp, 0.18 in the box filter, is encoded as 0.46.
   for (const char* const filter : {"box", "tent", "gaussian", "mitchell", "lanczos"}) {
     CAPTURE(std::string(filter));
     write_bytes(folder / "lamp.xml", lamp_scene(filter));
