@@ -139,6 +139,23 @@ TEST_CASE("render origin: nodes of glTF keep positions far from the origin") {
   check_equal(d.camera.to_world.translation(), kPlace + Vec3d{0, 0, 5}, 1e-9);
 }
 
+TEST_CASE("render origin: skins of glTF keep positions far from the origin") {
+  GltfBuilder gltf;
+  nlohmann::json& primitive = gltf.add_triangle();
+  primitive["attributes"]["JOINTS_0"] = gltf.add<std::uint8_t>(std::vector<std::uint8_t>(12, 0), "VEC4");
+  primitive["attributes"]["WEIGHTS_0"] = gltf.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4");
+  gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}}};
+  gltf.json["skins"] = {{{"joints", {1}}}};
+  gltf.json["nodes"][0]["skin"] = 0;
+  gltf.json["nodes"].push_back({{"translation", {0.5, 0, 0}}});
+  gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 5}}});
+  gltf.json["nodes"].push_back({{"children", {1, 2}}, {"translation", {kPlace.x, kPlace.y, kPlace.z}}});
+  gltf.json["scenes"][0]["nodes"] = {0, 3};
+  const TemporaryFolder folder;
+  const Description d = read_scene(write_below(folder, "scene.gltf", gltf.text()));
+  check_equal(first_vertex_in_world(d), kPlace + Vec3d{0.5, 0, 0}, 1e-5);
+}
+
 TEST_CASE("render origin: a mesh file whose vertices lie far away gets one, and a note on lost digits") {
   const TemporaryFolder folder;
   write_below(folder, "far.obj", "v 500000 40 0\nv 500001 40 0\nv 500000 41 0\nf 1 2 3\n");

@@ -67,7 +67,16 @@ const std::vector<float>& weights_of(const GltfFile& file, const Pose& pose, std
   return own.empty() ? file.meshes[static_cast<std::size_t>(file.nodes[node].mesh)].weights : own;
 }
 
-Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node) {
+Vec3d place_of_skin(const GltfFile& file, const Pose& pose, std::size_t node) {
+  // The transforms of instances apply after those of the joints
+  if (file.nodes[node].skin == kNoIndex || !file.nodes[node].instances.empty()) return {};
+  const std::vector<int>& joints = file.skins[static_cast<std::size_t>(file.nodes[node].skin)].joints;
+  if (joints.empty()) return {};
+  const Matrix4& first = pose.to_world[static_cast<std::size_t>(joints[0])];
+  return {first.m[0][3], first.m[1][3], first.m[2][3]};
+}
+
+Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node, Vec3d place) {
   Deformation out{weights_of(file, pose, node), {}};
   if (file.nodes[node].skin == kNoIndex) return out;
   const GltfSkin& skin = file.skins[static_cast<std::size_t>(file.nodes[node].skin)];
@@ -77,7 +86,11 @@ Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t n
     Matrix4 bind;
     if (!inverse.empty())
       for (std::size_t k = 0; k < 16; ++k) bind.m[k % 4][k / 4] = inverse[16 * joint + k];
-    out.joint_to_world.push_back(pose.to_world[static_cast<std::size_t>(skin.joints[joint])] * bind);
+    Matrix4 to_place = pose.to_world[static_cast<std::size_t>(skin.joints[joint])];
+    to_place.m[0][3] -= place.x;
+    to_place.m[1][3] -= place.y;
+    to_place.m[2][3] -= place.z;
+    out.joint_to_place.push_back(to_place * bind);
   }
   return out;
 }
@@ -97,7 +110,8 @@ std::vector<Primitive> Deformations::primitives_at(std::size_t node, int index) 
   // The mesh at the first time has already made the notes
   const std::size_t notes = file_.notes.size();
   std::vector<Primitive> primitives =
-      load_mesh(file_, file_.nodes[node].mesh, deformation_of(file_, poses_.at(index), node), lenient_);
+      load_mesh(file_, file_.nodes[node].mesh,
+                deformation_of(file_, poses_.at(index), node, place_of_skin(file_, poses_.at(0), node)), lenient_);
   file_.notes.resize(notes);
   return primitives;
 }

@@ -55,7 +55,7 @@ class PrimitiveLoader {
     load_triangles(lenient, notes);
     if (out_.mesh.triangles.empty()) return std::nullopt;
     morph(deformation.weights);
-    skin(deformation.joint_to_world);
+    skin(deformation.joint_to_place);
     compact();
     return std::move(out_);
   }

@@ -29,7 +29,7 @@ struct Primitive {
 /// Deformation of a mesh.
 struct Deformation {
   std::vector<float> weights;           ///< of morph targets
-  std::vector<Matrix4> joint_to_world;  ///< with the inverse bind matrices; empty: no skin
+  std::vector<Matrix4> joint_to_place;  ///< with the inverse bind matrices, relative to place_of_skin(); empty: no skin
 };
 
 /// The texture coordinates along which a material's tangents run.

@@ -123,7 +123,8 @@ class SceneReader {
   /// The shapes of a mesh in its own space.
   std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
     std::vector<ShapeDescription> out;
-    std::vector<Primitive> primitives = load_mesh(file_, key.mesh, deformation_of(file_, pose_, i), lenient_);
+    std::vector<Primitive> primitives = load_mesh(
+        file_, key.mesh, deformation_of(file_, pose_, i, place_of_skin(file_, pose_, i)), lenient_);
     std::vector<DeformingMesh> deforming;
     if (deformations_.deforms(i)) deforming = deformations_.meshes(i);
     for (std::size_t k = 0; k < primitives.size(); ++k) {
@@ -157,7 +158,9 @@ class SceneReader {
     const MeshKey key = key_of(i);
     MeshUse& use = uses_.at(key);
     // Skins have the transforms of their joints
-    const NodePlacement node = file_.nodes[i].skin == kNoIndex ? placement_of(i) : NodePlacement{};
+    const bool skinned = file_.nodes[i].skin != kNoIndex;
+    const NodePlacement node =
+        skinned ? NodePlacement{Transform::translate(place_of_skin(file_, pose_, i)).matrix()} : placement_of(i);
     if (use.count == 1) {
       const std::optional<Placement> place =
           node.motion != nullptr ? Placement(*node.motion) : place_of(node, Matrix4{});
