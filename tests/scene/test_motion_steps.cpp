@@ -1,6 +1,7 @@
 // Tabulated motions: their accuracy at all scales of the scene, of the motion and of the camera, keys between steps,
 // and the agreement of instances with their lights.
 #include "scene/compile/compile.h"
+#include "scene/compile/key_times.h"
 #include "scene/lights/list.h"
 #include "scene/tables/motion_sample.h"
 #include "tests/support/instancing_testing.h"
@@ -170,6 +171,30 @@ TEST_CASE("motion steps: objects of any size follow motions of any length, in gr
       }
 }
 
+TEST_CASE("motion steps: small objects on long ways are accurate relative to their size in the world") {
+  for (const float unit : {1e-3f, 1.0f, 1e3f}) {
+    CAPTURE(unit);
+    Description d = empty_scene(4, 4);
+    ShapeDescription part;
+    part.geometry = RectangleShape{};
+    constexpr float kHalf = 0.005f;
+    part.to_world = scaled(kHalf / unit);
+    d.groups.push_back({{part}, {}, {}});
+    InstanceDescription instance;
+    const auto at = [unit](double angle) { return Transform::rotate({0, 0, 1}, angle) * shift(1) * scaled(unit); };
+    instance.motion = add_motion(d, {{0, at(0)}, {1, at(20)}});
+    d.instances.push_back(instance);
+    expose(d, 0, 1);
+    const AnimatedTransform motion = d.motions.back();
+    const auto scene = compile_scene(d);
+    const Vec3f p{kHalf / unit, kHalf / unit, 0};
+    const Errors errors = compare([&](float t) { return moved(*scene, scene->view().motion.instances, 0, p, t); },
+                                  [&](double t) { return image_of(motion.at(t), to_point(p)); });
+    CHECK(errors.length > 0.3);
+    CHECK(errors.error < 1.5e-4 * 2 * std::sqrt(2.0) * double(kHalf));
+  }
+}
+
 TEST_CASE("motion steps: keys between steps are kept") {
   // Each motion has a short excursion around a time
   for (const double time : {0.5, 0.25 + 1.0 / 64, 0.3, 1.0 / 3, 0.77}) {
@@ -237,6 +262,18 @@ TEST_CASE("motion steps: lights of moving instances are where the instances are"
         }
       }
     }
+}
+
+TEST_CASE("motion steps: the parts of the shutter hit all keys, or come close to them") {
+  const ShutterDescription shutter{2, 4, 0};
+  CHECK(segments_of_keys({0, 9}, shutter) == 1);
+  CHECK(segments_of_keys({2, 3, 4}, shutter) == 2);
+  CHECK(segments_of_keys({1, 2 + 2.0 / 3, 3.5, 7}, shutter) == 12);
+  CHECK(segments_of_keys({2 + 2.0 / 128, 3}, shutter) == 128);
+  // No multiple of a part of at least 1/128
+  const double key = 0.3 + 1e-4, other = 0.777;
+  const int parts = segments_of_keys({2 + 2 * key, 2 + 2 * other}, shutter);
+  for (const double at : {key * parts, other * parts}) CHECK(std::fabs(at - std::round(at)) / parts <= 1e-3);
 }
 
 TEST_CASE("motion steps: grids that move differently are found at all scales") {
