@@ -1,5 +1,6 @@
 // Specular reflection and refraction at a smooth dielectric boundary. The Fresnel reflectance, which
-// may be scaled (kernels/bsdf/specular_scale.h), is the probability of reflection. Radiance that enters a medium is scaled by the squared relative index (Veach 1997, section 5.2).
+// may be scaled (kernels/bsdf/specular_scale.h), is the probability of reflection. Radiance that enters a medium is
+// scaled by the squared relative index (Veach 1997, section 5.2).
 #pragma once
 
 #include "kernels/bsdf/bsdf.h"

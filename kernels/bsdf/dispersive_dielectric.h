@@ -41,10 +41,9 @@ SHEAF_INLINE DispersiveFresnel<L> fresnel_dispersive(Float<L> cos_incident, cons
                                                      const Spectrum<L>& color) {
   DispersiveFresnel<L> f = fresnel_dispersive<L>(cos_incident, eta);
   const Spectrum<L> r = f.reflectance;
-  f.reflectance = {scaled_reflectance(r.c0, eta.c0, specular, color.c0),
-                   scaled_reflectance(r.c1, eta.c1, specular, color.c1),
-                   scaled_reflectance(r.c2, eta.c2, specular, color.c2),
-                   scaled_reflectance(r.c3, eta.c3, specular, color.c3)};
+  f.reflectance = {
+      scaled_reflectance(r.c0, eta.c0, specular, color.c0), scaled_reflectance(r.c1, eta.c1, specular, color.c1),
+      scaled_reflectance(r.c2, eta.c2, specular, color.c2), scaled_reflectance(r.c3, eta.c3, specular, color.c3)};
   f.first.reflectance = f.reflectance.c0;
   f.probability = total(f.reflectance) * Float<L>(0.25f);
   return f;

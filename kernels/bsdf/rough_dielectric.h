@@ -50,8 +50,7 @@ template <class L, template <class> class Distribution> struct RoughDielectricMo
     const F pdf = pdf_solid_angle(o, m, cos_o, cos_i, ior, reflected) * select(reflected, share, F(1.0f) - share);
     const auto valid = (cos_o > F(0.0f)) & select(reflected, cos_i > F(0.0f), cos_i < F(0.0f)) & (pdf > F(0.0f));
     const F shadowing = abs(i.z) * facets().smith_g1_over_cos(i);
-    return {select<L>(valid, tint(reflected, ior) * choice.weight(reflected) * (pdf * shadowing),
-                      Spectrum<L>(F(0.0f))),
+    return {select<L>(valid, tint(reflected, ior) * choice.weight(reflected) * (pdf * shadowing), Spectrum<L>(F(0.0f))),
             select(valid, pdf, F(0.0f))};
   }
 

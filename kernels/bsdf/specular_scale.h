@@ -23,9 +23,8 @@ template <class L> struct SpecularChoice {
 
   /// `fresnel`: reflectance before scaling.
   SHEAF_INLINE SpecularChoice(Float<L> fresnel, Float<L> eta, Float<L> specular, const Spectrum<L>& color)
-      : reflectance(map_spectrum<L>(color, [&](Float<L> c) SHEAF_LAMBDA_INLINE {
-          return scaled_reflectance(fresnel, eta, specular, c);
-        })),
+      : reflectance(map_spectrum<L>(
+            color, [&](Float<L> c) SHEAF_LAMBDA_INLINE { return scaled_reflectance(fresnel, eta, specular, c); })),
         probability(middle(reflectance)) {}
 
   /// The middle of the first three lanes, the only ones in both colour modes.

@@ -88,8 +88,7 @@ Spectrum4 area_light_arriving(ChainTracer& tracer, const SceneView& scene, const
   if (!(cosine > 0) && !light.is_two_sided()) return {};
   const TextureQuery<Scalar> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v};
   Spectrum4 texture = light_textures<Scalar, kMode>(scene, light.texture, true, query, lambda);
-  if (scene.lights.coats != nullptr)
-    texture = texture * coat_transmittance<Scalar>(scene, light, true, cosine, query);
+  if (scene.lights.coats != nullptr) texture = texture * coat_transmittance<Scalar>(scene, light, true, cosine, query);
   const float by_bsdf =
       chain_bsdf_weight(scene, casters, {from, direction, hit.t, y.ng, end.light, hit.primitive, tracer.time()},
                         chain.solid_angle_ratio, first_cosine);

@@ -163,11 +163,11 @@ SHEAF_INLINE void area_light_tile(const StageContext& context, Wave& wave, const
   if constexpr (kMode == ColorMode::kSpectral) light.radiance = light_spectra<L>(context.scene, hit.light, lambda);
   const TextureQuery<L> query{y.uv, hit.shape, hit.primitive, hit.u, hit.v};
   if constexpr (kTextured)
-    light.radiance = light.radiance *
-                     light_textures<L, kMode>(context.scene, light.texture, L::first(count), query, lambda);
+    light.radiance =
+        light.radiance * light_textures<L, kMode>(context.scene, light.texture, L::first(count), query, lambda);
   if (context.scene.lights.coats != nullptr)
-    light.radiance = light.radiance * coat_transmittance<L>(context.scene, light, L::first(count),
-                                                            dot(ray.direction, y.ng), query);
+    light.radiance =
+        light.radiance * coat_transmittance<L>(context.scene, light, L::first(count), dot(ray.direction, y.ng), query);
 
   // Find the lanes that see the light
   const auto from_camera = (ray.flags & U(kRayFromCamera)) != U(0u);

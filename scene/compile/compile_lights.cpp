@@ -35,7 +35,8 @@ std::optional<AreaEmission> SceneCompiler::emission_of(const ShapeDescription& s
 }
 
 LightCoatRow SceneCompiler::coat_of(const ShapeDescription& shape) {
-  if (const float* strength = std::get_if<float>(&shape.emission_coat)) return {std::clamp(*strength, 0.0f, 1.0f), kNone};
+  if (const float* strength = std::get_if<float>(&shape.emission_coat))
+    return {std::clamp(*strength, 0.0f, 1.0f), kNone};
   return {0, light_context().texture_row(std::get<TextureId>(shape.emission_coat), shape.where)};
 }
 

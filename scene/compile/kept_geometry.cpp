@@ -19,8 +19,8 @@ template <class T> bool same_bytes(const std::vector<T>& a, const std::vector<T>
 
 /// Whether two shapes refer to the same geometry, whatever their materials, lights and media.
 bool same_geometry(const ShapeRow& a, const ShapeRow& b) {
-  return a.kind == b.kind && ((a.flags ^ b.flags) & kUntraced) == 0 && a.first_vertex == b.first_vertex && a.first_triangle == b.first_triangle &&
-         a.triangle_count == b.triangle_count;
+  return a.kind == b.kind && ((a.flags ^ b.flags) & kUntraced) == 0 && a.first_vertex == b.first_vertex &&
+         a.first_triangle == b.first_triangle && a.triangle_count == b.triangle_count;
 }
 
 }  // namespace

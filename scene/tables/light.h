@@ -14,10 +14,10 @@ enum class LightKind : std::uint32_t {};
 
 /// Bits of LightRecord::flags.
 enum LightFlags : std::uint32_t {
-  kEmitsAlongNormal = 1,  ///< area lights: emits only along its normal; radiance is radiant exitance (W / m^2)
-  kEmitsOnBothSides = 2,  ///< area lights: also emits on the side opposite to the normal
-  kIsEven = 4,            ///< projectors: see ProjectorDescription::is_even
-  kMissedByRays = 8,      ///< area lights: rays never hit its shape; only light sampling finds it
+  kEmitsAlongNormal = 1,    ///< area lights: emits only along its normal; radiance is radiant exitance (W / m^2)
+  kEmitsOnBothSides = 2,    ///< area lights: also emits on the side opposite to the normal
+  kIsEven = 4,              ///< projectors: see ProjectorDescription::is_even
+  kMissedByRays = 8,        ///< area lights: rays never hit its shape; only light sampling finds it
   kNeedsTextureQuery = 16,  ///< area lights: its texture or that of its coat is looked up
 };
 /// The bits of LightRecord::flags from here on: 0, or 1 + the row of the light's coat in LightView::coats.

@@ -30,7 +30,7 @@ struct LightView {
   const LightUvRow* uvs = nullptr;
   const LightFrameRow* frames = nullptr;
   const LightCoatRow* coats = nullptr;  ///< null: no light has one
-  EnvmapView envmap;  ///< if the environment is an environment map
+  EnvmapView envmap;                    ///< if the environment is an environment map
   bool has_textured_area_lights = false;
   bool has_black_environment = false;  ///< not a light, but camera rays see it
 };
@@ -54,20 +54,13 @@ struct LightTables {
   std::vector<SourceLocation> source_locations;  ///< by row; only for the first kMaxReportedLights
 
   LightView view() const {
-    return {rows.data(),
-            static_cast<std::uint32_t>(rows.size()),
-            bounded_count,
-            environment,
-            alias.data(),
-            tree.view(),
-            powers.data(),
-            triangles.data(),
-            triangle_alias.data(),
-            uvs.data(),
-            frames.data(),
-            coats.empty() ? nullptr : coats.data(),
-            envmap.view(),
-            has_textured_area_lights,
+    return {rows.data(),           static_cast<std::uint32_t>(rows.size()),
+            bounded_count,         environment,
+            alias.data(),          tree.view(),
+            powers.data(),         triangles.data(),
+            triangle_alias.data(), uvs.data(),
+            frames.data(),         coats.empty() ? nullptr : coats.data(),
+            envmap.view(),         has_textured_area_lights,
             has_black_environment};
   }
   /// Memory in bytes.

@@ -44,8 +44,8 @@ json& add_square(GltfBuilder& gltf, float z, int material) {
 Image gltf_image(const json& material, float left, float right, bool wall) {
   GltfBuilder gltf;
   json& primitive = add_square(gltf, 0, 0);
-  primitive["attributes"]["COLOR_0"] = gltf.add<float>(
-      {1, 1, 1, left, 1, 1, 1, right, 1, 1, 1, right, 1, 1, 1, left}, "VEC4");
+  primitive["attributes"]["COLOR_0"] =
+      gltf.add<float>({1, 1, 1, left, 1, 1, 1, right, 1, 1, 1, right, 1, 1, 1, left}, "VEC4");
   gltf.json["materials"] = {material,
                             {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0.25, 0, 1}}}},
                              {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
@@ -196,8 +196,8 @@ Description half_lamp(bool cut_out, bool tint, int samples) {
   };
   if (tint) radiance = add(ConstantTextureDescription{SpectrumDescription::rgb(2, 1, 0.5f)});
   if (!cut_out) {
-    ShapeDescription& lamp = add_rectangle(
-        d, above() * Transform::translate({0.5f, 0, 0}) * Transform::scale({0.5f, 1, 1}), black);
+    ShapeDescription& lamp =
+        add_rectangle(d, above() * Transform::translate({0.5f, 0, 0}) * Transform::scale({0.5f, 1, 1}), black);
     lamp.radiance = radiance;
     lamp.emits_on_both_sides = true;
     return d;
@@ -255,8 +255,8 @@ TEST_CASE("covered emission: light tracing and motion and instances agree with p
     moving.groups.push_back(std::move(group));
     InstanceDescription instance;
     instance.motion = add_motion(moving, {{0, Transform::translate({-0.5f, 0, 0.2f})},
-                                          {1, Transform::translate({0.5f, 0, 0.6f}) *
-                                                  Transform::rotate({0, 1, 0}, 30) * Transform::scale({1, 0.5f, 1})}});
+                                          {1, Transform::translate({0.5f, 0, 0.6f}) * Transform::rotate({0, 1, 0}, 30) *
+                                                  Transform::scale({1, 0.5f, 1})}});
     moving.instances.push_back(instance);
     expose(moving, 0, 1);
     means[cut_out] = pixel_means(moving);
@@ -305,11 +305,27 @@ TEST_CASE("covered emission: in Mitsuba's dialect a mask does not cover the emit
     const Image image = mitsuba_image(
         "<shape type='rectangle'><bsdf type='mask'><float name='opacity' value='" + opacity +
             "'/><bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf></bsdf><emitter type='area'><rgb "
-            "name='radiance' value='1'/></emitter></shape>" + wall,
+            "name='radiance' value='1'/></emitter></shape>" +
+            wall,
         kPath);
     CAPTURE(opacity);
     CHECK(mean_of(image, "G", 3, 5, 3, 5) == near(1.0, 1e-4));
   }
+}
+
+TEST_CASE("covered emission: the opacity of MTL materials covers Ke") {
+  const TemporaryFolder folder;
+  write_below(folder, "lamp.mtl", "newmtl lamp\nKd 0 0 0\nKe 1 1 1\nd 0.25\n");
+  write_below(folder, "lamp.obj",
+              "mtllib lamp.mtl\nusemtl lamp\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  Description d = read_scene(write_below(
+      folder, "scene.xml", mitsuba_scene("<shape type='obj'><string name='filename' value='lamp.obj'/></shape>")));
+  d.film.width = d.film.height = 8;
+  d.sampler.sample_count = 256;
+  look_at(d, {0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 5);
+  const Image image = image_of(d);
+  CHECK(mean_of(image, "G", 0, 8, 0, 8) == near(0.25, 1e-4));
+  CHECK(mean_of(image, "A", 0, 8, 0, 8) == within(0.25, 0.02));
 }
 
 TEST_CASE("black environment: it is a visible background unless emitters are hidden") {

@@ -127,8 +127,7 @@ TEST_CASE("specular transmission: factors of 1 leave the reflectance as it is") 
 namespace {
 
 json coated(double coat) {
-  return {{"pbrMetallicRoughness",
-           {{"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+  return {{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
           {"emissiveFactor", {1, 1, 1}},
           {"extensions", {{"KHR_materials_clearcoat", {{"clearcoatFactor", coat}}}}}};
 }
@@ -141,8 +140,8 @@ Description coated_lamp(bool textured, int samples) {
   look_at_point(d, {0, -4, 0.5f}, {2, 0, 0});
   d.integrator.max_depth = 2;
   add_rectangle(d, Transform::scale({5, 5, 1}), add_diffuse(d, 0.5f));
-  ShapeDescription& lamp = add_area_light_rectangle(
-      d, Transform::translate({0, 0, 0.6f}) * Transform::rotate({1, 0, 0}, 180), 3);
+  ShapeDescription& lamp =
+      add_area_light_rectangle(d, Transform::translate({0, 0, 0.6f}) * Transform::rotate({1, 0, 0}, 180), 3);
   lamp.emission_coat = 1.0f;
   if (!textured) return d;
   TextureDescription strength;
@@ -189,9 +188,11 @@ TEST_CASE("coated emission: lamps of all kinds that move and stretch") {
   for (const bool textured : {false, true}) {
     Description moving = coated_lamp(textured, 24);
     const Transform there = moving.shapes.back().to_world;
-    move(moving, moving.shapes.back(),
-         {{0, there}, {1, Transform::translate({0.3f, 0.2f, 0.3f}) * shear() * there * Transform::scale({0.4f, 1.2f, 1})}});
+    const Transform turned = Transform::translate({0.4f, 0.2f, 0.3f}) * Transform::rotate({0, 1, 0}, -70) * shear();
+    move(moving, moving.shapes.back(), {{0, there}, {1, turned * there * Transform::scale({0.4f, 0.6f, 1})}});
     expose(moving, 0, 1);
+    // Far from the lamp, light leaves it at grazing angles first, and along its normal last
+    look_at_point(moving, {4.5f, -4, 0.5f}, {4.5f, 0, 0});
     check_strategies_agree(moving, level);
     moving.film.width = moving.film.height = 12;
     look_at(moving, {0, -5, 2}, {0.5f, 0, 0.3f}, {0, 0, 1}, 45);

@@ -10,9 +10,9 @@ namespace sheaf {
 /// material. Transform, flags and radiance are kept. Faces without a library material get none. Splitting does not
 /// change vertex normals. `creased`: computes missing normals with compute_creased_normals(); OBJ files without
 /// materials become in-memory meshes, too. Adds materials and textures to the description, and notes for unsupported
-/// features and for missing libraries. A shape without radiance gets the radiance Ke of its material, times its opacity. Throws SceneError
-/// for malformed OBJ and MTL files. Throws it for materials that no library defines, if all libraries were found.
-/// `lenient`: drops such shapes, or leaves them without a material, and reports it.
+/// features and for missing libraries. A shape without radiance gets the radiance Ke of its material, times its
+/// opacity. Throws SceneError for malformed OBJ and MTL files. Throws it for materials that no library defines, if all
+/// libraries were found. `lenient`: drops such shapes, or leaves them without a material, and reports it.
 void expand_obj_materials(Description& description, bool lenient = false, bool creased = false);
 
 /// Adds `material` with its textures to the description. `flip_tex_coords`: the flag passed to read_obj(). Selects the

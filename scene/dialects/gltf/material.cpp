@@ -201,7 +201,8 @@ class MaterialBuilder {
     opaque.metallic = 0.0f;
     MetallicRoughnessDescription metal = opaque;
     metal.metallic = 1.0f;
-    const MaterialId rest = add(BlendDescription{transmission, {add_two_sided(std::move(opaque)), add(std::move(glass))}});
+    const MaterialId rest =
+        add(BlendDescription{transmission, {add_two_sided(std::move(opaque)), add(std::move(glass))}});
     return finish(add(BlendDescription{metallic, {rest, add_two_sided(std::move(metal))}}), false);
   }
 
