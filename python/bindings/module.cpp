@@ -141,7 +141,7 @@ std::vector<double> matrix_of(const Session& session, const TreePath& path) {
 }
 
 /// A copy of the array of an <array>.
-py::array array_of(const Session& session, const TreePath& path) {
+py::array array_parameter(const Session& session, const TreePath& path) {
   const XmlElement& element = at(session.tree(), path);
   if (element.array == nullptr) throw Error(ExitCode::kUsage, "the parameter is not an array");
   const ArrayValue& array = *element.array;
@@ -329,7 +329,7 @@ void add_scene(py::module_& m) {
       .def("set", set_child)
       .def("remove", remove_child)
       .def("matrix", matrix_of)
-      .def("array", array_of)
+      .def("array", array_parameter)
       .def("render", render);
 }
 

@@ -17,7 +17,7 @@ namespace sheaf {
 namespace {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50;  ///< bytes of the binary format
-constexpr std::string_view kBlanks = " \t\r\n\v\f";
+constexpr std::string_view kWhiteSpace = " \t\r\n\v\f";
 
 /// Collects triangles, and merges equal vertices.
 class TriangleList {
@@ -64,7 +64,7 @@ bool equal_words(std::string_view a, std::string_view b) {
 /// Whether the first word is `solid`, in any case. Headers of binary files may begin so as well.
 bool begins_with_solid(std::string_view bytes) {
   constexpr std::string_view kSolid = "solid";
-  bytes.remove_prefix(std::min(bytes.find_first_not_of(kBlanks), bytes.size()));
+  bytes.remove_prefix(std::min(bytes.find_first_not_of(kWhiteSpace), bytes.size()));
   return equal_words(bytes.substr(0, kSolid.size()), kSolid);
 }
 
@@ -136,7 +136,7 @@ class Words {
     at_ = other.at_;
     line_ = other.line_;
   }
-  static bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
+  static bool is_blank(char c) { return kWhiteSpace.find(c) != std::string_view::npos; }
   /// Whether the words after `facet` are `normal`, three numbers and `outer`.
   bool begins_facet() {
     if (!equal_words(next(), "normal")) return false;
