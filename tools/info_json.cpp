@@ -15,9 +15,7 @@ using InfoJson = nlohmann::ordered_json;
 
 InfoJson vector_json(Vec3f v) { return {v.x, v.y, v.z}; }
 /// With few digits if the numbers are those of floats.
-InfoJson vector_json(Vec3d v) {
-  return Vec3d(v.rounded()) == v ? vector_json(v.rounded()) : InfoJson{v.x, v.y, v.z};
-}
+InfoJson vector_json(Vec3d v) { return Vec3d(v.rounded()) == v ? vector_json(v.rounded()) : InfoJson{v.x, v.y, v.z}; }
 
 InfoJson rect_json(const PixelRect& r) { return {r.x0, r.y0, r.x1, r.y1}; }
 

@@ -21,8 +21,8 @@ struct RayHits {
   std::vector<std::uint32_t> instance;          ///< row of the instance; kNone: not instanced
 };
 
-/// Traces rays at the time when the shutter opens. `origins`: world space. `directions`: as long as `origins`. Coordinates must be finite and
-/// at most 1e18 in absolute value, directions not zero.
+/// Traces rays at the time when the shutter opens. `origins`: world space. `directions`: as long as `origins`.
+/// Coordinates must be finite and at most 1e18 in absolute value, directions not zero.
 RayHits trace_rays(const SceneView& scene, const std::vector<Vec3d>& origins, const std::vector<Vec3f>& directions);
 
 }  // namespace sheaf

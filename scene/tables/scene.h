@@ -49,7 +49,7 @@ struct SceneView {
 struct SceneInfo {
   std::size_t groups = 0, instances = 0, instanced_triangles = 0;  ///< the last: sum over instances of their triangles
   std::size_t shapes = 0, triangles = 0, quadrics = 0, curve_segments = 0, vertices = 0, materials = 0, lights = 0;
-  std::size_t sdf_cells = 0;  ///< SDF grids: cells that contain the surface
+  std::size_t sdf_cells = 0;         ///< SDF grids: cells that contain the surface
   Vec3d bounds_min{}, bounds_max{};  ///< world space
   std::size_t table_bytes = 0, accel_bytes = 0;
   BvhLayout bvh = BvhLayout::kFast;

@@ -316,8 +316,7 @@ TEST_CASE("covered emission: in Mitsuba's dialect a mask does not cover the emit
 TEST_CASE("covered emission: the opacity of MTL materials covers Ke") {
   const TemporaryFolder folder;
   write_below(folder, "lamp.mtl", "newmtl lamp\nKd 0 0 0\nKe 1 1 1\nd 0.25\n");
-  write_below(folder, "lamp.obj",
-              "mtllib lamp.mtl\nusemtl lamp\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  write_below(folder, "lamp.obj", "mtllib lamp.mtl\nusemtl lamp\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
   Description d = read_scene(write_below(
       folder, "scene.xml", mitsuba_scene("<shape type='obj'><string name='filename' value='lamp.obj'/></shape>")));
   d.film.width = d.film.height = 8;

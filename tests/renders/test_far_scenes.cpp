@@ -14,9 +14,7 @@ using namespace test;
 
 namespace {
 
-std::string point(Vec3d v) {
-  return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z);
-}
+std::string point(Vec3d v) { return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z); }
 std::string move(Vec3d by) { return "<translate value='" + point(by) + "'/>"; }
 
 /// A scene of 32 x 32 pixels around `at`, seen from its +z side.
@@ -24,8 +22,8 @@ std::string scene_around(Vec3d at, const std::string& inside, const std::string&
                          const std::string& sensor = "") {
   return mitsuba_scene(
       inside,
-      "<sensor type='perspective'><float name='fov' value='40'/>" + sensor + "<transform name='to_world'><lookat origin='" +
-          point(at + Vec3d{0.2, 0.4, 6}) + "' target='" + point(at) +
+      "<sensor type='perspective'><float name='fov' value='40'/>" + sensor +
+          "<transform name='to_world'><lookat origin='" + point(at + Vec3d{0.2, 0.4, 6}) + "' target='" + point(at) +
           "' up='0, 1, 0'/></transform><film type='hdrfilm'><integer name='width' value='32'/><integer name='height' "
           "value='32'/><rfilter type='box'/></film><sampler type='independent'><integer name='sample_count' "
           "value='64'/></sampler></sensor>",
@@ -81,13 +79,16 @@ TEST_CASE("far scenes: meshes, quadrics, instances and lights of all kinds") {
     return wall(at) + placed("cube", "<scale value='0.3'/>" + move(at + Vec3d{-1, 0, 0})) +
            "<shape type='sphere'><point name='center' value='" + point(at + Vec3d{0.4, 0.5, 0}) +
            "'/><float name='radius' value='0.4'/></shape>" + "<shape type='shapegroup' id='g'>" +
-           placed("cube", "<scale value='0.2'/>") + "</shape><shape type='instance'><ref id='g'/><transform "
-           "name='to_world'>" + move(at + Vec3d{0.2, -0.7, 0.1}) + "</transform></shape>" +
+           placed("cube", "<scale value='0.2'/>") +
+           "</shape><shape type='instance'><ref id='g'/><transform "
+           "name='to_world'>" +
+           move(at + Vec3d{0.2, -0.7, 0.1}) + "</transform></shape>" +
            placed("rectangle", "<scale value='0.2'/><rotate y='1' angle='160'/>" + move(at + Vec3d{-0.4, 0.9, 1}),
                   "<emitter type='area'><rgb name='radiance' value='3, 8, 3'/></emitter>") +
            "<emitter type='spot'><float name='cutoff_angle' value='30'/><rgb name='intensity' value='30, 3, 3'/>"
-           "<transform name='to_world'><lookat origin='" + point(at + Vec3d{2, 0, 2}) + "' target='" + point(at) +
-           "' up='0, 1, 0'/></transform></emitter>" + emitter(at);
+           "<transform name='to_world'><lookat origin='" +
+           point(at + Vec3d{2, 0, 2}) + "' target='" + point(at) + "' up='0, 1, 0'/></transform></emitter>" +
+           emitter(at);
   });
 }
 
@@ -114,8 +115,7 @@ TEST_CASE("far scenes: motion of shapes, instances and the camera") {
                "</shape><shape type='sphere'>" + keys(at + Vec3d{0, -1, 0}, at + Vec3d{0.5, 1, 0}) +
                "<emitter type='area'><rgb name='radiance' value='1, 2, 3'/></emitter></shape>";
       },
-      "<integrator type='path'/>",
-      "<float name='shutter_open' value='0'/><float name='shutter_close' value='1'/>");
+      "<integrator type='path'/>", "<float name='shutter_open' value='0'/><float name='shutter_close' value='1'/>");
 }
 
 TEST_CASE("far scenes: photon maps") {

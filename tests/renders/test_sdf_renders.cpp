@@ -35,7 +35,8 @@ Description bumpy_ball(bool smooth, int samples) {
 }  // namespace
 
 TEST_CASE("sdf grid: images have the mean of Mitsuba") {
-  // Mitsuba 3.9.1, scalar_rgb, `path` and `volpath`, 4 x 512 and 4 x 1024 samples per pixel; standard errors below 3e-5.
+  // Mitsuba 3.9.1, scalar_rgb, `path` and `volpath`, 4 x 512 and 4 x 1024 samples per pixel; standard errors below
+  // 3e-5.
   const auto check = [](const Description& d, double expected) {
     const double mean = pixel_means(d)[1].mean();
     CHECK(mean == near(expected, 3e-3));

@@ -20,9 +20,7 @@ namespace {
 /// A place as in UTM coordinates, m. Floats are multiples of 0.5 there.
 constexpr Vec3d kPlace{500000.125, 40, -5400000.375};
 
-std::string text_of(Vec3d v) {
-  return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z);
-}
+std::string text_of(Vec3d v) { return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z); }
 
 /// The vertex of the first mesh of a scene, relative to Scene::origin().
 Vec3f first_vertex(const Scene& scene) {
@@ -84,8 +82,7 @@ TEST_CASE("render origin: Mitsuba's transforms keep positions far from the origi
   check("<matrix value='1 0 0 " + std::to_string(kPlace.x) + " 0 1 0 " + std::to_string(kPlace.y) + " 0 0 1 " +
         std::to_string(kPlace.z) + " 0 0 0 1'/>");
   // A rotation by an angle that floats do not hold, there and back
-  check("<translate value='" + text_of(kPlace) +
-        "'/><rotate y='1' angle='33.3'/><rotate y='1' angle='-33.3'/>");
+  check("<translate value='" + text_of(kPlace) + "'/><rotate y='1' angle='33.3'/><rotate y='1' angle='-33.3'/>");
 }
 
 TEST_CASE("render origin: Mitsuba's points keep positions far from the origin") {
@@ -102,8 +99,7 @@ TEST_CASE("render origin: Mitsuba's points keep positions far from the origin") 
   m = tube->view().geometry.quadrics[0].to_world;
   check_equal(Vec3d(m[3], m[7], m[11]) + tube->origin(), kPlace, 1e-5);
   CHECK(double{m[6]} == near(0.25));
-  const std::string light =
-      "<emitter type='point'><point name='position' value='" + text_of(kPlace) + "'/></emitter>";
+  const std::string light = "<emitter type='point'><point name='position' value='" + text_of(kPlace) + "'/></emitter>";
   const auto lamp =
       compile_scene(read_text(mitsuba_scene("<shape type='sphere'>" + center + "</shape>" + light, sensor)));
   const auto& row = lamp->view().lights.rows[0];
@@ -114,13 +110,12 @@ TEST_CASE("render origin: pbrt's transforms keep positions far from the origin")
   const auto numbers = [](Vec3d v) {
     return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + " ";
   };
-  const std::string camera = "LookAt " + numbers(kPlace + Vec3d{0, 0, 5}) + numbers(kPlace) +
-                             "0 1 0 Camera \"perspective\"";
-  const std::string shape =
-      "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
+  const std::string camera =
+      "LookAt " + numbers(kPlace + Vec3d{0, 0, 5}) + numbers(kPlace) + "0 1 0 Camera \"perspective\"";
+  const std::string shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
   check_equal(first_vertex_in_world(read_pbrt_world("Translate " + numbers(kPlace) + shape, camera)), kPlace, 1e-5);
-  const std::string object = "ObjectBegin \"o\"\n" + shape + "ObjectEnd\nTranslate " + numbers(kPlace) +
-                             "ObjectInstance \"o\"";
+  const std::string object =
+      "ObjectBegin \"o\"\n" + shape + "ObjectEnd\nTranslate " + numbers(kPlace) + "ObjectInstance \"o\"";
   const auto instanced = compile_scene(read_pbrt_world(object, camera));
   const float* m = instanced->view().geometry.instances[0].to_world;
   check_equal(Vec3d(m[3], m[7], m[11]) + instanced->origin(), kPlace, 1e-5);

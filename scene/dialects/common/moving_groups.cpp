@@ -67,8 +67,9 @@ std::array<double, 12> rows_of(const Transform& transform) {
 bool is_usable_placement(const Placement& placement) {
   if (!placement.motion) return is_usable_instance(rounded_rows(rows_of(placement.to_world)));
   const std::vector<double> times = placement.motion->key_times();
-  return std::all_of(times.begin(), times.end(),
-                     [&](double time) { return is_usable_instance(rounded_rows(rows_of(placement.motion->at(time)))); });
+  return std::all_of(times.begin(), times.end(), [&](double time) {
+    return is_usable_instance(rounded_rows(rows_of(placement.motion->at(time))));
+  });
 }
 
 void separate_moving_shapes(Description& description, bool lenient) {

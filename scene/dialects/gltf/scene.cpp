@@ -123,8 +123,8 @@ class SceneReader {
   /// The shapes of a mesh in its own space.
   std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
     std::vector<ShapeDescription> out;
-    std::vector<Primitive> primitives = load_mesh(
-        file_, key.mesh, deformation_of(file_, pose_, i, place_of_skin(file_, pose_, i)), lenient_);
+    std::vector<Primitive> primitives =
+        load_mesh(file_, key.mesh, deformation_of(file_, pose_, i, place_of_skin(file_, pose_, i)), lenient_);
     std::vector<DeformingMesh> deforming;
     if (deformations_.deforms(i)) deforming = deformations_.meshes(i);
     for (std::size_t k = 0; k < primitives.size(); ++k) {
