@@ -50,9 +50,9 @@ class MotionProbes {
 };
 
 /// Tabulates a motion at equidistant times over the shutter: at as few as keep the errors at the probes within their
-/// bounds, and at most at kMaxMotionSegments + 1. If that is not enough, the times include all keys where possible. A
-/// single matrix if they do not differ in single precision, or if the shutter does not open. Throws SceneError if a
-/// matrix is singular or too extreme.
+/// bounds, and at most at kMaxMotionSegments + 1. If none does, at the largest number, or at the largest whose times
+/// include the keys, whichever is more accurate. A single matrix if they do not differ in single precision, or if the
+/// shutter does not open. Throws SceneError if a matrix is singular or too extreme.
 std::vector<MotionStepRow> tabulate_motion(const Motion& motion, const MotionProbes& probes,
                                            const ShutterDescription& shutter);
 
