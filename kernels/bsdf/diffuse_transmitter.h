@@ -1,5 +1,6 @@
-// Diffuse transmission: f = transmittance / pi for directions on opposite sides of the surface. The surface is a thin
-// sheet without interior, so radiance is not scaled.
+// Diffuse transmission and reflection: f = transmittance / pi for directions on opposite sides of the surface, and
+// reflectance / pi for directions on the same side. The surface is a thin sheet without interior, so radiance is not
+// scaled.
 #pragma once
 
 #include "core/warp.h"
@@ -13,22 +14,36 @@ template <class L> struct DiffuseTransmitterBsdf : DiffuseTransmitterParameters<
   static constexpr bool kIsSpecular = false, kIsAnisotropic = false;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
-    const Float<L> pdf = cosine_hemisphere_pdf_solid_angle(-wi.z * side(wo));
-    return {this->transmittance * pdf, pdf};
+    using F = Float<L>;
+    const F height = wi.z * side(wo), cosine_pdf = cosine_hemisphere_pdf_solid_angle(abs(height));
+    const auto reflected = height > F(0.0f);
+    return {select<L>(reflected, this->reflectance, this->transmittance) * cosine_pdf,
+            cosine_pdf * probability(reflected)};
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
+    using F = Float<L>;
+    const auto reflected = u.x < probability(Mask<L>(true));
+    const F chosen = probability(reflected);
     BsdfSample<L> s;
     s.wi = square_to_cosine_hemisphere<L>(u.y, u.z);
-    s.pdf_solid_angle = cosine_hemisphere_pdf_solid_angle(s.wi.z);
-    s.wi.z = -s.wi.z * side(wo);
-    s.valid = s.pdf_solid_angle > Float<L>(0.0f);
-    s.weight = this->transmittance;
-    s.eta_scale = Float<L>(1.0f);
+    s.pdf_solid_angle = cosine_hemisphere_pdf_solid_angle(s.wi.z) * chosen;
+    s.wi.z = select(reflected, s.wi.z, -s.wi.z) * side(wo);
+    s.valid = s.pdf_solid_angle > F(0.0f);
+    s.weight = select<L>(reflected, this->reflectance, this->transmittance) * (F(1.0f) / max(chosen, F(1e-20f)));
+    s.eta_scale = F(1.0f);
     return s;
   }
 
  private:
+  /// Probability of sampling reflection, or transmission.
+  SHEAF_INLINE Float<L> probability(Mask<L> reflected) const {
+    using F = Float<L>;
+    const F back = max_component(this->reflectance), through = max_component(this->transmittance);
+    const F share = back / max(back + through, F(1e-20f));
+    return select(reflected, share, F(1.0f) - share);
+  }
+
   static SHEAF_INLINE Float<L> side(Vec3<L> wo) { return copysign(Float<L>(1.0f), wo.z); }
 };
 

@@ -1,4 +1,4 @@
-// Diffuse transmission.
+// Diffuse transmission, with or without diffuse reflection.
 #pragma once
 
 #include "scene/materials/model.h"
@@ -7,23 +7,37 @@ namespace sheaf {
 
 /// Parameters of kernels/bsdf/diffuse_transmitter.h.
 template <class L> struct DiffuseTransmitterParameters {
-  Spectrum<L> transmittance;  ///< in [0, 1]
-  static constexpr auto fields(auto& s) { return std::tie(s.transmittance); }
+  Spectrum<L> transmittance, reflectance;  ///< in [0, 1]
+  static constexpr auto fields(auto& s) { return std::tie(s.transmittance, s.reflectance); }
 };
 
 struct DiffuseTransmitterClosure : ClosureOf<DiffuseTransmitterParameters> {
   static constexpr ClosureInfo kInfo = {.name = "diffuse_transmitter"};
 };
 
-/// Diffuse transmission, equal from both sides.
+/// Diffuse transmission and reflection, equal from both sides.
 struct DiffuseTransmitterDescription {
   SpectrumInput transmittance = SpectrumDescription::constant(0.5f);
+  SpectrumInput reflectance = SpectrumDescription::constant(0);
 
   using Closures = ClosureList<DiffuseTransmitterClosure>;
   static constexpr Plugin<DiffuseTransmitterDescription> kPlugins[] = {{"difftrans"}};
   static constexpr ParameterName kParameters[] = {{"transmittance", "diffuse_transmittance"}};
-  static constexpr auto fields(auto& s) { return std::tie(s.transmittance); }
+  static constexpr auto fields(auto& s) { return std::tie(s.transmittance, s.reflectance); }
   bool transmits() const { return true; }
+
+  static DiffuseTransmitterDescription read(auto& p, const BsdfDialect&) {
+    DiffuseTransmitterDescription result;
+    read_declared(p, result);
+    return result;
+  }
+
+  MaterialRow make_row(auto& context) const {
+    auto m = context.template builder<DiffuseTransmitterParameters>();
+    m.set(m.p.transmittance, transmittance);
+    m.set(m.p.reflectance, reflectance);
+    return m.template row<DiffuseTransmitterClosure>();
+  }
 };
 
 }  // namespace sheaf

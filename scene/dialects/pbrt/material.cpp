@@ -87,10 +87,10 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   }
   // Make eta and k relative to the surrounding dielectric
   const auto relative = [&](const std::optional<SpectrumInput>& given, const char* copper) -> SpectrumInput {
-    SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
-    if (const auto* spectrum = std::get_if<SpectrumDescription>(&input))
-      return around != 1.0f ? scaled(*spectrum, 1 / around) : *spectrum;
-    return input;
+    const SpectrumInput input = given ? *given : SpectrumInput(named_spectrum(p, "", copper, Use::kUnbounded));
+    const std::optional<SpectrumInput> divided = scaled_input(p.reader(), input, 1 / around);
+    if (!divided) p.fail("has a texture of the metal's index of refraction that cannot be scaled");
+    return *divided;
   };
   metal.ior = ConductorDescription::Ior{relative(eta, "metal-Cu-eta"), relative(k, "metal-Cu-k")};
   return metal;
@@ -237,37 +237,20 @@ Model mix(Parameters& p) {
   return blend;
 }
 
-/// Returns the maximum component of a constant; nullopt for textures.
-std::optional<float> largest(const SpectrumInput& input) {
-  const auto* spectrum = std::get_if<SpectrumDescription>(&input);
-  if (spectrum == nullptr) return std::nullopt;
-  if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum->value)) return constant->value;
-  if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum->value))
-    return std::max({rgb->value.x, rgb->value.y, rgb->value.z});
-  if (const auto* table = std::get_if<SpectrumDescription::Table>(&spectrum->value))
-    return *std::max_element(table->values.begin(), table->values.end());
-  return std::nullopt;
-}
-
-/// Lambertian reflection and transmission as a blend. Each is scaled by the inverse of its selection probability.
-Model diffuse_transmission(Parameters& p, const SourceLocation& where) {
-  Reader& reader = p.reader();
-  const SpectrumDescription quarter = SpectrumDescription::constant(0.25f);
+/// Lambertian reflection and transmission.
+Model diffuse_transmission(Parameters& p) {
   const float scale = p.number("scale", 1);
-  const SpectrumInput reflected = find_spectrum_input(p, "reflectance", Use::kReflectance).value_or(quarter);
-  const SpectrumInput passed = find_spectrum_input(p, "transmittance", Use::kReflectance).value_or(quarter);
-  const std::optional<float> r = largest(reflected), t = largest(passed);
-  const float sum = r && t ? *r + *t : 0.0f;
-  const float share = sum > 0 ? std::clamp(*t / sum, 1e-3f, 1 - 1e-3f) : 0.5f;
-  const auto brighter = [&](const SpectrumInput& input, float chosen) {
-    const std::optional<SpectrumInput> scaled = scaled_input(reader, input, scale / chosen);
+  const auto read = [&](const char* name) {
+    const SpectrumInput quarter = SpectrumDescription::constant(0.25f);
+    const SpectrumInput input = find_spectrum_input(p, name, Use::kReflectance).value_or(quarter);
+    const std::optional<SpectrumInput> scaled = scaled_input(p.reader(), input, scale);
     if (!scaled) p.fail("has a texture that cannot be scaled");
     return *scaled;
   };
-  const MaterialId front = add(reader, DiffuseDescription{brighter(reflected, 1 - share)}, where);
-  const MaterialId both = add(reader, TwoSidedDescription{front, front}, where);
-  const MaterialId through = add(reader, DiffuseTransmitterDescription{brighter(passed, share)}, where);
-  return BlendDescription{share, {both, through}};
+  DiffuseTransmitterDescription sheet;
+  sheet.reflectance = read("reflectance");
+  sheet.transmittance = read("transmittance");
+  return sheet;
 }
 
 /// Wraps a material in its `displacement` or `normalmap`.
@@ -330,7 +313,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     model = mix(p);
   } else if (type == "diffusetransmission") {
     both_sides = false;
-    model = diffuse_transmission(p, entity.where);
+    model = diffuse_transmission(p);
   } else if (type == "measured") {
     model = MeasuredDescription{p.file("filename")};
   } else if (type == "hair") {
