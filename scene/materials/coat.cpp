@@ -98,7 +98,7 @@ MaterialRow CoatDescription::make_row_over(const MaterialRow& base, RowContext& 
     return with_flags_of(m.row<CoatedClosure>(), base);
   }
   MaterialRowBuilder<RoughCoatedParameters> m{context};
-  m.set(m.p.coat_alpha, roughness->alpha_u);
+  m.p.coat_alpha = uniform_roughness(*roughness);
   const RoughCoat rough = context.coats.coat(roughness->distribution, m.p.coat_alpha, int_ior / ext_ior);
   std::copy(rough.transmittance.begin(), rough.transmittance.end(), m.p.transmittance);
   set_coat(m, *this, base);

@@ -51,7 +51,7 @@ MaterialRow PlasticDescription::make_row(RowContext& context) const {
   }
   MaterialRowBuilder<RoughPlasticParameters> m{context};
   set_plastic(m, *this);
-  m.set(m.p.alpha, roughness->alpha_u);
+  m.p.alpha = uniform_roughness(*roughness);
   const RoughCoat coat = context.coats.coat(roughness->distribution, m.p.alpha, m.p.eta);
   m.p.internal_reflectance = coat.internal_reflectance;
   std::copy(coat.transmittance.begin(), coat.transmittance.end(), m.p.transmittance);
