@@ -79,16 +79,15 @@ Rendering rendering(const std::string& properties, const std::string& type = "ph
 
 /// Checks that photon mapping with these properties has the mean of path tracing, over several seeds. Blur across the
 /// edges of surfaces may change it by 3 %.
-void check_same_mean_as_paths(const std::string& properties, bool fog = false) {
-  constexpr int kRepeats = 16;
-  // Standard error 0.5 %
+void check_same_mean_as_paths(const std::string& properties, bool fog = false, std::uint32_t repeats = 16) {
+  // Standard errors 0.5 % and 1 %
   static const std::array<double, 2> expected{rendering("", "path_mis", false, 1, 1024).mean,
-                                              rendering("", "path_mis", true, 1, 1024).mean};
+                                              rendering("", "path_mis", true, 1, 256).mean};
   MeanVariance found;
-  for (std::uint32_t seed = 0; seed < kRepeats; ++seed)
+  for (std::uint32_t seed = 0; seed < repeats; ++seed)
     found.add(rendering(properties, "photonmapper", fog, 100 + seed).mean);
   const double right = expected[fog ? 1 : 0];
-  CHECK(found.variance() < kRepeats * std::pow(0.1 * right, 2));
+  CHECK(found.variance() < repeats * std::pow(0.12 * right, 2));
   check_mean(found, right, significance_of_each(7), 0.03 * right);
 }
 
@@ -153,7 +152,7 @@ TEST_CASE("photon settings: photons in media are read") {
   const std::string volume = integer("volumePhotonCount", "3000");
   const Rendering points = in_fog(kFew + volume + number("volumeRadius", "0.1"));
   CHECK(points.stored == near(plain.stored + 3000, 0.1));
-  check_same_mean_as_paths(kFew + volume + number("volumeRadius", "0.1"), true);
+  check_same_mean_as_paths(kFew + volume + number("volumeRadius", "0.1"), true, 48);
   CHECK(in_fog(kFew + volume + number("volumeRadius", "0.4")).roughness < points.roughness);
   const Rendering beams = in_fog(kFew + volume + number("volumeRadius", "0.1") + word("mediumPhotons", "beams"));
   CHECK(beams.data != points.data);
