@@ -102,15 +102,30 @@ TEST_CASE("farm: frames are rendered in parts and merged whatever the file names
   CHECK(!std::filesystem::exists(farm.here / "gone"));
 }
 
-TEST_CASE("farm: merged tiles have the bytes of the whole") {
-  const FarmFolder farm;
-  const std::string scene = kQuotedScene;
-  const Outcome made =
-      farm.sheaf("farm " + scene + " --parts 4 --tiles -o joined.exr --submit -- --spp 5 --no-timestamps");
-  INFO(made.err);
-  REQUIRE(made.code == 0);
-  REQUIRE(farm.sheaf("render " + scene + " --quiet -o whole.exr --spp 5 --no-timestamps").code == 0);
-  CHECK(read_bytes(farm.here / "joined.exr") == read_bytes(farm.here / "whole.exr"));
+TEST_CASE("farm: merged tiles have the bytes of the whole, also with a film that has a crop window") {
+  for (const bool has_crop : {false, true}) {
+    CAPTURE(has_crop);
+    const FarmFolder farm;
+    const std::string scene = kQuotedScene;
+    if (has_crop) {
+      std::string text = kScene;
+      const std::string film = "<film type=\"hdrfilm\">";
+      text.insert(text.find(film) + film.size(),
+                  "<integer name='crop_offset_x' value='5'/><integer name='crop_offset_y' value='3'/>"
+                  "<integer name='crop_width' value='11'/><integer name='crop_height' value='9'/>");
+      write_bytes(farm.here / FarmFolder::kSceneName, text);
+    }
+    const Outcome made =
+        farm.sheaf("farm " + scene + " --parts 4 --tiles -o joined.exr --submit -- --spp 5 --no-timestamps");
+    INFO(made.err);
+    REQUIRE(made.code == 0);
+    REQUIRE(farm.sheaf("render " + scene + " --quiet -o whole.exr --spp 5 --no-timestamps").code == 0);
+    CHECK(read_bytes(farm.here / "joined.exr") == read_bytes(farm.here / "whole.exr"));
+    const Image joined = read_exr(farm.here / "joined.exr");
+    CHECK(joined.width == (has_crop ? 11 : 24));
+    CHECK(joined.height == (has_crop ? 9 : 16));
+    CHECK(joined.y0 == (has_crop ? 3 : 0));
+  }
 }
 
 TEST_CASE("farm: samples are split into ranges") {
