@@ -161,6 +161,39 @@ TEST_CASE("guiding: training samples without radiance leave the mixture valid") 
   CHECK(v.bsdf_share > 0);
 }
 
+TEST_CASE("guiding: the mean of a cell is that of the light at its vertices, with earlier passes counting half") {
+  std::mt19937 random(11);
+  const auto train = [&random](GuideField& field, float found, std::size_t split_records) {
+    std::vector<std::vector<GuideRecord>> tasks(3);
+    for (auto& task : tasks)
+      for (int i = 0; i < 4000; ++i) {
+        const Vec3f p{uniform(random), uniform(random), uniform(random)};
+        const std::uint32_t row = guide_row<Scalar>(field.view(), 4u, guide_code<Scalar>(field.view(), p));
+        task.push_back(
+            {p, encode_octahedral<Scalar>(uniform_direction(random)), 1, kUniformSpherePdf, row << 3 | 4u, found});
+      }
+    field.train(tasks, split_records);
+  };
+  const auto check_means = [](const GuideField& field, double expected, std::size_t min_cells) {
+    std::size_t known = 0;
+    for (const float mean : field.means()) {
+      if (mean < 0) continue;
+      CHECK(mean == near(expected, 1e-5));
+      ++known;
+    }
+    CHECK(known >= min_cells);
+  };
+  GuideField split, whole;
+  for (int pass = 0; pass < 3; ++pass) {
+    train(split, 3, 400);
+    check_means(split, 3, 10);
+  }
+  train(whole, 1, 1'000'000);
+  check_means(whole, 1, 1);
+  train(whole, 4, 1'000'000);
+  check_means(whole, (0.5 * 1 + 4) / 1.5, 1);
+}
+
 TEST_CASE("guiding: cells shrink with the number of training samples and do not depend on threads") {
   std::mt19937 random(8);
   std::vector<std::vector<GuideRecord>> tasks(7);

@@ -83,4 +83,23 @@ TEST_CASE("candidate choice: both sets of a pixel count") {
   }
 }
 
+TEST_CASE("candidate choice: a gain that a small part of the pixels decides is not believed") {
+  for (const bool is_even : {true, false}) {
+    CAPTURE(is_even);
+    // With one candidate, all pixels have 1.5 times the variance, or those of one group 9 times
+    TrialPass pass = trial(0);
+    std::size_t pixel = 0;
+    for (TrialTask& task : pass.tasks)
+      for (std::size_t i = 0; i < task.radiance[0].size(); ++i, ++pixel) {
+        const bool is_noisy = is_even || pixel / kTrialSet % kTrialGroups == 3;
+        const float excess = is_noisy ? (is_even ? 0.5f : 0.5f * kTrialGroups) : 0.0f;
+        for (auto& squared : task.squared_radiance)
+          squared[i] = {squared[i].c3 + excess, squared[i].c3, squared[i].c3, squared[i].c3};
+      }
+    const CandidateChoice found = choose_candidates(pass, 0);
+    CHECK(found.gains[1] == near(1.5, 0.05));
+    CHECK((found.count > 1) == is_even);
+  }
+}
+
 }  // namespace sheaf::test_trial_pass

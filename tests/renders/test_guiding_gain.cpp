@@ -116,6 +116,16 @@ TEST_CASE("guiding gain: a few outliers and black passes do not decide") {
   CHECK(ratio({}, {}) == 1);
 }
 
+TEST_CASE("guiding gain: a gain in a few pixels is not believed, but a loss is") {
+  const TrialPass noisy = noisy_pass(1, 1, 1000);
+  TrialPass spotted = noisy;
+  // 0.3 % of the pixels have most of the error
+  for (TrialTask& task : spotted.tasks)
+    for (std::size_t i = 0; i < 6; ++i) task.radiance[0][kTrialSet * 300 * i] *= 30;
+  CHECK(ratio(spotted, noisy) == near(1 / 1.2, 0.05));
+  CHECK(ratio(noisy, spotted) < 0.5);
+}
+
 TEST_CASE("guiding gain: the standard error tells how far estimates scatter") {
   MeanVariance logarithms, errors;
   for (std::uint32_t seed = 0; seed < 60; ++seed) {
