@@ -85,7 +85,7 @@ template <class F, class... C> SHEAF_INLINE F polynomial(F x, C... c) {
     return fma(x2 * x2, sizeof...(c) <= 6 ? pair(4) : fma(x2, pair(6), pair(4)), fma(x2, pair(2), pair(0)));
 }
 
-/// exp(-x) for x >= 0, relative error below 1.6e-7 (1 + x). About 1e-38 for x >= 87 and for NaN.
+/// exp(-x) for x >= 0, relative error below 2e-7 (1 + x). About 1e-38 for x >= 87 and for NaN.
 template <class F> SHEAF_INLINE F exp_minus(F x) {
   const F y = max(x * F(-1.44269504f), F(-125.0f));
   const F shifted = y + F(12582912.0f);  // 1.5 2^23: the low bits hold y rounded to an integer
