@@ -1,13 +1,11 @@
-// Polygons of mesh files and their triangulation.
+// Polygons of mesh files.
 #pragma once
 
 #include "core/error.h"
 #include "scene/description/shapes.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -27,15 +25,5 @@ struct PolygonList {
 /// Triangulates the polygons and appends them to a mesh that has their vertices. Drops polygons with a kMissingVertex.
 /// Adds one warning for each kind of problem. Returns for each new triangle the index of its polygon.
 std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& mesh, std::vector<std::string>& warnings);
-
-/// Three corner indices of a polygon, in the polygon's order.
-using PolygonTriangle = std::array<std::uint32_t, 3>;
-
-/// Replaces `out` by triangles that cover a polygon of at least three corners, projected along its mean normal
-/// (Newell). Convex polygons become a fan around the first corner; concave ones are triangulated by ear clipping
-/// (Meisters 1975). Collinear corners may stay unused. Returns false if no ear is left, for example if the outline
-/// intersects itself, or if clipping takes too long; the rest then becomes a fan. Polygons without a finite area become
-/// a fan as well.
-bool triangulate_polygon(std::span<const Vec3f> corners, std::vector<PolygonTriangle>& out);
 
 }  // namespace sheaf
