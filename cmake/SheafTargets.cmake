@@ -83,7 +83,7 @@ function(sheaf_program name)
 endfunction()
 
 # sheaf_helper(<name> SOURCES <pattern>... DEPENDS <target>...): adds a program, at the top of the build folder, that
-# other programs start. It depends on no layer.
+# other programs start. It links no layer.
 function(sheaf_helper name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
   sheaf_sources(sources ${arg_SOURCES})

@@ -64,7 +64,7 @@ const std::vector<Folder> kKernelFolders = {
 struct Wrapped {
   std::string_view library;
   std::vector<std::string_view> prefixes;  ///< prefixes of its headers
-  std::string_view wrapper;                ///< path without extension; empty: any one file
+  std::string_view wrapper;  ///< path without extension; empty: any one file, and one of tools/importer/, a program
 };
 
 const std::vector<Wrapped> kWrapped = {
@@ -168,14 +168,17 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
     if (header.starts_with(".")) breaches.push_back(file + " includes " + header + ", not from the repository's root");
   }
   for (const Wrapped& wrapped : kWrapped) {
-    std::set<std::string> users;
+    std::set<std::string> users, importer_users;
     for (const auto& [file, header] : includes) {
+      const bool is_importer = file.starts_with("tools/importer/") && wrapped.wrapper.empty();
       const auto begins = [&included = header](std::string_view prefix) { return included.starts_with(prefix); };
       const std::string user = without_extension(file);
       if (user == std::string(wrapped.wrapper) + "_writer") continue;
-      if (std::any_of(wrapped.prefixes.begin(), wrapped.prefixes.end(), begins)) users.insert(user);
+      if (std::any_of(wrapped.prefixes.begin(), wrapped.prefixes.end(), begins))
+        (is_importer ? importer_users : users).insert(user);
     }
     if (!wrapped.wrapper.empty()) users.insert(std::string(wrapped.wrapper));
+    if (importer_users.size() > 1) users.merge(importer_users);
     if (users.size() <= 1) continue;
     std::string breach = std::string(wrapped.library) + " is included by more than one file:";
     for (const std::string& user : users) breach += " " + user;
@@ -336,4 +339,7 @@ TEST_CASE("includes of a library beside its wrapper are found") {
   CHECK(
       find_breaches({{"scene/xml/xml.cpp", "pugixml.hpp"}, {"scene/dialects/nori/scene.cpp", "pugixml.hpp"}}).size() ==
       1);
+  CHECK(find_breaches({{"scene/xml/xml.cpp", "pugixml.hpp"}, {"tools/importer/a.cpp", "pugixml.hpp"}}).empty());
+  CHECK(find_breaches({{"tools/importer/a.cpp", "pugixml.hpp"}, {"tools/importer/b.cpp", "pugixml.hpp"}}).size() == 1);
+  CHECK(find_breaches({{"tools/importer/a.cpp", "embree4/rtcore.h"}}).size() == 1);
 }

@@ -2,8 +2,9 @@
 
 namespace sheaf::importer {
 
-std::string to_glb(const aiScene& scene, const std::string& format) {
-  Conversion to{scene, format};
+std::string to_glb(const aiScene& scene, const std::string& format, FileParts parts) {
+  Conversion to{scene, format, std::move(parts)};
+  to.notes = std::move(to.parts.notes);
   to.glb.json["asset"]["generator"] = "Sheaf, by Assimp";
   to.glb.json["extensionsUsed"] = {"KHR_lights_punctual", "KHR_materials_specular"};
   add_materials(to);

@@ -3,7 +3,9 @@
 // It is a program of its own because Assimp's importers may crash on damaged files. MEMORY (bytes of address space; 0:
 // unlimited) and SECONDS (of processor time) limit it. Exit status: 0 done; 3 failed, with a message for the user on
 // the standard output.
+#include "tools/importer/collada.h"
 #include "tools/importer/conversion.h"
+#include "tools/importer/fbx_parts.h"
 #include "tools/importer/sandbox.h"
 
 #include <assimp/BaseImporter.h>
@@ -91,7 +93,20 @@ void keep_reader(Assimp::Importer& importer, const std::string& format) {
   }
 }
 
-std::string convert(const std::string& format, const std::string& bytes) {
+[[noreturn]] void fail(const Assimp::Importer& importer) {
+  const std::string reason = importer.GetErrorString();
+  if (reason.find("bad_alloc") != reason.npos) throw std::bad_alloc();
+  throw ImportError("cannot be read: " + reason);
+}
+
+/// Reads the parts that Assimp does not pass on, and removes those from the file that it cannot read.
+FileParts take_parts(const std::string& format, std::string& bytes) {
+  if (format == "fbx") return fbx_parts(bytes);
+  return format == "dae" ? take_collada_parts(bytes) : FileParts();
+}
+
+std::string convert(const std::string& format, std::string bytes) {
+  FileParts parts = take_parts(format, bytes);
   Assimp::Importer importer;
   const std::string name = "model." + format;
   importer.SetIOHandler(new OneFile(name, bytes));  // owned by the importer
@@ -105,16 +120,17 @@ std::string convert(const std::string& format, const std::string& bytes) {
     importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS);
     flags |= aiProcess_RemoveComponent;
   }
-  const aiScene* const scene =
-      importer.ReadFile(name, flags | aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType |
-                                  aiProcess_GenSmoothNormals | aiProcess_TransformUVCoords |
-                                  aiProcess_JoinIdenticalVertices | aiProcess_LimitBoneWeights);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    const std::string reason = importer.GetErrorString();
-    if (reason.find("bad_alloc") != reason.npos) throw std::bad_alloc();
-    throw ImportError("cannot be read: " + reason);
-  }
-  return to_glb(*scene, format);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+  if (importer.ReadFile(name, aiProcess_ValidateDataStructure) == nullptr) fail(importer);
+  // Triangulate before the steps that compute normals from triangles
+  triangulate(const_cast<aiScene&>(*importer.GetScene()), parts.notes);
+  const aiScene* const scene = importer.ApplyPostProcessing(
+      flags | aiProcess_SortByPType | aiProcess_GenSmoothNormals | aiProcess_TransformUVCoords |
+      aiProcess_JoinIdenticalVertices | aiProcess_LimitBoneWeights);
+  if (scene == nullptr || scene->mRootNode == nullptr) fail(importer);
+  if (format != "fbx" && format != "dae") parts = assimp_parts(*scene);
+  return to_glb(*scene, format, std::move(parts));
 }
 
 void write_all(const std::string& bytes) {
@@ -132,9 +148,9 @@ int run(const std::filesystem::path& file, std::uint64_t memory, std::uint64_t s
   try {
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw ImportError("cannot be opened for reading");
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    std::string bytes{std::istreambuf_iterator<char>(stream), {}};
     restrict_process(memory, seconds);
-    write_all(convert(format, bytes));
+    write_all(convert(format, std::move(bytes)));
     return 0;
   } catch (const ImportError& error) { write_all(error.what()); } catch (const std::bad_alloc&) {
     write_all("needs too much memory, or names a false size");

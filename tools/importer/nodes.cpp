@@ -1,10 +1,6 @@
 // The hierarchy of nodes with their meshes, skins, cameras and lights.
 #include "tools/importer/conversion.h"
 
-#include <assimp/camera.h>
-#include <assimp/light.h>
-#include <assimp/version.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -24,6 +20,13 @@ json columns_of(const aiMatrix4x4& m) {
     for (unsigned row = 0; row < 4; ++row) out.push_back(finite(m[row][column]));
   return out;
 }
+
+aiVector3D vector(const std::array<double, 3>& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+/// The mean scale of a transform.
+double scale_of(const aiMatrix4x4& m) { return std::cbrt(std::abs(double{m.Determinant()})); }
 
 /// A coordinate system at a point whose -z axis is `forward`.
 aiMatrix4x4 facing(const aiVector3D& origin, aiVector3D forward, aiVector3D up) {
@@ -72,10 +75,10 @@ class NodeConverter {
     list_nodes();
     for (std::size_t i = 0; i < nodes_.size(); ++i) to_.glb.add("nodes", node(i));
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      for (unsigned k = 0; k < nodes_[i]->mNumMeshes; ++k) add_mesh(i, nodes_[i]->mMeshes[k]);
-    for (unsigned i = 0; i < to_.scene.mNumCameras; ++i) add_camera(*to_.scene.mCameras[i]);
-    if (to_.scene.mNumLights > 0) measure();
-    for (unsigned i = 0; i < to_.scene.mNumLights; ++i) add_light(*to_.scene.mLights[i]);
+      if (!is_hidden(i))
+        for (unsigned k = 0; k < nodes_[i]->mNumMeshes; ++k) add_mesh(i, nodes_[i]->mMeshes[k]);
+    centre_ = centre();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) add_parts(i);
     to_.glb.json["scenes"] = {{{"nodes", {0}}}};
   }
 
@@ -94,12 +97,23 @@ class NodeConverter {
       to_world_.push_back(parent < 0 ? local : to_world_[static_cast<std::size_t>(parent)] * local);
       children_.emplace_back();
       if (parent >= 0) children_[static_cast<std::size_t>(parent)].push_back(index);
-      to_.node_of.try_emplace(text(node->mName), index);
+      to_.nodes_of[text(node->mName)].push_back(index);
+      parts_.push_back(parts_of(*node));
       for (unsigned k = node->mNumChildren; k-- > 0;) open.emplace_back(node->mChildren[k], index);
     }
     for (unsigned i = 0; i < to_.scene.mNumAnimations; ++i)
       for (unsigned k = 0; k < to_.scene.mAnimations[i]->mNumChannels; ++k)
         moving_.insert(text(to_.scene.mAnimations[i]->mChannels[k]->mNodeName));
+    for (const Animation& animation : to_.parts.animations)
+      for (const Keys& keys : animation.channels) moving_.insert(keys.node);
+  }
+
+  /// The parts of a node that is the last one in nodes_. The root has none, unless Assimp assigns them.
+  const NodeParts* parts_of(const aiNode& node) const {
+    if (nodes_.size() == 1 && to_.format != "3ds") return nullptr;
+    const auto found = to_.parts.nodes.find(text(node.mName));
+    if (found == to_.parts.nodes.end() || found->second.empty()) return nullptr;
+    return &found->second[std::min(to_.nodes_of[text(node.mName)].size(), found->second.size()) - 1];
   }
 
   json node(std::size_t i) const {
@@ -169,43 +183,47 @@ class NodeConverter {
     json joints = json::array();
     std::vector<float> matrices;
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
-      const auto node = to_.node_of.find(text(mesh.mBones[b]->mName));
-      if (node == to_.node_of.end())
+      const auto node = to_.nodes_of.find(text(mesh.mBones[b]->mName));
+      if (node == to_.nodes_of.end())
         throw ImportError("has a bone '" + text(mesh.mBones[b]->mName) + "' without a node");
-      joints.push_back(node->second);
+      joints.push_back(node->second.front());
       for (const json& value : columns_of(mesh.mBones[b]->mOffsetMatrix)) matrices.push_back(value.get<float>());
     }
     const int inverse = to_.glb.add_accessor(matrices, mesh.mNumBones, "MAT4");
     return to_.glb.add("skins", {{"joints", std::move(joints)}, {"inverseBindMatrices", inverse}});
   }
 
-  /// The node that a camera or light belongs to.
-  std::size_t node_named(const aiString& name) const {
-    const auto found = to_.node_of.find(text(name));
-    return found == to_.node_of.end() ? 0 : static_cast<std::size_t>(found->second);
+  bool is_hidden(std::size_t i) const { return parts_[i] != nullptr && parts_[i]->is_hidden; }
+
+  /// Adds the cameras and lights of a node.
+  void add_parts(std::size_t i) {
+    if (parts_[i] == nullptr) return;
+    for (const Camera& from : parts_[i]->cameras) add_camera(from, i);
+    if (is_hidden(i)) return;
+    for (const Light& from : parts_[i]->lights) add_light(from, i);
   }
 
-  void add_camera(const aiCamera& from) {
-    constexpr double kAspect = 4.0 / 3, kAngle = 0.7;  // of cameras that do not say them
-    const double aspect = from.mAspect > 0 && std::isfinite(from.mAspect) ? double{from.mAspect} : kAspect;
-    // Assimp 5.3 and later give half of the angle for FBX.
-    const bool is_half = to_.format == "fbx" && 100 * aiGetVersionMajor() + aiGetVersionMinor() >= 503;
-    const double given = finite(from.mHorizontalFOV) * (is_half ? 2 : 1);
-    const double angle = given > 0 ? std::clamp(given, 0.01, 3.1) : kAngle;
-    json camera = {{"name", text(from.mName)}, {"type", "perspective"}};
-    camera["perspective"] = {{"yfov", 2 * std::atan(std::tan(angle / 2) / aspect)}, {"aspectRatio", aspect}};
-    camera["perspective"]["znear"] = 1e-6;
+  void add_camera(const Camera& from, std::size_t parent) {
+    constexpr double kNear = 1e-6, kFar = 1e12;
+    json camera = {{"name", from.name}, {"type", from.is_perspective ? "perspective" : "orthographic"}};
+    if (from.is_perspective) {
+      camera["perspective"] = {{"yfov", from.yfov}, {"znear", kNear}};
+      if (from.aspect > 0) camera["perspective"]["aspectRatio"] = from.aspect;
+    } else {
+      const double scale = scale_of(to_world_[parent]);  // glTF's views are not scaled by their nodes
+      camera["orthographic"] = {{"xmag", finite(scale * from.xmag)}, {"ymag", finite(scale * from.ymag)}};
+      camera["orthographic"].update({{"znear", kNear}, {"zfar", kFar}});
+    }
     const int index = to_.glb.add("cameras", std::move(camera));
-    add_child(node_named(from.mName), {{"name", text(from.mName)},
-                                       {"camera", index},
-                                       {"matrix", columns_of(facing(from.mPosition, from.mLookAt, from.mUp))}});
+    const aiMatrix4x4 matrix = facing(vector(from.position), vector(from.forward), vector(from.up));
+    add_child(parent, {{"name", from.name}, {"camera", index}, {"matrix", columns_of(matrix)}});
   }
 
-  /// Finds the centre of all meshes.
-  void measure() {
+  /// The centre of all visible meshes.
+  aiVector3D centre() const {
     aiVector3D low(1e30f, 1e30f, 1e30f), high = -low;
     for (std::size_t i = 0; i < nodes_.size(); ++i)
-      for (unsigned k = 0; k < nodes_[i]->mNumMeshes; ++k) {
+      for (unsigned k = 0; k < nodes_[i]->mNumMeshes && !is_hidden(i); ++k) {
         const aiMesh& mesh = *to_.scene.mMeshes[nodes_[i]->mMeshes[k]];
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
           const aiVector3D p = to_world_[i] * mesh.mVertices[v];
@@ -215,51 +233,47 @@ class NodeConverter {
           }
         }
       }
-    if (low.x <= high.x) centre_ = (low + high) * 0.5f;
+    return low.x <= high.x ? (low + high) * 0.5f : aiVector3D(0, 0, 0);
   }
 
   /// Adds a light. Lights of these formats have no photometric unit: one of colour 1 makes a white surface that it
   /// faces white. At the centre of the scene, glTF's inverse-square law and the file's attenuation agree.
-  void add_light(const aiLight& from) {
-    const bool is_directional = from.mType == aiLightSource_DIRECTIONAL, is_spot = from.mType == aiLightSource_SPOT;
-    if (!is_directional && !is_spot && from.mType != aiLightSource_POINT) {
-      to_.notes.push_back("light '" + text(from.mName) +
-                          "' is neither directional nor a point or spot light (ignored)");
+  void add_light(const Light& from, std::size_t parent) {
+    const bool is_directional = from.kind == Light::Kind::kDirectional, is_spot = from.kind == Light::Kind::kSpot;
+    if (from.kind == Light::Kind::kOther) {
+      to_.notes.push_back("light '" + from.name + "' is neither directional nor a point or spot light (ignored)");
       return;
     }
-    const std::size_t parent = node_named(from.mName);
     double intensity = std::numbers::pi;
     if (!is_directional) intensity *= squared_distance_over_attenuation(from, to_world_[parent]);
-    const aiColor3D& c = from.mColorDiffuse;
-    const double largest = std::max({finite(c.r), finite(c.g), finite(c.b)});
+    const double largest = std::max({finite(from.color[0]), finite(from.color[1]), finite(from.color[2])});
     if (!(largest > 0)) return;
     const auto share = [&](double value) { return std::max(value, 0.0) / largest; };
-    json light = {{"name", text(from.mName)}, {"type", is_directional ? "directional" : is_spot ? "spot" : "point"}};
-    light["color"] = {share(c.r), share(c.g), share(c.b)};
+    json light = {{"name", from.name}, {"type", is_directional ? "directional" : is_spot ? "spot" : "point"}};
+    light["color"] = {share(from.color[0]), share(from.color[1]), share(from.color[2])};
     light["intensity"] = finite(intensity * largest);
     if (is_spot) {
-      const double outer = std::clamp(finite(from.mAngleOuterCone) / 2, 1e-3, std::numbers::pi / 2);
-      light["spot"] = {{"innerConeAngle", std::clamp(finite(from.mAngleInnerCone) / 2, 0.0, outer)},
-                       {"outerConeAngle", outer}};
+      const double outer = std::clamp(finite(from.outer_angle), 1e-3, std::numbers::pi / 2);
+      light["spot"] = {{"innerConeAngle", std::clamp(finite(from.inner_angle), 0.0, outer)}, {"outerConeAngle", outer}};
     }
     json& lights = to_.glb.json["extensions"]["KHR_lights_punctual"]["lights"];
     lights.push_back(std::move(light));
-    json node = {{"name", text(from.mName)}};
-    node["matrix"] = columns_of(facing(from.mPosition, from.mDirection, {0, 1, 0}));
+    json node = {{"name", from.name}};
+    node["matrix"] = columns_of(facing(vector(from.position), vector(from.direction), {0, 1, 0}));
     node["extensions"]["KHR_lights_punctual"]["light"] = lights.size() - 1;
     add_child(parent, std::move(node));
   }
 
   /// The squared distance of a light from the centre over the attenuation there, 1/cd per unit of illumination.
-  double squared_distance_over_attenuation(const aiLight& from, const aiMatrix4x4& to_world) const {
-    const double distance = std::max(double{(to_world * from.mPosition - centre_).Length()}, 1e-6);
-    const double scale = std::cbrt(std::abs(double{to_world.Determinant()}));
+  double squared_distance_over_attenuation(const Light& from, const aiMatrix4x4& to_world) const {
+    const double distance = std::max(double{(to_world * vector(from.position) - centre_).Length()}, 1e-6);
+    const double scale = scale_of(to_world);
     const double unscaled = scale > 0 ? distance / scale : distance;
-    const double linear = std::max(from.mAttenuationLinear, 0.0f),
-                 quadratic = std::max(from.mAttenuationQuadratic, 0.0f);
-    double attenuation = linear * unscaled + quadratic * unscaled * unscaled;
-    // The constant of FBX is the distance at which the decay starts.
-    if (to_.format != "fbx") attenuation += std::max(from.mAttenuationConstant, 0.0f);
+    double attenuation = 0, power = 1;
+    for (const double factor : from.attenuation) {
+      attenuation += std::max(factor, 0.0) * power;
+      power *= unscaled;
+    }
     if (!(attenuation > 0) || !std::isfinite(attenuation)) attenuation = 1;
     return distance * distance / attenuation;
   }
@@ -268,8 +282,9 @@ class NodeConverter {
   std::vector<const aiNode*> nodes_;
   std::vector<aiMatrix4x4> locals_, to_world_;
   std::vector<std::vector<int>> children_;
-  std::set<std::string> moving_;  ///< names of animated nodes
-  std::vector<int> meshes_;       ///< indices of converted meshes; -1: not yet
+  std::set<std::string> moving_;         ///< names of animated nodes
+  std::vector<const NodeParts*> parts_;  ///< of each node; may be null
+  std::vector<int> meshes_;              ///< indices of converted meshes; -1: not yet
   aiVector3D centre_{0, 0, 0};
 };
 
