@@ -10,6 +10,7 @@
 #include "tests/support/exr_files.h"
 #include "tests/support/gltf_samples.h"
 #include "tests/support/image_files.h"
+#include "tests/support/import_files.h"
 #include "tests/support/model_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/parts.h"
@@ -149,6 +150,37 @@ std::string ply_header(const std::string& encoding) {
          "property list uchar int vertex_indices\nend_header\n";
 }
 
+/// Cameras, lights, animations, holes and properties of imported models.
+void add_import_parts(Seeds& seeds) {
+  const std::string animation =
+      "<library_animations><animation id='a'>" + test::collada_source("t", {0, 1}, 1) +
+      test::collada_source("o", {0, 400}, 1) + test::collada_source("k", {0, 1, 2, 3}, 2) +
+      "<source id='i'><Name_array id='ia' count='2'>BEZIER STEP</Name_array><technique_common><accessor source='#ia' "
+      "count='2' stride='1'/></technique_common></source><sampler id='m'><input semantic='INPUT' source='#t'/><input "
+      "semantic='OUTPUT' source='#o'/><input semantic='INTERPOLATION' source='#i'/><input semantic='IN_TANGENT' "
+      "source='#k'/><input semantic='OUT_TANGENT' source='#k'/></sampler><channel source='#m' target='n/r.ANGLE'/>"
+      "</animation></library_animations>";
+  const std::string optics =
+      "<library_cameras><camera id='c'><optics><technique_common><perspective><xfov>40</xfov></perspective>"
+      "</technique_common></optics></camera></library_cameras><library_lights><light id='l'><technique_common><spot>"
+      "<color>1 1 1</color><falloff_angle>40</falloff_angle><falloff_exponent>2</falloff_exponent></spot>"
+      "</technique_common></light></library_lights>";
+  const std::string frame = "<geometry id='g'><mesh>" +
+                            test::collada_source("p", {0, 0, 0, 4, 0, 0, 0, 4, 0, 1, 1, 0, 2, 1, 0, 1, 2, 0}, 3) +
+                            "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices><polygons "
+                            "count='1'><input semantic='VERTEX' "
+                            "source='#v' offset='0'/><ph><p>0 1 2</p><h>3 4 5</h></ph></polygons></mesh></geometry>";
+  const std::string node =
+      "<node id='n'><rotate sid='r'>0 0 1 0</rotate><translate>2 0 0</translate><instance_geometry url='#g'/>"
+      "<instance_camera url='#c'/><instance_light url='#l'/></node><node><instance_node url='#n'/></node>";
+  seeds.add("import", '\0' + test::collada_file(frame, node, animation + optics));
+  test::FbxFile fbx;
+  fbx.add_square("q", {test::fbx_property("Visibility", "Visibility", 0.0)});
+  fbx.add_attribute("c", "Camera", {test::fbx_property("FocalLength", "Number", 50.0)});
+  fbx.add_attribute("l", "Light", {test::fbx_property("OuterAngle", "Number", 50.0)});
+  for (const std::string& bytes : {fbx.text(), fbx.binary(7400), fbx.binary(7500)}) seeds.add("import", '\1' + bytes);
+}
+
 void add_models(Seeds& seeds) {
   const std::string off = test::cube_off();
   seeds.add("off", '\0' + off);
@@ -160,6 +192,7 @@ void add_models(Seeds& seeds) {
   seeds.add("import", '\0' + test::cube_dae());
   seeds.add("import", '\1' + test::cube_fbx());
   seeds.add("import", '\2' + test::cube_3ds());
+  add_import_parts(seeds);
 }
 
 void add_ply(Seeds& seeds) {
