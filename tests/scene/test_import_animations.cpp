@@ -218,7 +218,7 @@ TEST_CASE("import: divided nodes keep their children, and their instances move")
   const Description d = read_scene(write_below(folder, "a.dae", instances), options);
   REQUIRE(d.lights.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
-    const Vec3f at = std::get<PointLightDescription>(d.lights[i].model).position;
+    const Vec3d at = std::get<PointLightDescription>(d.lights[i].model).position;
     CHECK(at.x == near(turned(45, 3, 0)[0]));
     CHECK(at.y == near(turned(45, 3, 0)[1]));
     CHECK(at.z == near(1.0 + static_cast<double>(i)));

@@ -151,6 +151,60 @@ TEST_CASE("render origin: skins of glTF keep positions far from the origin") {
   check_equal(first_vertex_in_world(d), kPlace + Vec3d{0.5, 0, 0}, 1e-5);
 }
 
+TEST_CASE("render origin: everything that has a place moves") {
+  const Vec3d by{1000, -2000, 3000};
+  const auto check_moved = [&](const Transform& moved) { check_equal(moved.translation(), -by, 1e-9); };
+  Description d;
+  d.more_cameras.emplace_back();
+  d.camera.target = Vec3d{1, 2, 3};
+  d.more_cameras[0].target = CameraDescription::TargetArea{};
+  d.shapes.emplace_back();
+  d.groups.push_back({{ShapeDescription{}}, {}, {}});
+  d.instances.emplace_back();
+  d.motions.push_back(AnimatedTransform({{0, Transform()}, {1, Transform::translate({5, 0, 0})}}));
+  // All grids of media, phase functions and textures
+  const GridVolumeDescription grid;
+  d.media.resize(2);
+  d.media[0].coefficients = ExtinctionAlbedoDescription{grid, grid};
+  d.media[1].coefficients = AbsorptionScatteringDescription{grid, grid};
+  d.media[0].density = d.media[0].emission_factor = d.media[0].temperature = grid;
+  d.media[0].emission = grid;
+  d.phases.push_back({SggxDescription{grid}, {}});
+  d.textures.emplace_back();
+  d.textures[0].model = VolumeTextureDescription{grid};
+  d.lights = {{PointLightDescription{}, {}}, {SpotLightDescription{}, {}},        {GoniometricLightDescription{}, {}},
+              {ProjectorDescription{}, {}},  {BeamDescription{}, {}}};
+  const Description moved = moved_to(d, by);
+  check_moved(moved.camera.to_world);
+  check_moved(moved.more_cameras[0].to_world);
+  check_equal(std::get<Vec3d>(moved.camera.target), Vec3d{1, 2, 3} - by, 1e-9);
+  check_moved(std::get<CameraDescription::TargetArea>(moved.more_cameras[0].target).to_world);
+  check_moved(moved.shapes[0].to_world);
+  CHECK(moved.groups[0].shapes[0].to_world.translation() == Vec3d());
+  const std::array<double, 12>& m = moved.instances[0].to_world;
+  check_equal({m[3], m[7], m[11]}, -by, 1e-9);
+  check_equal(moved.motions[0].at(1).translation(), Vec3d{5, 0, 0} - by, 1e-9);
+  const auto& extinction = std::get<ExtinctionAlbedoDescription>(moved.media[0].coefficients);
+  const auto& scattering = std::get<AbsorptionScatteringDescription>(moved.media[1].coefficients);
+  for (const VolumeInput* input : {&extinction.sigma_t, &extinction.albedo, &scattering.sigma_a, &scattering.sigma_s,
+                                   &*moved.media[0].emission})
+    check_moved(std::get<GridVolumeDescription>(*input).to_world);
+  for (const auto* optional : {&moved.media[0].density, &moved.media[0].emission_factor, &moved.media[0].temperature})
+    check_moved((*optional)->to_world);
+  const auto& flakes = std::get<SggxDescription>(moved.phases[0].model);
+  check_moved(std::get<GridVolumeDescription>(flakes.matrix).to_world);
+  check_moved(std::get<VolumeTextureDescription>(moved.textures[0].model).grid.to_world);
+  // Every light that is not at infinity
+  for (const LightDescription& light : moved.lights)
+    std::visit(
+        [&](const auto& model) {
+          if constexpr (requires { model.to_world; }) check_moved(model.to_world);
+          if constexpr (requires { model.position; }) check_equal(model.position, -by, 1e-9);
+          CHECK((requires { model.to_world; } || requires { model.position; }));
+        },
+        light.model);
+}
+
 TEST_CASE("render origin: a mesh file whose vertices lie far away gets one, and a note on lost digits") {
   const TemporaryFolder folder;
   write_below(folder, "far.obj", "v 500000 40 0\nv 500001 40 0\nv 500000 41 0\nf 1 2 3\n");
