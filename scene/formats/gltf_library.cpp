@@ -304,7 +304,7 @@ class Converter : GltfChecker {
     if (from.size() != kSize)
       throw out.error(part, "'" + std::string(name) + "' has " + std::to_string(from.size()) + " numbers, expected " +
                                 std::to_string(kSize));
-    for (std::size_t i = 0; i < kSize; ++i) to[i] = number(from[i], part, name);
+    for (std::size_t i = 0; i < kSize; ++i) to[i] = precise_number(from[i], part, name);
   }
 
   GltfNode node(const tinygltf::Node& from, const std::string& part) const {

@@ -30,10 +30,13 @@ class GltfChecker {
     return index(value, count, part, name);
   }
 
-  float number(double value, const std::string& part, const char* name) const {
+  double precise_number(double value, const std::string& part, const char* name) const {
     if (!std::isfinite(value) || std::abs(value) > kLargest)
       throw out.error(part, "'" + std::string(name) + "' is not a finite number");
-    return static_cast<float>(value);
+    return value;
+  }
+  float number(double value, const std::string& part, const char* name) const {
+    return static_cast<float>(precise_number(value, part, name));
   }
 
   /// The member of an object in an extension; null if it is absent.

@@ -112,8 +112,9 @@ double parse_number(std::string_view text, const SourceLocation& where, std::str
   if (error == std::errc::result_out_of_range) fail_value(text, where, what, "a number in the range of a float");
   if (error != std::errc() || end != digits.data() + digits.size()) fail_value(text, where, what, "a number");
   if (!std::isfinite(value)) fail_value(text, where, what, "a finite number");
-  if (!std::isfinite(static_cast<float>(value))) fail_value(text, where, what, "a number in the range of a float");
-  return value;
+  const float narrow = static_cast<float>(value);
+  if (!std::isfinite(narrow)) fail_value(text, where, what, "a number in the range of a float");
+  return narrow == 0 ? 0 : value;
 }
 
 float parse_float(std::string_view text, const SourceLocation& where, std::string_view what) {

@@ -14,7 +14,8 @@ namespace sheaf {
 /// Splits at commas and white space; drops empty parts.
 std::vector<std::string_view> split_list(std::string_view text);
 
-/// A finite number in the range of a float, in double precision. `what` names the value in messages ("float 'fov'").
+/// A finite number in the range of a float, in double precision. Numbers that are too small for a float are 0. `what`
+/// names the value in messages ("float 'fov'").
 double parse_number(std::string_view text, const SourceLocation& where, std::string_view what);
 /// parse_number(), rounded to a float.
 float parse_float(std::string_view text, const SourceLocation& where, std::string_view what);

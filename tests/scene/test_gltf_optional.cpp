@@ -337,7 +337,8 @@ TEST_CASE("gltf optional: inverse bind matrices are the identity by default") {
   gltf.json["scenes"][0]["nodes"] = {0, 1};
   gltf.json["skins"] = {{{"joints", {1}}}};
   const Description d = read_document(json::parse(gltf.text()));
-  CHECK(std::get<Mesh>(d.shapes.at(0).geometry).positions.at(1).x == near(8));
+  const ShapeDescription& shape = d.shapes.at(0);
+  CHECK(shape.to_world.point(std::get<Mesh>(shape.geometry).positions.at(1)).x == near(8));
 }
 
 TEST_CASE("gltf optional: indices without a buffer view are zero but for their sparse elements") {

@@ -45,9 +45,9 @@ TEST_CASE("old materials: defaults and parameters are read in both notations") {
   CHECK(material("phong") == dump_all("phong", grey(0.5f), grey(0.2f), 30.0f));
   CHECK(material("roughdiffuse") == dump_all("roughdiffuse", grey(0.5f), 0.2f, false));
   CHECK(material("ward") == dump_all("ward", 2, grey(0.5f), grey(0.2f), 0.1f, 0.1f));
-  CHECK(material("difftrans") == dump_all("difftrans", grey(0.5f)));
+  CHECK(material("difftrans") == dump_all("difftrans", grey(0.5f), grey(0)));
   CHECK(material("difftrans", color("transmittance", "0.1, 0.2, 0.3")) ==
-        dump_all("difftrans", SpectrumInput(SpectrumDescription::rgb(0.1f, 0.2f, 0.3f))));
+        dump_all("difftrans", SpectrumInput(SpectrumDescription::rgb(0.1f, 0.2f, 0.3f)), grey(0)));
   const std::string lobes =
       color("diffuseReflectance", "0.1, 0.2, 0.3") + color("specularReflectance", "0.4, 0.5, 0.6");
   const SpectrumInput d = SpectrumDescription::rgb(0.1f, 0.2f, 0.3f), s = SpectrumDescription::rgb(0.4f, 0.5f, 0.6f);

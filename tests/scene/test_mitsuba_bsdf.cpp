@@ -19,12 +19,13 @@ TEST_CASE("Mitsuba materials: defaults match the documentation") {
   const std::string one = " constant 0x1p+0", half = " constant 0x1p-1";
   const std::string glass = dump_all(1.5046f, 1.000277f) + one + one;
   const std::string rough = dump_all(" beckmann", 0.1f, 0.1f);
+  const std::string unscaled = " 0x1p+0 constant 0x1p+0";  // specular and specular_color, which glTF sets
   CHECK(material("diffuse") == "diffuse" + half);
   CHECK(material("conductor") == "conductor" + one);
   CHECK(material("roughconductor") == "conductor" + one + rough);
-  CHECK(material("dielectric") == "dielectric " + glass + " 0");
-  CHECK(material("thindielectric") == "dielectric " + glass + " 1");
-  CHECK(material("roughdielectric") == "dielectric " + glass + " 0" + rough);
+  CHECK(material("dielectric") == "dielectric " + glass + " 0" + unscaled);
+  CHECK(material("thindielectric") == "dielectric " + glass + " 1" + unscaled);
+  CHECK(material("roughdielectric") == "dielectric " + glass + " 0" + rough + unscaled);
   CHECK(material("plastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0");
   CHECK(material("roughplastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0" + rough);
   CHECK(material("principled") == "principled" + half + dump_all(" ", 0.5f).substr(1) + " 0x0p+0 0x0p+0 0x0p+0 0x0p+0" +
@@ -77,18 +78,20 @@ TEST_CASE("Mitsuba materials: every number and colour and switch is read in both
         "<boolean name='" + std::string(name("sample_visible", "sampleVisible")) + "' value='false'/>";
     const std::string base = number(name("base_color", "baseColor"), "0.5");
     CHECK(material("dielectric", iors + speculars) ==
-          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0"));
+          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 0x1p+0 constant 0x1p+0"));
     CHECK(material("thindielectric", iors + speculars) ==
-          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1"));
+          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 0x1p+0 constant 0x1p+0"));
     CHECK(material("roughdielectric", iors + speculars + along + visible + word("distribution", "ggx")) ==
-          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 ggx 0x1p-1 0x1p-2"));
+          dump_all("dielectric", 1.333f, 1.25f,
+                   "constant 0x1p-2 constant 0x1.8p-1 0 ggx 0x1p-1 0x1p-2 0x1p+0 constant 0x1p+0"));
     CHECK(material("roughconductor", along + visible + number("eta", "2") + number("k", "3") +
                                          number(name("specular_reflectance", "specularReflectance"), "0.25")) ==
           "conductor constant 0x1p-2 constant 0x1p+1 constant 0x1.8p+1 beckmann 0x1p-1 0x1p-2");
     const std::string plastic = iors + number(name("diffuse_reflectance", "diffuseReflectance"), "0.25") +
                                 number(name("specular_reflectance", "specularReflectance"), "0.75") +
                                 "<boolean name='nonlinear' value='true'/>";
-    CHECK(material("plastic", plastic) == dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1"));
+    CHECK(material("plastic", plastic) ==
+          dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 0x1p+0 constant 0x1p+0"));
     CHECK(material("roughplastic", plastic + visible + number("alpha", "0.5") + word("distribution", "ggx")) ==
           dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 ggx 0x1p-1 0x1p-1"));
     const std::string common = base + number("roughness", "0.125") + number("anisotropic", "0.25") +

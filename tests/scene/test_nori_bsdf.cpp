@@ -41,7 +41,8 @@ int square(const TextureDescription& t, float u, float v) {
 TEST_CASE("Nori materials: defaults match the documentation") {
   CHECK(material("diffuse") == "diffuse constant 0x1p-1");
   CHECK(material("mirror") == "conductor constant 0x1p+0");
-  CHECK(material("dielectric") == dump_all("dielectric", 1.5046f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 0"));
+  CHECK(material("dielectric") ==
+        dump_all("dielectric", 1.5046f, 1.000277f, "constant 0x1p+0 constant 0x1p+0 0 0x1p+0 constant 0x1p+0"));
   CHECK(material("microfacet") == dump_all("nori_microfacet", 1.5046f, 1.000277f, 0.1f, "constant 0x1p-1"));
   CHECK(material("disney") ==
         dump_all("disney constant 0x1p-1", 0.0f, 0.0f, 0.5f, 0.0f, 0.5f, 0.0f, 0.0f, 0.5f, 0.0f, 1.0f));
@@ -52,7 +53,8 @@ TEST_CASE("Nori materials: every parameter is read in both naming styles") {
     CAPTURE(camel);
     auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
     const std::string iors = number(name("int_ior", "intIOR"), "1.5") + number(name("ext_ior", "extIOR"), "1.25");
-    CHECK(material("dielectric", iors) == "dielectric 0x1.8p+0 0x1.4p+0 constant 0x1p+0 constant 0x1p+0 0");
+    CHECK(material("dielectric", iors) ==
+          "dielectric 0x1.8p+0 0x1.4p+0 constant 0x1p+0 constant 0x1p+0 0 0x1p+0 constant 0x1p+0");
     CHECK(material("microfacet", iors + number("alpha", "0.25") + "<color name='kd' value='0,0.5,1'/>") ==
           "nori_microfacet 0x1.8p+0 0x1.4p+0 0x1p-2 rgb 0x0p+0 0x1p-1 0x1p+0");
     CHECK(material("disney", "<color name='" + std::string(name("base_color", "baseColor")) + "' value='0,0.5,1'/>" +
@@ -72,7 +74,8 @@ TEST_CASE("Nori materials: materials of Mitsuba are read with names in camelCase
   CHECK(material("roughconductor", word("material", "Au") + number("alphaU", "0.5") + number("alphaV", "0.25")) !=
         material("roughconductor"));
   CHECK(material("thindielectric", word("intIOR", "water")) ==
-        dump_all("dielectric", 1.333f, 1.000277f, *find_dispersion("water"), "constant 0x1p+0 constant 0x1p+0 1"));
+        dump_all("dielectric", 1.333f, 1.000277f, *find_dispersion("water"),
+                 "constant 0x1p+0 constant 0x1p+0 1 0x1p+0 constant 0x1p+0"));
   CHECK(material("roughplastic", "<color name='diffuseReflectance' value='0.25'/>" + number("alpha", "0.5")) ==
         dump_all("plastic", 1.49f, 1.000277f, "rgb 0x1p-2 0x1p-2 0x1p-2 constant 0x1p+0 0 beckmann 0x1p-1 0x1p-1"));
   CHECK(material("principled", "<color name='baseColor' value='0.25'/>").starts_with("principled rgb 0x1p-2"));

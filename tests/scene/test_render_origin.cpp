@@ -172,8 +172,11 @@ TEST_CASE("render origin: everything that has a place moves") {
   d.phases.push_back({SggxDescription{grid}, {}});
   d.textures.emplace_back();
   d.textures[0].model = VolumeTextureDescription{grid};
-  d.lights = {{PointLightDescription{}, {}}, {SpotLightDescription{}, {}},        {GoniometricLightDescription{}, {}},
-              {ProjectorDescription{}, {}},  {BeamDescription{}, {}}};
+  d.lights = {{PointLightDescription{}, {}},
+              {SpotLightDescription{}, {}},
+              {GoniometricLightDescription{}, {}},
+              {ProjectorDescription{}, {}},
+              {BeamDescription{}, {}}};
   const Description moved = moved_to(d, by);
   check_moved(moved.camera.to_world);
   check_moved(moved.more_cameras[0].to_world);
@@ -186,8 +189,8 @@ TEST_CASE("render origin: everything that has a place moves") {
   check_equal(moved.motions[0].at(1).translation(), Vec3d{5, 0, 0} - by, 1e-9);
   const auto& extinction = std::get<ExtinctionAlbedoDescription>(moved.media[0].coefficients);
   const auto& scattering = std::get<AbsorptionScatteringDescription>(moved.media[1].coefficients);
-  for (const VolumeInput* input : {&extinction.sigma_t, &extinction.albedo, &scattering.sigma_a, &scattering.sigma_s,
-                                   &*moved.media[0].emission})
+  for (const VolumeInput* input :
+       {&extinction.sigma_t, &extinction.albedo, &scattering.sigma_a, &scattering.sigma_s, &*moved.media[0].emission})
     check_moved(std::get<GridVolumeDescription>(*input).to_world);
   for (const auto* optional : {&moved.media[0].density, &moved.media[0].emission_factor, &moved.media[0].temperature})
     check_moved((*optional)->to_world);
@@ -200,7 +203,8 @@ TEST_CASE("render origin: everything that has a place moves") {
         [&](const auto& model) {
           if constexpr (requires { model.to_world; }) check_moved(model.to_world);
           if constexpr (requires { model.position; }) check_equal(model.position, -by, 1e-9);
-          CHECK((requires { model.to_world; } || requires { model.position; }));
+          CHECK((
+              requires { model.to_world; } || requires { model.position; }));
         },
         light.model);
 }

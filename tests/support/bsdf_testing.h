@@ -48,8 +48,8 @@ void check_bsdf_sampling(const BsdfView& bsdf, int tests);
 
 /// Like check_bsdf_sampling(), for discontinuous pdfs: lobes that are clipped by the horizon, by their facets or at the
 /// critical angle. Expected counts have a small lower bound, because quadrature nodes may miss the corner of a lobe.
-/// Strips along the horizon are integrated separately. Invalid samples are counted unless quadrature errors exceed their
-/// expected share. `depth`: maximum number of subdivisions of a cell.
+/// Strips along the horizon are integrated separately. Invalid samples are counted unless quadrature errors exceed
+/// their expected share. `depth`: maximum number of subdivisions of a cell.
 void check_bsdf_sampling_with_edges(const BsdfView& bsdf, int tests, int depth = 6);
 
 /// Chi-square test of a lobe that is too narrow for a grid over the sphere, for one outgoing direction. The domain is a
