@@ -47,7 +47,7 @@ const std::vector<Folder> kKernelFolders = {
     // Models know of no wave, film or stage.
     {"phase", {}},
     {"bsdf", {"phase"}},
-    {"lights", {}},
+    {"lights", {"bsdf"}},  // Fresnel terms of coats over emission
     {"media", {"phase", "bsdf"}},
     {"caustics", {"phase", "bsdf", "lights", "media"}},
     {"guiding", {}},
