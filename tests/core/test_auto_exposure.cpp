@@ -90,7 +90,8 @@ TEST_CASE("auto exposure: a factor changes the exposure by its logarithm") {
 
 TEST_CASE("auto exposure: coverage, and values that do not count") {
   const auto exposure_of = [](std::vector<std::string> channels, std::vector<float> pixels) {
-    Image image(static_cast<int>(pixels.size() / channels.size()), 1, std::move(channels));
+    const auto width = static_cast<int>(pixels.size() / channels.size());
+    Image image(width, 1, std::move(channels));
     image.data = std::move(pixels);
     return auto_exposure(image);
   };
