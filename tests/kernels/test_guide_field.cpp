@@ -194,6 +194,51 @@ TEST_CASE("guiding: the mean of a cell is that of the light at its vertices, wit
   check_means(whole, (0.5 * 1 + 4) / 1.5, 1);
 }
 
+TEST_CASE("guiding: the halves of a cell share its statistics") {
+  // Light from one direction in the first pass, from another in the second, in which the cell is split
+  constexpr int kRecords = 8000;
+  const Vec3f places[2] = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
+  GuideField field;
+  const auto mixture_at = [&](Vec3f place) {
+    const GuideView view = field.view();
+    return view.mixtures[guide_row<Scalar>(view, kGuideMedia, guide_code<Scalar>(view, place))];
+  };
+  std::mt19937 random(21);
+  const auto train = [&](Vec3f middle, std::size_t split_records) {
+    std::vector<GuideRecord> records;
+    for (int i = 0; i < 2 * kRecords; ++i) {
+      const Vec3f p = places[i % 2] + Vec3f{uniform(random), uniform(random), uniform(random)} * 0.05f;
+      const std::uint32_t row = guide_row<Scalar>(field.view(), kGuideMedia, guide_code<Scalar>(field.view(), p));
+      const Vec3f d = uniform_direction(random);
+      const float weight = lobe(d, middle, 30) / kUniformSpherePdf;
+      records.push_back({p, encode_octahedral<Scalar>(d), weight, kUniformSpherePdf, row << 3 | kGuideMedia, weight});
+    }
+    field.train({records}, split_records);
+    return records;
+  };
+  const auto pdf = [](const GuideMixture& mixture, Vec3f d) {
+    return double{evaluate_guide<Scalar>(view_of(mixture), 0u, 1u, d).pdf_solid_angle};
+  };
+  const auto check_same = [&](const GuideMixture& a, const GuideMixture& b) {
+    for (const Vec3f d : {kFirst, kSecond}) CHECK(pdf(a, d) == near(pdf(b, d), 1e-3));
+  };
+  GuideMixture expected = first_mixture({0, 0, 0});
+  GuideSums sums;
+  fit_mixture(train(kFirst, 1'000'000), expected, sums);
+  check_same(mixture_at(places[0]), expected);
+  const std::vector<GuideRecord> records = train(kSecond, kRecords + kRecords / 2);
+  // Each half has half of the statistics, and its own records
+  halve(sums);
+  for (std::size_t half = 0; half < 2; ++half) {
+    GuideMixture mixture = expected;
+    GuideSums of_half = sums;
+    std::vector<GuideRecord> own;
+    for (std::size_t i = half; i < records.size(); i += 2) own.push_back(records[i]);
+    fit_mixture(own, mixture, of_half);
+    check_same(mixture_at(places[half]), mixture);
+  }
+}
+
 TEST_CASE("guiding: cells shrink with the number of training samples and do not depend on threads") {
   std::mt19937 random(8);
   std::vector<std::vector<GuideRecord>> tasks(7);
