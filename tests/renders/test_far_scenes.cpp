@@ -92,7 +92,7 @@ TEST_CASE("far scenes: meshes, quadrics, instances and lights of all kinds") {
   });
 }
 
-TEST_CASE("far scenes: media, with grids and without") {
+TEST_CASE("far scenes: media") {
   check_same_image(
       [](Vec3d at) {
         return wall(at) + emitter(at) +
