@@ -55,16 +55,6 @@ double largest_linear_difference(const Transform& a, const Transform& b) {
   return largest;
 }
 
-/// The position of the origin of an object that a transform places.
-std::array<double, 3> origin_under(const Transform& transform) {
-  const auto& m = transform.matrix().m;
-  return {m[0][3], m[1][3], m[2][3]};
-}
-
-double distance_of(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
 /// Calls f(time) at the keys of the motions, and at times in between, until it returns false.
 template <class F> bool at_times_of(const AnimatedTransform* a, const AnimatedTransform* b, F&& f) {
   std::vector<double> times;
@@ -87,18 +77,18 @@ bool move_alike(const AnimatedTransform* a, const AnimatedTransform* b) {
   // Compare rotations and stretches, and the paths of the first object's origin relative to their lengths
   constexpr double kTolerance = 1e-5, kRounding = 2e-7;
   const Transform rest = a != nullptr ? a->reference() : b->reference();
-  const std::array<double, 3> start = origin_under(rest);
-  double largest = 0, length = 0, difference = 0;
+  const Vec3d start = rest.translation();
+  double largest = 0, path = 0, difference = 0;
   for (const AnimatedTransform* motion : {a, b})
-    if (motion != nullptr) largest = std::max(largest, distance_of(origin_under(motion->reference()), {}));
+    if (motion != nullptr) largest = std::max(largest, length(motion->reference().translation()));
   const bool same_linear = at_times_of(a, b, [&](double time) {
     const Transform by_a = moved(a, time), by_b = moved(b, time);
-    const std::array<double, 3> at_a = origin_under(by_a * rest), at_b = origin_under(by_b * rest);
-    length = std::max({length, distance_of(at_a, start), distance_of(at_b, start)});
-    difference = std::max(difference, distance_of(at_a, at_b));
+    const Vec3d at_a = (by_a * rest).translation(), at_b = (by_b * rest).translation();
+    path = std::max({path, length(at_a - start), length(at_b - start)});
+    difference = std::max(difference, length(at_a - at_b));
     return largest_linear_difference(by_a, by_b) < kTolerance;
   });
-  return same_linear && difference <= kTolerance * length + kRounding * largest;
+  return same_linear && difference <= kTolerance * path + kRounding * largest;
 }
 
 /// Whether a motion keeps all distances.

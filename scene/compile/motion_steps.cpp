@@ -13,7 +13,6 @@ namespace {
 
 /// Rows of a 3x4 matrix.
 using AffineRows = std::array<double, 12>;
-using Vector3 = std::array<double, 3>;
 
 AffineRows affine_rows(const Transform& transform) {
   AffineRows out;
@@ -21,14 +20,14 @@ AffineRows affine_rows(const Transform& transform) {
   return out;
 }
 
-Vector3 image_of(const AffineRows& m, const std::array<double, 4>& p) {
-  Vector3 out{};
+Triple image_of(const AffineRows& m, const std::array<double, 4>& p) {
+  Triple out{};
   for (std::size_t row = 0; row < 3; ++row)
     for (std::size_t k = 0; k < 4; ++k) out[row] += m[4 * row + k] * p[k];
   return out;
 }
 
-double norm(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
+double norm(const Triple& v) { return std::hypot(v[0], v[1], v[2]); }
 
 /// The distance between the images of a probe under two matrices.
 double distance(const AffineRows& a, const AffineRows& b, const std::array<double, 4>& p) {

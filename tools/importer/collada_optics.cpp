@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRadians = std::numbers::pi / 180;
 
-/// The number in a child element; nothing if there is none.
+/// The number in a child element; empty without that element.
 std::optional<double> number(const pugi::xml_node& parent, const char* child) {
   const std::vector<double> values = numbers_of(parent.child(child));
   return values.empty() ? std::nullopt : std::optional(values.front());
