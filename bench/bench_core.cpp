@@ -1,12 +1,12 @@
 // The cost of the primitives of core per item. Every benchmark reports "per_item" in seconds (1.5n is 1.5 nanoseconds)
 // for as many items as a wave has, which fit the L1 or L2 cache.
-#include "core/alias_table.h"
-#include "core/bucket_sort.h"
-#include "core/frame.h"
-#include "core/sampler.h"
-#include "core/slot_table.h"
-#include "core/spectrum.h"
-#include "core/warp.h"
+#include "core/color/spectrum.h"
+#include "core/math/frame.h"
+#include "core/sampling/alias_table.h"
+#include "core/sampling/sampler.h"
+#include "core/sampling/warp.h"
+#include "core/soa/bucket_sort.h"
+#include "kernels/wave/slot_table.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
 // Non-local means for an image of 1280 x 720 pixels, with two half buffers and three features, and without. "cpu" is
 // the CPU time of all threads in seconds.
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "kernels/denoise/denoise.h"
 
 #include <benchmark/benchmark.h>

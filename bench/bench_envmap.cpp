@@ -1,8 +1,8 @@
 // The cost of environment maps per item, by size and content of the map: sampling a direction with its radiance, and
 // looking one up. In `sky` most directions go to a sun. In `noise` they go to all of the map, so each lookup reads from
 // memory. "per_item" is in seconds. `numbers` is the cost of only the random numbers.
-#include "core/rng.h"
-#include "core/warp.h"
+#include "core/sampling/rng.h"
+#include "core/sampling/warp.h"
 #include "kernels/lights/envmap.h"
 #include "scene/lights/make_envmap.h"
 

@@ -1,6 +1,6 @@
 // The cost of adding a sample to a tile of the film: to its own pixel only, and to every pixel under a pixel filter;
 // with sums of squares for the variance of samples, and without them, as for replicates. "per_item" is in seconds.
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "kernels/film/film.h"
 
 #include <benchmark/benchmark.h>

@@ -1,8 +1,8 @@
 // The cost per item of sampling a light from a light tree and of its probability, by the number of lights. Runs one
 // path at a time and in registers, at random points among the lights. "per_item" is in seconds; "per_level" divides it
 // by the mean depth of the sampled lights. Also the cost of building the tree.
-#include "core/rng.h"
-#include "core/warp.h"
+#include "core/sampling/rng.h"
+#include "core/sampling/warp.h"
 #include "kernels/lights/light_tree.h"
 
 #include <benchmark/benchmark.h>

@@ -1,7 +1,7 @@
 // The cost of photon maps: gathering at surface vertices and along rays in fog, and building. "per_item" is in seconds
 // per query, or per photon for building. "per_photon" is per photon found, "photons" their number.
-#include "core/error.h"
-#include "core/flush_denormals.h"
+#include "core/io/error.h"
+#include "core/simd/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/passes/trace_photons.h"

@@ -1,9 +1,9 @@
 // The cost of the primitives of spectral mode per path, that is per four wavelengths, in registers and one path at a
 // time: sampling wavelengths, evaluating rows of each kind, upsampling texels, environment maps, and the sensor. Also
 // the cost of computing the upsampling table.
-#include "core/rng.h"
-#include "core/spectral_sensor.h"
-#include "core/uplift.h"
+#include "core/color/spectral_sensor.h"
+#include "core/color/uplift.h"
+#include "core/sampling/rng.h"
 #include "kernels/lights/envmap.h"
 #include "scene/data/glasses.h"
 #include "scene/lights/make_envmap.h"

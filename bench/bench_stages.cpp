@@ -1,7 +1,7 @@
 // The cost per item of each stage of the path and light passes, on waves in the middle of a render. Every benchmark
 // reports "per_item" in seconds, "best_per_item" for the shortest call, and the number of items per call.
-#include "core/error.h"
-#include "core/flush_denormals.h"
+#include "core/io/error.h"
+#include "core/simd/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/photons/light_task.h"

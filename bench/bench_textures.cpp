@@ -1,6 +1,6 @@
 // The cost of texture lookups per item: every format and filter, one path at a time and in registers. Positions are
 // close together (paths that see the same part of a surface) or anywhere in the image. "per_item" is in seconds.
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "scene/textures/list.h"
 #include "scene/textures/texture_lookup.h"
 

@@ -1,6 +1,6 @@
 // The cost of volumes: lookups in brick grids, steps from leaf to leaf of a majorant grid, tracking, and construction
 // of majorants. In chains each lookup position depends on the previous value, as in tracking. "per_item" is in seconds.
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "kernels/media/density_tracking.h"
 #include "scene/compile/build_brick_grid.h"
 #include "scene/tables/make_majorants.h"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Compares medium estimators on a cloud: time and mean squared error. Needs only Python, a build, and the cloud of
-tools/make_media_scenes.py.
+scenes/make/make_media_scenes.py.
 
   bench/compare_media.py [--scene scenes/media/cloud_box.xml] [--spp 32] [--seeds 2] [--reference-spp 768]
 

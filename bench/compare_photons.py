@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Compares path tracing, guiding, manifold next-event estimation, light tracing and variants of photon mapping on
-caustics: time and error. Needs Python with numpy, a build, and the meshes of tools/make_caustic_scenes.py.
+caustics: time and error. Needs Python with numpy, a build, and the meshes of scenes/make/make_caustic_scenes.py.
 
   bench/compare_photons.py [--scenes scenes/caustics/ring.xml ...] [--seconds 20] [--width 160] [--reference-spp 8192]
 

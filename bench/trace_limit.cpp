@@ -1,14 +1,14 @@
 // trace_limit: compares the speed of a render with the speed at which Embree traces its rays. See bench/README.md.
 #include "bench/trace_limit.h"
 
-#include "core/error.h"
-#include "core/large_pages.h"
-#include "kernels/passes/render.h"
+#include "core/io/error.h"
+#include "core/soa/large_pages.h"
+#include "kernels/render/render.h"
 #include "kernels/stages/stage_list.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/sampler_name.h"
 #include "scene/dialects/read_scene.h"
-#include "tools/options.h"
+#include "tools/options/options.h"
 
 #include <fmt/format.h>
 

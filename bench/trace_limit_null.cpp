@@ -1,7 +1,7 @@
 // The null hypothesis: neither waves nor wide registers improve speed. Compares the renderer's own kernels, run path by
 // path and one lane at a time, with their normal execution.
 #include "bench/trace_limit.h"
-#include "core/flush_denormals.h"
+#include "core/simd/flush_denormals.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/passes/passes.h"

@@ -1,7 +1,7 @@
 // Recording of rays, and tracing them again without the rest of the renderer.
 #include "bench/trace_limit.h"
 
-#include "core/flush_denormals.h"
+#include "core/simd/flush_denormals.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>

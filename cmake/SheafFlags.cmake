@@ -5,7 +5,7 @@ target_include_directories(sheaf_flags INTERFACE "${PROJECT_SOURCE_DIR}" "${PROJ
 target_compile_definitions(sheaf_flags INTERFACE SHEAF_VERSION="${PROJECT_VERSION}")
 # -ffp-contract=off rounds a * b + c twice everywhere. Therefore the same source gives the same bits in every function,
 # lane, optimisation level and compiler. Code that wants a fused multiply-add calls fma(). Tested by
-# tests/core/test_contraction.cpp.
+# tests/core/simd/test_contraction.cpp.
 target_compile_options(sheaf_flags INTERFACE
   -fno-math-errno -fno-trapping-math -ffp-contract=off
   -Wall -Wextra -Wshadow

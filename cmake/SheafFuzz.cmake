@@ -2,7 +2,7 @@
 # tests/fuzz/mutate.cpp instead.
 
 # The sources of kernels/ that read files; fuzz builds contain nothing else of that layer.
-set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/passes/render_state.cpp)
+set(SHEAF_FUZZ_KERNELS kernels/film/*.cpp kernels/render/render_state.cpp)
 
 # sheaf_find_fuzzer(): sets SHEAF_HAS_FUZZER. Without libFuzzer, adds a ctest entry that reports it.
 function(sheaf_find_fuzzer)
@@ -23,7 +23,7 @@ function(sheaf_fuzz_targets)
     set(driver)
     # Many messages suggest the most similar of many names. Comparisons of letters in that search give the fuzzer no
     # useful feedback.
-    set_source_files_properties("${PROJECT_SOURCE_DIR}/core/error.cpp" PROPERTIES
+    set_source_files_properties("${PROJECT_SOURCE_DIR}/core/io/error.cpp" PROPERTIES
       COMPILE_OPTIONS -fno-sanitize-coverage=trace-cmp)
   else()
     set(driver tests/fuzz/mutate.cpp)
@@ -34,7 +34,7 @@ function(sheaf_fuzz_targets)
     sheaf_sources(readers ${SHEAF_FUZZ_KERNELS})
     set_source_files_properties(${readers} PROPERTIES COMPILE_OPTIONS "${checks}" SKIP_PRECOMPILE_HEADERS ON)
   endif()
-  sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp ${driver} tools/interrupted_image.cpp tools/parts.cpp
+  sheaf_layer(fuzz SOURCES tests/fuzz/fuzz.cpp ${driver} tools/job/interrupted_image.cpp tools/job/parts.cpp
     DEPENDS sheaf_kernels)
   target_compile_definitions(sheaf_fuzz PUBLIC SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   sheaf_program(sheaf_fuzz_seeds SOURCES tests/fuzz/seeds.cpp DEPENDS sheaf_fuzz)

@@ -1,12 +1,12 @@
-# Installation rules, and the Debian package made from them; see tools/make_package.sh.
+# Installation rules, and the Debian package made from them; see tools/packaging/make_package.sh.
 
 set(SHEAF_PACKAGED_BUILDS "" CACHE STRING
   "Folders with a built program each, named after its -march: installed in place of this one, with a launcher that \
 chooses")
 
 # sheaf_install(): installs the program; its manual pages and shell completion, generated from its help; the
-# documentation; the example scenes and the scripts that generate the larger ones, in the layout of this repository; and
-# make_cloud, which one of these scripts runs.
+# documentation; the example scenes with the scripts that generate the larger ones; and make_cloud, which one of these
+# scripts runs.
 function(sheaf_install)
   if(SHEAF_HAS_PYTHON_MODULE AND SKBUILD)
     # `pip install .`, which adds the files in Python
@@ -18,7 +18,7 @@ function(sheaf_install)
   endif()
   include(GNUInstallDirs)
   if(SHEAF_PACKAGED_BUILDS)
-    add_executable(sheaf_launcher EXCLUDE_FROM_ALL tools/launch.cpp)
+    add_executable(sheaf_launcher EXCLUDE_FROM_ALL tools/packaging/launch.cpp)
     target_compile_options(sheaf_launcher PRIVATE -Wall -Wextra -Wshadow -Werror)
     install(PROGRAMS "$<TARGET_FILE:sheaf_launcher>" DESTINATION bin RENAME sheaf)
     foreach(build IN LISTS SHEAF_PACKAGED_BUILDS)
@@ -44,8 +44,8 @@ function(sheaf_install)
   find_program(SHEAF_PYTHON NAMES python3)
   if(SHEAF_PYTHON)
     set(manual "${PROJECT_BINARY_DIR}/manual")
-    add_custom_command(OUTPUT "${manual}/sheaf.fish" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/make_manual.py"
-      COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
+    add_custom_command(OUTPUT "${manual}/sheaf.fish" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/documentation/make_manual.py"
+      COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/documentation/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
         --output "${manual}"
       COMMENT "Writing manual pages and completion" VERBATIM)
     # Only release builds make the manual by default. In sanitizer builds the program would report leaks in libraries.
@@ -73,11 +73,8 @@ function(sheaf_install)
   install(FILES README.md DESTINATION "${documentation}")
   install(DIRECTORY docs DESTINATION "${documentation}")
   set(examples "${CMAKE_INSTALL_DATADIR}/sheaf")
-  install(DIRECTORY scenes DESTINATION "${examples}" PATTERN generated EXCLUDE PATTERN validation EXCLUDE)
-  file(GLOB makers CONFIGURE_DEPENDS tools/make_*.py)
-  list(FILTER makers EXCLUDE REGEX "make_gallery|make_manual|make_validation_scenes")
-  file(GLOB modules CONFIGURE_DEPENDS tools/forest_*.py tools/hourglass_*.py)
-  install(PROGRAMS ${makers} ${modules} tools/scene_text.py DESTINATION "${examples}/tools")
+  install(DIRECTORY scenes DESTINATION "${examples}" USE_SOURCE_PERMISSIONS PATTERN generated EXCLUDE
+    PATTERN validation EXCLUDE PATTERN make_validation_scenes.py EXCLUDE PATTERN make_cloud.cpp EXCLUDE)
 
   set(CPACK_GENERATOR DEB)
   set(CPACK_PACKAGE_NAME sheaf)

@@ -120,7 +120,7 @@ endfunction()
 # sheaf_python_module(): adds the Python module sheaf._sheaf. The folder `python` of the build folder then holds the
 # package, with links to its files in Python, for PYTHONPATH.
 function(sheaf_python_module)
-  sheaf_sources(sources python/bindings/module*.cpp)
+  sheaf_sources(sources tools/python/bindings/module*.cpp)
   set(package "${PROJECT_BINARY_DIR}/python/sheaf")
   add_library(sheaf_python_module MODULE ${sources})
   target_link_libraries(sheaf_python_module PRIVATE sheaf_python pybind11::module sheaf_flags)
@@ -128,7 +128,7 @@ function(sheaf_python_module)
   set_target_properties(sheaf_python_module PROPERTIES PREFIX "" OUTPUT_NAME _sheaf SUFFIX ".so"
     LIBRARY_OUTPUT_DIRECTORY "${package}")
   file(MAKE_DIRECTORY "${package}")
-  sheaf_sources(files python/sheaf/*.py python/sheaf/*.pyi python/sheaf/py.typed)
+  sheaf_sources(files python/sheaf/*.py python/sheaf/*.pyi tools/python/sheaf/py.typed)
   foreach(file IN LISTS files)
     cmake_path(GET file FILENAME name)
     file(CREATE_LINK "${file}" "${package}/${name}" SYMBOLIC)

@@ -5,7 +5,7 @@
 # SheafFlags.cmake.
 set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
 # This test looks for effects of stronger optimisation.
-set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/test_contraction.cpp" PROPERTIES
+set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/simd/test_contraction.cpp" PROPERTIES
   COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
 
 # Long tests, the longest first. ctest starts them in this order, so that no long test runs alone at the end.
@@ -60,12 +60,12 @@ function(sheaf_is_slow variable source)
 endfunction()
 
 # sheaf_tests(<folder> DEPENDS <target>... [RUNS <target>...]): adds the program sheaf_tests_<folder> from the files
-# tests/<folder>/*.cpp, and one ctest entry per file test_<unit>.cpp. RUNS: programs that the tests start. With
+# tests/<folder>/*.cpp and tests/<folder>/*/*.cpp, and one ctest entry per file test_<unit>.cpp. RUNS: programs that the tests start. With
 # SHEAF_SKIP_SLOW_TESTS, files of slow tests are not compiled. For the folders in SHEAF_ONLY_SLOW_TESTS, only files with
 # slow tests are.
 function(sheaf_tests folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "DEPENDS;RUNS")
-  sheaf_sources(sources tests/${folder}/*.cpp)
+  sheaf_sources(sources tests/${folder}/*.cpp tests/${folder}/*/*.cpp)
   set(units)
   foreach(source IN LISTS sources)
     sheaf_is_slow(slow "${source}")

@@ -3,5 +3,5 @@
 
 #include "cmake/precompiled.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/content/description.h"

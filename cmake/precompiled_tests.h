@@ -3,6 +3,6 @@
 
 #include "cmake/precompiled_scene.h"
 
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 
 #include <doctest/doctest.h>

@@ -10,7 +10,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 tools/install_packages.sh python3 python3-numpy python3-scipy python3-matplotlib chromium clang-format lld mkdocs \
   mkdocs-material python3-pygments python3-coverage
 # For the test of `sheaf farm` on a local cluster; without these packages it is skipped.
-tools/slurm.sh install
+tools/farm/slurm.sh install
 for preset in asan release; do
   echo "test: configuring $preset"
   options=()

@@ -1,6 +1,6 @@
 // vdb_to_nanovdb: converts the fog volumes of an OpenVDB file to NanoVDB. Built only if OpenVDB is installed; the rest
 // of Sheaf does not need it.
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/formats/nanovdb.h"
 
 #include <openvdb/openvdb.h>

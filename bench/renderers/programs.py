@@ -12,8 +12,8 @@ import numpy as np
 
 from rendering import ROOT
 
-sys.path.insert(0, str(ROOT / "tools"))
-from validation.exr import read_header, read_rgb  # noqa: E402
+sys.path.insert(0, str(ROOT / "tools/validation"))
+from exr import read_header, read_rgb  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 

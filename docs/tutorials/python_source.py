@@ -134,6 +134,6 @@ print("albedo at 30 degrees:", sample.weight.mean(axis=0))
 # %% [markdown]
 # ## Next
 #
-# The folder `python/examples` has scripts for a turntable, lobes of BSDFs, convergence, light tracing beside path
+# The folder `tools/python/examples` has scripts for a turntable, lobes of BSDFs, convergence, light tracing beside path
 # tracing, a data set for computer vision, and a slider for roughness. [The reference](../python.md) describes the
 # package.

@@ -25,8 +25,8 @@
 // CONTRIBUTING.md explains how to add a BSDF.
 #pragma once
 
-#include "core/sampler.h"
-#include "core/scattering.h"
+#include "core/sampling/sampler.h"
+#include "kernels/phase/scattering.h"
 #include "scene/materials/model.h"
 
 namespace sheaf {

@@ -1,7 +1,7 @@
 // Dispatch to the BSDF below a coat, by its kind.
 #include "kernels/bsdf/coatable.h"
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 
 #include <bit>

@@ -1,7 +1,7 @@
 // Lambertian reflection: f = reflectance / pi on the side of the normal.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "scene/materials/diffuse.h"
 

@@ -1,7 +1,7 @@
 // Parts of BRDFs that consist of a specular lobe over a diffuse base.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 
 namespace sheaf {

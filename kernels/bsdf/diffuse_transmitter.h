@@ -3,7 +3,7 @@
 // scaled.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "scene/materials/diffuse_transmitter.h"
 

@@ -1,7 +1,7 @@
 // Fresnel reflectance of smooth boundaries for unpolarised light.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 
 namespace sheaf {
 

@@ -18,7 +18,7 @@
 // photons at the side where they enter.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "kernels/bsdf/microfacet.h"

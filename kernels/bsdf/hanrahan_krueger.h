@@ -6,7 +6,7 @@
 // The fraction exp(-t / o) passes unscattered. Multiple scattering is lost.
 #pragma once
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/phase/henyey_greenstein.h"
 #include "scene/materials/hanrahan_krueger.h"

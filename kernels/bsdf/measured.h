@@ -9,7 +9,7 @@
 // measurement.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/table_warp.h"
 #include "scene/materials/measured.h"

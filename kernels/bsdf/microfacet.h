@@ -6,7 +6,7 @@
 // grazing directions are safe.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 
 namespace sheaf {
 

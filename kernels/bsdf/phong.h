@@ -4,8 +4,8 @@
 // The lobe is sampled with the pdf (n + 1) / (2 pi) cos^n a. Samples below the surface are lost.
 #pragma once
 
-#include "core/frame.h"
-#include "core/warp.h"
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/diffuse_base.h"
 #include "scene/materials/phong.h"
 

@@ -4,7 +4,7 @@
 // Mitsuba's "plastic".
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/fresnel.h"
 #include "scene/materials/plastic.h"

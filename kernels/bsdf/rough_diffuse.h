@@ -6,7 +6,7 @@
 // white surfaces reflect more light than arrives at grazing angles.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/bsdf.h"
 #include "scene/materials/rough_diffuse.h"
 

@@ -6,8 +6,8 @@
 // 4.2).
 #pragma once
 
-#include "core/find_interval.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/soa/find_interval.h"
 
 namespace sheaf {
 

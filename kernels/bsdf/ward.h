@@ -8,7 +8,7 @@
 // Sampling draws a slope from the Gaussian: the solid-angle pdf of wi is e h.h / (2 h.z^3).
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/diffuse_base.h"
 #include "scene/materials/ward.h"
 

@@ -1,7 +1,7 @@
 // Collects the casters and the lights of a scene.
 #include "kernels/caustics/casters.h"
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/lights/list.h"
 #include "scene/materials/list.h"
 #include "scene/tables/shape.h"

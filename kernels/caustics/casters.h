@@ -2,8 +2,8 @@
 // Georgiev and Jakob, "Specular Manifold Sampling for Rendering High-Frequency Caustics and Glints", 2020).
 #pragma once
 
-#include "core/alias_table.h"
-#include "core/rng.h"
+#include "core/sampling/alias_table.h"
+#include "core/sampling/rng.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/scene.h"
 

@@ -1,7 +1,7 @@
 // Seeds of chains, and Newton's method on their first direction.
 #include "kernels/caustics/manifold_walk.h"
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // that BSDF sampling follows, shading normals included.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 #include "kernels/caustics/casters.h"
 #include "scene/tables/accel.h"
 

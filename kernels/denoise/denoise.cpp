@@ -1,6 +1,6 @@
 #include "kernels/denoise/denoise.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "kernels/denoise/features.h"
 #include "kernels/denoise/fireflies.h"
 #include "kernels/denoise/oidn.h"

@@ -1,8 +1,8 @@
 // Denoising of finished images: non-local means, or Open Image Denoise.
 #pragma once
 
-#include "core/exr.h"
-#include "core/name_table.h"
+#include "core/image/exr.h"
+#include "core/io/name_table.h"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 // Feature buffers (albedo, normal, depth) that guide the denoiser.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "kernels/denoise/nl_means.h"
 
 namespace sheaf {

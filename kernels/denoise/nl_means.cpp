@@ -1,6 +1,6 @@
 #include "kernels/denoise/nl_means.h"
 
-#include "core/flush_denormals.h"
+#include "core/simd/flush_denormals.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -14,7 +14,7 @@
 // image position as the only feature.
 #pragma once
 
-#include "core/pixel_rect.h"
+#include "core/image/pixel_rect.h"
 #include "kernels/denoise/noise_correlation.h"
 #include "kernels/denoise/plane.h"
 

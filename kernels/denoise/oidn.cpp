@@ -1,8 +1,8 @@
 // The only file that uses the library's C interface, versions 1.4 to 2. It declares the functions that it calls.
 #include "kernels/denoise/oidn.h"
 
-#include "core/error.h"
-#include "core/program_file.h"
+#include "core/io/error.h"
+#include "core/io/program_file.h"
 #include "kernels/denoise/features.h"
 #include "kernels/denoise/find_oidn.h"
 

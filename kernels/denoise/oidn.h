@@ -1,7 +1,7 @@
 // Denoising with Open Image Denoise, Intel's library of neural filters, which is loaded at run time on demand.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "kernels/denoise/plane.h"
 
 #include <string>

@@ -1,8 +1,8 @@
 // One channel of an image with a border, for filters that read the neighbors of many pixels at a time.
 #pragma once
 
-#include "core/lanes.h"
-#include "core/large_table.h"
+#include "core/simd/lanes.h"
+#include "core/soa/large_table.h"
 
 #include <array>
 #include <cstring>

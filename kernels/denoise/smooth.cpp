@@ -1,6 +1,6 @@
 #include "kernels/denoise/smooth.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <tbb/parallel_for.h>
 

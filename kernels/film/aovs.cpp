@@ -1,6 +1,6 @@
 #include "kernels/film/aovs.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 #include <set>

@@ -2,7 +2,7 @@
 // samples.
 #pragma once
 
-#include "core/pixel_rect.h"
+#include "core/image/pixel_rect.h"
 #include "kernels/film/aovs.h"
 #include "kernels/film/sample_buffer.h"
 

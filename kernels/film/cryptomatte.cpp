@@ -1,6 +1,6 @@
 #include "kernels/film/cryptomatte.h"
 
-#include "core/lanes.h"
+#include "core/simd/lanes.h"
 #include "kernels/film/more_channels.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // Transparency", SIGGRAPH 2015 posters, after Psyop's specification 1.2.0.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "kernels/film/aovs.h"
 #include "kernels/film/film.h"
 #include "scene/tables/scene_names.h"

@@ -1,6 +1,6 @@
 #include "kernels/film/film.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "kernels/film/more_channels.h"
 #include "kernels/film/noise.h"
 

@@ -1,7 +1,7 @@
 // The film: weighted sums of samples per pixel, from which the image and its variance are computed (PBR 5.4).
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "kernels/film/film_tile.h"
 
 #include <optional>

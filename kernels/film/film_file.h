@@ -2,7 +2,7 @@
 // same bits.
 #pragma once
 
-#include "core/binary_file.h"
+#include "core/io/binary_file.h"
 #include "kernels/film/adaptive_film.h"
 #include "kernels/film/film.h"
 #include "kernels/film/splat.h"

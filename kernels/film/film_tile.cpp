@@ -1,6 +1,6 @@
 #include "kernels/film/film_tile.h"
 
-#include "core/simd.h"
+#include "core/simd/simd.h"
 
 #include <algorithm>
 #include <array>

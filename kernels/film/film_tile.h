@@ -1,8 +1,8 @@
 // Sums of a tile's samples, over its own pixels and over the surrounding pixels within the filter's reach.
 #pragma once
 
-#include "core/large_table.h"
-#include "core/pixel_rect.h"
+#include "core/image/pixel_rect.h"
+#include "core/soa/large_table.h"
 #include "kernels/film/film_row.h"
 #include "kernels/film/id_coverage.h"
 #include "scene/tables/filter.h"

@@ -1,6 +1,6 @@
 #include "kernels/film/merge.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "kernels/film/noise.h"
 
 #include <algorithm>

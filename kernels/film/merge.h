@@ -11,8 +11,8 @@
 // m^2 Q.
 #pragma once
 
-#include "core/image.h"
-#include "core/pixel_rect.h"
+#include "core/image/image.h"
+#include "core/image/pixel_rect.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/film/sample_range.h"
 

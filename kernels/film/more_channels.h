@@ -1,7 +1,7 @@
 // Adding channels to images.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Noise estimates: the variance of pixel means, absolute and relative to the pixel value.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 
 #include <cmath>
 #include <limits>

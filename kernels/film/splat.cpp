@@ -1,6 +1,6 @@
 #include "kernels/film/splat.h"
 
-#include "core/lanes.h"
+#include "core/simd/lanes.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

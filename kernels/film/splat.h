@@ -1,8 +1,8 @@
 // Splats: contributions of light tracing to arbitrary film positions, and the image that accumulates them (PBR 5.4).
 #pragma once
 
-#include "core/image.h"
-#include "core/pixel_rect.h"
+#include "core/image/image.h"
+#include "core/image/pixel_rect.h"
 #include "scene/tables/filter.h"
 
 #include <array>

@@ -9,7 +9,7 @@
 // sum of E[I] and of emission that it finds, plus E[I^2] - E[I]^2 of each vertex.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 
 namespace sheaf {
 

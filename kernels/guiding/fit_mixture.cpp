@@ -1,8 +1,8 @@
 // EM for mixtures of von Mises-Fisher lobes and a BSDF; see fit_mixture.h.
 #include "kernels/guiding/fit_mixture.h"
 
-#include "core/lane_array.h"
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
+#include "core/soa/lane_array.h"
 
 namespace sheaf {
 

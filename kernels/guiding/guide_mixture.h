@@ -6,8 +6,8 @@
 // 2016; Ruppert, Herholz and Lensch, "Robust Fitting of Parallax-Aware Mixtures for Path Guiding", 2020.
 #pragma once
 
-#include "core/frame.h"
-#include "core/warp.h"
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
 
 #include <bit>
 #include <cmath>

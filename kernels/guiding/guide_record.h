@@ -1,7 +1,7 @@
 // Training samples for the guide: the direction sampled at each vertex, and the light that arrived from there.
 #pragma once
 
-#include "core/float4.h"
+#include "core/color/float4.h"
 #include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
 

@@ -1,7 +1,7 @@
 // Sampling and evaluation of the guide, compiled once for Wide and Scalar.
 #include "kernels/guiding/guide_sample.h"
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 
 #include <algorithm>
 

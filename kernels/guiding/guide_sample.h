@@ -2,7 +2,7 @@
 // otherwise every stage that handles all BSDFs would contain a copy.
 #pragma once
 
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
 #include "kernels/guiding/guide_view.h"
 
 namespace sheaf {

@@ -1,7 +1,7 @@
 // Code shared by area lights: from a point on the light to a light sample or an emitted photon.
 #pragma once
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "kernels/lights/light_kind.h"
 #include "scene/tables/shape.h"
 

@@ -2,9 +2,9 @@
 // policy. scene/tables/envmap.h defines the parameterisation.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/uplift.h"
-#include "core/warp.h"
+#include "core/color/uplift.h"
+#include "core/sampling/warp.h"
+#include "core/soa/lane_array.h"
 #include "scene/tables/instance.h"
 
 namespace sheaf {

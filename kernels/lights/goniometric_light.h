@@ -1,7 +1,7 @@
 // Point lights whose intensity is multiplied by an image of all directions; see GoniometricLightDescription.
 #pragma once
 
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
 #include "kernels/lights/spot_light.h"
 #include "scene/lights/goniometric_light.h"
 

@@ -1,7 +1,7 @@
 // Code shared by lights at infinity.
 #pragma once
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "kernels/lights/light_kind.h"
 
 namespace sheaf {

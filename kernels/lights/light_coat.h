@@ -2,7 +2,7 @@
 // 1 - strength F, where F is the coat's reflectance for the angle to the geometric normal.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/principled_lobes.h"
 #include "scene/tables/scene.h"
 #include "scene/textures/texture_lookup.h"

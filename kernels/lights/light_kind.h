@@ -15,8 +15,8 @@
 // since those results are discarded, but it must not read rows that do not exist.
 #pragma once
 
-#include "core/rng.h"
-#include "core/warp.h"
+#include "core/sampling/rng.h"
+#include "core/sampling/warp.h"
 #include "kernels/lights/envmap.h"
 #include "scene/tables/scene.h"
 #include "scene/textures/texture_lookup.h"

@@ -2,9 +2,9 @@
 // Also returns that pdf for a point found by BSDF sampling.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/sampler.h"
-#include "core/uplift.h"
+#include "core/color/uplift.h"
+#include "core/sampling/sampler.h"
+#include "core/soa/lane_array.h"
 #include "kernels/lights/light_coat.h"
 #include "kernels/lights/light_select.h"
 #include "kernels/lights/list.h"

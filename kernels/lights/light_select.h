@@ -1,7 +1,7 @@
 // Light selection: one interface for surfaces, media and photons, independent of LightSelector.
 #pragma once
 
-#include "core/alias_table.h"
+#include "core/sampling/alias_table.h"
 #include "kernels/lights/light_tree.h"
 #include "scene/tables/scene.h"
 

@@ -9,8 +9,8 @@
 
 #include "scene/tables/light_tree.h"
 
-#include "core/inverse_sqrt.h"
-#include "core/lane_array.h"
+#include "core/math/inverse_sqrt.h"
+#include "core/soa/lane_array.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // MIS weights of light sampling and BSDF sampling; see kernels/stages/resample.cpp.
 #pragma once
 
-#include "core/lanes.h"
+#include "core/simd/lanes.h"
 
 namespace sheaf {
 

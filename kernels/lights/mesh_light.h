@@ -2,7 +2,7 @@
 // shutter, and sample a point of the triangle uniformly by its area at the path's time.
 #pragma once
 
-#include "core/alias_table.h"
+#include "core/sampling/alias_table.h"
 #include "kernels/lights/area_light.h"
 #include "scene/lights/mesh_light.h"
 

@@ -3,7 +3,7 @@
 // 2020). Rectangles that look small are sampled uniformly by area.
 #pragma once
 
-#include "core/spherical_rectangle.h"
+#include "core/sampling/spherical_rectangle.h"
 #include "kernels/lights/area_light.h"
 #include "scene/lights/rectangle_light.h"
 

@@ -5,7 +5,7 @@
 // (kernels/stages/transmittance.cpp; PhotonEmission::medium).
 #pragma once
 
-#include "core/alias_table.h"
+#include "core/sampling/alias_table.h"
 #include "kernels/lights/light_kind.h"
 #include "scene/lights/volume_light.h"
 #include "scene/tables/medium_lookup.h"

@@ -8,7 +8,7 @@
 // Lanes whose rays have ended take the next rays, so no ray waits for others to end.
 #pragma once
 
-#include "core/column_tile.h"
+#include "core/soa/column_tile.h"
 #include "kernels/media/majorant_walk.h"
 #include "kernels/media/medium_random.h"
 #include "scene/tables/brick_grid_lookup.h"

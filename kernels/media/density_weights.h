@@ -14,7 +14,7 @@
 // tracking, light sampling treats collisions as paths do.
 #pragma once
 
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
 #include "kernels/media/density_tracking.h"
 #include "kernels/media/medium_tracking.h"
 

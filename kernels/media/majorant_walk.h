@@ -1,7 +1,7 @@
 // Traversal of a majorant grid along a ray, leaf by leaf.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 #include "scene/tables/majorant_grid.h"
 
 namespace sheaf {

@@ -1,13 +1,14 @@
 // Random numbers for tracking and for manifold walks, which need an unbounded number: a counter-based stream per ray.
 #pragma once
 
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 
 #include <tuple>
 
 namespace sheaf {
 
-/// Use of a stream. Streams of different uses are independent of each other and of the blocks of core/sampler.h.
+/// Use of a stream. Streams of different uses are independent of each other and of the blocks of
+/// core/sampling/sampler.h.
 enum class MediumStream : std::uint32_t { kPath = 0x6d656469u, kShadow = 0x73686164u, kCaustics = 0x63617573u };
 
 /// Uniform numbers in [0, 1), a pure function of (seed, pixel, sample, dimension, use).

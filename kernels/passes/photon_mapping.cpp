@@ -1,8 +1,8 @@
 // Builds the photon maps of a render set by set, and shrinks their radii for progressive photon mapping.
 #include "kernels/passes/photon_mapping.h"
 
-#include "core/error.h"
-#include "core/rng.h"
+#include "core/io/error.h"
+#include "core/sampling/rng.h"
 #include "scene/materials/list.h"
 
 #include <algorithm>

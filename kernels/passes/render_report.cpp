@@ -1,6 +1,6 @@
 #include "kernels/passes/render_report.h"
 
-#include "core/duration.h"
+#include "core/io/duration.h"
 #include "kernels/guiding/candidate_trial.h"
 #include "scene/tables/scene.h"
 

@@ -1,7 +1,7 @@
 // The report of a render: settings, times and statistics, as a table and as JSON.
 #pragma once
 
-#include "core/memory.h"
+#include "core/io/memory.h"
 #include "kernels/film/adaptive_film.h"
 #include "kernels/wave/wave_stats.h"
 

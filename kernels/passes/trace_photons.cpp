@@ -1,7 +1,7 @@
 // Runs photon passes in parallel tasks, and builds maps from the photons in the order of tasks.
 #include "kernels/passes/trace_photons.h"
 
-#include "core/flush_denormals.h"
+#include "core/simd/flush_denormals.h"
 #include "kernels/passes/passes.h"
 
 #include <tbb/blocked_range.h>

@@ -8,7 +8,7 @@
 // which is 2 v for g = 0.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/phase/phase_function.h"
 #include "scene/materials/phase_functions.h"
 

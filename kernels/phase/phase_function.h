@@ -8,8 +8,8 @@
 // parameters for each vertex, relative to the vertex frame.
 #pragma once
 
-#include "core/sampler.h"
-#include "core/scattering.h"
+#include "core/sampling/sampler.h"
+#include "kernels/phase/scattering.h"
 #include "scene/materials/model.h"
 
 namespace sheaf {

@@ -5,7 +5,7 @@
 // sqrt(1 + q^2) (Cardano). By symmetry it is enough to solve for q >= 0, where nothing cancels.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "kernels/phase/phase_function.h"
 #include "scene/materials/phase_functions.h"
 

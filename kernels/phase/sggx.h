@@ -9,8 +9,8 @@
 // determinant, this involves no cancellation for the matrices of thin fibres.
 #pragma once
 
-#include "core/frame.h"
-#include "core/warp.h"
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
 #include "kernels/phase/phase_function.h"
 #include "scene/materials/phase_functions.h"
 

@@ -2,8 +2,8 @@
 // integral is quadratic between two values and is inverted exactly.
 #pragma once
 
-#include "core/find_interval.h"
-#include "core/warp.h"
+#include "core/sampling/warp.h"
+#include "core/soa/find_interval.h"
 #include "kernels/phase/phase_function.h"
 #include "scene/materials/phase_functions.h"
 #include "scene/tables/closure_tables.h"

@@ -1,8 +1,8 @@
 // A photon as stored at the non-specular vertices of its path.
 #pragma once
 
-#include "core/spectrum.h"
-#include "core/vec.h"
+#include "core/color/spectrum.h"
+#include "core/math/vec.h"
 
 #include <cstdint>
 

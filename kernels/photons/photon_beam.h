@@ -3,8 +3,8 @@
 // Photon Points and Beams", 2011).
 #pragma once
 
-#include "core/spectrum.h"
-#include "core/vec.h"
+#include "core/color/spectrum.h"
+#include "core/math/vec.h"
 #include "scene/tables/scene.h"
 
 #include <cstdint>

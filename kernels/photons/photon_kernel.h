@@ -1,7 +1,7 @@
 // Kernels for density estimation with photons.
 #pragma once
 
-#include "core/simd.h"
+#include "core/simd/simd.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {

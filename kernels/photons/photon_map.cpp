@@ -1,8 +1,8 @@
 // Construction of photon maps: sorts the photons, fills the blocks, and builds the tree above them, in parallel.
 #include "kernels/photons/photon_map.h"
 
-#include "core/octahedral.h"
-#include "core/prefetch.h"
+#include "core/sampling/octahedral.h"
+#include "core/simd/prefetch.h"
 #include "kernels/photons/photon_order.h"
 
 #include <tbb/blocked_range.h>

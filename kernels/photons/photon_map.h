@@ -11,7 +11,7 @@
 // and rounded to the nearest. kernels/photons/photon_search.h searches maps.
 #pragma once
 
-#include "core/large_table.h"
+#include "core/soa/large_table.h"
 #include "kernels/photons/photon.h"
 #include "scene/tables/scene.h"
 

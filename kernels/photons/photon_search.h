@@ -2,8 +2,8 @@
 // lists of blocks in ascending order.
 #pragma once
 
-#include "core/octahedral.h"
-#include "core/simd_small_integers.h"
+#include "core/sampling/octahedral.h"
+#include "core/simd/simd_small_integers.h"
 #include "kernels/photons/photon_map.h"
 
 #include <bit>

@@ -1,12 +1,12 @@
 // Stage: accumulate. Moves the radiance of finished paths to the samples of the task. At the end of the task the film
-// adds them in order (kernels/passes/task_runner.cpp).
+// adds them in order (kernels/render/task_runner.cpp).
 //
 // In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The colour of a single sample
 // is usually out of gamut, and its negative components must be kept. So samples are dropped for negative radiances,
 // never for negative colours. Pixels of spectral images may have negative components, by noise and for colours outside
 // of Rec.709.
-#include "core/color.h"
-#include "core/lane_array.h"
+#include "core/color/color.h"
+#include "core/soa/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/film/film_layout.h"
 #include "kernels/stages/stage_list.h"

@@ -2,7 +2,7 @@
 // points to the camera, and light arrives from wi. A photon arrives from wo and leaves along wi.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/wave/path_state.h"
 

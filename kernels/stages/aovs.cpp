@@ -1,7 +1,7 @@
 // Stage: AOVs. Writes the layers of the first surface of each camera path to the task's samples, weighted by the pixel
 // filter as radiance is. Mirrors and glass count as surfaces; null interfaces, masks that the ray passes and hidden
 // lights do not. Paths that a medium scatters first, and paths that hit nothing, leave zeros.
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/moving_camera.h"
 #include "kernels/stages/stage_list.h"

@@ -1,7 +1,7 @@
 // Evaluates the parts of blends one material row at a time for a whole register of vertices, and sums them by share.
 #include "kernels/stages/blend_value.h"
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/shading_texture.h"

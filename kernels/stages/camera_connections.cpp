@@ -3,8 +3,8 @@
 //
 // A photon of flux Phi adds Phi f |cos| W to the integral of radiance over the film. W is CameraView::importance (Veach
 // 1997, section 8.2, with the film's pixels as the measure).
-#include "core/sampler.h"
-#include "core/warp.h"
+#include "core/sampling/sampler.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/adjoint.h"

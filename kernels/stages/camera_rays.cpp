@@ -1,7 +1,7 @@
 // Stage: camera rays. Importance-samples positions in the pixel by the pixel filter (scene/tables/filter.h) and
 // generates camera rays.
-#include "core/lane_array.h"
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
+#include "core/soa/lane_array.h"
 #include "kernels/film/camera_task.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/moving_camera.h"

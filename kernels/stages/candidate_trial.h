@@ -1,8 +1,8 @@
 // What stages record in a trial of light candidates; see kernels/guiding/candidate_trial.h.
 #pragma once
 
-#include "core/float4.h"
-#include "core/lane_array.h"
+#include "core/color/float4.h"
+#include "core/soa/lane_array.h"
 #include "kernels/guiding/guide_record.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/wave/wave.h"

@@ -14,7 +14,7 @@
 //   kForeignChain         any other chain
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/caustics/casters.h"
 #include "kernels/wave/context.h"
 #include "kernels/wave/wave.h"

@@ -2,7 +2,7 @@
 // and shadow rays share parts of this code.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/wave.h"

@@ -1,7 +1,7 @@
 // Stage: debug view. Renders the first surface without light transport: absolute components of its shading normal, its
 // distance from the camera, or its visibility by one shadow ray. Hidden lights do not count as surfaces.
-#include "core/frame.h"
-#include "core/warp.h"
+#include "core/math/frame.h"
+#include "core/sampling/warp.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/stage_list.h"

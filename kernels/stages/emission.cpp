@@ -1,6 +1,6 @@
 // Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
 // hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/caustics/chain_light.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"

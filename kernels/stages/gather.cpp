@@ -10,9 +10,9 @@
 // lanes. If only the first wavelength continues, only its own pdf remains, because the path's distances were sampled by
 // it. The distances of photons are sampled by any of the four (kernels/stages/photon_rays.cpp), so their mean pdf holds
 // for each wavelength.
-#include "core/lane_array.h"
-#include "core/octahedral.h"
-#include "core/prefetch.h"
+#include "core/sampling/octahedral.h"
+#include "core/simd/prefetch.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"

@@ -12,8 +12,8 @@
 // also for rays that have lost the other wavelengths.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/wavelengths.h"
+#include "core/color/wavelengths.h"
+#include "core/soa/lane_array.h"
 #include "kernels/media/phase_value.h"
 #include "kernels/photons/photon_kernel.h"
 #include "kernels/photons/photon_maps.h"

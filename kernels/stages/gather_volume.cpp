@@ -9,9 +9,9 @@
 //
 // Homogeneous media may store beams instead (kernels/stages/gather_beams.h). Transmittance is exact in homogeneous
 // media. Other media take one walk of ratio tracking for all photons and for the light from behind the medium.
-#include "core/frame.h"
-#include "core/lane_array.h"
-#include "core/octahedral.h"
+#include "core/math/frame.h"
+#include "core/sampling/octahedral.h"
+#include "core/soa/lane_array.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/gather_beams.h"
 #include "kernels/stages/medium_ray.h"

@@ -11,8 +11,8 @@
 // guide.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/guiding/guide_record.h"
 #include "kernels/guiding/guide_sample.h"

@@ -3,14 +3,14 @@
 // add up to 1.
 #pragma once
 
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
 #include "kernels/lights/light_select.h"
 #include "kernels/wave/path_state.h"
 
 namespace sheaf {
 
 /// A surface vertex with shading normal `ns`, rounded as the path stores it. Otherwise selection probabilities of
-/// lights near the horizon would differ (tests/kernels/test_light_choice.cpp).
+/// lights near the horizon would differ (tests/kernels/lights/test_light_choice.cpp).
 template <class L> SHEAF_INLINE LightSampleContext<L> surface_receiver(Vec3<L> p, Vec3<L> ns) {
   return {p, decode_octahedral<L>(encode_octahedral<L>(ns))};
 }

@@ -4,7 +4,7 @@
 //
 // Paths diverge here, so each is processed individually, with its four spectral lanes in one register
 // (kernels/media/medium_tracking.h).
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/lights/volume_light.h"
 #include "kernels/media/density_weights.h"

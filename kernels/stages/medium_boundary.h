@@ -1,7 +1,7 @@
 // The medium of a ray after it has crossed a surface.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/wave/path_state.h"
 #include "scene/tables/exterior_medium.h"
 #include "scene/tables/shape.h"

@@ -3,8 +3,8 @@
 // Photons carry flux instead of radiance. As for camera paths, the maximum lane of their throughput starts at 1, so
 // that Russian roulette treats both alike. RadianceState::weight holds the flux of that lane, W. The random numbers are
 // those of one long sequence of samples (kPhotonPixel).
-#include "core/lane_array.h"
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
+#include "core/soa/lane_array.h"
 #include "kernels/lights/light_emit.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/continue_ray.h"

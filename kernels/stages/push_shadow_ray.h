@@ -1,7 +1,7 @@
 // Pushes shadow rays from vertices to the queue of the shadow stages: rays to lights, and rays to the camera.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/wave.h"

@@ -1,6 +1,6 @@
 // Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
-#include "core/lane_array.h"
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/photons/photon_maps.h"

@@ -1,8 +1,8 @@
 // Stage: select materials. Selects a mask's material or "nothing", and one of the two materials of a blend, in
 // proportion to their shares. The selected part determines where the path continues; kernels/stages/blend_value.h adds
 // the contribution of the other parts. If "nothing" is selected, the ray continues behind the surface.
-#include "core/lane_array.h"
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
+#include "core/soa/lane_array.h"
 #include "kernels/media/pass_through_probability.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/route_hits.h"

@@ -1,7 +1,7 @@
 // The shading frame of a vertex, in which BSDFs take their directions (PBR 9.1.1).
 #pragma once
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "kernels/wave/path_state.h"
 
 namespace sheaf {

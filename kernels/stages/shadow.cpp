@@ -1,6 +1,6 @@
 // Stage: shadow. Traces shadow rays between vertices and sampled lights with Embree, sixteen at a time, and adds the
 // unoccluded contributions.
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/stages/candidate_trial.h"
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stage_list.h"

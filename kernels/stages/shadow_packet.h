@@ -1,7 +1,7 @@
 // Shadow rays in the packet format of Embree, and their statistics; shared by the shadow and transmittance stages.
 #pragma once
 
-#include "core/float4.h"
+#include "core/color/float4.h"
 #include "kernels/wave/path_time.h"
 
 namespace sheaf {

@@ -1,6 +1,6 @@
 // Stage: sort surfaces. Sorts surface hits by closure kind, then by material, so that the following stages process one
 // closure at a time.
-#include "core/bucket_sort.h"
+#include "core/soa/bucket_sort.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/stage_timer.h"
 

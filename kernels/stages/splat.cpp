@@ -1,5 +1,5 @@
 // Stage: splat. Turns the visible camera connections of photons' vertices into splats of the task.
-#include "core/color.h"
+#include "core/color/color.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
 #include "kernels/stages/stage_list.h"

@@ -1,7 +1,7 @@
 // Finds the medium in which rays start, where it is not known from a previous vertex.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/path_state.h"
 #include "scene/tables/exterior_medium.h"

@@ -1,7 +1,7 @@
 // Stage: store photons. Stores photons at non-specular surfaces, or where media scatter them, in the task
 // (kernels/photons/photon.h). Media that keep beams store no photons. Precedes the textures stage, which selects among
 // mapped normals and weights photons for it.
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/media/moving_medium.h"
 #include "kernels/media/pass_through_probability.h"

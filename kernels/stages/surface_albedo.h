@@ -2,8 +2,8 @@
 // (directional-hemispherical reflectance and transmittance).
 #pragma once
 
-#include "core/color.h"
-#include "core/spectral_sensor.h"
+#include "core/color/color.h"
+#include "core/color/spectral_sensor.h"
 #include "kernels/bsdf/list.h"
 
 #include <array>

@@ -1,6 +1,6 @@
 // Stage: surface inputs. Computes the inputs of closures from hits: position, normals, the viewing direction in the
 // shading frame, and the closure's parameters.
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/media/moving_medium.h"
 #include "kernels/stages/shading_frame.h"

@@ -1,8 +1,8 @@
 // Adds radiance to paths. This is the only entry point for radiance; light groups hook in here.
 #pragma once
 
-#include "core/float4.h"
-#include "core/lane_array.h"
+#include "core/color/float4.h"
+#include "core/soa/lane_array.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {

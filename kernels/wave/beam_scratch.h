@@ -1,7 +1,7 @@
 // Scratch memory of the stage gather_volume for photon lookups along rays.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 #include "scene/tables/accel.h"
 
 #include <vector>

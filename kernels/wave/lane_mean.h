@@ -1,7 +1,7 @@
 // Mean of rescaled path pdfs over the spectral lanes, by which the contribution of a path is divided (PBR 14.2.1).
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {

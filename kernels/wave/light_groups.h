@@ -1,7 +1,7 @@
 // Light groups: the contribution of each group of lights, collected in a layer of its own besides the path's radiance.
 #pragma once
 
-#include "core/spectral_sensor.h"
+#include "core/color/spectral_sensor.h"
 
 #include <cstddef>
 #include <cstdint>

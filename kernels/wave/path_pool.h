@@ -2,9 +2,9 @@
 // stage. Independent of cameras and films.
 #pragma once
 
-#include "core/slot_list.h"
 #include "kernels/guiding/candidate_trial.h"
 #include "kernels/wave/path_state.h"
+#include "kernels/wave/slot_list.h"
 #include "kernels/wave/wave_needs.h"
 
 namespace sheaf {

@@ -1,9 +1,9 @@
 // The state of a path that stages pass on to each other, and the columns of vertices and shadow rays. Each of the four
-// path records takes 32 bytes and is addressed by slot (core/slot_table.h).
+// path records takes 32 bytes and is addressed by slot (kernels/wave/slot_table.h).
 #pragma once
 
-#include "core/slot_table.h"
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
+#include "kernels/wave/slot_table.h"
 #include "scene/tables/material.h"
 
 namespace sheaf {

@@ -1,8 +1,8 @@
 // The times of paths within the shutter interval. In static scenes paths have no time, and no column for it.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/sampler.h"
+#include "core/sampling/sampler.h"
+#include "core/soa/lane_array.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {

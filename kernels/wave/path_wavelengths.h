@@ -6,8 +6,8 @@
 // equal wavelengths, the dead lanes cannot affect that choice.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/wavelengths.h"
+#include "core/color/wavelengths.h"
+#include "core/soa/lane_array.h"
 #include "kernels/wave/wave.h"
 
 namespace sheaf {

@@ -2,7 +2,7 @@
 // order.
 #pragma once
 
-#include "core/soa.h"
+#include "core/soa/soa.h"
 #include "kernels/guiding/candidate_trial.h"
 #include "kernels/lights/light_tree.h"
 #include "kernels/wave/path_state.h"

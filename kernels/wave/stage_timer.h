@@ -1,7 +1,7 @@
 // Statistics that each stage records once per wave.
 #pragma once
 
-#include "core/simd.h"
+#include "core/simd/simd.h"
 #include "kernels/wave/wave_stats.h"
 
 namespace sheaf {
@@ -26,7 +26,7 @@ class StageTimer {
 
  private:
   StageStats& stats_;
-  ScopedTimer timer_;
+  TickTimer timer_;
 };
 
 }  // namespace sheaf

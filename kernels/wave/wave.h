@@ -1,7 +1,7 @@
 // A wave: the paths that one worker has in flight, in memory that fits its L2 cache and that no other worker accesses.
 #pragma once
 
-#include "core/float4.h"
+#include "core/color/float4.h"
 #include "kernels/wave/beam_scratch.h"
 #include "kernels/wave/light_groups.h"
 #include "kernels/wave/path_pool.h"

@@ -1,8 +1,8 @@
 // Statistics: the counters of a worker, and their sum over all workers.
 #pragma once
 
-#include "core/stats.h"
 #include "kernels/media/tracking_counts.h"
+#include "kernels/wave/stats.h"
 
 #include <array>
 #include <cstddef>

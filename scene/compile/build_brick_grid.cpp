@@ -1,7 +1,7 @@
 // Builds brick grids from dense arrays and from blocks of voxels.
 #include "scene/compile/build_brick_grid.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // Checks that the coefficients and emission of media are finite: the product of finite factors may overflow.
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/compile/compile_media.h"
 #include "scene/tables/medium_lookup.h"
 

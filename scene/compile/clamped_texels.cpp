@@ -1,5 +1,5 @@
 // Warns about images with values that are invalid as reflectances. Kernels clamp these, which changes the result.
-#include "core/image.h"
+#include "core/image/image.h"
 #include "scene/compile/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
 

@@ -1,7 +1,7 @@
 // The steps of scene compilation in order, with cameras, materials, bounds and the final tables.
 #include "scene/compile/compile.h"
 
-#include "core/memory.h"
+#include "core/io/memory.h"
 #include "scene/compile/compile_camera.h"
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/load_volume.h"
@@ -48,7 +48,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
   // Read meshes and textures by all threads; compile textures and materials
   read_meshes_ahead();
   with_memory_for("textures", "use smaller images", [&] {
-    const ScopedTimer timer(times_.texture_seconds);
+    const SecondsTimer timer(times_.texture_seconds);
     out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_);
   });
   out_->warnings_ = in_.warnings;
@@ -59,7 +59,7 @@ std::unique_ptr<Scene> SceneCompiler::run() {
     out_->warnings_.push_back(std::move(warning));
   // Add shapes, those of groups last, and instances
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
-    const ScopedTimer timer(times_.mesh_seconds);
+    const SecondsTimer timer(times_.mesh_seconds);
     for (const ShapeDescription& shape : in_.shapes)
       if (!is_placed_by_motion(shape)) add_shape(shape);
     ungrouped_shapes_ = static_cast<std::uint32_t>(out_->geometry_.shapes.size());

@@ -1,7 +1,7 @@
 // Compiles a description into a scene for kernels.
 #pragma once
 
-#include "core/name_table.h"
+#include "core/io/name_table.h"
 #include "scene/content/description.h"
 #include "scene/tables/scene.h"
 

@@ -1,6 +1,6 @@
 #include "scene/compile/compile_camera.h"
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "scene/description/field_of_view.h"
 #include "scene/tables/shape.h"
 

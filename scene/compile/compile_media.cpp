@@ -1,6 +1,6 @@
 #include "scene/compile/compile_media.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/compile/flakes.h"
 #include "scene/compile/load_volume.h"
 #include "scene/spectra/spectrum_rgb.h"

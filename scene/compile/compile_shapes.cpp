@@ -1,6 +1,6 @@
 // Compiles shapes, shape groups and instances.
-#include "core/frame.h"
-#include "core/large_pages.h"
+#include "core/math/frame.h"
+#include "core/soa/large_pages.h"
 #include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/instance.h"

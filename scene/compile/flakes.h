@@ -1,7 +1,7 @@
 // Loads the SGGX matrices of microflakes (Heitz et al. 2015) and checks that they are valid.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/grid_volume.h"
 #include "scene/tables/brick_grid.h"
 

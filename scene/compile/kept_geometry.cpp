@@ -59,7 +59,7 @@ BvhLayout SceneCompiler::choose_layout() {
 }
 
 void SceneCompiler::build_accel() {
-  const ScopedTimer timer(times_.accel_seconds);
+  const SecondsTimer timer(times_.accel_seconds);
   const BvhLayout layout = choose_layout();
   out_->counts_.bvh = layout;
   GeometryTables& geometry = out_->geometry_;

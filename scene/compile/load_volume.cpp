@@ -1,6 +1,6 @@
 #include "scene/compile/load_volume.h"
 
-#include "core/file_cache.h"
+#include "core/io/file_cache.h"
 #include "scene/compile/build_brick_grid.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/vol_file.h"

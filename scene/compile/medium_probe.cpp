@@ -1,6 +1,6 @@
 #include "scene/compile/medium_probe.h"
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "scene/tables/exterior_medium.h"
 #include "scene/tables/shape.h"
 

@@ -1,6 +1,6 @@
 #include "scene/compile/motion_steps.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/compile/key_times.h"
 #include "scene/tables/instance_transform.h"
 

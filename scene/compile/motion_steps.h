@@ -1,7 +1,7 @@
 // Tabulates transforms over the shutter: matrices at equidistant times, as few as keep linear interpolation accurate.
 #pragma once
 
-#include "core/animated_transform.h"
+#include "core/math/animated_transform.h"
 #include "scene/description/motion.h"
 #include "scene/tables/brick_grid.h"
 #include "scene/tables/motion.h"

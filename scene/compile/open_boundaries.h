@@ -1,7 +1,7 @@
 // Open edges of meshes around media.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/formats/mesh.h"
 
 #include <array>

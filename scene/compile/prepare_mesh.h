@@ -1,7 +1,7 @@
 // Reading and processing of the meshes of shapes, which all threads do ahead of the compiler.
 #pragma once
 
-#include "core/read_ahead.h"
+#include "core/io/read_ahead.h"
 #include "scene/compile/open_boundaries.h"
 #include "scene/description/shapes.h"
 

@@ -1,6 +1,6 @@
 #include "scene/compile/sample_height_field.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/formats/height_field.h"
 #include "scene/spectra/spectrum_rgb.h"
 #include "scene/textures/texture_lookup.h"

@@ -26,12 +26,12 @@ template <class... F> struct Overloaded : F... { using F::operator()...; };
 template <class... F> Overloaded(F...) -> Overloaded<F...>;
 
 /// Adds the time until its destruction, in seconds.
-class ScopedTimer {
+class SecondsTimer {
  public:
-  explicit ScopedTimer(double& seconds) : seconds_(seconds) {}
-  ~ScopedTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  ScopedTimer(const ScopedTimer&) = delete;
-  ScopedTimer& operator=(const ScopedTimer&) = delete;
+  explicit SecondsTimer(double& seconds) : seconds_(seconds) {}
+  ~SecondsTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  SecondsTimer(const SecondsTimer&) = delete;
+  SecondsTimer& operator=(const SecondsTimer&) = delete;
 
  private:
   double& seconds_;

@@ -1,11 +1,11 @@
 // Converts an image, with rows from the top, to tiles of texels, with rows from the bottom.
 #include "scene/compile/texture_image.h"
 
-#include "core/color.h"
-#include "core/file_cache.h"
-#include "core/image.h"
-#include "core/image_channels.h"
-#include "core/memory.h"
+#include "core/color/color.h"
+#include "core/image/image.h"
+#include "core/image/image_channels.h"
+#include "core/io/file_cache.h"
+#include "core/io/memory.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 #include "scene/compile/texture_row_builder.h"
 
-#include "core/image.h"
-#include "core/large_pages.h"
+#include "core/image/image.h"
+#include "core/soa/large_pages.h"
 #include "scene/compile/load_volume.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Building of rows of the texture table from the parameters of a texture.
 #pragma once
 
-#include "core/read_ahead.h"
+#include "core/io/read_ahead.h"
 #include "scene/compile/compile.h"
 #include "scene/compile/texture_image.h"
 #include "scene/textures/list.h"

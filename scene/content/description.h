@@ -1,7 +1,7 @@
 // The content of a scene file as plain data, independent of the file's dialect. compile.cpp turns it into a Scene.
 #pragma once
 
-#include "core/animated_transform.h"
+#include "core/math/animated_transform.h"
 #include "scene/description/camera.h"
 #include "scene/description/media.h"
 #include "scene/description/remarks.h"

@@ -2,7 +2,7 @@
 // N. Polyanskiy, refractiveindex.info, which is in the public domain (CC0).
 #include "scene/data/glasses.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Illuminants by the formulas of CIE 15:2018 (ISO/CIE 11664-2), sections 4.1.1 and 4.1.2.
 #include "scene/data/illuminants.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <cmath>
 #include <iterator>

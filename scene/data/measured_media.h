@@ -1,7 +1,7 @@
 // Measured scattering media by name.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 
 #include <string>
 #include <string_view>

@@ -1,7 +1,7 @@
 // Indices of refraction that depend on the wavelength.
 #pragma once
 
-#include "core/lanes.h"
+#include "core/simd/lanes.h"
 
 #include <array>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // Fields of view of cameras and projectors.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/camera.h"
 
 namespace sheaf {

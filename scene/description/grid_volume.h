@@ -1,7 +1,7 @@
 // Values on a regular grid, for media and volume textures.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/description/motion.h"
 #include "scene/tables/interpolation.h"
 

@@ -2,7 +2,7 @@
 // named objects.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,7 +1,7 @@
 // Media and phase functions of a scene.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/grid_volume.h"
 #include "scene/description/inputs.h"
 

@@ -1,7 +1,7 @@
 // Transforms to world space that may change over time, as readers hand them on.
 #pragma once
 
-#include "core/animated_transform.h"
+#include "core/math/animated_transform.h"
 #include "scene/description/motion.h"
 
 #include <optional>

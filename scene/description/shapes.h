@@ -1,8 +1,8 @@
 // Shapes, shape groups and instances of a scene.
 #pragma once
 
-#include "core/error.h"
-#include "core/transform.h"
+#include "core/io/error.h"
+#include "core/math/transform.h"
 #include "scene/description/inputs.h"
 #include "scene/description/motion.h"
 

@@ -1,7 +1,7 @@
 // Validation of spectra by their use.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/inputs.h"
 
 #include <string_view>

@@ -1,7 +1,7 @@
 // Volumes as stored in files: dense, or in sparse blocks of voxels.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 
 #include <array>
 #include <cstddef>

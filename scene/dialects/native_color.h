@@ -1,7 +1,7 @@
 // The colour mode of the renderer that a scene file was written for.
 #pragma once
 
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
 
 #include <filesystem>
 

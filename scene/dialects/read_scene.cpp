@@ -1,16 +1,16 @@
 // Selection of the scene dialect: pbrt by file name, XML dialects by content.
 #include "scene/dialects/read_scene.h"
 
-#include "core/file_format.h"
-#include "scene/dialects/common/auto_camera.h"
-#include "scene/dialects/common/obj_materials.h"
-#include "scene/dialects/common/read_spectrum.h"
-#include "scene/dialects/common/read_texture.h"
+#include "core/io/file_format.h"
 #include "scene/dialects/mitsuba/read_mitsuba.h"
+#include "scene/dialects/model/auto_camera.h"
+#include "scene/dialects/model/obj_materials.h"
+#include "scene/dialects/model/read_model.h"
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/nori/read_nori.h"
 #include "scene/dialects/pbrt/read_pbrt.h"
-#include "scene/dialects/read_model.h"
+#include "scene/dialects/xml/read_spectrum.h"
+#include "scene/dialects/xml/read_texture.h"
 
 #include <algorithm>
 

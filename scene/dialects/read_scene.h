@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/content/description.h"
-#include "scene/dialects/common/model_view.h"
+#include "scene/dialects/model/model_view.h"
 #include "scene/xml/xml_expand.h"
 
 #include <filesystem>
@@ -35,7 +35,7 @@ struct ReadOptions {
 /// 0.6 to 3 (`sensor`, `version`), chosen by content. glTF (.gltf, .glb) and what is imported as such
 /// (scene/formats/model_import.h) may be a scene or a model. Models (.obj, .ply, .stl, .off, .serialized) are placed on
 /// a floor under a sky. Mesh files are located but not loaded, except for models and
-/// for OBJ files whose materials are used (scene/dialects/common/obj_materials.h). Throws SceneError.
+/// for OBJ files whose materials are used (scene/dialects/model/obj_materials.h). Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// Whether read_scene() reads the file as XML: neither pbrt nor glTF nor a model.

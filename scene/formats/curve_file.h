@@ -1,7 +1,7 @@
 // Curve files of Mitsuba 3.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 namespace sheaf {

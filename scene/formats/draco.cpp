@@ -1,7 +1,7 @@
 // Meshes compressed by Draco (library draco).
 #include "scene/formats/draco.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #ifdef SHEAF_HAS_DRACO
 #include <draco/compression/decode.h>

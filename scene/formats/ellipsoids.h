@@ -1,7 +1,7 @@
 // Ellipsoid files in PLY format, as for 3D Gaussian splatting (Kerbl et al. 2023).
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 
 #include <filesystem>
 #include <vector>

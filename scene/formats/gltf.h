@@ -4,9 +4,9 @@
 // indices in these structures are in range or kNoIndex; accessors, views and buffers fit into each other.
 #pragma once
 
-#include "core/error.h"
-#include "core/image.h"
-#include "core/transform.h"
+#include "core/image/image.h"
+#include "core/io/error.h"
+#include "core/math/transform.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Hair files of Mitsuba before version 2.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 namespace sheaf {

@@ -1,9 +1,9 @@
 // Tessellation of height fields, and heights from images.
 #include "scene/formats/height_field.h"
 
-#include "core/color.h"
-#include "core/image.h"
-#include "core/image_channels.h"
+#include "core/color/color.h"
+#include "core/image/image.h"
+#include "core/image/image_channels.h"
 
 #include <algorithm>
 #include <cmath>

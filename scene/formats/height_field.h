@@ -1,7 +1,7 @@
 // Height fields from images.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 namespace sheaf {

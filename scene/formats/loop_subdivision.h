@@ -1,7 +1,7 @@
 // Loop subdivision surfaces.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 namespace sheaf {

@@ -1,7 +1,7 @@
 // Processing of triangle meshes between file and scene, and the meshes of polyhedral shapes.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 #include <cstddef>

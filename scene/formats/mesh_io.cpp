@@ -1,10 +1,10 @@
 // Functions shared by the readers of mesh files.
 #include "scene/formats/mesh_io.h"
 
-#include "core/byte_order_mark.h"
-#include "core/file_cache.h"
-#include "core/inflate.h"
-#include "core/large_pages.h"
+#include "core/io/byte_order_mark.h"
+#include "core/io/file_cache.h"
+#include "core/io/inflate.h"
+#include "core/soa/large_pages.h"
 #include "scene/formats/off.h"
 #include "scene/formats/serialized.h"
 #include "scene/formats/stl.h"

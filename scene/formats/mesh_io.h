@@ -1,7 +1,7 @@
 // Readers of triangle mesh files: Wavefront OBJ, Stanford PLY, Mitsuba's serialized meshes.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 #include <filesystem>

@@ -1,8 +1,8 @@
 // Buffers compressed by meshoptimizer (library meshoptimizer).
 #include "scene/formats/meshopt.h"
 
-#include "core/error.h"
-#include "core/memory.h"
+#include "core/io/error.h"
+#include "core/io/memory.h"
 
 #ifdef SHEAF_HAS_MESHOPT
 #include <meshoptimizer.h>

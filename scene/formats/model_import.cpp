@@ -1,9 +1,9 @@
 #include "scene/formats/model_import.h"
 
-#include "core/error.h"
-#include "core/file_cache.h"
-#include "core/memory.h"
-#include "core/program_file.h"
+#include "core/io/error.h"
+#include "core/io/file_cache.h"
+#include "core/io/memory.h"
+#include "core/io/program_file.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,9 +1,9 @@
-// Material libraries (MTL) of Wavefront OBJ files, as written in the file. See scene/dialects/common/obj_materials.h
+// Material libraries (MTL) of Wavefront OBJ files, as written in the file. See scene/dialects/model/obj_materials.h
 // for their conversion.
 #pragma once
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "core/io/error.h"
+#include "core/math/vec.h"
 
 #include <filesystem>
 #include <optional>

@@ -3,7 +3,7 @@
 // offsets: a header, the tree's header, and nodes of four levels. All offsets are validated.
 #include "scene/formats/nanovdb.h"
 
-#include "core/inflate.h"
+#include "core/io/inflate.h"
 #include "scene/formats/mesh_io.h"
 
 #include <nanovdb/NanoVDB.h>

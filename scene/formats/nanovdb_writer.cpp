@@ -1,7 +1,7 @@
 // Writes NanoVDB files: builds the tree of each grid from its voxels. The encodings instantiate much of NanoVDB, which
 // is why this file is apart from the reader and less optimised (CMakeLists.txt).
 #define NANOVDB_USE_ZIP
-#include "core/output_file.h"
+#include "core/io/output_file.h"
 #include "scene/formats/nanovdb.h"
 
 #include <nanovdb/NanoVDB.h>

@@ -1,7 +1,7 @@
 // Text files with numbers on each line.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <span>
 #include <string>

@@ -1,8 +1,8 @@
 // Parsing of the lines of an OBJ file.
 #pragma once
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "core/io/error.h"
+#include "core/math/vec.h"
 
 #include <cstdint>
 #include <string>

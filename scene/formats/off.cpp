@@ -1,7 +1,7 @@
 // OFF meshes: a header, a line per vertex, and a line per polygon with an optional colour.
 #include "scene/formats/off.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/formats/polygon.h"
 
 #include <algorithm>

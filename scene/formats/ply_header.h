@@ -1,7 +1,7 @@
 // PLY headers: encoding and elements of the file's body.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // Polygons of mesh files.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 // is a magic number, a version and a zlib stream of flags, name, counts and arrays.
 #include "scene/formats/serialized.h"
 
-#include "core/inflate.h"
+#include "core/io/inflate.h"
 #include "scene/formats/little_endian.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Vertex normals for meshes without normals, by smoothing groups or crease angle.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/shapes.h"
 
 #include <span>

@@ -1,7 +1,7 @@
 // STL meshes: lists of triangles without shared vertices.
 #include "scene/formats/stl.h"
 
-#include "core/byte_order_mark.h"
+#include "core/io/byte_order_mark.h"
 #include "scene/formats/little_endian.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Tensor files: named multidimensional arrays of numbers, the format of the RGL material database.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,8 +1,8 @@
 // Triangulation of polygons with any number of corners, for mesh files and for imported models. It depends only on
-// core/vec.h: tools/importer/ compiles it as well.
+// core/math/vec.h: tools/importer/ compiles it as well.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 
 #include <array>
 #include <cstdint>

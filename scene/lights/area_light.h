@@ -1,7 +1,7 @@
 // Area lights of shapes and of instances of shapes.
 #pragma once
 
-#include "core/alias_table.h"
+#include "core/sampling/alias_table.h"
 #include "scene/lights/list.h"
 #include "scene/tables/motion.h"
 #include "scene/tables/shape_rows.h"

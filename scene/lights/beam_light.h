@@ -1,7 +1,7 @@
 // Beams of light along a ray.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/lights/light.h"
 
 namespace sheaf {

@@ -9,8 +9,8 @@
 // sun's surface for limb darkening, whose average over the disk is used here.
 #include "scene/lights/daylight.h"
 
-#include "core/color.h"
-#include "core/frame.h"
+#include "core/color/color.h"
+#include "core/math/frame.h"
 #include "scene/data/daylight.h"
 #include "scene/lights/sun_light.h"
 #include "scene/spectra/spectrum_rgb.h"

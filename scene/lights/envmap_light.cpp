@@ -1,7 +1,7 @@
 #include "scene/lights/envmap_light.h"
 
-#include "core/frame.h"
-#include "core/memory.h"
+#include "core/io/memory.h"
+#include "core/math/frame.h"
 #include "scene/lights/daylight.h"
 #include "scene/lights/light_context.h"
 #include "scene/lights/light_rotation.h"

@@ -1,7 +1,7 @@
 // Environment maps, and the sky as one.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/lights/light.h"
 
 #include <filesystem>

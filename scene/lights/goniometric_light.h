@@ -1,7 +1,7 @@
 // Point lights with an image of all directions.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/lights/light.h"
 
 namespace sheaf {

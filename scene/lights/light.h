@@ -21,8 +21,8 @@
 // file.
 #pragma once
 
-#include "core/error.h"
-#include "core/spectrum_row.h"
+#include "core/color/spectrum_row.h"
+#include "core/io/error.h"
 #include "scene/description/inputs.h"
 #include "scene/tables/light.h"
 

@@ -1,8 +1,8 @@
 // Transforms of lights that must not distort.
 #pragma once
 
-#include "core/error.h"
-#include "core/transform.h"
+#include "core/io/error.h"
+#include "core/math/transform.h"
 #include "scene/tables/light.h"
 
 #include <array>

@@ -1,12 +1,12 @@
 #include "scene/lights/make_envmap.h"
 
-#include "core/color.h"
-#include "core/file_cache.h"
-#include "core/image.h"
-#include "core/image_channels.h"
-#include "core/lanes.h"
-#include "core/large_pages.h"
-#include "core/uplift.h"
+#include "core/color/color.h"
+#include "core/color/uplift.h"
+#include "core/image/image.h"
+#include "core/image/image_channels.h"
+#include "core/io/file_cache.h"
+#include "core/simd/lanes.h"
+#include "core/soa/large_pages.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

@@ -1,8 +1,8 @@
 // Builds the tables of an environment map from its image.
 #pragma once
 
-#include "core/error.h"
-#include "core/transform.h"
+#include "core/io/error.h"
+#include "core/math/transform.h"
 #include "scene/tables/envmap.h"
 
 #include <cstddef>

@@ -1,8 +1,8 @@
 #include "scene/lights/mesh_light.h"
 
-#include "core/alias_table.h"
-#include "core/frame.h"
-#include "core/warp.h"
+#include "core/math/frame.h"
+#include "core/sampling/alias_table.h"
+#include "core/sampling/warp.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/texture_mean.h"

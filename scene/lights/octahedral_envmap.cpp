@@ -1,7 +1,7 @@
 #include "scene/lights/octahedral_envmap.h"
 
-#include "core/lanes.h"
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
+#include "core/simd/lanes.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,7 +1,7 @@
 // Isotropic point lights.
 #pragma once
 
-#include "core/vec3d.h"
+#include "core/math/vec3d.h"
 #include "scene/lights/light.h"
 #include "scene/lights/light_bounds.h"
 

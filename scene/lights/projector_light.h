@@ -1,7 +1,7 @@
 // Projectors.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/description/camera.h"
 #include "scene/lights/light.h"
 

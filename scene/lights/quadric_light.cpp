@@ -1,6 +1,6 @@
 #include "scene/lights/quadric_light.h"
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/texture_mean.h"

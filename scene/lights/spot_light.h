@@ -1,7 +1,7 @@
 // Spot lights with linear or smooth falloff.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/lights/light.h"
 
 namespace sheaf {

@@ -1,7 +1,7 @@
 // Emitting media as lights.
 #pragma once
 
-#include "core/alias_table.h"
+#include "core/sampling/alias_table.h"
 #include "scene/lights/light.h"
 
 namespace sheaf {

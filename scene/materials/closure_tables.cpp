@@ -1,8 +1,8 @@
 #include "scene/materials/closure_tables.h"
 
-#include "core/color.h"
-#include "core/error.h"
-#include "core/spectrum_row.h"
+#include "core/color/color.h"
+#include "core/color/spectrum_row.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // A material of a scene, of any model.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/materials/list.h"
 
 #include <string>

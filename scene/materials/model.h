@@ -22,8 +22,8 @@
 // scene/materials/list.h lists all models. One that omits something does not compile.
 #pragma once
 
-#include "core/record_table.h"
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
+#include "core/soa/record_table.h"
 #include "scene/description/inputs.h"
 #include "scene/tables/material.h"
 

@@ -1,7 +1,7 @@
 // Numerical integration over the microfacets of a coat, in double precision.
 #include "scene/materials/rough_coat.h"
 
-#include "core/fresnel.h"
+#include "core/math/fresnel.h"
 
 #include <algorithm>
 #include <cmath>

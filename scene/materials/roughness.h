@@ -1,7 +1,7 @@
 // Roughness of microfacet surfaces.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/inputs.h"
 
 #include <tuple>

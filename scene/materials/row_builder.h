@@ -1,7 +1,7 @@
 // Building of rows of the material table from the parameters of a model.
 #pragma once
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/materials/closure_tables.h"
 #include "scene/materials/list.h"
 #include "scene/materials/rough_coat.h"

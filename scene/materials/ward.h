@@ -1,7 +1,7 @@
 // Ward's anisotropic BRDF over a diffuse base.
 #pragma once
 
-#include "core/name_table.h"
+#include "core/io/name_table.h"
 #include "scene/materials/model.h"
 
 namespace sheaf {

@@ -1,6 +1,6 @@
 #include "scene/spectra/spectrum_rgb.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,9 +1,9 @@
 // Compiles spectra into rows and tables.
 #include "scene/spectra/spectrum_set.h"
 
-#include "core/color.h"
-#include "core/error.h"
-#include "core/uplift.h"
+#include "core/color/color.h"
+#include "core/color/uplift.h"
+#include "core/io/error.h"
 #include "scene/data/illuminants.h"
 #include "scene/description/spectrum_check.h"
 

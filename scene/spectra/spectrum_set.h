@@ -1,7 +1,7 @@
 // Compiles spectra of scene files into the rows and tables of spectral mode.
 #pragma once
 
-#include "core/spectrum_row.h"
+#include "core/color/spectrum_row.h"
 #include "scene/description/dispersion.h"
 #include "scene/description/inputs.h"
 

@@ -1,7 +1,7 @@
 // Bounds of brick grids, and their rows for kernels.
 #include "scene/tables/brick_grid.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 #include <cmath>

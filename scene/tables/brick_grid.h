@@ -5,7 +5,7 @@
 // brick. Constant bricks are stored once per value.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/tables/interpolation.h"
 
 #include <array>

@@ -1,9 +1,9 @@
 // Camera models: map positions on film and lens to rays, and points to film positions.
 #pragma once
 
-#include "core/octahedral.h"
-#include "core/vec.h"
-#include "core/warp.h"
+#include "core/math/vec.h"
+#include "core/sampling/octahedral.h"
+#include "core/sampling/warp.h"
 
 namespace sheaf {
 

@@ -5,8 +5,8 @@
 // it is a NaN, and all other data in tables is finite.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/record_table.h"
+#include "core/soa/lane_array.h"
+#include "core/soa/record_table.h"
 
 #include <bit>
 

@@ -1,7 +1,7 @@
 #include "scene/tables/embree.h"
 
-#include "core/error.h"
-#include "core/memory.h"
+#include "core/io/error.h"
+#include "core/io/memory.h"
 
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>

@@ -7,14 +7,14 @@
 // same shape, for example greys.
 //
 // Cell (i, j) lies between the nodes (i, j) and (i + 1, j + 1). Its probability is that of its row times that in a
-// distribution over columns, which is shared by the rows of a quantile (core/quantile_table.h). Bright regions are
-// resolved into single cells, and other regions into blocks of them. Inside a cell the density is bilinear in the
+// distribution over columns, which is shared by the rows of a quantile (core/sampling/quantile_table.h). Bright regions
+// are resolved into single cells, and other regions into blocks of them. Inside a cell the density is bilinear in the
 // brightness of its nodes. Pdfs are exactly those of sampling.
 #pragma once
 
-#include "core/large_table.h"
-#include "core/quantile_table.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/sampling/quantile_table.h"
+#include "core/soa/large_table.h"
 
 #include <cstdint>
 #include <vector>

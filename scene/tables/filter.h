@@ -4,8 +4,8 @@
 // placed with density |f|, and is weighted by the sign of f.
 #pragma once
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "core/io/error.h"
+#include "core/math/vec.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Instances of shape groups: their rows, bounds and transforms. Transforms are generic in the lane policy.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 #include "scene/tables/instance_transform.h"
 #include "scene/tables/scene.h"
 

@@ -1,6 +1,6 @@
 #include "scene/tables/instance_transform.h"
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 
 #include <cmath>
 #include <optional>

@@ -1,10 +1,10 @@
-// Light records, which kernels gather with core/record_table.h. The files of scene/lights/ declare the data of each
+// Light records, which kernels gather with core/soa/record_table.h. The files of scene/lights/ declare the data of each
 // kind.
 #pragma once
 
-#include "core/record_table.h"
-#include "core/spectrum.h"
-#include "core/vec.h"
+#include "core/color/spectrum.h"
+#include "core/math/vec.h"
+#include "core/soa/record_table.h"
 #include "scene/tables/none.h"
 
 namespace sheaf {

@@ -1,6 +1,6 @@
 #include "scene/tables/light_cone.h"
 
-#include "core/lanes.h"
+#include "core/simd/lanes.h"
 
 #include <algorithm>
 #include <cmath>

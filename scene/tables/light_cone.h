@@ -1,7 +1,7 @@
 // Cones of directions around the normals of lights, in double precision, for building light trees.
 #pragma once
 
-#include "core/vec3d.h"
+#include "core/math/vec3d.h"
 
 namespace sheaf {
 

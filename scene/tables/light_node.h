@@ -4,8 +4,8 @@
 // missed. Sampling and pdf evaluation read the same numbers, so rounding only makes the choice slightly less accurate.
 #pragma once
 
-#include "core/simd.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/simd/simd.h"
 
 #include <cstdint>
 

@@ -1,8 +1,8 @@
 // The lights of a scene: rows, their parts, and the tables for light selection.
 #pragma once
 
-#include "core/alias_table.h"
-#include "core/error.h"
+#include "core/io/error.h"
+#include "core/sampling/alias_table.h"
 #include "scene/tables/envmap.h"
 #include "scene/tables/light.h"
 #include "scene/tables/light_tree.h"

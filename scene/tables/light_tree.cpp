@@ -1,6 +1,6 @@
 #include "scene/tables/light_tree.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/tables/light_cluster.h"
 
 #include <algorithm>

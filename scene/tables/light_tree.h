@@ -6,8 +6,8 @@
 // have four children. This halves the depth of a binary tree, and each child is chosen by its own bounds.
 #pragma once
 
-#include "core/large_table.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/soa/large_table.h"
 #include "scene/tables/light_node.h"
 
 #include <cstdint>

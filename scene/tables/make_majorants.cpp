@@ -1,6 +1,6 @@
 #include "scene/tables/make_majorants.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 

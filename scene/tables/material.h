@@ -1,8 +1,8 @@
 // Materials for kernels: the rows of the material table.
 #pragma once
 
-#include "core/record_table.h"
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
+#include "core/soa/record_table.h"
 
 namespace sheaf {
 

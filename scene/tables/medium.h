@@ -1,7 +1,7 @@
 // Participating media for kernels.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 
 #include <cstdint>
 #include <vector>

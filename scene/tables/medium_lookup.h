@@ -1,7 +1,7 @@
 // Coefficients and emission of media at a point, at a path's wavelengths.
 #pragma once
 
-#include "core/float4.h"
+#include "core/color/float4.h"
 #include "scene/tables/scene.h"
 #include "scene/tables/spectral_grid.h"
 

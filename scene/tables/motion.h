@@ -2,7 +2,7 @@
 // and curves that deform. scene/tables/motion_sample.h interpolates them.
 #pragma once
 
-#include "core/record_table.h"
+#include "core/soa/record_table.h"
 #include "scene/tables/shape_rows.h"
 #include "scene/tables/table_bytes.h"
 

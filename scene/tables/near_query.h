@@ -2,7 +2,7 @@
 // continues.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 #include "scene/tables/embree.h"
 
 namespace sheaf {

@@ -1,6 +1,6 @@
 #include "scene/tables/quadric.h"
 
-#include "core/vec3d.h"
+#include "core/math/vec3d.h"
 
 #include <array>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Settings of film, sampler and integrator, as scene files give them and as kernels read them.
 #pragma once
 
-#include "core/pixel_rect.h"
-#include "core/sampler.h"
-#include "core/transform.h"
+#include "core/image/pixel_rect.h"
+#include "core/math/transform.h"
+#include "core/sampling/sampler.h"
 #include "scene/tables/filter.h"
 #include "scene/tables/photon_settings.h"
 

@@ -1,10 +1,10 @@
 // The compiled scene: flat, immutable tables by subject, which kernels access by index, and the kernels' view of them.
 #pragma once
 
-#include "core/error.h"
-#include "core/memory.h"
-#include "core/sampler.h"
-#include "core/vec3d.h"
+#include "core/io/error.h"
+#include "core/io/memory.h"
+#include "core/math/vec3d.h"
+#include "core/sampling/sampler.h"
 #include "scene/tables/accel.h"
 #include "scene/tables/geometry.h"
 #include "scene/tables/light_tables.h"

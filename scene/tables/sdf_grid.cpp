@@ -1,6 +1,6 @@
 #include "scene/tables/sdf_grid.h"
 
-#include "core/vec3d.h"
+#include "core/math/vec3d.h"
 
 #include <algorithm>
 #include <array>

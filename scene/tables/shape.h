@@ -1,7 +1,7 @@
 // Surface interaction at hits: position, normals, uv and tangents of all kinds of shapes, generic in the lane policy.
 #pragma once
 
-#include "core/warp.h"
+#include "core/sampling/warp.h"
 #include "scene/tables/curve_surface.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/motion_sample.h"

@@ -1,8 +1,8 @@
 // Rows of the tables of shapes, gathered by kernels per lane.
 #pragma once
 
-#include "core/record_table.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/soa/record_table.h"
 #include "scene/tables/none.h"
 
 namespace sheaf {

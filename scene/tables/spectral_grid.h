@@ -4,8 +4,8 @@
 // between a bright and a dark colour, this differs from the spectrum of the interpolated colour.
 #pragma once
 
-#include "core/float4.h"
-#include "core/uplift.h"
+#include "core/color/float4.h"
+#include "core/color/uplift.h"
 #include "scene/tables/brick_grid_lookup.h"
 
 namespace sheaf {
@@ -36,7 +36,7 @@ inline void uplift_grid(BrickGrid& grid) {
 
 namespace detail {
 
-/// sigmoid() of core/sigmoid_polynomial.h at the normalised wavelengths `t`.
+/// sigmoid() of core/color/sigmoid_polynomial.h at the normalised wavelengths `t`.
 SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
   const Float4 x = (Float4(voxel[0]) * t + Float4(voxel[1])) * t + Float4(voxel[2]);
   return Float4(0.5f) + Float4(0.5f) * x / sqrt(x * x + Float4(1.0f));

@@ -1,9 +1,9 @@
 // The spectra of a scene in spectral mode.
 #pragma once
 
-#include "core/spectral_sensor.h"
-#include "core/spectrum_row.h"
-#include "core/uplift.h"
+#include "core/color/spectral_sensor.h"
+#include "core/color/spectrum_row.h"
+#include "core/color/uplift.h"
 #include "scene/tables/table_bytes.h"
 
 #include <vector>

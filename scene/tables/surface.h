@@ -1,7 +1,7 @@
 // A surface point, common to hits on all kinds of shapes.
 #pragma once
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 #include "scene/tables/scene.h"
 
 namespace sheaf {
@@ -26,7 +26,7 @@ template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
 }
 
 /// Rounding errors of positions and of Embree's arithmetic are below this many units in the last place of the
-/// coordinates involved. tests/kernels/test_ray_offset.cpp verifies this for shapes from 1e-3 to 1e5 units.
+/// coordinates involved. tests/kernels/wave/test_ray_offset.cpp verifies this for shapes from 1e-3 to 1e5 units.
 inline constexpr float kOffsetUlps = 8.0f * 5.9604645e-8f;
 
 /// Selects `a` or `b` per lane.

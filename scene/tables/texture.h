@@ -2,7 +2,7 @@
 // data of each kind.
 #pragma once
 
-#include "core/record_table.h"
+#include "core/soa/record_table.h"
 #include "scene/tables/brick_grid.h"
 #include "scene/tables/interpolation.h"
 #include "scene/tables/table_bytes.h"

@@ -1,7 +1,7 @@
 // Reading of images.
 #include "scene/textures/bitmap.h"
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "scene/xml/linear_gamma.h"
 #include "scene/xml/properties.h"
 #include "scene/xml/read_arrays.h"

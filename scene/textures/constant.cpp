@@ -1,6 +1,6 @@
 #include "scene/textures/constant.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/spectra/spectrum_rgb.h"
 
 namespace sheaf {

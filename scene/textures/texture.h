@@ -17,7 +17,7 @@
 // A kind that omits something does not compile.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/description/inputs.h"
 #include "scene/tables/texture.h"
 

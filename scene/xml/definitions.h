@@ -1,7 +1,7 @@
 // Named values of -D and <default>, and their substitution in the text of scene files.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <functional>
 #include <map>

@@ -5,7 +5,7 @@
 //   factor  = ("-" | "+") factor | number | name | ("sin" | "cos") "(" sum ")" | "(" sum ")"
 #include "scene/xml/expression.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <charconv>
 #include <cmath>

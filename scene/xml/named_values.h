@@ -3,8 +3,8 @@
 // unused values can be reported.
 #pragma once
 
-#include "core/name_table.h"
-#include "core/vec3d.h"
+#include "core/io/name_table.h"
+#include "core/math/vec3d.h"
 #include "scene/description/inputs.h"
 #include "scene/xml/query_recorder.h"
 

@@ -1,7 +1,7 @@
 // Typed access to the properties of an object.
 #include "scene/xml/properties.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>

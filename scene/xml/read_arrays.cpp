@@ -1,6 +1,6 @@
 #include "scene/xml/read_arrays.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // and its shape, for arrays of other types or shapes and for numbers that are not finite.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "scene/description/shapes.h"
 #include "scene/description/voxels.h"
 #include "scene/xml/properties.h"

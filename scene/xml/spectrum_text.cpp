@@ -1,8 +1,8 @@
 // Parses spectra and colours.
 #include "scene/xml/spectrum_text.h"
 
-#include "core/byte_order_mark.h"
-#include "core/color.h"
+#include "core/color/color.h"
+#include "core/io/byte_order_mark.h"
 #include "scene/xml/xml_values.h"
 
 #include <algorithm>

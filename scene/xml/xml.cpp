@@ -1,7 +1,7 @@
 // Wraps pugixml: parsing, conversion of byte offsets to line numbers, and limits against hostile files.
 #include "scene/xml/xml.h"
 
-#include "core/byte_order_mark.h"
+#include "core/io/byte_order_mark.h"
 
 #include <pugixml.hpp>
 

@@ -1,7 +1,7 @@
 // The XML tree of a scene file, with the line of every element. All XML parsing goes through this file.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/xml/array_value.h"
 
 #include <filesystem>

@@ -2,7 +2,7 @@
 // the text found.
 #pragma once
 
-#include "core/animated_transform.h"
+#include "core/math/animated_transform.h"
 #include "scene/xml/xml.h"
 
 #include <cstdint>

@@ -236,7 +236,7 @@ class Runner:
             return self.run_program(words)
         if words[0] in ("python3", "python") and len(words) > 1:
             words = words[1:]
-        if words[0].startswith(("tools/", "bench/", "tests/")):
+        if words[0].startswith(("tools/", "bench/", "tests/", "scenes/make/")):
             return self.run_script(words)
         if program in ("cmake", "ctest"):
             return self.run_cmake(words)

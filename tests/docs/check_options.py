@@ -55,14 +55,16 @@ def known_to_programs(text):
     """The options in the source code of scripts and programs that a document names."""
     options = set()
     for name in set(re.findall(r"\b(\w+\.(?:py|sh))", text)):
-        for file in (*ROOT.glob(f"tools/{name}"), *ROOT.glob(f"bench/{name}"), *ROOT.glob(f"tests/*/{name}")):
+        for file in (*ROOT.glob(f"tools/**/{name}"), *ROOT.glob(f"bench/{name}"), *ROOT.glob(f"tests/*/{name}"),
+                     *ROOT.glob(f"scenes/make/{name}")):
             source = file.read_text()
             imported = re.findall(r"^(?:import|from) (\w+)", source, re.MULTILINE)
             modules = [file.parent / f"{module}.py" for module in imported]
             for each in (source, *(module.read_text() for module in modules if module.exists())):
                 options |= set(re.findall(OPTION, each))
     for name in set(re.findall(r"\b(trace_limit|make_cloud|vdb_to_nanovdb|sheaf_bench)\b", text)):
-        for source in [*ROOT.glob(f"tools/{name}*.cpp"), *ROOT.glob(f"bench/{name}*.cpp")]:
+        for source in [*ROOT.glob(f"tools/{name}*.cpp"), *ROOT.glob(f"bench/{name}*.cpp"),
+                       *ROOT.glob(f"scenes/make/{name}*.cpp")]:
             options |= set(re.findall(OPTION, source.read_text()))
     return options
 
@@ -98,8 +100,7 @@ def check_help(options, failures):
                 failures.add(f"sheaf {command} --help", f"{name} has no description")
     listed = {name for described in options.values() for name in described}
     declared = set()
-    others = ("make_cloud.cpp", "vdb_to_nanovdb.cpp")
-    sources = [file for kind in ("*.cpp", "*.h") for file in ROOT.glob(f"tools/{kind}") if file.name not in others]
+    sources = [file for kind in ("*.cpp", "*.h") for file in ROOT.glob(f"tools/*/{kind}")]
     for source in sources:
         text = source.read_text()
         for call in re.finditer(r'add_(?:option|flag|counter)\(\s*"([-\w,]+)"', text):

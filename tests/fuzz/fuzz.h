@@ -1,7 +1,7 @@
 // Shared code of the fuzz targets. A target is a libFuzzer program that writes each input to a file and reads it.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <filesystem>
 #include <string_view>

@@ -1,7 +1,7 @@
 // Checkpoints. The first line and the checksum are corrected for every input, because almost none would be read
 // otherwise.
-#include "core/inflate.h"
-#include "kernels/passes/render_state.h"
+#include "core/io/inflate.h"
+#include "kernels/render/render_state.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,7 @@
 // OpenEXR files: headers, pixels, images, and parts of images that `sheaf merge` joins.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/fuzz/fuzz.h"
-#include "tools/parts.h"
+#include "tools/job/parts.h"
 
 namespace sheaf::fuzz {
 

@@ -1,9 +1,9 @@
 // Images. The first byte selects the extension, and hence the format that is tried first. Checksums in PNG files are
 // corrected, because almost none would be read otherwise. All are read from memory, too. Files that claim many pixels
 // take a hundred times as long as others and tend to multiply: one in sixteen of them is read, without height fields.
-#include "core/image.h"
-#include "core/image_library.h"
-#include "core/inflate.h"
+#include "core/image/image.h"
+#include "core/image/image_library.h"
+#include "core/io/inflate.h"
 #include "scene/formats/height_field.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/image_extensions.h"

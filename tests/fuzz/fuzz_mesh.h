@@ -1,7 +1,7 @@
 // All operations on a mesh between its file and the scene.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/formats/loop_subdivision.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"

@@ -1,9 +1,9 @@
 // NanoVDB files. Mutants of a compressed grid are rarely valid, so the grid is mutated before compression, mostly near
 // its beginning, where the headers of grid, tree and nodes are.
-#include "core/inflate.h"
+#include "core/io/inflate.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/fuzz/fuzz.h"
-#include "tests/support/deflate.h"
+#include "tests/support/files/deflate.h"
 
 #include <cstring>
 #include <random>

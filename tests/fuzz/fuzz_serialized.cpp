@@ -2,7 +2,7 @@
 // 3 or 4 before compression, because mutants of a compressed stream are rarely valid.
 #include "scene/formats/serialized.h"
 #include "tests/fuzz/fuzz_mesh.h"
-#include "tests/support/deflate.h"
+#include "tests/support/files/deflate.h"
 
 namespace sheaf::fuzz {
 

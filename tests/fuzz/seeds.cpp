@@ -1,19 +1,19 @@
 // sheaf_fuzz_seeds FOLDER: writes FOLDER/<target>/, small seed files of each kind, and FOLDER/<target>.dict, the
 // dictionary of each kind. The files are those of the repository's scenes and tests, or generated here. The dictionary
 // holds the strings in the sources of the reader.
-#include "core/exr.h"
-#include "core/image.h"
-#include "kernels/passes/render_state.h"
+#include "core/image/exr.h"
+#include "core/image/image.h"
+#include "kernels/render/render_state.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/fuzz/image_extensions.h"
-#include "tests/support/deflate.h"
-#include "tests/support/exr_files.h"
-#include "tests/support/gltf_samples.h"
-#include "tests/support/image_files.h"
-#include "tests/support/import_files.h"
-#include "tests/support/model_files.h"
+#include "tests/support/files/deflate.h"
+#include "tests/support/files/exr_files.h"
+#include "tests/support/files/gltf_samples.h"
+#include "tests/support/files/image_files.h"
+#include "tests/support/files/import_files.h"
+#include "tests/support/files/model_files.h"
 #include "tests/support/temporary_folder.h"
-#include "tools/parts.h"
+#include "tools/job/parts.h"
 
 #include <cctype>
 #include <cstdio>
@@ -404,7 +404,7 @@ void add_images(Seeds& seeds) {
   write_exr_parts(path("exr"),
                   {exr_part(1, 1, {{"Z", 1}}, {}, "a"), exr_part(1, 1, {{"X", 1}, {"Y", 1}, {"Z", 1}}, {}, "b")});
   seeds.add("exr", read_bytes(path("exr")));
-  seeds.add_words("exr", {"tools/parts", "core/exr", "kernels/film/cryptomatte", "kernels/film/merge"});
+  seeds.add_words("exr", {"tools/job/parts", "core/image/exr", "kernels/film/cryptomatte", "kernels/film/merge"});
 }
 
 }  // namespace

@@ -87,9 +87,9 @@ def main():
             words = shlex.split(command)
             if words[0] == "cp" or any(word in LEFT_OUT for word in words):
                 continue
-            if words[0].startswith("tools/"):
+            if words[0].startswith("scenes/make/"):
                 words = [sys.executable, *words]
-                if words[1] == "tools/make_instances.py":
+                if words[1] == "scenes/make/make_instances.py":
                     words.append("500")
             elif words[0] != "sheaf":
                 print(f"examples: FAILED: unknown command: {command}")

@@ -2,7 +2,7 @@
 # Installs the package in a Debian system that debootstrap creates and later runs reuse, and tests it as a user would:
 # dependencies, both builds of the program, manual pages, completion, examples.
 #   tests/package/check_package.sh [PACKAGE [FOLDER]]     default: build/package/sheaf_*.deb, build/debian12
-# Run tools/make_package.sh first. Needs root, debootstrap and a mirror (see tools/debian_root.sh), and is skipped with
+# Run tools/packaging/make_package.sh first. Needs root, debootstrap and a mirror (see tools/packaging/debian_root.sh), and is skipped with
 # exit status 77 without them. SHEAF_DEBIAN_RELEASE selects the release (default: bookworm).
 set -euo pipefail
 
@@ -20,11 +20,11 @@ fail() {
 }
 passed() { echo "package: ok: $1"; }
 
-[[ -n $package && -e $package ]] || skip "there is no package; run tools/make_package.sh"
+[[ -n $package && -e $package ]] || skip "there is no package; run tools/packaging/make_package.sh"
 ((EUID == 0)) || skip "needs root"
 command -v debootstrap >/dev/null || skip "needs the package debootstrap"
 
-source "$repository/tools/debian_root.sh"
+source "$repository/tools/packaging/debian_root.sh"
 make_debian_root "$root" "${SHEAF_DEBIAN_RELEASE:-bookworm}"
 open_debian_root "$root"
 as_user() { in_root setpriv --reuid=65534 --regid=65534 --clear-groups env HOME=/tmp "$@"; }  # as nobody

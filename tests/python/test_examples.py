@@ -62,7 +62,7 @@ class Examples(unittest.TestCase):
             out = runpy.run_path(str(scenes.ROOT / "docs/tutorials/python_source.py"))
         self.assertTrue(out["changed"]._native.kept_accel)
         matplotlib.pyplot.close("all")
-        subprocess.run([sys.executable, scenes.ROOT / "tools/make_notebook.py", "--check"], check=True)
+        subprocess.run([sys.executable, scenes.ROOT / "tools/documentation/make_notebook.py", "--check"], check=True)
 
 
 if __name__ == "__main__":

@@ -59,7 +59,7 @@ class Wheels(unittest.TestCase):
                 if file.is_file():
                     (contents / file.name).write_bytes(file.read_bytes())
             (contents / "_sheaf.so").write_bytes(b"module")
-            done = subprocess.run([sys.executable, scenes.ROOT / "tools" / "pack_wheel.py", contents.parent, folder],
+            done = subprocess.run([sys.executable, scenes.ROOT / "tools/packaging/pack_wheel.py", contents.parent, folder],
                                   check=True, capture_output=True, text=True)
             wheel = done.stdout.strip()
             self.assertRegex(Path(wheel).name, r"^sheaf-[0-9.]+-cp3\d+-cp3\d+-linux_x86_64\.whl$")

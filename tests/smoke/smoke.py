@@ -27,21 +27,21 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 # Scripts that generate files of scenes, in this order. The largest scenes are made small.
 MAKERS = {
-    "tools/make_meshes.py": [],
-    "tools/make_material_scenes.py": [],
-    "tools/make_texture_scenes.py": [],
-    "tools/make_measured.py": [],
-    "tools/make_gltf_scene.py": [],
-    "tools/make_shape_scenes.py": [],
-    "tools/make_hall.py": [],
-    "tools/make_sky.py": [],
-    "tools/make_instances.py": ["500"],
-    "tools/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
-    "tools/make_caustic_scenes.py": [],
-    "tools/make_hourglass.py": ["--make-cloud", "{build}/make_cloud"],
-    "tools/make_forest.py": [],
-    "tools/make_tutorial_scenes.py": ["--make-cloud", "{build}/make_cloud"],
-    "tools/make_validation_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+    "scenes/make/make_meshes.py": [],
+    "scenes/make/make_material_scenes.py": [],
+    "scenes/make/make_texture_scenes.py": [],
+    "scenes/make/make_measured.py": [],
+    "scenes/make/make_gltf_scene.py": [],
+    "scenes/make/make_shape_scenes.py": [],
+    "scenes/make/make_hall.py": [],
+    "scenes/make/make_sky.py": [],
+    "scenes/make/make_instances.py": ["500"],
+    "scenes/make/make_media_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+    "scenes/make/make_caustic_scenes.py": [],
+    "scenes/make/make_hourglass.py": ["--make-cloud", "{build}/make_cloud"],
+    "scenes/make/make_forest.py": [],
+    "scenes/make/make_tutorial_scenes.py": ["--make-cloud", "{build}/make_cloud"],
+    "scenes/make/make_validation_scenes.py": ["--make-cloud", "{build}/make_cloud"],
 }
 
 # The shortest arguments of the other scripts. {build} is the build folder, {out} an empty one.
@@ -68,18 +68,18 @@ SCRIPTS = {
                                   "5", "2", "--scenes", "scenes/cornell/cornell.xml"],
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
-    "tools/fit_rgb_basis.py": ["--step", "20"],
-    "tools/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
-    "tools/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
-    "tools/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
+    "tools/color/fit_rgb_basis.py": ["--step", "20"],
+    "tools/color/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
+    "scenes/make/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
+    "tools/documentation/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
                               "layers"],
-    "tools/make_notebook.py": ["--check"],
-    "tools/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
-    "tools/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
+    "tools/documentation/make_notebook.py": ["--check"],
+    "tools/documentation/make_manual.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/manual"],
+    "tools/documentation/plot_samplers.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-spp", "4",
                                "--output", "{out}/samplers.png"],
-    "tools/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",
+    "tools/documentation/plot_progressive.py": ["--sheaf", "{build}/sheaf", "--size", "8", "--reference-spp", "16", "--max-passes",
                                   "1", "--photons", "100", "--output", "{out}/progressive.png"],
-    "tools/validate.py": ["--sheaf", "{build}/sheaf", "--quick", "--output", "{out}"],
+    "tools/validation/validate.py": ["--sheaf", "{build}/sheaf", "--quick", "--output", "{out}"],
 }
 
 # Python modules outside of the standard library that scripts import, and their Debian packages.
@@ -101,25 +101,17 @@ PROGRAMS = {
 
 # Scripts and programs that are not run here, and the reason.
 EXEMPT = {
-    "tools/check_debian13.sh": "needs root, debootstrap and a mirror",
-    "tools/debian_root.sh": "functions, which other scripts use",
-    "tools/make_site.sh": "needs root; the test docs_links builds the site",
-    "tools/make_wheel.sh": "builds twice; the test python tests the package",
-    "tools/pack_wheel.py": "make_wheel.sh runs it; the test python packs a wheel",
-    "tools/make_package.sh": "builds twice; tests/package/check_package.sh tests the package",
+    "tools/packaging/check_debian13.sh": "needs root, debootstrap and a mirror",
+    "tools/packaging/debian_root.sh": "functions, which other scripts use",
+    "tools/documentation/make_site.sh": "needs root; the test docs_links builds the site",
+    "tools/packaging/make_wheel.sh": "builds twice; the test python tests the package",
+    "tools/packaging/pack_wheel.py": "make_wheel.sh runs it; the test python packs a wheel",
+    "tools/packaging/make_package.sh": "builds twice; tests/package/check_package.sh tests the package",
     "tools/install_packages.sh": "needs root; .ci/run runs it through tools/quickstart.sh and tools/test.sh",
     "tools/quickstart.sh": "builds; .ci/run runs it",
-    "tools/slurm.sh": "needs root and Slurm; the test slurm runs it",
+    "tools/farm/slurm.sh": "needs root and Slurm; the test slurm runs it",
     "tools/check_format.sh": "a test of its own, format",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
-    "tools/forest_leaf.py": "a module, which other scripts import",
-    "tools/forest_plants.py": "a module, which other scripts import",
-    "tools/forest_shapes.py": "a module, which other scripts import",
-    "tools/scene_text.py": "a module, which other scripts import",
-    "tools/hourglass_city.py": "a module, which other scripts import",
-    "tools/hourglass_furniture.py": "a module, which other scripts import",
-    "tools/hourglass_meshes.py": "a module, which other scripts import",
-    "tools/hourglass_textures.py": "a module, which other scripts import",
     "bench/rendering.py": "a module, which other scripts import",
     "sheaf": "smoke_scenes runs it",
     "sheaf_bench": "smoke_benchmarks runs it",
@@ -181,7 +173,7 @@ def check_origins(arguments, folder, failures):
     needy = [f for f in sorted((folder / "scenes").rglob("*.xml")) if "generated/" in f.read_text()]
     for scene in needy:
         good, output = run([arguments.build / "sheaf", "info", scene], folder)
-        named = re.search(r"generated\.txt: run (tools/\w+\.py) ", output)
+        named = re.search(r"generated\.txt: run (scenes/make/\w+\.py) ", output)
         if good or not named or named[1] not in MAKERS or not (folder / named[1]).exists():
             failures.add(f"info {scene.relative_to(folder)}", f"should name the script that makes its files: {output}")
     if not needy:
@@ -238,7 +230,8 @@ def missing_packages(script):
         texts += [module.read_text() for module in (script.parent / "gallery").glob("*.py")]
     modules = set(re.findall(r"^(?:import|from) (\w+)", "\n".join(texts), re.MULTILINE))
     for module in sorted(modules - set(sys.stdlib_module_names)):
-        if (script.parent / f"{module}.py").exists() or (script.parent / module).is_dir():
+        folders = (script.parent, ROOT / "scenes/make", ROOT / "tools/validation")
+        if any((folder / f"{module}.py").exists() for folder in folders) or (script.parent / module).is_dir():
             continue
         if module not in PACKAGES:
             yield f"{module}, which PACKAGES in tests/smoke/smoke.py doesn't know"
@@ -276,10 +269,10 @@ def check_quotations(failures):
 
 
 def check_scripts(arguments, folder, failures):
-    """Runs every script of tools/ and bench/, and every program built from them."""
+    """Runs every script of tools/, bench/ and scenes/make/, and every program built from them."""
     known = MAKERS.keys() | SCRIPTS.keys() | PROGRAMS.keys() | EXEMPT.keys()
-    scripts = {str(f.relative_to(ROOT)) for part in ("tools", "bench") for f in (ROOT / part).glob("*")
-               if f.suffix in (".py", ".sh")}
+    scripts = {str(f.relative_to(ROOT)) for part in ("tools", "bench", "scenes/make") for f in (ROOT / part).rglob("*")
+               if f.suffix == ".sh" or f.suffix == ".py" and os.access(f, os.X_OK) and "examples" not in f.parts}
     for name in sorted((scripts | set(arguments.programs)) - known):
         failures.add(name, "is not tested: add its shortest arguments to SCRIPTS or PROGRAMS in tests/smoke/smoke.py")
     for name in sorted(n for n in known - scripts if n.endswith((".py", ".sh"))):
@@ -316,9 +309,9 @@ def check_benchmarks(arguments, folder, failures):
     """Runs every benchmark of sheaf_bench for the shortest time. Not every stage has items in every scene."""
     good, output = True, ""
     if not (ROOT / "scenes/mesh_box/generated").exists():
-        good, output = run([sys.executable, ROOT / "tools/make_meshes.py", "large"], folder)
+        good, output = run([sys.executable, ROOT / "scenes/make/make_meshes.py", "large"], folder)
     if not good:
-        return failures.add("tools/make_meshes.py", output)
+        return failures.add("scenes/make/make_meshes.py", output)
     report = folder / "report.json"
     good, output = run([arguments.build / "sheaf_bench", "--benchmark_min_time=0.0001", f"--benchmark_out={report}",
                         "--benchmark_out_format=json"], folder)

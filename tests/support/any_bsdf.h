@@ -1,7 +1,7 @@
 // Random parameters for any BSDF, for tests and benchmarks that iterate over the list of all BSDFs.
 #pragma once
 
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "kernels/bsdf/list.h"
 #include "scene/materials/rough_coat.h"
 #include "tests/support/measured_testing.h"

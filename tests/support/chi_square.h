@@ -1,8 +1,8 @@
 // Chi-square tests that compare the samples of a sampler with its own pdf.
 #pragma once
 
-#include "core/rng.h"
-#include "core/vec.h"
+#include "core/math/vec.h"
+#include "core/sampling/rng.h"
 #include "tests/support/statistics.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Environment map images for tests.
 #pragma once
 
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "scene/lights/make_envmap.h"
 
 #include <cstdint>

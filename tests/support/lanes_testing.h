@@ -1,7 +1,7 @@
 // Fills registers lane by lane and compares them with the results of scalar code.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 
 namespace sheaf {
 

@@ -2,8 +2,8 @@
 // Jakob 2018.
 #pragma once
 
-#include "core/vec.h"
-#include "core/warp.h"
+#include "core/math/vec.h"
+#include "core/sampling/warp.h"
 #include "kernels/bsdf/table_warp.h"
 #include "scene/materials/closure_tables.h"
 #include "tests/support/temporary_folder.h"

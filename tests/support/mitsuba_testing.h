@@ -1,7 +1,7 @@
 // Materials in small scenes of Mitsuba.
 #pragma once
 
-#include "tests/support/scene_files.h"
+#include "tests/support/files/scene_files.h"
 #include "tests/support/xml_elements.h"
 
 #include <string>

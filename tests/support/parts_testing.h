@@ -1,7 +1,7 @@
 // Compares images that are merged from parts with the image of a single render.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 
 #include <doctest/doctest.h>
 

@@ -1,8 +1,8 @@
 // Small scenes in pbrt's format.
 #pragma once
 
-#include "tests/support/image_files.h"
-#include "tests/support/scene_files.h"
+#include "tests/support/files/image_files.h"
+#include "tests/support/files/scene_files.h"
 
 namespace sheaf::test {
 

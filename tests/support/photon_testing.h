@@ -2,7 +2,7 @@
 // same expectation except for the blur by the radius.
 #pragma once
 
-#include "kernels/passes/render.h"
+#include "kernels/render/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/statistics.h"

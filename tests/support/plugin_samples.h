@@ -2,7 +2,7 @@
 // files that they need for being read.
 #pragma once
 
-#include "tests/support/image_files.h"
+#include "tests/support/files/image_files.h"
 #include "tests/support/temporary_folder.h"
 
 #include <bit>

@@ -1,9 +1,9 @@
 // Converts whole records between registers and rows: fills a Record<Wide> lane by lane, and extracts a lane.
 #pragma once
 
-#include "core/rng.h"
-#include "core/soa.h"
-#include "core/spectrum.h"
+#include "core/color/spectrum.h"
+#include "core/sampling/rng.h"
+#include "core/soa/soa.h"
 #include "tests/support/lanes_testing.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // mean.
 #pragma once
 
-#include "kernels/passes/render.h"
+#include "kernels/render/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"

@@ -1,7 +1,7 @@
 // Renders whose bits must not depend on how the work is divided.
 #pragma once
 
-#include "kernels/passes/render.h"
+#include "kernels/render/render.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // Checks of tables of malformed scenes and their error messages.
 #pragma once
 
-#include "tests/support/scene_files.h"
+#include "tests/support/files/scene_files.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // Integrals over wavelength for comparison with the spectral code, computed independently of it.
 #pragma once
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <array>
 

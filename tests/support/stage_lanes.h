@@ -2,7 +2,7 @@
 // registers only, because renders use nothing else. There Single is Wide, which saves compiling every stage twice.
 #pragma once
 
-#include "core/simd.h"
+#include "core/simd/simd.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Transforms for tests of shapes.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Helpers for tests of volumes: noise grids, stored both as bricks and as a plain array.
 #pragma once
 
-#include "core/rng.h"
+#include "core/sampling/rng.h"
 #include "scene/compile/build_brick_grid.h"
 #include "scene/tables/brick_grid_lookup.h"
 

@@ -1,5 +1,5 @@
 // The command line as a user runs it: usage errors, malformed scenes, info, compare, and warnings.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

@@ -1,5 +1,5 @@
 // --exposure auto of renders with pixel filter and denoiser, and of finished images.
-#include "core/image.h"
+#include "core/image/image.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 

@@ -1,5 +1,5 @@
 // Noise targets and denoising on the command line.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 

@@ -1,7 +1,7 @@
 // Output formats, exposure, tone maps and compression on the command line; and continued renders.
-#include "core/color.h"
-#include "core/exr.h"
-#include "core/tone_map.h"
+#include "core/color/color.h"
+#include "core/color/tone_map.h"
+#include "core/image/exr.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 

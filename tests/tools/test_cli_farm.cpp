@@ -1,6 +1,6 @@
 // The jobs that `sheaf farm` writes, run by a replacement for sbatch that runs each job at once. test_slurm.cpp uses
 // Slurm.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
 

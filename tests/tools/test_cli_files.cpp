@@ -1,6 +1,6 @@
 // Files that a render writes: images and statistics, their names, and outputs that cannot be written or would overwrite
 // others.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

@@ -1,6 +1,6 @@
 // Unsupported, empty and malformed files for every command that reads a file.
-#include "core/exr.h"
-#include "core/image.h"
+#include "core/image/exr.h"
+#include "core/image/image.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"
 

@@ -1,8 +1,8 @@
 // sheaf render --frames: the frames of an animation, their names, and what happens to existing and unfinished ones.
-#include "core/error.h"
-#include "tests/support/gltf_files.h"
+#include "core/io/error.h"
+#include "tests/support/files/gltf_files.h"
 #include "tests/support/program_testing.h"
-#include "tools/frame_names.h"
+#include "tools/farm/frame_names.h"
 
 #include <doctest/doctest.h>
 

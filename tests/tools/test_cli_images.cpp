@@ -1,5 +1,5 @@
 // The image format library, which is loaded on demand: startup without it, and messages where it is missing.
-#include "core/image.h"
+#include "core/image/image.h"
 #include "tests/support/program_testing.h"
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 // Memory on the command line: the estimate of `info`, the peak of a render, and out-of-memory errors.
-#include "core/exr.h"
-#include "core/rng.h"
+#include "core/image/exr.h"
+#include "core/sampling/rng.h"
 #include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
 

@@ -1,5 +1,5 @@
 // Parts of images, rendered and merged on the command line.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"

@@ -1,5 +1,5 @@
 // Messages of commands at each verbosity.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"

@@ -1,5 +1,5 @@
 // Notation of options: units, percentages, values out of range, unknown names; and the streams of messages.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

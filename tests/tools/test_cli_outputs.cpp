@@ -127,7 +127,7 @@ void check_refused(const Workplace& place, const Written& written, const Outcome
 
 }  // namespace
 
-TEST_CASE("outputs: only core/output_file opens files for writing") {
+TEST_CASE("outputs: only core/io/output_file opens files for writing") {
   const std::regex opens("std::ofstream|\\bfopen\\(|O_WRONLY|O_RDWR|O_CREAT|\\bcreat\\(");
   int files = 0;
   for (const char* layer : {"core", "scene", "kernels", "tools"})

@@ -1,5 +1,5 @@
 // Renders by the command line: colour modes, spectral layers, samplers, crops, sizes and models.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

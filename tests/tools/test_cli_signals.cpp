@@ -1,5 +1,5 @@
 // Interruption and resumption of renders: signals and checkpoints.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"

@@ -1,8 +1,8 @@
 // Scenes from the standard input, images to the standard output, and the JSON of `info`.
-#include "core/exr.h"
+#include "core/image/exr.h"
 #include "scene/formats/model_import.h"
 #include "tests/support/capture.h"
-#include "tests/support/model_files.h"
+#include "tests/support/files/model_files.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"
 #include "tests/tools/cli_scene.h"

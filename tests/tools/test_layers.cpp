@@ -19,12 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 5> kLayers = {"core", "scene", "kernels", "tools", "python"};
+constexpr std::array<std::string_view, 4> kLayers = {"core", "scene", "kernels", "tools"};
 
-/// A folder of scene/ or kernels/, and the other folders of the same layer whose headers its files may include.
+/// A folder of a layer, and the other folders of the same layer whose headers its files may include.
 struct Folder {
   std::string_view name;
   std::vector<std::string_view> may_include;
+};
+
+const std::vector<Folder> kCoreFolders = {
+    {"io", {}},
+    {"simd", {}},
+    {"soa", {"io", "simd"}},
+    {"math", {"io", "simd", "soa"}},
+    {"sampling", {"io", "simd", "soa", "math"}},
+    {"color", {"io", "simd", "soa", "math", "sampling"}},
+    {"image", {"io", "simd", "soa", "math", "color"}},
 };
 
 const std::vector<Folder> kSceneFolders = {
@@ -56,7 +66,21 @@ const std::vector<Folder> kKernelFolders = {
     {"photons", {"film", "wave"}},
     {"stages", {"phase", "bsdf", "lights", "media", "caustics", "guiding", "film", "wave", "photons"}},
     {"passes", {"phase", "bsdf", "lights", "media", "caustics", "guiding", "film", "wave", "photons", "stages"}},
+    {"training", {"guiding", "film", "wave", "photons", "stages", "passes"}},
+    {"render", {"media", "caustics", "guiding", "film", "wave", "photons", "stages", "passes", "training"}},
     {"denoise", {}},  // works on images
+};
+
+const std::vector<Folder> kToolFolders = {
+    {"console", {}},  // messages and progress
+    {"options", {"console"}},
+    {"preview", {"console", "options"}},
+    {"job", {"console", "options", "preview"}},  // the steps around a render
+    {"farm", {"console", "options", "job"}},
+    {"cli", {"console", "options", "preview", "job", "farm"}},
+    {"python", {"console", "options", "job", "farm"}},
+    {"importer", {}},  // a program of its own
+    {"packaging", {}},
 };
 
 /// An external library that only one file may include. A header, a source of the same name and its "_writer" count as
@@ -68,15 +92,15 @@ struct Wrapped {
 };
 
 const std::vector<Wrapped> kWrapped = {
-    {"xsimd", {"xsimd/"}, "core/simd"},
+    {"xsimd", {"xsimd/"}, "core/simd/simd"},
     {"Embree", {"embree3/", "embree4/"}, "scene/tables/embree"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
-    {"OpenImageIO", {"OpenImageIO/"}, "core/image_io/openimageio"},
+    {"OpenImageIO", {"OpenImageIO/"}, "core/image/plugin/openimageio"},
     {"pugixml", {"pugixml.hpp"}, ""},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
     {"zlib", {"zlib.h"}, ""},
-    {"CLI11", {"CLI/"}, "tools/options"},
-    {"libmicrohttpd", {"microhttpd.h"}, "tools/http_server"},
+    {"CLI11", {"CLI/"}, "tools/options/options"},
+    {"libmicrohttpd", {"microhttpd.h"}, "tools/preview/http_server"},
 };
 
 std::string without_extension(const fs::path& path) { return fs::path(path).replace_extension().generic_string(); }
@@ -87,11 +111,12 @@ int layer_of(std::string_view path) {
   return found == kLayers.end() ? -1 : static_cast<int>(found - kLayers.begin());
 }
 
-/// The folder "b" of a path "a/b/c" in layer "a"; empty for paths outside of that layer.
+/// The folder "b" of a path "a/b/c" in layer "a"; empty for other paths.
 std::string_view folder_in(std::string_view layer, std::string_view path) {
   if (!path.starts_with(layer) || !path.substr(layer.size()).starts_with('/')) return {};
   path.remove_prefix(layer.size() + 1);
-  return path.substr(0, path.find('/'));
+  const std::size_t slash = path.find('/');
+  return slash == path.npos ? std::string_view() : path.substr(0, slash);
 }
 
 /// Whether a file of a layer may include a header of the same layer, by the layer's folders. A folder that is not
@@ -123,11 +148,13 @@ std::optional<std::string_view> dialect_folder(std::string_view path) {
   return slash == path.npos ? std::string_view() : path.substr(0, slash);
 }
 
-/// Whether an include keeps to the arrows inside scene/dialects/: common <- mitsuba, nori, pbrt <-
-/// scene/dialects/*.cpp. The folder of a dialect offers its entry point, read_*.h.
+/// Whether an include keeps to the arrows inside scene/dialects/: common <- model <- xml <- mitsuba, nori, pbrt, gltf
+/// <- scene/dialects/*.cpp. The folder of a dialect offers its entry point, read_*.h.
 bool keeps_to_dialects(std::string_view file, std::string_view header) {
   const std::optional<std::string_view> from = dialect_folder(file), to = dialect_folder(header);
   if (!to || from == to || *to == "common") return true;
+  if (*to == "model") return from != "common";
+  if (*to == "xml") return from != "common" && from != "model";
   if (!from) return to->empty();
   return from->empty() && header.substr(header.rfind('/') + 1).starts_with("read_");
 }
@@ -157,6 +184,10 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
     if (header.starts_with("tests/") || header.starts_with("bench/"))
       breaches.push_back(file + " includes " + header + ", which is no layer");
     if (layer_of(header) > layer_of(file)) breaches.push_back(file + " includes " + header + ", of a later layer");
+    if (!keeps_to_folders("core", kCoreFolders, file, header))
+      breaches.push_back(file + " includes " + header + ", against the arrows of core/");
+    if (!keeps_to_folders("tools", kToolFolders, file, header))
+      breaches.push_back(file + " includes " + header + ", against the arrows of tools/");
     if (!keeps_to_folders("scene", kSceneFolders, file, header))
       breaches.push_back(file + " includes " + header + ", against the arrows of scene/");
     if (!keeps_to_folders("kernels", kKernelFolders, file, header))
@@ -187,11 +218,15 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
   return breaches;
 }
 
-/// Names of the folders of a layer.
+bool is_source(const fs::path& file) { return file.extension() == ".h" || file.extension() == ".cpp"; }
+
+/// Names of the folders of a layer that contain sources.
 std::set<std::string> folders_of(const fs::path& layer) {
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(layer))
-    if (entry.is_directory()) names.insert(entry.path().filename().string());
+  for (const auto& entry : fs::recursive_directory_iterator(layer)) {
+    const fs::path file = fs::relative(entry.path(), layer);
+    if (is_source(file) && file.has_parent_path()) names.insert(file.begin()->string());
+  }
   return names;
 }
 
@@ -224,13 +259,15 @@ TEST_CASE("every include respects the layers") {
   for (const std::string& breach : find_breaches(includes)) FAIL_CHECK(breach);
 }
 
-TEST_CASE("the folders of scene/ and kernels/ are listed") {
+TEST_CASE("the folders of each layer are listed") {
+  CHECK(folders_of(SHEAF_SOURCE_DIR "/core") == names_of(kCoreFolders));
+  CHECK(folders_of(SHEAF_SOURCE_DIR "/tools") == names_of(kToolFolders));
   CHECK(folders_of(SHEAF_SOURCE_DIR "/scene") == names_of(kSceneFolders));
   CHECK(folders_of(SHEAF_SOURCE_DIR "/kernels") == names_of(kKernelFolders));
 }
 
 TEST_CASE("folders are listed after the folders that they may include") {
-  for (const auto& folders : {kSceneFolders, kKernelFolders}) {
+  for (const auto& folders : {kCoreFolders, kSceneFolders, kKernelFolders, kToolFolders}) {
     std::set<std::string_view> earlier;
     for (const Folder& folder : folders) {
       CAPTURE(std::string(folder.name));
@@ -238,6 +275,23 @@ TEST_CASE("folders are listed after the folders that they may include") {
       earlier.insert(folder.name);
     }
   }
+}
+
+TEST_CASE("no folder holds more than 45 sources") {
+  // One file per thing
+  const std::set<std::string> unlimited = {"kernels/bsdf", "kernels/stages", "scene/formats", "scene/lights",
+                                           "scene/materials"};
+  std::map<std::string, int> sources;
+  for (const char* const top : {"bench", "core", "kernels", "scene", "scenes", "tests", "tools"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / top)) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cpp" || extension == ".py" || extension == ".sh")
+        ++sources[fs::relative(entry.path().parent_path(), SHEAF_SOURCE_DIR).generic_string()];
+    }
+  }
+  REQUIRE(sources.size() > 20);
+  for (const auto& [folder, count] : sources)
+    if (count > 45 && !unlimited.contains(folder)) FAIL_CHECK(folder << " holds " << count << " sources");
 }
 
 TEST_CASE("no header includes itself through others") {
@@ -257,7 +311,7 @@ TEST_CASE("no header includes itself through others") {
 }
 
 TEST_CASE("include lines are recognised with any spacing") {
-  CHECK(included_header("#include \"core/vec.h\"") == "core/vec.h");
+  CHECK(included_header("#include \"core/math/vec.h\"") == "core/math/vec.h");
   CHECK(included_header("  #  include <xsimd/xsimd.hpp>  // why") == "xsimd/xsimd.hpp");
   CHECK_FALSE(included_header("// #include <vector>").has_value());
   CHECK_FALSE(included_header("#define include").has_value());
@@ -265,8 +319,9 @@ TEST_CASE("include lines are recognised with any spacing") {
 }
 
 TEST_CASE("includes against the layers are found") {
-  CHECK(find_breaches({{"core/vec.h", "core/lanes.h"}, {"tools/sheaf.cpp", "kernels/wave/wave.h"}}).empty());
-  CHECK(find_breaches({{"core/vec.h", "scene/tables/scene.h"}}).size() == 1);
+  CHECK(find_breaches({{"core/math/vec.h", "core/simd/lanes.h"}, {"tools/cli/sheaf.cpp", "kernels/wave/wave.h"}})
+            .empty());
+  CHECK(find_breaches({{"core/math/vec.h", "scene/tables/scene.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/tables/scene.h", "kernels/wave/wave.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "tools/render.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/shadow.cpp", "tests/helpers.h"}}).size() == 1);
@@ -283,14 +338,14 @@ TEST_CASE("includes against the folders of scene/ are found") {
                        {"scene/textures/bitmap.cpp", "scene/xml/properties.h"},
                        {"kernels/bsdf/ward.h", "scene/materials/ward.h"},
                        {"kernels/stages/shadow.cpp", "scene/tables/scene.h"},
-                       {"tools/command_info.cpp", "scene/compile/compile.h"}})
+                       {"tools/cli/command_info.cpp", "scene/compile/compile.h"}})
             .empty());
   CHECK(find_breaches({{"scene/description/media.h", "scene/xml/xml.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/tables/camera.h", "scene/description/camera.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/formats/obj.cpp", "scene/tables/shape.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/materials/ward.cpp", "scene/compile/compile.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/description/media.h", "scene/materials/ward.h"}}).size() == 1);
-  CHECK(find_breaches({{"scene/compile/spectra.cpp", "scene/dialects/common/read_spectrum.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/compile/spectra.cpp", "scene/dialects/xml/read_spectrum.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/compile/compile_lights.cpp", "scene/xml/xml.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/lights/point_light.cpp", "scene/compile/spectra.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/new/file.cpp", "scene/description/inputs.h"}}).size() == 1);
@@ -304,7 +359,7 @@ TEST_CASE("includes against the folders of kernels/ are found") {
                        {"kernels/wave/wave.h", "kernels/lights/light_tree.h"},
                        {"kernels/photons/light_task.h", "kernels/film/splat.h"},
                        {"kernels/stages/aovs.cpp", "kernels/film/camera_task.h"},
-                       {"tools/sheaf.cpp", "kernels/passes/render.h"}})
+                       {"tools/cli/sheaf.cpp", "kernels/render/render.h"}})
             .empty());
   CHECK(find_breaches({{"kernels/phase/sggx.h", "kernels/bsdf/bsdf.h"}}).size() == 1);
   CHECK(find_breaches({{"kernels/bsdf/bsdf.h", "kernels/wave/wave.h"}}).size() == 1);
@@ -318,22 +373,23 @@ TEST_CASE("includes against the folders of kernels/ are found") {
 
 TEST_CASE("breaches of the folders of scene/dialects/ are found") {
   CHECK(find_breaches({{"scene/dialects/read_scene.cpp", "scene/dialects/nori/read_nori.h"},
-                       {"scene/dialects/read_scene.cpp", "scene/dialects/common/auto_camera.h"},
+                       {"scene/dialects/read_scene.cpp", "scene/dialects/model/auto_camera.h"},
                        {"scene/dialects/nori/scene.cpp", "scene/dialects/nori/reader.h"},
-                       {"scene/dialects/nori/scene.cpp", "scene/dialects/common/read_geometry.h"},
-                       {"tools/command_render.cpp", "scene/dialects/read_scene.h"},
-                       {"tools/command_render.cpp", "scene/dialects/common/sampler_name.h"}})
+                       {"scene/dialects/nori/scene.cpp", "scene/dialects/xml/read_geometry.h"},
+                       {"tools/cli/command_render.cpp", "scene/dialects/read_scene.h"},
+                       {"tools/cli/command_render.cpp", "scene/dialects/common/sampler_name.h"}})
             .empty());
   CHECK(find_breaches({{"scene/dialects/read_scene.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/dialects/common/read_bsdf.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);
-  CHECK(find_breaches({{"scene/dialects/common/auto_camera.h", "scene/dialects/read_scene.h"}}).size() == 1);
+  CHECK(find_breaches({{"scene/dialects/model/auto_camera.h", "scene/dialects/read_scene.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/dialects/nori/bsdf.cpp", "scene/dialects/mitsuba/reader.h"}}).size() == 1);
-  CHECK(find_breaches({{"tools/command_render.cpp", "scene/dialects/pbrt/read_pbrt.h"}}).size() == 1);
+  CHECK(find_breaches({{"tools/cli/command_render.cpp", "scene/dialects/pbrt/read_pbrt.h"}}).size() == 1);
 }
 
 TEST_CASE("includes of a library beside its wrapper are found") {
-  CHECK(find_breaches({{"core/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/embree.h", "embree3/rtcore.h"}}).empty());
-  CHECK(find_breaches({{"core/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
+  CHECK(
+      find_breaches({{"core/simd/simd.h", "xsimd/xsimd.hpp"}, {"scene/tables/embree.h", "embree3/rtcore.h"}}).empty());
+  CHECK(find_breaches({{"core/sampling/warp.h", "xsimd/xsimd.hpp"}}).size() == 1);
   CHECK(find_breaches({{"kernels/stages/intersect.cpp", "embree4/rtcore.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/xml/xml.h", "pugixml.hpp"}, {"scene/xml/xml.cpp", "pugixml.hpp"}}).empty());
   CHECK(

@@ -1,7 +1,7 @@
 // Previews of a running render: --serve as browsers and other clients use it, --tev as the viewer does.
-#include "core/exr.h"
-#include "core/progress.h"
+#include "core/image/exr.h"
 #include "tests/tools/preview_testing.h"
+#include "tools/console/progress.h"
 
 #include <doctest/doctest.h>
 

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 TEST_CASE("exactly the scripts with an interpreter line are executable") {
   int scripts = 0;
-  for (const char* const folder : {"bench", "core", "kernels", "scene", "tests", "tools"}) {
+  for (const char* const folder : {"bench", "core", "kernels", "scene", "scenes", "tests", "tools"}) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / folder)) {
       const fs::path extension = entry.path().extension();
       if (!entry.is_regular_file() || (extension != ".py" && extension != ".sh" && extension != ".cpp")) continue;

@@ -1,6 +1,6 @@
-// `sheaf farm` on a real Slurm cluster of this machine alone, started by tools/slurm.sh. Skipped with a message where
-// the packages are missing or daemons cannot be started.
-#include "core/exr.h"
+// `sheaf farm` on a real Slurm cluster of this machine alone, started by tools/farm/slurm.sh. Skipped with a message
+// where the packages are missing or daemons cannot be started.
+#include "core/image/exr.h"
 #include "tests/support/parts_testing.h"
 #include "tests/support/program_testing.h"
 
@@ -30,8 +30,8 @@ set -u
 slurm=$PWD/slurm
 export SLURM_CONF=$slurm/slurm.conf
 fail() { echo "FAILED: $*"; squeue; tail -n 20 *_farm/parts/*/*.log "$slurm"/slurmctld.log; exit 1; }
-"$source_folder/tools/slurm.sh" start "$slurm" || exit
-trap '"$source_folder/tools/slurm.sh" stop "$slurm"' EXIT
+"$source_folder/tools/farm/slurm.sh" start "$slurm" || exit
+trap '"$source_folder/tools/farm/slurm.sh" stop "$slurm"' EXIT
 "$sheaf" farm "a scene.xml" --frames 1:2 --parts 4 -o "out.exr" --submit -- --no-timestamps --checkpoint-every 0.1 >jobs.txt ||
   fail "not submitted"
 cat jobs.txt

@@ -16,7 +16,7 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tools/documentation")]
+sys.path.insert(0, str(ROOT / "tools/documentation"))
 
 import command_pages  # noqa: E402
 import make_manual  # noqa: E402

@@ -8,12 +8,12 @@ import numpy as np
 
 INTRODUCTION = """# Validation
 
-`tools/validate.py` renders the scenes of [scenes/validation](../scenes/validation) with Sheaf and with other renderers,
+`tools/validation/validate.py` renders the scenes of [scenes/validation](../scenes/validation) with Sheaf and with other renderers,
 or compares them with closed forms. It needs a build, Python with numpy, and Mitsuba 3 (`pip install mitsuba`):
 
 ```
-tools/make_validation_scenes.py
-tools/validate.py --mitsuba-python ENVIRONMENT/bin/python
+scenes/make/make_validation_scenes.py
+tools/validation/validate.py --mitsuba-python ENVIRONMENT/bin/python
 ```
 
 `--list` lists the rows, `--only NAME ...` selects some of them, `--pbrt PROGRAM` adds pbrt-v4. The exit status is 1

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.comparison import Image
-from validation.exr import read_rgb
+from comparison import Image
+from exr import read_rgb
 
 WORKER = Path(__file__).resolve().parent / "mitsuba_worker.py"
 REPLICATES = 16  # independent sets of samples from which the variance is estimated

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from validation import closed_forms
-from validation.comparison import BLOCK
+import closed_forms
+from comparison import BLOCK
 
 LONG = "Sheaf, 1024 spp"  # the path tracer with many samples
 

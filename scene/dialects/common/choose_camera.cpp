@@ -1,7 +1,7 @@
 // Choice of a camera by name or number.
 #include "scene/dialects/common/choose_camera.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // Limits of frame size and sample count, common to all dialects.
 #pragma once
 
-#include "core/error.h"
+#include "core/io/error.h"
 
 namespace sheaf {
 

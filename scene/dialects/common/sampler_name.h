@@ -1,8 +1,8 @@
 // Names of samplers, shared by all dialects and the command line.
 #pragma once
 
-#include "core/name_table.h"
-#include "core/sampler.h"
+#include "core/io/name_table.h"
+#include "core/sampling/sampler.h"
 
 #include <string>
 #include <string_view>

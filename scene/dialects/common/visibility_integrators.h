@@ -1,7 +1,7 @@
 // Integrators that depend only on shapes, not on materials and lights: ambient occlusion and average visibility.
 #pragma once
 
-#include "core/name_table.h"
+#include "core/io/name_table.h"
 #include "scene/content/description.h"
 
 namespace sheaf {

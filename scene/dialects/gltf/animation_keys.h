@@ -1,7 +1,7 @@
 // The keys of one channel of a glTF animation, with steps, linear interpolation and cubic splines.
 #pragma once
 
-#include "scene/dialects/common/model_view.h"
+#include "scene/dialects/model/model_view.h"
 #include "scene/formats/gltf.h"
 
 namespace sheaf::gltf {

@@ -1,6 +1,6 @@
 #include "scene/dialects/gltf/node_motion.h"
 
-#include "core/error.h"
+#include "core/io/error.h"
 #include "scene/dialects/gltf/animation_keys.h"
 
 #include <algorithm>

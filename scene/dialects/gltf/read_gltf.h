@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/content/description.h"
-#include "scene/dialects/common/model_view.h"
+#include "scene/dialects/model/model_view.h"
 
 #include <filesystem>
 #include <string>

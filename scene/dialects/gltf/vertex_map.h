@@ -1,7 +1,7 @@
 // Affine maps of vertices, by skins and by nodes.
 #pragma once
 
-#include "core/transform.h"
+#include "core/math/transform.h"
 #include "scene/description/shapes.h"
 
 #include <optional>

@@ -1,7 +1,7 @@
 // The Mitsuba dialect: materials.
-#include "scene/dialects/common/read_phase.h"
-#include "scene/dialects/common/stand_in_bsdf.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_phase.h"
+#include "scene/dialects/xml/stand_in_bsdf.h"
 #include "scene/materials/plugins.h"
 
 namespace sheaf::mitsuba {

@@ -1,8 +1,8 @@
 // The Mitsuba dialect: emitters.
-#include "scene/dialects/common/read_daylight.h"
-#include "scene/dialects/common/read_emitter.h"
-#include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_daylight.h"
+#include "scene/dialects/xml/read_emitter.h"
+#include "scene/dialects/xml/read_texture.h"
 
 #include <iterator>
 

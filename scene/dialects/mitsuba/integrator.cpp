@@ -2,9 +2,9 @@
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
-#include "scene/dialects/common/read_photon_mapping.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_photon_mapping.h"
 
 namespace sheaf::mitsuba {
 

@@ -1,7 +1,7 @@
 // The Mitsuba dialect: participating media.
 #include "scene/data/measured_media.h"
-#include "scene/dialects/common/read_medium.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_medium.h"
 
 namespace sheaf::mitsuba {
 

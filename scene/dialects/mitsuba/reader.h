@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/data/measured_media.h"
-#include "scene/dialects/common/read_volume.h"
+#include "scene/dialects/xml/read_volume.h"
 
 #include <map>
 #include <optional>

@@ -1,10 +1,10 @@
 // The Mitsuba dialect (0.6, 2, 3): top-level elements of a scene.
 #include "scene/dialects/mitsuba/reader.h"
 
-#include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/choose_camera.h"
 #include "scene/dialects/common/moving_groups.h"
 #include "scene/dialects/mitsuba/read_mitsuba.h"
+#include "scene/dialects/model/auto_camera.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // The Mitsuba dialect: sensor, film, pixel filter, sampler.
 #include "scene/dialects/common/frame_limits.h"
-#include "scene/dialects/common/read_camera.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_camera.h"
 #include "scene/tables/filter.h"
 
 #include "scene/xml/xml_values.h"

@@ -1,8 +1,8 @@
 // The Mitsuba dialect: shapes.
-#include "scene/dialects/common/read_emitter.h"
-#include "scene/dialects/common/read_geometry.h"
-#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_emitter.h"
+#include "scene/dialects/xml/read_geometry.h"
+#include "scene/dialects/xml/read_instances.h"
 #include "scene/formats/ellipsoids.h"
 #include "scene/formats/mesh.h"
 #include "scene/materials/reading.h"

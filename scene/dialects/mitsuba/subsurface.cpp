@@ -1,8 +1,8 @@
 // The Mitsuba dialect: subsurface scattering of Mitsuba 0.6. A random walk in the medium replaces the dipole's
 // diffusion approximation (Jensen et al. 2001, "A Practical Model for Subsurface Light Transport").
-#include "scene/dialects/common/read_medium.h"
-#include "scene/dialects/common/read_phase.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_medium.h"
+#include "scene/dialects/xml/read_phase.h"
 #include "scene/materials/reading.h"
 
 namespace sheaf::mitsuba {

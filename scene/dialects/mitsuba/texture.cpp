@@ -1,8 +1,8 @@
 // The Mitsuba dialect: textures.
-#include "scene/dialects/common/read_spectrum.h"
-#include "scene/dialects/common/read_texture.h"
-#include "scene/dialects/common/read_volume.h"
 #include "scene/dialects/mitsuba/reader.h"
+#include "scene/dialects/xml/read_spectrum.h"
+#include "scene/dialects/xml/read_texture.h"
+#include "scene/dialects/xml/read_volume.h"
 
 namespace sheaf::mitsuba {
 

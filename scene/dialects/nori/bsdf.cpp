@@ -1,8 +1,8 @@
 // The Nori dialect: its own materials; all others are shared with Mitsuba.
-#include "scene/dialects/common/read_phase.h"
-#include "scene/dialects/common/read_texture.h"
-#include "scene/dialects/common/stand_in_bsdf.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/dialects/xml/read_phase.h"
+#include "scene/dialects/xml/read_texture.h"
+#include "scene/dialects/xml/stand_in_bsdf.h"
 #include "scene/materials/plugins.h"
 
 namespace sheaf::nori {

@@ -1,8 +1,8 @@
 // The Nori dialect: emitters.
-#include "scene/dialects/common/read_emitter.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/dialects/xml/read_emitter.h"
 
-#include "core/frame.h"
+#include "core/math/frame.h"
 
 #include <algorithm>
 #include <cmath>

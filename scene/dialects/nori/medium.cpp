@@ -1,6 +1,6 @@
 // The Nori dialect: participating media.
-#include "scene/dialects/common/read_medium.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/dialects/xml/read_medium.h"
 
 namespace sheaf::nori {
 

@@ -1,7 +1,7 @@
 // Internal declarations of the Nori dialect: functions that its files share.
 #pragma once
 
-#include "scene/dialects/common/read_spectrum.h"
+#include "scene/dialects/xml/read_spectrum.h"
 
 namespace sheaf::nori {
 

@@ -1,19 +1,19 @@
 // The Nori dialect: camera, mesh, bsdf, emitter, sampler, integrator and rfilter. Names are camelCase; there are no
 // references.
 #include "scene/dialects/common/frame_limits.h"
-#include "scene/dialects/common/read_instances.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/dialects/xml/read_instances.h"
 #include "scene/materials/reading.h"
 
-#include "scene/dialects/common/auto_camera.h"
 #include "scene/dialects/common/integrator_name.h"
 #include "scene/dialects/common/light_selector_name.h"
 #include "scene/dialects/common/medium_estimator_name.h"
-#include "scene/dialects/common/read_camera.h"
-#include "scene/dialects/common/read_emitter.h"
-#include "scene/dialects/common/read_geometry.h"
-#include "scene/dialects/common/read_photon_mapping.h"
+#include "scene/dialects/model/auto_camera.h"
 #include "scene/dialects/nori/read_nori.h"
+#include "scene/dialects/xml/read_camera.h"
+#include "scene/dialects/xml/read_emitter.h"
+#include "scene/dialects/xml/read_geometry.h"
+#include "scene/dialects/xml/read_photon_mapping.h"
 #include "scene/tables/filter.h"
 
 namespace sheaf {

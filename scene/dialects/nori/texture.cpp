@@ -1,7 +1,7 @@
 // The Nori dialect: its own textures; all others are shared with Mitsuba, with the image origin at the lower left.
-#include "scene/dialects/common/read_spectrum.h"
-#include "scene/dialects/common/read_texture.h"
 #include "scene/dialects/nori/reader.h"
+#include "scene/dialects/xml/read_spectrum.h"
+#include "scene/dialects/xml/read_texture.h"
 
 namespace sheaf::nori {
 

@@ -1,5 +1,5 @@
 // The pbrt dialect: camera, film, pixel filter.
-#include "core/saturate.h"
+#include "core/simd/saturate.h"
 #include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/pbrt/reader.h"
 #include "scene/tables/filter.h"

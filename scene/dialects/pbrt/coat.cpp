@@ -10,7 +10,7 @@
 // absorption. The base albedo becomes b = X / (1 + X r).
 #include "scene/dialects/pbrt/coat.h"
 
-#include "core/fresnel.h"
+#include "core/math/fresnel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The pbrt dialect: colours in colour spaces other than Rec.709.
-#include "core/color_space.h"
+#include "core/color/color_space.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

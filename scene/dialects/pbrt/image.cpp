@@ -1,6 +1,6 @@
 // The pbrt dialect: inspection and conversion of image files.
-#include "core/color.h"
-#include "core/image_channels.h"
+#include "core/color/color.h"
+#include "core/image/image_channels.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

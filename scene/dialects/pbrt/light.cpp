@@ -1,6 +1,6 @@
 // The pbrt dialect: lights. Light spectra are scaled to unit luminance, so a light of L = 1 has the film value 1. The
 // film's exposure is multiplied into the lights.
-#include "core/octahedral.h"
+#include "core/sampling/octahedral.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // The pbrt dialect: materials. As in pbrt, reflecting materials are two-sided.
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>

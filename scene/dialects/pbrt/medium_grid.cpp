@@ -1,5 +1,5 @@
 // The pbrt dialect: media on grids in the scene file, and procedural clouds.
-#include "core/saturate.h"
+#include "core/simd/saturate.h"
 #include "scene/description/voxels.h"
 #include "scene/dialects/pbrt/noise.h"
 #include "scene/dialects/pbrt/reader.h"

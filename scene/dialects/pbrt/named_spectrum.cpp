@@ -1,5 +1,5 @@
 // The pbrt dialect: spectra by name or from files, and their luminance.
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/data/illuminants.h"
 #include "scene/data/metals.h"
 #include "scene/description/spectrum_check.h"

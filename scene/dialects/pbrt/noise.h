@@ -1,7 +1,7 @@
 // The pbrt dialect: noise for procedural media and textures.
 #pragma once
 
-#include "core/vec.h"
+#include "core/math/vec.h"
 
 namespace sheaf::pbrt {
 

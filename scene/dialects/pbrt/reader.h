@@ -1,12 +1,12 @@
 // Internal declarations of the pbrt dialect: reader state and the functions that its files share.
 #pragma once
 
-#include "core/image.h"
+#include "core/image/image.h"
 #include "scene/description/placement.h"
-#include "scene/dialects/common/read_spectrum.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/dialects/pbrt/parameters.h"
+#include "scene/dialects/xml/read_spectrum.h"
 
 #include <filesystem>
 #include <map>

@@ -1,5 +1,5 @@
 // The pbrt dialect: colours, spectra, and parameters that accept textures.
-#include "core/color.h"
+#include "core/color/color.h"
 #include "scene/data/glasses.h"
 #include "scene/description/spectrum_check.h"
 #include "scene/dialects/pbrt/reader.h"

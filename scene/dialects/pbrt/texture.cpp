@@ -3,7 +3,7 @@
 #include "scene/dialects/pbrt/noise.h"
 #include "scene/dialects/pbrt/reader.h"
 
-#include "core/color.h"
+#include "core/color/color.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 // (y + 1/2) / h). Bilinear lookups interpolate the four nearest texels after decoding. NaN coordinates count as 0.
 #pragma once
 
-#include "core/lane_array.h"
-#include "core/prefetch.h"
+#include "core/simd/prefetch.h"
+#include "core/soa/lane_array.h"
 #include "scene/textures/bitmap.h"
 #include "scene/textures/lookups/lookup.h"
 

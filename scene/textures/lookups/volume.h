@@ -1,7 +1,7 @@
 // Lookups of volume grids on surfaces.
 #pragma once
 
-#include "core/lane_array.h"
+#include "core/soa/lane_array.h"
 #include "scene/tables/brick_grid_lookup.h"
 #include "scene/textures/lookups/lookup.h"
 #include "scene/textures/volume.h"

@@ -1,0 +1,94 @@
+// Reading of the display window of OpenEXR files, and its conversion to linear Rec.709.
+#include "core/image/exr_colors.h"
+
+#include "core/color/color_space.h"
+#include "core/image/exr.h"
+#include "core/image/image_channels.h"
+#include "core/io/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A display window may be far larger than the data window. Files count as at least this many bytes when their display
+/// window is checked by check_image_size().
+constexpr std::size_t kMinFileBytes = std::size_t{1} << 15;
+
+/// Copies the data window into the display window. Pixels outside the data window are 0.
+std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
+  const bool is_frame =
+      image.x0 == 0 && image.y0 == 0 && image.width == image.frame_width && image.height == image.frame_height;
+  if (is_frame) return std::move(image.data);
+  const std::size_t channels = image.channels.size();
+  check_image_size(path, image.frame_width, image.frame_height, channels,
+                   std::max<std::size_t>(fs::file_size(path), kMinFileBytes));
+  check_image_memory(path, image.frame_width, image.frame_height, channels, sizeof(float));
+  // Intersect both windows
+  const int x_begin = std::max(image.x0, 0), x_end = std::min(image.x0 + image.width, image.frame_width);
+  const int y_begin = std::max(image.y0, 0), y_end = std::min(image.y0 + image.height, image.frame_height);
+  if (x_begin >= x_end || y_begin >= y_end)
+    throw SceneError({path.string(), 0}, "the image's data window lies outside of its display window");
+  std::vector<float> pixels(static_cast<std::size_t>(image.frame_width) * static_cast<std::size_t>(image.frame_height) *
+                            channels);
+  for (int y = y_begin; y < y_end; ++y) {
+    const float* const from =
+        &image.data[(static_cast<std::size_t>(y - image.y0) * static_cast<std::size_t>(image.width) +
+                     static_cast<std::size_t>(x_begin - image.x0)) *
+                    channels];
+    const std::size_t to =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(image.frame_width) + static_cast<std::size_t>(x_begin);
+    std::copy_n(from, static_cast<std::size_t>(x_end - x_begin) * channels,
+                pixels.begin() + static_cast<std::ptrdiff_t>(to * channels));
+  }
+  return pixels;
+}
+
+/// The colour space of a part; Rec.709 if the file specifies none.
+RgbChromaticities space_of(const ExrPart& part, bool xyz) {
+  if (xyz) return kXyzSpace;
+  return part.chromaticities.value_or(kRec709Space);
+}
+
+}  // namespace
+
+StoredImage read_exr_colors(const fs::path& path, bool raw) {
+  const SourceLocation where{path.string(), 0};
+  // Find the part and the channels that hold the colour
+  const std::vector<ExrPart> parts = read_exr_parts(path);
+  std::vector<ImageChannels> flat;
+  std::vector<std::size_t> part_of;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].deep) continue;
+    flat.push_back({parts[i].name, parts[i].channels});
+    part_of.push_back(i);
+  }
+  if (flat.empty()) throw SceneError(where, "deep images are not supported");
+  const ColorChannels found = find_color_channels(flat, where);
+  const ExrPart& part = parts[part_of[found.part]];
+  // Read the channels
+  std::vector<std::string> names;
+  for (const std::size_t c : found.channels) names.push_back(part.channels[c]);
+  if (found.alpha) names.push_back(part.channels[*found.alpha]);
+  Image image = read_exr_channels(path, part_of[found.part], names);
+  StoredImage colors;
+  colors.width = image.frame_width;
+  colors.height = image.frame_height;
+  const bool grey = found.channels.size() == 1;
+  colors.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  if (found.alpha) colors.channels.emplace_back("A");
+  colors.floats = pixels_of_frame(path, std::move(image));
+  // Convert to Rec.709
+  if (grey || raw) return colors;
+  if (!convert_to_rec709(colors.floats, space_of(part, found.xyz), colors.channels.size()))
+    throw SceneError(where,
+                     "the image's chromaticities define no colour space (expected primaries that span a "
+                     "triangle, and finite numbers)");
+  return colors;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,185 @@
+// Images, and reading of image files by the library behind core/image/image_library.h.
+#include "core/image/image.h"
+
+#include "core/color/color_space.h"
+#include "core/image/exr.h"
+#include "core/image/exr_colors.h"
+#include "core/image/image_corrections.h"
+#include "core/image/image_library.h"
+#include "core/image/image_source.h"
+#include "core/io/error.h"
+#include "core/io/memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void check_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw SceneError({path.string(), 0}, "image file not found");
+}
+
+[[noreturn]] void refuse_image(const fs::path& path, const std::string& why) {
+  throw SceneError({path.string(), 0}, "cannot read the image: " + why);
+}
+
+/// The first line of a message of the library, which may repeat it for every row.
+std::string first_line(const std::string& remark) { return remark.substr(0, remark.find('\n')); }
+
+/// Rejects oversized tiles. The library allocates a whole row of tiles, and a file may claim huge tiles for a small
+/// image.
+void check_tiles(const fs::path& path, const ImageHeader& header) {
+  constexpr double kFewValues = 1 << 25, kMaxRatio = 4;
+  if (header.tile_width == 0 && header.tile_height == 0) return;
+  const auto whole_tiles = [](double side, double tile) { return std::ceil(side / tile) * tile; };
+  const double channels = header.channel_count, width = header.width, height = header.height;
+  const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
+  const double max_covered = std::max(kFewValues, kMaxRatio * width * height * channels);
+  if (header.tile_width > 0 && header.tile_height > 0 && covered <= max_covered) return;
+  const auto size = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
+  throw SceneError({path.string(), 0}, "the header claims tiles of " + size(header.tile_width, header.tile_height) +
+                                           " for an image of " + size(header.width, header.height));
+}
+
+/// An open image file, other than OpenEXR, with a valid header.
+struct OpenImage {
+  std::unique_ptr<ImageReader> reader;
+  int orientation;  ///< see ImageCorrections
+  bool xyz;
+};
+
+/// Opens an image and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
+OpenImage open_image(ImageSource source, bool keeps_bytes) {
+  const fs::path& path = source.path();
+  const SourceLocation where{path.string(), 0};
+  const std::string format = checked_image_format(source);
+  ImageCorrections corrections;
+  if (source.memory() != nullptr)
+    corrections.bytes = source.memory()->bytes;
+  else
+    corrections = find_corrections(path, format);
+  std::string problem;
+  std::unique_ptr<ImageReader> reader =
+      image_library().open(path.string(), format, problem, std::move(corrections.bytes));
+  if (!reader) refuse_image(path, first_line(problem));
+  const ImageHeader& header = reader->header();
+  check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
+                   counted_image_bytes(source, format));
+  const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
+  check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
+                     copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)));
+  check_tiles(path, header);
+  if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
+  if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
+    throw SceneError(where, "the image's channels have no names");
+  }
+  return {std::move(reader), corrections.orientation, corrections.xyz};
+}
+
+/// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with grey and
+/// only leaves a remark.
+template <class Value> std::vector<Value> read_pixels(const OpenImage& open, const fs::path& path) {
+  const ImageHeader& header = open.reader->header();
+  const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);
+  std::vector<Value> values(width * height * header.channels.size());
+  std::string remark;
+  const bool complete = open.reader->read(values.data(), remark);
+  if (!complete || remark.find("remature end") != std::string::npos)
+    refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
+  if (open.orientation == 1) return values;
+  return oriented(values, width, height, header.channels.size(), open.orientation);
+}
+
+/// Reads all pixels, 8-bit data as bytes.
+StoredImage read_stored(const OpenImage& open, const fs::path& path) {
+  const ImageHeader& header = open.reader->header();
+  StoredImage image;
+  image.width = is_transposed(open.orientation) ? header.height : header.width;
+  image.height = is_transposed(open.orientation) ? header.width : header.height;
+  image.channels = header.channels;
+  image.integers = header.holds_integers;
+  if (header.holds_bytes)
+    image.bytes = read_pixels<std::uint8_t>(open, path);
+  else
+    image.floats = read_pixels<float>(open, path);
+  return image;
+}
+
+}  // namespace
+
+Image::Image(int image_width, int image_height, std::vector<std::string> names)
+    : width(image_width),
+      height(image_height),
+      channels(std::move(names)),
+      frame_width(image_width),
+      frame_height(image_height) {
+  data.resize(pixel_count() * channels.size());
+}
+
+int Image::find_channel(std::string_view name) const {
+  const auto found = std::find(channels.begin(), channels.end(), name);
+  return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
+}
+
+void check_image_size(const fs::path& file, long long width, long long height, std::size_t channels,
+                      std::size_t file_bytes) {
+  constexpr std::size_t kBestRatio = 2048, kSlack = std::size_t{1} << 20;
+  const SourceLocation where{file.string(), 0};
+  const std::string size =
+      std::to_string(width) + " x " + std::to_string(height) + " pixels with " + std::to_string(channels) + " channels";
+  if (width <= 0 || height <= 0 || channels == 0) throw SceneError(where, "the image is empty: " + size);
+  if (width > kMaxImageSide || height > kMaxImageSide || channels > 4096) {
+    throw SceneError(where, "the image is too large: " + size);
+  }
+  const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels;
+  if (values > kMaxImageBytes / sizeof(float)) throw SceneError(where, "the image is too large: " + size);
+  if (file_bytes < kMaxImageBytes / kBestRatio && values > file_bytes * kBestRatio + kSlack) {
+    throw SceneError(where,
+                     "the header claims " + size + ", but the file has only " + std::to_string(file_bytes) + " bytes");
+  }
+}
+
+void check_image_memory(const fs::path& file, long long width, long long height, std::size_t channels,
+                        std::size_t value_bytes) {
+  const double values = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels);
+  const MemoryUse pixels{"its pixels", values * static_cast<double>(value_bytes), "use a smaller image"};
+  check_memory("the image '" + file.string() + "' of " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels with " + std::to_string(channels) + " channels",
+               {&pixels, 1});
+}
+
+Image read_image(const fs::path& path) {
+  check_file(path);
+  if (is_exr(path)) return read_exr(path);
+  const OpenImage open = open_image(ImageSource(path), false);
+  const ImageHeader& header = open.reader->header();
+  Image image;
+  image.width = image.frame_width = is_transposed(open.orientation) ? header.height : header.width;
+  image.height = image.frame_height = is_transposed(open.orientation) ? header.width : header.height;
+  image.channels = header.channels;
+  image.data = read_pixels<float>(open, path);
+  return image;
+}
+
+StoredImage read_stored_image(const fs::path& path, bool raw) {
+  check_file(path);
+  if (is_exr(path)) return read_exr_colors(path, raw);
+  const OpenImage open = open_image(ImageSource(path), true);
+  StoredImage image = read_stored(open, path);
+  if (open.xyz && !raw && image.channels.size() >= 3) convert_to_rec709(image.floats, kXyzSpace, image.channels.size());
+  return image;
+}
+
+StoredImage read_stored_image(const EncodedImage& image) {
+  return read_stored(open_image(ImageSource(image), true), image.name);
+}
+
+}  // namespace sheaf

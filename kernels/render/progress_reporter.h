@@ -1,0 +1,58 @@
+// Connection between a running render and its caller: passes on progress, reports and checkpoints, and checks for pause
+// requests, stop requests and the time limit.
+#pragma once
+
+#include "kernels/passes/render_report.h"
+#include "kernels/render/render.h"
+#include "kernels/render/sample_plan.h"
+
+#include <atomic>
+#include <chrono>
+
+namespace sheaf {
+
+/// What tasks add to a report, besides the samples.
+struct TaskStatistics {
+  const Workers& workers;
+  int threads, wave_size;
+  RenderReport::Photons photons;
+  RenderReport::Guiding guiding;
+  RenderReport::Candidates candidates;
+};
+
+class ProgressReporter {
+ public:
+  /// Starts the clock. `samples_before`: number of samples and photons taken before the render was resumed.
+  ProgressReporter(const Scene& scene, const RenderOptions& options, std::uint64_t samples_before)
+      : scene_(scene), options_(options), done_(samples_before) {}
+
+  /// Whether RenderOptions::stop ends the render.
+  bool is_stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
+  /// Whether the time limit is reached.
+  bool is_late() const { return options_.time_limit > 0 && seconds() >= options_.time_limit; }
+  /// Polls RenderOptions::wants_pause. Once it is true, workers must not start tasks until the pause.
+  bool wants_pause();
+  /// Result of the last wants_pause().
+  bool is_pausing() const { return pausing_; }
+
+  /// Sets the number of samples and photons of the whole render. Must not be called while workers run.
+  void set_total(std::uint64_t total) { total_ = total; }
+  /// Reports more samples or photons as progress. Workers call it concurrently.
+  void add_done(std::uint64_t more);
+  /// Passes the statistics and a checkpoint to the caller. All workers must have finished their tasks.
+  void pause(SamplePlan& plan, const TaskStatistics& tasks);
+  /// The report without the noise of the image. Adds to `warnings`.
+  RenderReport report(const SamplePlan& plan, const TaskStatistics& tasks, std::vector<std::string>& warnings) const;
+
+ private:
+  double seconds() const;
+
+  const Scene& scene_;
+  const RenderOptions& options_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::atomic<bool> pausing_{false};
+  std::uint64_t total_ = 0;
+  std::atomic<std::uint64_t> done_;
+};
+
+}  // namespace sheaf

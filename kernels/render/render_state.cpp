@@ -1,0 +1,128 @@
+// Reads and writes checkpoints in the binary format of kernels/film/film_file.h.
+#include "kernels/render/render_state.h"
+
+#include "kernels/film/film_file.h"
+
+#include <array>
+
+namespace sheaf {
+
+namespace {
+
+constexpr std::string_view kFirstLine = "sheaf checkpoint 3\n";
+/// Maximum number of settings: far beyond any command line.
+constexpr std::uint32_t kMaxSettings = 100'000;
+/// Maximum number of differences that a message lists.
+constexpr std::size_t kMaxReported = 5;
+
+RenderSettings get_settings(BinaryInput& in) {
+  const auto count = in.get<std::uint32_t>();
+  if (count > kMaxSettings) in.fail("is damaged (it lists " + std::to_string(count) + " settings)");
+  RenderSettings settings;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::string name = in.get_text();
+    settings.emplace_back(std::move(name), in.get_text());
+  }
+  return settings;
+}
+
+const std::string* find(const RenderSettings& settings, const std::string& name) {
+  for (const auto& [each, value] : settings)
+    if (each == name) return &value;
+  return nullptr;
+}
+
+/// One line for each difference, at most kMaxReported.
+std::vector<std::string> differences(const RenderSettings& here, const RenderSettings& there) {
+  std::vector<std::string> found;
+  // Another number of samples continues the render, perhaps with another number of sets
+  const std::string *spp = find(here, "--spp"), *spp_there = find(there, "--spp");
+  const bool continues = (spp == nullptr) != (spp_there == nullptr) || (spp != nullptr && *spp != *spp_there);
+  const auto may_differ = [&](const std::string& name) {
+    return continues && (name == "--spp" || name == "--replicates");
+  };
+  for (const auto& [name, value] : here) {
+    if (may_differ(name)) continue;
+    const std::string* other = find(there, name);
+    if (other == nullptr)
+      found.push_back(name + " is '" + value + "', but was not given before");
+    else if (*other != value)
+      found.push_back(name + " is '" + value + "', but the checkpoint has '" + *other + "'");
+  }
+  for (const auto& [name, value] : there)
+    if (!may_differ(name) && find(here, name) == nullptr)
+      found.push_back(name + " is not given, but the checkpoint has '" + value + "'");
+  if (found.size() <= kMaxReported) return found;
+  const std::string more = "and " + std::to_string(found.size() - kMaxReported) + " more";
+  found.resize(kMaxReported);
+  found.push_back(more);
+  return found;
+}
+
+void check_settings(const BinaryInput& in, const RenderSettings& here, const RenderSettings& there) {
+  std::string text;
+  for (const std::string& difference : differences(here, there)) text += (text.empty() ? "" : "; ") + difference;
+  if (!text.empty()) in.fail("is a checkpoint of another render: " + text);
+}
+
+/// The numbers of a division in the order of the file.
+std::array<std::uint32_t, 6> numbers_of(const SampleDivision& d) {
+  return {d.spp, d.replicate_samples, d.half_samples, d.max_pass_samples, d.range.first, d.range.count};
+}
+
+SampleDivision get_division(BinaryInput& in) {
+  std::array<std::uint32_t, 6> numbers{};
+  for (std::uint32_t& number : numbers) number = in.get<std::uint32_t>();
+  const auto [spp, replicate, half, pass, first, count] = numbers;
+  if (spp == 0 || replicate == 0 || pass == 0 || first > spp || count > spp - first || half > spp)
+    in.fail("is damaged (its samples are divided in an impossible way)");
+  return {spp, replicate, half, pass, {first, count}};
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state) {
+  BinaryOutput out(file, kFirstLine);
+  out.put(static_cast<std::uint32_t>(settings.size()));
+  for (const auto& [name, value] : settings) {
+    out.put(std::string_view(name));
+    out.put(std::string_view(value));
+  }
+  for (const std::uint32_t number : numbers_of(state.division)) out.put(number);
+  put_film(out, state.film);
+  out.put(state.first_sample);
+  out.put(static_cast<std::uint64_t>(state.tiles.size()));
+  out.put(state.tiles);
+  put_borders(out, state.borders);
+  out.put(static_cast<std::uint8_t>(state.adaptive.has_value()));
+  if (state.adaptive) put_adaptive(out, *state.adaptive);
+  out.put(static_cast<std::uint8_t>(state.splats.has_value()));
+  if (state.splats) put_splats(out, *state.splats);
+  out.put(state.photons);
+  out.put(state.dropped.rays);
+  out.put(state.dropped.samples);
+  out.commit();
+}
+
+RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings) {
+  BinaryInput in(file, kFirstLine);
+  check_settings(in, settings, get_settings(in));
+  RenderState state;
+  state.division = get_division(in);
+  state.film = get_film(in);
+  state.first_sample = in.get<std::uint32_t>();
+  state.tiles = in.get_vector<std::uint8_t>(in.get<std::uint64_t>());
+  state.borders = get_borders(in, state.film);
+  if (in.get<std::uint8_t>() != 0) state.adaptive = get_adaptive(in, state.film);
+  if (in.get<std::uint8_t>() != 0) {
+    state.splats.emplace(state.film.crop());
+    get_splats(in, *state.splats);
+  }
+  state.photons = in.get<std::uint64_t>();
+  state.dropped.rays = in.get<std::uint64_t>();
+  state.dropped.samples = in.get<std::uint64_t>();
+  if (in.left() > 0) in.fail("is damaged (data after the end)");
+  return state;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,227 @@
+// Plans and runs the training passes of path guiding.
+#include "kernels/training/train_guiding.h"
+
+#include "core/sampling/rng.h"
+#include "core/simd/flush_denormals.h"
+#include "kernels/film/film_layout.h"
+#include "kernels/passes/passes.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+/// Camera samples of training: three per pixel of the frame, within these bounds. With kAuto it does not depend on the
+/// number of samples, so that a longer render of the same frame has the same guide; otherwise training takes a larger
+/// share of the samples, if that is more.
+constexpr double kPerPixel = 3, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
+/// Samples of the first pass: one per four pixels, within these bounds. The second is equally large, and every further
+/// one twice as large as the one before, except for the last, which takes the rest.
+constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 16;
+/// Maximum share of training in the samples of a render.
+constexpr double kMaxShare = 3.0 / 16;
+/// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
+/// than kMinAutoPixels, whose gain two passes would tell badly.
+constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
+constexpr double kMinAutoPixels = 1 << 14;
+/// Camera samples per task.
+constexpr int kTrainingTaskSamples = 1024;
+/// Cells with more records than this times the square root of the pass's sample count over that of the first are split.
+constexpr double kSplitRecords = 1400;
+
+/// Number of samples of a pass over that of another.
+double size_ratio(const TrainingPass& pass, const TrainingPass& other) {
+  const auto per_pixel = [](const TrainingPass& p) {
+    return static_cast<double>(p.samples()) / (p.column_stride * p.row_stride);
+  };
+  return per_pixel(pass) / per_pixel(other);
+}
+
+int strided(int size, int stride) { return (size + stride - 1) / stride; }
+
+/// The pixels of a pass in the order of rows, divided into tasks.
+std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& frame, int height,
+                                                        const TrainingPass& pass) {
+  // Each pass uses other pixels than the one before.
+  const auto column_stride = static_cast<std::uint32_t>(pass.column_stride);
+  const auto row_stride = static_cast<std::uint32_t>(pass.row_stride);
+  std::uint32_t x = pass.first_pair, y = row_stride, z = 0, w = 0;
+  hash4(x, y, z, w);
+  const int side = static_cast<int>(std::sqrt(kTrainingTaskSamples / pass.set_samples));
+  const int columns = strided(frame.width, pass.column_stride), rows = strided(height, pass.row_stride);
+  std::vector<std::vector<std::uint32_t>> tasks;
+  for (int y0 = 0; y0 < rows; y0 += side)
+    for (int x0 = 0; x0 < columns; x0 += side) {
+      std::vector<std::uint32_t>& task = tasks.emplace_back();
+      for (int row = y0; row < std::min(y0 + side, rows); ++row)
+        for (int column = x0; column < std::min(x0 + side, columns); ++column) {
+          const int px = std::min(column * pass.column_stride + static_cast<int>(x % column_stride), frame.width - 1);
+          const int py = std::min(row * pass.row_stride + static_cast<int>(y % row_stride), height - 1);
+          task.push_back(frame.pixel(px, py));
+        }
+    }
+  return tasks;
+}
+
+/// A sampler that shares no random numbers with samples of the image.
+SamplerView training_sampler(const SamplerView& image_sampler) {
+  std::uint32_t x = image_sampler.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
+  hash4(x, y, z, w);
+  return make_sampler(SamplerKind::kSobol, x, kTrialSet);
+}
+
+/// Number of rays that the workers have traced.
+std::uint64_t traced_rays(const Workers& workers) {
+  std::uint64_t rays = 0;
+  for (const Worker& worker : workers) rays += worker.wave.stats.rays.total();
+  return rays;
+}
+
+/// Runs a pass. Returns the records of each set of each task in order. `trial`: output.
+std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
+                                               const TrainingPass& pass, std::span<const float> means,
+                                               const GuideTraining& training, TrialPass& trial) {
+  const SampledFrame frame{width};
+  const std::vector<std::vector<std::uint32_t>> pixels = pixels_of_tasks(frame, height, pass);
+  // The first pair of sets of all pixels, then the next; the two sets of a task are taken one by one
+  trial.tasks.resize(pass.pairs * pixels.size());
+  const std::size_t sets = 2 * trial.tasks.size();
+  std::vector<std::vector<GuideRecord>> records(sets);
+  std::vector<TrainingSamples::Vertices> vertices(sets);
+  const std::uint64_t rays_before = traced_rays(workers);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, sets, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end() && !training.stopped(); ++i) {
+          const FlushDenormals flush;
+          Worker& worker = workers.local();
+          TrialTask& task = trial.tasks[i / 2];
+          const std::size_t set = i % 2, pair = pass.first_pair + i / 2 / pixels.size();
+          const auto replicate = static_cast<std::uint32_t>(2 * pair + set);
+          std::vector<PixelSamples> samples;
+          for (const std::uint32_t pixel : pixels[i / 2 % pixels.size()])
+            samples.push_back({pixel, replicate * kTrialSet, pass.set_samples});
+          worker.camera.begin(samples, frame, kBeautyChannels);
+          worker.guide.begin(worker.camera.total());
+          StageContext of_task = context;
+          of_task.set_camera_task(worker.camera);
+          of_task.record_in(worker.guide);
+          of_task.sampler = sampler_of_replicate(context.sampler, replicate, kTrialSet);
+          run_pass<Wide>(of_task, worker.wave);
+          records[i] = worker.guide.records(context.guide(), means);
+          task.radiance[set] = worker.guide.radiance();
+          task.squared_radiance[set] = worker.guide.squared_radiance();
+          vertices[i] = worker.guide.vertices();
+          training.on_samples(static_cast<std::uint64_t>(worker.camera.total()));
+        }
+      },
+      tbb::simple_partitioner());
+  trial.rays = traced_rays(workers) - rays_before;
+  for (const TrainingSamples::Vertices& of_task : vertices) {
+    trial.light_vertices += of_task.sampled;
+    for (std::size_t i = 0; i < trial.shadow_rays.size(); ++i) trial.shadow_rays[i] += of_task.shadow_rays[i];
+  }
+  return records;
+}
+
+}  // namespace
+
+std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode) {
+  const bool is_auto = mode == GuidingMode::kAuto;
+  const double pixels = static_cast<double>(width) * height;
+  if (samples < kMinTrained || (is_auto && !is_trial_worthwhile(width, height, samples))) return {};
+  const double share = is_auto ? 0 : kShare * samples;
+  const double wanted = std::clamp(std::max(kPerPixel, share) * pixels, kMinTraining, kMaxTraining);
+  const double total = std::min(wanted, kMaxShare * samples * pixels);
+  std::vector<TrainingPass> passes;
+  std::uint32_t first = 0;
+  double size = std::min(std::clamp(pixels / 4, kMinPass, kMaxPass), total / 4);
+  // The last pass takes what is left, unless that is less than half of what it should have
+  for (double left = total; left >= size / 2;) {
+    size = std::min(size, left);
+    left -= size;
+    // Sample some of the pixels with one pair of sets, or all of them with several
+    TrainingPass pass;
+    pass.first_pair = first;
+    pass.set_samples = passes.size() < kTrialPasses ? kTrialSet : 1;
+    const double pairs = size / pixels / (2 * pass.set_samples);
+    pass.pairs = std::max(1u, static_cast<std::uint32_t>(pairs));
+    const double pixels_apart = 1 / std::min(pairs, 1.0);
+    pass.row_stride = static_cast<int>(std::sqrt(pixels_apart));
+    pass.column_stride = static_cast<int>(std::ceil(pixels_apart / pass.row_stride));
+    passes.push_back(pass);
+    first += pass.pairs;
+    if (passes.size() > 1) size *= 2;
+  }
+  return passes;
+}
+
+bool is_trial_worthwhile(int width, int height, std::uint32_t samples) {
+  return samples >= kMinAutoTrained && static_cast<double>(width) * height >= kMinAutoPixels;
+}
+
+std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes) {
+  std::uint64_t sum = 0;
+  for (const TrainingPass& pass : passes)
+    sum += static_cast<std::uint64_t>(strided(width, pass.column_stride)) *
+           static_cast<std::uint64_t>(strided(height, pass.row_stride)) * pass.samples();
+  return sum;
+}
+
+GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
+                       GuideTraining& training) {
+  GuideField field;
+  StageContext of_passes = context;
+  of_passes.sampler = training_sampler(context.sampler);
+  RenderReport::Guiding& report = training.report;
+  report.is_used = true;
+  std::vector<TrialPass> trials;
+  const std::size_t trial_passes = std::min(kTrialPasses, passes.size());
+  for (const TrainingPass& pass : passes) {
+    if (training.stopped()) break;
+    // Take the samples
+    std::uint64_t start = timestamp();
+    of_passes.sample_from(field.view());
+    StageContext of_pass = of_passes;
+    if (tries_candidates && trials.size() < kTrialPasses) of_pass.try_candidates();
+    const auto records =
+        run_pass(of_pass, workers, width, height, pass, field.means(), training, trials.emplace_back());
+    report.trace_seconds += seconds_since(start);
+    report.samples += training_samples(width, height, {&pass, 1});
+    // Train the guide
+    start = timestamp();
+    for (const auto& task : records) report.records += task.size();
+    field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(size_ratio(pass, passes[0]))));
+    report.fit_seconds += seconds_since(start);
+    ++report.passes;
+    if (trials.size() < 2 || trials.size() > trial_passes || training.stopped()) continue;
+    // Decide whether guiding pays, and how many light candidates do
+    const bool is_last = trials.size() == trial_passes;
+    if (mode == GuidingMode::kAuto) {
+      const GuidingGain gain = guiding_gain(trials.front(), trials.back());
+      report.gain = gain.ratio;
+      report.is_used = is_last ? gain.is_significant() : gain.is_promising();
+    }
+    if (tries_candidates && (is_last || !report.is_used)) {
+      training.candidates =
+          choose_candidates(report.is_used ? trials.back() : trials.front(), candidate_cost(context.scene));
+      of_passes.integrator.candidates = training.candidates.count;
+    }
+    if (report.is_used) continue;
+    training.on_samples(training_samples(width, height, passes) - report.samples);  // that are not taken
+    break;
+  }
+  report.cells = field.cells();
+  // Statistics count only samples of the image.
+  for (Worker& worker : workers) worker.wave.stats.samples = 0;
+  return field;
+}
+
+}  // namespace sheaf

@@ -1,0 +1,57 @@
+// Results of a training pass, from which a render decides about guiding and about light candidates.
+#pragma once
+
+#include "core/color/spectrum.h"
+#include "kernels/guiding/candidate_trial.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace sheaf {
+
+/// Number of samples in a set. The samples of a set are stratified among themselves, as those of the image are, because
+/// that lowers the error of some estimators more than that of others.
+inline constexpr std::uint32_t kTrialSet = 4;
+
+/// Two independent sets of samples for each pixel of a task.
+struct TrialTask {
+  /// Radiance of the samples of each set, all components added up: those of a pixel, then those of the next.
+  std::array<std::vector<float>, 2> radiance;
+  /// In a trial of light candidates: estimates of the squared radiance of the same samples, for each of
+  /// kCandidateCounts. Otherwise empty.
+  std::array<std::vector<Spectrum4>, 2> squared_radiance;
+};
+
+/// The samples of a training pass.
+struct TrialPass {
+  std::vector<TrialTask> tasks;
+  std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
+
+  // In a trial of light candidates:
+  std::uint64_t light_vertices = 0;                                      ///< that sample lights
+  std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};  ///< for each of kCandidateCounts
+};
+
+/// Errors of a trial are in relation to the brightness of the frame: of each task, squared, but not below a share of
+/// that of the frame. Fireflies must not hide the error around them, so the brightest samples do not count.
+struct TrialBrightness {
+  double of_frame = 0;          ///< squared; 0: the pass holds no light
+  std::vector<double> of_task;  ///< squared
+
+  explicit TrialBrightness(const TrialPass& pass);
+};
+
+/// Share of the pixels whose error is left out: the error of a few bright pixels is known too badly.
+inline constexpr double kTrialLeftOut = 0.001;
+
+/// Mean without the largest values. `left_out`: their share. Reorders `values`.
+double trimmed_mean(std::vector<float>& values, double left_out = kTrialLeftOut);
+
+/// Number of groups of pixels, each of which the jackknife leaves out once.
+inline constexpr std::size_t kTrialGroups = 16;
+
+/// Standard error of an estimate by the jackknife (Efron and Stein 1981). `without`: the estimates without each group.
+double jackknife_error(const std::array<double, kTrialGroups>& without);
+
+}  // namespace sheaf

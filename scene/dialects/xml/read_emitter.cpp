@@ -1,0 +1,54 @@
+// Emitters of the Nori and Mitsuba dialects.
+#include "scene/dialects/xml/read_emitter.h"
+
+#include "scene/content/description.h"
+
+#include <algorithm>
+
+namespace sheaf {
+
+const LightReader& light_reader(const Properties& p, std::span<const LightReader> own,
+                                std::vector<std::string> others) {
+  for (const std::span<const LightReader> readers : {own, light_readers()})
+    for (const LightReader& reader : readers) {
+      if (reader.name == p.type()) return reader;
+      others.emplace_back(reader.name);
+    }
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  p.fail_plugin(others);
+}
+
+void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
+                       std::initializer_list<const char*> ignored) {
+  Properties p(element, context);
+  if (const std::string* id = element.find_attribute("id")) shape.emitter_id = *id;
+  shape.emits_along_normal = p.type() == "directionalarea";
+  // Some files name the emitter after its shape.
+  const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");
+  if (!is_area && !shape.emits_along_normal) p.fail_plugin({"area", "directionalarea"});
+  shape.radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
+  p.ignore(ignored);
+  p.reject_unused();
+}
+
+void read_light_motion(Properties& p, const char* to_world, LightDescription& light) {
+  if (!p.is_animation(to_world) || std::holds_alternative<ConstantLightDescription>(light.model)) return;
+  light.motion = add_motion(p.context().description.motions, p.placement(to_world));
+}
+
+Vec3f read_direction(Properties& p, const char* to_world) {
+  const bool placed = p.has(to_world);
+  if (placed && p.has("direction")) p.fail(std::string("has both 'direction' and '") + to_world + "', expected one");
+  Vec3f direction = p.vec3("direction", {0, 0, 1});
+  if (placed) direction = p.placement(to_world).to_world.vector({0, 0, 1});
+  check_direction(p, "direction", direction);
+  return direction;
+}
+
+void check_direction(Properties& p, const char* name, Vec3f direction) {
+  const float squared = length_squared(direction);
+  if (!(squared > 0.0f) || !is_finite(squared)) p.fail_at(name, "has no length");
+}
+
+}  // namespace sheaf

@@ -1,0 +1,57 @@
+// User messages: source locations, exit codes, nearest names.
+#include "core/io/error.h"
+
+#include <doctest/doctest.h>
+
+namespace sheaf::test_error {
+
+TEST_CASE("error: messages begin with their file and line") {
+  CHECK(std::string(Error(ExitCode::kUsage, "no input").what()) == "no input");
+  CHECK(std::string(SceneError({"a.xml", 12}, "bad").what()) == "a.xml:12: bad");
+  CHECK(std::string(SceneError({"a.xml", 0}, "bad").what()) == "a.xml: bad");
+  CHECK(std::string(SceneError({"", 7}, "bad").what()) == "bad");
+}
+
+TEST_CASE("error: exit codes match the documented ones") {
+  CHECK(SceneError("x").code() == ExitCode::kScene);
+  CHECK(Error(ExitCode::kOutput, "x").code() == ExitCode::kOutput);
+  CHECK(static_cast<int>(ExitCode::kDone) == 0);
+  CHECK(static_cast<int>(ExitCode::kRuntime) == 1);
+  CHECK(static_cast<int>(ExitCode::kUsage) == 2);
+  CHECK(static_cast<int>(ExitCode::kScene) == 3);
+  CHECK(static_cast<int>(ExitCode::kOutput) == 4);
+  CHECK(static_cast<int>(ExitCode::kCheckpoint) == 5);
+  CHECK(static_cast<int>(ExitCode::kInterrupted) == 130);
+  CHECK(static_cast<int>(ExitCode::kTerminated) == 143);
+}
+
+TEST_CASE("error: the suggested name is the one with the fewest edits") {
+  const std::vector<std::string> names = {"diffuse", "dielectric", "conductor", "roughconductor", "twosided", "area"};
+  CHECK(nearest_name("difuse", names) == "diffuse");
+  CHECK(nearest_name("difusse", names) == "diffuse");
+  CHECK(nearest_name("Diffuse", names) == "diffuse");
+  CHECK(nearest_name("dielectrik", names) == "dielectric");
+  CHECK(nearest_name("rough_conductor", names) == "roughconductor");
+  CHECK(nearest_name("conductor", names) == "conductor");
+  CHECK(nearest_name("two-sided", names) == "twosided");
+  CHECK(nearest_name("aera", names) == "area");
+  CHECK(nearest_name("DIFFUSE", names) == "diffuse");
+  CHECK(nearest_name("--ara", {"--area", "--are-you"}) == "--area");
+  // No name is similar, but one starts with it.
+  CHECK(nearest_name("conduc", names) == "conductor");
+}
+
+TEST_CASE("error: nothing is suggested for dissimilar names") {
+  const std::vector<std::string> names = {"diffuse", "area"};
+  CHECK(nearest_name("xyzzyplugh", names).empty());
+  CHECK(nearest_name("diffuse", {}).empty());
+  CHECK(nearest_name("", names).empty());
+  CHECK(nearest_name("--env", {"--aov", "--fov"}).empty());
+  CHECK(nearest_name("spot", {"hdr", "png", "point"}).empty());
+  CHECK(nearest_name("di", {"diffuse"}).empty());
+  CHECK(nearest_name(std::string(1u << 20, 'a'), names).empty());
+  CHECK(did_you_mean("xyzzyplugh", names).empty());
+  CHECK(did_you_mean("difuse", names) == ", did you mean 'diffuse'?");
+}
+
+}  // namespace sheaf::test_error

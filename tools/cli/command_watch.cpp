@@ -1,0 +1,74 @@
+// sheaf watch: renders a scene, and again whenever one of its files changes, with previews.
+#include "core/io/error.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/render_scene.h"
+#include "tools/console/interrupt.h"
+#include "tools/preview/file_watcher.h"
+
+#include <filesystem>
+#include <memory>
+
+namespace sheaf {
+
+namespace {
+
+constexpr const char* kDefaultPort = "8080";
+
+/// Renders the scene once. Returns the exit code; errors are printed.
+int render_once(const RenderArguments& arguments, const std::vector<GivenOption>& given, RepeatedRender& render) {
+  try {
+    return render_scene(arguments, given, &render);
+  } catch (const Error& error) {
+    print_message(error.what());
+    render.preview.fail();
+    return static_cast<int>(error.code());
+  }
+}
+
+/// Renders until a signal stops a render. Returns the exit code.
+int watch_scene(RenderArguments& arguments, const std::vector<GivenOption>& given) {
+  if (!arguments.checkpoint.file.empty())
+    throw Error(ExitCode::kUsage, "--checkpoint is not supported by 'sheaf watch': it belongs to a single render");
+  if (!arguments.frames.empty() || arguments.skip_existing)
+    throw Error(ExitCode::kUsage, "--frames is not supported by 'sheaf watch': it renders a single image");
+  if (!arguments.frames.empty() || arguments.skip_existing)
+    throw Error(ExitCode::kUsage,
+                "--frames and --skip-existing are not supported by 'sheaf watch': choose a frame by "
+                "-D frame=N");
+  if (arguments.preview.serve.empty() && arguments.preview.tev.empty()) arguments.preview.serve = kDefaultPort;
+  const std::filesystem::path scene = arguments.scene;
+  Preview preview(arguments.preview, arguments.scene, scene.stem().string() + ".exr",
+                  output_settings(arguments.output).display, true);
+  RepeatedRender render{preview, {scene}};
+  FileWatcher watcher(InterruptGuard::request_stop);
+  for (;;) {
+    // Render
+    watcher.begin();
+    watcher.watch(render.files);
+    preview.begin_scene();
+    const int exit_code = render_once(arguments, given, render);
+    // Users can correct the scene, but not the options
+    if (exit_code == static_cast<int>(ExitCode::kUsage) || InterruptGuard::signal() != 0) return exit_code;
+    // Wait for changes
+    watcher.watch(render.files);
+    if (!watcher.has_changed()) print_note("waiting for changes of the scene");
+    watcher.wait();
+    print_note("the scene has changed");
+  }
+}
+
+}  // namespace
+
+void add_watch_command(Command& program, int& exit_code) {
+  const auto arguments = std::make_shared<RenderArguments>();
+  Command command = add_render_options(
+      program, *arguments, "watch",
+      "Render a scene with a preview, and again whenever one of its files changes. Serves the preview "
+      "at port 8080 unless --serve or --tev is given. Writes images only with --output.");
+  command.on_call([arguments, command, &exit_code] {
+    set_verbosity(arguments->verbosity.verbosity());
+    exit_code = watch_scene(*arguments, command.given());
+  });
+}
+
+}  // namespace sheaf

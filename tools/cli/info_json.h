@@ -1,0 +1,19 @@
+// The output of `sheaf info --json`.
+#pragma once
+
+#include "core/image/exr.h"
+#include "scene/compile/compile.h"
+#include "scene/content/description.h"
+
+#include <string>
+
+namespace sheaf {
+
+/// The settings, contents and memory of a scene as a JSON object. Bounds are null if the scene has no shapes. Sizes of
+/// memory are in bytes; those for rendering are null if the scene cannot be rendered.
+std::string info_json(const Description& description, const Scene& scene, const CompileReport& report);
+
+/// The header of an OpenEXR file as a JSON object.
+std::string info_json(const ExrHeader& header, const std::string& file);
+
+}  // namespace sheaf

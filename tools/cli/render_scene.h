@@ -1,0 +1,26 @@
+// One render, from reading the scene to writing the images.
+#pragma once
+
+#include "tools/job/render_arguments.h"
+#include "tools/preview/preview.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace sheaf {
+
+class FrameRun;
+
+/// A render that is repeated when its scene changes. It writes no images unless the user named them.
+struct RepeatedRender {
+  Preview& preview;                          ///< also shows the renders before and after this one
+  std::vector<std::filesystem::path> files;  ///< receives the files of the scene
+};
+
+/// Renders a scene with the options of `sheaf render`, and `given`, those on the command line. Returns the exit code.
+/// Throws Error. `repeated`: null unless the render is repeated. `frames`: what the render shares with other frames of
+/// an animation; null for a single image.
+int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given,
+                 RepeatedRender* repeated = nullptr, FrameRun* frames = nullptr);
+
+}  // namespace sheaf

@@ -1,0 +1,84 @@
+// Counting of work, and its display as a bar or as log lines.
+#include "tools/console/progress.h"
+
+#include "core/io/duration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace sheaf {
+
+namespace {
+
+constexpr double kBarInterval = 0.1, kLineInterval = 10.0;
+constexpr int kBarCells = 24;
+
+std::string draw_bar(double fraction) {
+  const auto filled = static_cast<std::size_t>(std::clamp(fraction, 0.0, 1.0) * kBarCells);
+  return "[" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "] ";
+}
+
+}  // namespace
+
+double Progress::steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Progress::Progress(Mode mode, std::uint64_t samples, Write write, Clock clock, Columns columns)
+    : mode_(mode),
+      samples_(static_cast<double>(samples)),
+      write_(std::move(write)),
+      clock_(std::move(clock)),
+      columns_(std::move(columns)),
+      start_(clock_()),
+      next_show_(start_ + (mode == Mode::kLines ? kLineInterval : 0.0)) {}
+
+void Progress::update(std::uint64_t done, std::uint64_t total) {
+  if (mode_ == Mode::kQuiet) return;
+  total_.store(total, std::memory_order_relaxed);
+  std::uint64_t seen = done_.load(std::memory_order_relaxed);
+  while (seen < done && !done_.compare_exchange_weak(seen, done, std::memory_order_relaxed)) {}
+  const double now = clock_();
+  if (now < next_show_.load(std::memory_order_relaxed)) return;
+  const std::unique_lock lock(printing_, std::try_to_lock);
+  if (!lock || finished_ || now < next_show_.load(std::memory_order_relaxed)) return;
+  next_show_ = now + (mode_ == Mode::kLines ? kLineInterval : kBarInterval);
+  show(now);
+}
+
+void Progress::finish() {
+  if (mode_ == Mode::kQuiet) return;
+  const std::lock_guard lock(printing_);
+  if (finished_) return;
+  finished_ = true;
+  if (mode_ == Mode::kBar) write_("\r\x1b[K");
+}
+
+std::string Progress::describe(double fraction, double now) const {
+  const double elapsed = now - start_;
+  const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
+  const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
+  const std::string share = fmt::format("{:3} %", std::min(static_cast<int>(100 * fraction), 99)),
+                    time = fmt::format("  {} elapsed", format_duration(elapsed)),
+                    rest = fmt::format(", {} left", format_duration(left)),
+                    rate = fmt::format(", {:.2f} Msamples/s", speed);
+  if (mode_ != Mode::kBar) return share + time + rest + rate;
+  // A line as long as the terminal is wide would scroll it. Leave out the least important parts first.
+  const int columns = columns_ ? columns_() : 0;
+  const std::size_t room = columns > 0 ? static_cast<std::size_t>(columns) - 1 : std::string::npos;
+  for (const std::string& line :
+       {draw_bar(fraction) + share + time + rest + rate, share + time + rest + rate, share + time + rest, share + rest})
+    if (line.size() <= room) return line;
+  return share.substr(0, room);
+}
+
+void Progress::show(double now) {
+  const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
+  const std::string text = describe(total > 0 ? std::min(done / total, 1.0) : 0.0, now);
+  write_(mode_ == Mode::kBar ? "\r" + text + "\x1b[K" : text + "\n");
+}
+
+}  // namespace sheaf

@@ -1,0 +1,188 @@
+#include "tools/job/apply_arguments.h"
+
+#include "core/io/error.h"
+#include "core/simd/saturate.h"
+#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/light_selector_name.h"
+#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/native_color.h"
+#include "tools/job/parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <tuple>
+
+namespace sheaf {
+
+namespace {
+
+/// Maximum pixels along a side of the frame, as in scene files.
+constexpr int kMaxFrameSide = 1'000'000'000;
+
+/// Minimum samples per pixel at which --denoise nlm uses 4 sample sets instead of 2.
+constexpr std::uint32_t kDenoisedSamples = 16;
+
+/// The value of --candidates; empty for auto. Throws Error (exit code 2).
+std::optional<int> parse_candidates(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  int count = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (error != std::errc() || end != text.data() + text.size() || count < 1 || count > kMaxCandidates)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--candidates {}: expected auto or a number from 1 to {}", text, kMaxCandidates));
+  return count;
+}
+
+void apply_integrator(const RenderArguments& arguments, Description& scene) {
+  if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
+  IntegratorSettings& integrator = scene.integrator;
+  if (arguments.spp) integrator.photons.max_passes = 0;
+  if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
+  if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
+  if (!arguments.candidates.empty()) {
+    const std::optional<int> count = parse_candidates(arguments.candidates);
+    integrator.candidates = count.value_or(1);
+    integrator.sets_candidates = count.has_value();
+  }
+  if (!arguments.light_sampler.empty())
+    integrator.light_selector = kLightSelectors.option("light sampler", arguments.light_sampler);
+  if (!arguments.medium_estimator.empty())
+    integrator.medium_estimator = kMediumEstimators.option("medium estimator", arguments.medium_estimator);
+  if (arguments.step_size) integrator.step_size = *arguments.step_size;
+}
+
+/// Default maximum samples per pixel if a noise target or a time limit decides.
+constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
+
+bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
+
+/// Sets the sampler and the samples per pixel. Adds a note if they differ from the user's, and a detail if the sampler
+/// differs from the scene's.
+void apply_sampler(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
+  SamplerSettings& sampler = scene.sampler;
+  const auto note = [&](std::string text) {
+    if (!text.empty()) scene.notes.push_back(std::move(text));
+  };
+  if (arguments.sampler.empty()) {
+    if (std::string text = rendered_sampler_note(sampler.kind); !text.empty()) details.push_back(std::move(text));
+    sampler.kind = rendered_sampler(sampler.kind);
+  } else {
+    sampler.kind = kSamplers.option("sampler", arguments.sampler);
+    note(stand_in_sampler_note(arguments.sampler));
+  }
+  const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
+  sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
+  note(rounding_note(sampler.kind, wanted));
+}
+
+/// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
+/// frame is too large.
+void apply_size(const RenderArguments& arguments, FilmSettings& film) {
+  if (arguments.size.empty() && !arguments.scale) return;
+  const FilmSettings before = film;
+  if (!arguments.size.empty()) std::tie(film.width, film.height) = parse_size(arguments.size);
+  const double scale = arguments.scale.value_or(1.0);
+  if (std::max(film.width, film.height) * scale > kMaxFrameSide)
+    throw Error(ExitCode::kUsage,
+                fmt::format("--scale {:g} gives a frame of {:g} x {:g} pixels, expected at most {} per side", scale,
+                            film.width * scale, film.height * scale, kMaxFrameSide));
+  const auto scaled = [](int pixels, double factor) { return saturate<int>(std::round(pixels * factor)); };
+  film.width = std::max(scaled(film.width, scale), 1);
+  film.height = std::max(scaled(film.height, scale), 1);
+  if (!film.crop) return;
+  const double x = static_cast<double>(film.width) / before.width, y = static_cast<double>(film.height) / before.height;
+  PixelRect crop{scaled(film.crop->x0, x), scaled(film.crop->y0, y), scaled(film.crop->x1, x),
+                 scaled(film.crop->y1, y)};
+  crop.x0 = std::min(crop.x0, film.width - 1);
+  crop.y0 = std::min(crop.y0, film.height - 1);
+  crop.x1 = std::max(crop.x1, crop.x0 + 1);
+  crop.y1 = std::max(crop.y1, crop.y0 + 1);
+  film.crop = crop;
+}
+
+/// Sets how the pixel filter is applied. OIDN expects pixels whose noise is independent.
+void apply_filter_mode(const RenderArguments& arguments, FilmSettings& film) {
+  if (!arguments.filter_mode.empty())
+    film.filter_mode = kFilterModes.option("filter mode", arguments.filter_mode);
+  else if (arguments.denoiser == "oidn")
+    film.filter_mode = FilterMode::kImportance;
+}
+
+/// The rectangle to render. Throws Error (exit code 2) if the given one does not lie inside the frame.
+PixelRect choose_crop(const RenderArguments& arguments, const FilmSettings& film) {
+  if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
+  const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
+  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.x0 >= crop.x1 ||
+      crop.y0 >= crop.y1) {
+    throw Error(ExitCode::kUsage,
+                fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} pixels", crop.x0,
+                            crop.y0, crop.x1, crop.y1, film.width, film.height));
+  }
+  return crop;
+}
+
+/// Number of sets of samples: as requested. By default several if non-local means need variances and the sampler's
+/// samples are not independent. Throws Error (exit code 2) if there would be a single set.
+int choose_replicates(const RenderArguments& arguments, const SamplerSettings& sampler) {
+  if (arguments.denoiser != "nlm") return arguments.replicates;
+  if (sampler.sample_count < 2 || arguments.replicates == 1)
+    throw Error(ExitCode::kUsage, "--denoise nlm needs at least 2 samples per pixel, and --replicates above 1");
+  if (arguments.replicates != 0 || sampler.kind == SamplerKind::kIndependent) return arguments.replicates;
+  return sampler.sample_count < kDenoisedSamples ? 2 : 4;
+}
+
+}  // namespace
+
+AovSet wanted_aovs(const RenderArguments& arguments) {
+  AovSet aovs = aovs_from_names(arguments.aovs);
+  if (arguments.denoiser.empty()) return aovs;
+  for (const Aov aov : {aov_named("albedo"), aov_named("normal"), aov_named("depth")}) aovs.insert(aov);
+  if (arguments.denoiser == "nlm")
+    for (const Aov aov : {aov_named("variance"), aov_named("half")}) aovs.insert(aov);
+  return aovs;
+}
+
+ColorMode choose_color(const RenderArguments& arguments, std::vector<std::string>& details) {
+  const ColorMode native = native_color(arguments.scene);
+  if (arguments.color.empty() && native == ColorMode::kSpectral)
+    details.push_back(arguments.scene + ": rendered with --color spectral, as pbrt does; --color rgb is faster");
+  const ColorMode color = arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
+  if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
+    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
+  return color;
+}
+
+PixelRect apply_arguments(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
+  apply_integrator(arguments, scene);
+  apply_sampler(arguments, scene, details);
+  apply_size(arguments, scene.film);
+  apply_filter_mode(arguments, scene.film);
+  return choose_crop(arguments, scene.film);
+}
+
+RenderOptions render_options(const RenderArguments& arguments, const SamplerSettings& sampler, AovSet aovs,
+                             const PixelRect& crop) {
+  RenderOptions options;
+  options.seed = arguments.seed;
+  options.threads = arguments.threads;
+  options.wave_size = arguments.wave_size;
+  options.spectral_bins = arguments.spectral_bins;
+  options.replicates = choose_replicates(arguments, sampler);
+  options.guiding =
+      arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
+  options.chooses_candidates = true;
+  if (!arguments.caustics.empty()) options.caustics = kCausticModes.option("caustics", arguments.caustics);
+  options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
+  options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
+  options.aovs = aovs;
+  options.light_groups = arguments.light_groups;
+  options.crop = crop;
+  if (!arguments.samples.empty()) options.samples = parse_samples(arguments.samples);
+  return options;
+}
+
+}  // namespace sheaf

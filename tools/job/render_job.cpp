@@ -1,0 +1,137 @@
+#include "tools/job/render_job.h"
+
+#include "core/io/error.h"
+#include "core/io/memory.h"
+#include "core/simd/saturate.h"
+#include "core/soa/large_pages.h"
+#include "kernels/denoise/denoise.h"
+#include "kernels/film/cryptomatte.h"
+#include "kernels/render/render_memory.h"
+#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/native_color.h"
+#include "tools/job/apply_arguments.h"
+#include "tools/job/interrupted_image.h"
+#include "tools/options/process_command_line.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <ctime>
+
+namespace sheaf {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// World to OpenEXR's camera space, which looks along -z with x to the right. Sheaf's looks along +z with x to the
+/// left.
+std::optional<Matrix4> world_to_camera(const CameraDescription& camera) {
+  Matrix4 half_turn;
+  half_turn.m[0][0] = half_turn.m[2][2] = -1;
+  return half_turn * camera.to_world.inverse_matrix();
+}
+
+/// Samples per pixel taken so far, rounded.
+int taken_samples(const RenderReport& report) {
+  return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
+}
+
+/// Estimated memory of the render without the scene, in bytes; 0 for options that render() will reject.
+double bytes_of_render(const Scene& scene, const RenderOptions& options) {
+  try {
+    double bytes = 0;
+    for (const MemoryUse& use : render_memory(scene, options)) bytes += use.bytes;
+    return bytes;
+  } catch (const Error&) { return 0; }
+}
+
+}  // namespace
+
+PixelRect prepare(const RenderArguments& arguments, LoadedScene& loaded) {
+  loaded.details.clear();
+  loaded.color = choose_color(arguments, loaded.details);
+  return apply_arguments(arguments, loaded.description, loaded.details);
+}
+
+void compile(const RenderArguments& arguments, const RenderOptions& render, LoadedScene& loaded, KeptGeometry* kept) {
+  loaded.compiled = {};
+  CompileOptions options{arguments.watertight, loaded.color, &loaded.compiled};
+  options.bvh = kBvhChoices.option("bvh", arguments.bvh);
+  options.render_bytes = [&render](const Scene& scene) { return bytes_of_render(scene, render); };
+  options.kept = kept;
+  loaded.scene = arguments.read.lenient ? compile_leniently(loaded.description, options)
+                                        : compile_scene(loaded.description, options);
+  move_to_large_pages();
+}
+
+std::vector<std::string> scene_warnings(const LoadedScene& loaded) {
+  const Scene& scene = *loaded.scene;
+  std::vector<std::string> warnings = loaded.description.stand_ins;
+  warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
+  if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
+    warnings.emplace_back("the scene has no lights: the image will be black");
+  return warnings;
+}
+
+void add_loading(RenderReport& report, const LoadedScene& loaded, double load_seconds, double build_seconds) {
+  report.load_seconds = load_seconds;
+  report.build_seconds = build_seconds;
+  const CompileReport& compiled = loaded.compiled;
+  report.loading = {report.load_seconds + compiled.mesh_seconds, compiled.texture_seconds,
+                    report.build_seconds - compiled.mesh_seconds - compiled.texture_seconds - compiled.accel_seconds,
+                    compiled.accel_seconds};
+  const std::vector<MemoryUse> scene = loaded.scene->memory();
+  report.memory.insert(report.memory.begin(), scene.begin(), scene.end());
+  const SceneInfo info = loaded.scene->info();
+  report.triangles = info.triangles;
+  report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
+}
+
+ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, AovSet aovs,
+                          const RenderReport& report, const Image& image) {
+  const Description& scene = loaded.description;
+  const SceneNames& names = loaded.scene->names();
+  ExrMetadata metadata;
+  // Set the standard attributes
+  metadata.software = "Sheaf " SHEAF_VERSION;
+  metadata.world_to_camera = world_to_camera(scene.camera);
+  metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
+                         {"sheaf/isa", report.isa},
+                         {"sheaf/integrator", report.integrator},
+                         {"sheaf/color", report.color},
+                         {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
+                         {"sheaf/scene", fs::path(arguments.scene).filename().string()},
+                         integer_attribute("sheaf/seed", report.seed),
+                         {"sheaf/samplesPerPixel", taken_samples(report)},
+                         integer_attribute("sheaf/droppedRays", report.stats.dropped.rays),
+                         integer_attribute("sheaf/droppedSamples", report.stats.dropped.samples)};
+  if (report.noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*report.noise)});
+  // Add attributes that depend on the options
+  if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
+  if (arguments.noise_target) metadata.attributes.push_back({"sheaf/noiseTarget", *arguments.noise_target});
+  if (arguments.spectral_bins > 0) {
+    metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
+    metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
+  }
+  for (auto& [name, value] : cryptomatte_attributes(aovs, names)) metadata.attributes.push_back({name, value});
+  if (!arguments.samples.empty())
+    for (auto& [name, value] : part_id_attributes(aovs, names)) metadata.attributes.push_back({name, value});
+  if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
+  if (!arguments.no_timestamps) {
+    metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+    metadata.attributes.push_back({kCommandLineAttribute, command_line()});
+    metadata.attributes.push_back({kRenderSecondsAttribute, static_cast<float>(report.render_seconds)});
+  }
+  return metadata;
+}
+
+void add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata) {
+  if (arguments.denoiser.empty()) return;
+  DenoiseResult result = denoise(image, kDenoisers.option("denoiser", arguments.denoiser), arguments.threads);
+  add_denoise_attribute(metadata, result);
+  image = std::move(result.image);
+}
+
+}  // namespace sheaf

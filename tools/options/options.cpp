@@ -1,0 +1,479 @@
+#include "tools/options/options.h"
+
+#include "core/io/error.h"
+#include "tools/console/terminal.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <iterator>
+#include <limits>
+#include <sstream>
+#include <string_view>
+#include <type_traits>
+
+namespace sheaf {
+
+namespace {
+
+/// Parses a decimal number at the start of `text` and removes it from `text`. Returns nothing if there is no number.
+std::optional<double> take_number(std::string_view& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec == std::errc::invalid_argument) return std::nullopt;
+  // Numbers beyond the range of double become infinite, which no option accepts.
+  if (read.ec == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return value;
+}
+
+/// Parses a text that consists of one decimal number.
+std::optional<double> number_of(std::string_view text) {
+  const std::optional<double> value = take_number(text);
+  return text.empty() ? value : std::nullopt;
+}
+
+/// The shortest text that represents the number exactly.
+template <class T> std::string shortest(T value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return std::string(text, end);
+}
+
+/// Rejects infinities and NaN. Range checks do not reject NaN, because comparisons with it are false.
+CLI::Validator finite() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        const std::optional<double> value = number_of(text);
+        return value && std::isfinite(*value) ? std::string() : "'" + text + "' is not a finite number";
+      },
+      "");
+}
+
+/// Rejects numbers outside of [low, high]. CLI::Range does so too, but its message depends on the version of CLI11.
+template <class T> CLI::Validator within(T low, T high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        const std::optional<double> value = number_of(text);
+        if (value && *value >= static_cast<double>(low) && *value <= static_cast<double>(high)) return std::string();
+        return "Value " + text + " not in range " + shortest(low) + " to " + shortest(high);
+      },
+      "");
+}
+
+/// Normalizes integers such as 16.0 and 1e3 to decimal digits. Returns an error message or an empty string.
+std::string to_whole_number(std::string& text) {
+  constexpr double kExact = 9007199254740992.0;  // 2^53
+  const std::optional<double> value = number_of(text);
+  if (!value || !std::isfinite(*value)) return "'" + text + "' is not a number";
+  if (*value != std::floor(*value)) return "'" + text + "' is not an integer";
+  if (std::fabs(*value) > kExact) return "'" + text + "' is too large";
+  text = std::to_string(static_cast<long long>(*value));
+  return {};
+}
+
+std::string to_number(std::string& text) { return number_of(text) ? std::string() : "'" + text + "' is not a number"; }
+
+/// Converts percentages to fractions.
+std::string to_share(std::string& text) {
+  std::string_view rest = text;
+  const std::optional<double> value = take_number(rest);
+  if (value && rest == "%") text = shortest(*value / 100);
+  return to_number(text);
+}
+
+/// Converts times with units, such as 90s, 5m, 1.5h and 1h30m, to seconds.
+std::string to_seconds(std::string& text) {
+  constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 1e-3},   {"s", 1},        {"sec", 1},
+                                                            {"m", 60},      {"min", 60},     {"h", 3600},
+                                                            {"hour", 3600}, {"hours", 3600}, {"d", 86400}};
+  if (number_of(text)) return {};
+  double seconds = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::optional<double> value = take_number(rest);
+    const std::string_view unit = rest.substr(0, rest.find_first_of("+-.0123456789 "));
+    const auto* const found =
+        std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& each) { return each.first == unit; });
+    if (!value || *value < 0 || found == std::end(kUnits))
+      return "'" + text + "' is not a time: expected seconds, or a number with ms, s, m, h or d, such as 90s or 1h30m";
+    seconds += *value * found->second;
+    rest.remove_prefix(unit.size());
+  }
+  text = shortest(seconds);
+  return {};
+}
+
+CLI::Validator transform(std::string (*function)(std::string&)) { return CLI::Validator(function, ""); }
+
+/// The subcommand on the command line, or the program.
+const CLI::App& called_command(const CLI::App& program) {
+  const CLI::App* command = &program;
+  for (const CLI::App* each : program.get_subcommands()) command = each;
+  return *command;
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// The program and its subcommand, e.g. "sheaf render".
+std::string full_name(const CLI::App& command) {
+  const CLI::App* parent = command.get_parent();
+  return (parent != nullptr ? full_name(*parent) + " " : "") + command.get_name();
+}
+
+/// Message for an option that precedes its subcommand. Empty if no subcommand has the option.
+std::string misplaced_option(const CLI::App& program, const std::string& option) {
+  const CLI::App& called = called_command(program);
+  std::vector<const CLI::App*> commands = program.get_subcommands({});
+  if (&called != &program) commands.insert(commands.begin(), &called);
+  for (const CLI::App* command : commands) {
+    const std::vector<std::string> names = option_names(*command);
+    if (std::find(names.begin(), names.end(), option) == names.end()) continue;
+    return "option '" + option + "' must follow its command: " + full_name(*command) + " " + option;
+  }
+  return {};
+}
+
+/// Message for unknown arguments, with the first one and the most similar name.
+std::string unknown_argument(const CLI::App& program) {
+  const CLI::App& command = called_command(program);
+  const auto name_of = [](const std::string& argument) { return argument.substr(0, argument.find('=')); };
+  for (const std::string& argument : program.remaining(false)) {
+    if (!argument.starts_with("-")) continue;
+    const std::string misplaced = misplaced_option(program, name_of(argument));
+    return misplaced.empty()
+               ? "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(program))
+               : misplaced;
+  }
+  const std::vector<std::string> rest = program.remaining(true);
+  for (const std::string& argument : rest)
+    if (argument.starts_with("-"))
+      return "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(command));
+  std::vector<std::string> commands;
+  for (const CLI::App* each : command.get_subcommands({})) commands.push_back(each->get_name());
+  const std::string& word = rest.front();
+  if (commands.empty()) return "unexpected argument '" + word + "'";
+  std::string known;
+  for (const std::string& name : commands) known += (known.empty() ? "" : ", ") + name;
+  return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
+}
+
+/// Message for an invalid command line.
+std::string usage_message(const CLI::App& program, const CLI::ParseError& problem) {
+  // CLI11 reports an unknown subcommand as a missing one.
+  const bool about_rest = dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr ||
+                          dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr;
+  if (about_rest && !program.remaining(true).empty()) return unknown_argument(program);
+  if (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr && &called_command(program) == &program) {
+    std::string commands;
+    for (const CLI::App* each : program.get_subcommands({}))
+      commands += (commands.empty() ? "expected a command: " : ", ") + each->get_name();
+    if (!commands.empty()) return commands;
+  }
+  std::string message = problem.what();
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
+
+/// The same without control characters.
+std::string printable_usage_message(const CLI::App& program, const CLI::ParseError& problem) {
+  std::string message = usage_message(program, problem);
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
+  return message;
+}
+
+/// Whether an option's value is a number, an optional number or a list of numbers.
+template <class T> struct NumberTraits : std::is_arithmetic<T> {
+  static constexpr bool kIsWhole = std::is_integral_v<T>;
+};
+template <class T> struct NumberTraits<std::optional<T>> : NumberTraits<T> {};
+template <class T> struct NumberTraits<std::vector<T>> : NumberTraits<T> {};
+
+}  // namespace
+
+Option& Option::required() {
+  option_->required();
+  help_->required = true;
+  return *this;
+}
+
+template <class T> Option& Option::in_range(T low, T high) {
+  if constexpr (std::is_floating_point_v<T>) option_->check(finite());
+  option_->check(within(low, high));
+  help_->min = static_cast<double>(low);
+  help_->max = static_cast<double>(high);
+  return *this;
+}
+
+template Option& Option::in_range(int, int);
+template Option& Option::in_range(unsigned, unsigned);
+template Option& Option::in_range(double, double);
+template Option& Option::in_range(float, float);
+
+Option& Option::positive() {
+  const auto above_zero = [](const std::string& text) {
+    return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a positive number";
+  };
+  option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
+  help_->is_positive = true;
+  return *this;
+}
+
+Option& Option::share() {
+  option_->transform(transform(to_share));
+  return *this;
+}
+
+Option& Option::seconds() {
+  option_->transform(transform(to_seconds));
+  help_->kind = ValueKind::kTime;
+  return *this;
+}
+
+Option& Option::one_of(const std::vector<std::string>& words) {
+  option_->check(CLI::IsMember(words));
+  help_->words = words;
+  help_->only_words = true;
+  return *this;
+}
+
+Option& Option::one_of_named(const std::map<std::string, int>& words) {
+  option_->transform(CLI::CheckedTransformer(words));
+  for (const auto& [word, number] : words) help_->words.push_back(word);
+  help_->only_words = true;
+  return *this;
+}
+
+Option& Option::implies(const std::string& word) {
+  help_->implied = word;
+  return *this;
+}
+
+Option& Option::file() {
+  help_->kind = ValueKind::kFile;
+  return *this;
+}
+
+Option& Option::folder() {
+  help_->kind = ValueKind::kFolder;
+  return *this;
+}
+
+Option& Option::placeholder(const std::string& text) {
+  help_->placeholder = text;
+  return *this;
+}
+
+Option& Option::suggest(const std::vector<std::string>& words, bool is_list) {
+  help_->words = words;
+  help_->is_list = is_list;
+  return *this;
+}
+
+Option& Option::repeated() {
+  help_->repeats = true;
+  return *this;
+}
+
+Option& Option::list(char delimiter, int count) {
+  option_->delimiter(delimiter)->expected(count);
+  help_->count = count;
+  return *this;
+}
+
+/// Sheaf has no configuration files, so CLI11's flag for these is free.
+Option& Option::only_for_run() {
+  option_->configurable(false);
+  return *this;
+}
+
+void Command::begin_group(const std::string& title) {
+  std::vector<std::string>& groups = help_->groups;
+  if (std::find(groups.begin(), groups.end(), title) == groups.end()) groups.push_back(title);
+  help_->group = title;
+}
+
+Option Command::describe(CLI::Option& option, const std::string& names, ValueKind kind, const std::string& help) {
+  OptionHelp& made = help_->options.emplace_back();
+  std::istringstream words(names);
+  for (std::string name; std::getline(words, name, ',');) made.names.push_back(name);
+  made.text = help;
+  made.kind = kind;
+  made.is_argument = !names.starts_with('-');
+  made.group = made.is_argument ? "" : help_->group;
+  return Option(option, made);
+}
+
+template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
+  CLI::Option& option = *command_->add_option(names, value, help);
+  using Number = NumberTraits<T>;
+  if constexpr (Number::value) {
+    option.transform(transform(Number::kIsWhole ? to_whole_number : to_number));
+    return describe(option, names, Number::kIsWhole ? ValueKind::kInteger : ValueKind::kNumber, help);
+  } else {
+    return describe(option, names, ValueKind::kText, help);
+  }
+}
+
+template Option Command::add_option(const std::string&, std::string&, const std::string&);
+template Option Command::add_option(const std::string&, int&, const std::string&);
+template Option Command::add_option(const std::string&, unsigned&, const std::string&);
+template Option Command::add_option(const std::string&, double&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<int>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<unsigned>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<float>&, const std::string&);
+template Option Command::add_option(const std::string&, std::optional<double>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<int>&, const std::string&);
+template Option Command::add_option(const std::string&, std::vector<float>&, const std::string&);
+
+Option Command::add_option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
+  CLI::Option& option = *command_->add_option(names, values, help)->allow_extra_args(false);
+  return describe(option, names, ValueKind::kText, help).repeated();
+}
+
+Option Command::add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  return describe(*command_->add_option(name, values, help), name, ValueKind::kText, help).repeated();
+}
+
+Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help);
+}
+
+Option Command::add_counter(const std::string& names, int& value, const std::string& help) {
+  return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help).repeated();
+}
+
+Command Command::add_command(const std::string& name, const std::string& help) {
+  return Command(*command_->add_subcommand(name, help), help_->commands.emplace_back(CommandHelp{name, help}));
+}
+
+std::vector<std::string> Command::command_names() const {
+  std::vector<std::string> names;
+  for (const CommandHelp& command : help_->commands) names.push_back(command.name);
+  return names;
+}
+
+std::vector<GivenOption> Command::given() const {
+  std::vector<GivenOption> options;
+  for (const CLI::Option* option : command_->get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
+    std::string values;
+    for (const std::string& value : option->results()) values += (values.empty() ? "" : ",") + value;
+    options.push_back({name, values, option->get_configurable()});
+  }
+  return options;
+}
+
+void Command::on_call(std::function<void()> action) { command_->callback(std::move(action)); }
+
+Program::Program(const std::string& name, const std::string& help)
+    : Command(*new CLI::App(help, name), *new CommandHelp{name, help}), owned_help_(help_), app_(command_) {}
+
+Program::~Program() = default;
+
+void Program::set_footer(const std::string& text) { help_->footer = text; }
+
+void Program::set_version(const std::string& text) { version_ = text; }
+
+void Program::require_command() { app_->require_subcommand(1); }
+
+namespace {
+
+/// Adds --help, and --version if there is one, in a group of their own if other options are grouped.
+void add_common_help(CommandHelp& command, bool has_version) {
+  const std::string group = command.groups.empty() ? "" : "Help";
+  if (!group.empty()) command.groups.push_back(group);
+  const auto add = [&](std::vector<std::string> names, const std::string& text) {
+    OptionHelp& option = command.options.emplace_back();
+    option.names = std::move(names);
+    option.text = text;
+    option.group = group;
+  };
+  add({"-h", "--help"}, "Print this help and exit");
+  if (has_version) add({"--version"}, "Print the version and exit");
+}
+
+/// The implied value of the option `name`, if `next` is not one of its values; otherwise empty.
+std::string implied_value(const CommandHelp& program, const std::string& name, const std::string& next) {
+  for (const CommandHelp& command : program.commands)
+    for (const OptionHelp& option : command.options) {
+      const auto contains = [](const std::vector<std::string>& list, const std::string& word) {
+        return std::find(list.begin(), list.end(), word) != list.end();
+      };
+      if (!option.implied.empty() && contains(option.names, name) && !contains(option.words, next))
+        return option.implied;
+    }
+  return "";
+}
+
+/// The command line, where options without a value have the one that they imply.
+std::vector<std::string> with_implied_values(const CommandHelp& program, int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
+    const std::string value = implied_value(program, words[i], i + 1 < words.size() ? words[i + 1] : "");
+    if (!value.empty()) words[i] += "=" + value;
+  }
+  return words;
+}
+
+}  // namespace
+
+const CommandHelp& Program::help() {
+  if (help_->has_common_options) return *help_;
+  help_->has_common_options = true;
+  add_common_help(*help_, !version_.empty());
+  for (CommandHelp& command : help_->commands) add_common_help(command, !version_.empty());
+  return *help_;
+}
+
+void Program::parse(const std::vector<std::string>& words) {
+  std::vector<std::string> line{app_->get_name()};
+  line.insert(line.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& word : line) pointers.push_back(word.data());
+  line = with_implied_values(*help_, static_cast<int>(pointers.size()), pointers.data());
+  pointers.clear();
+  for (std::string& word : line) pointers.push_back(word.data());
+  try {
+    app_->parse(static_cast<int>(pointers.size()), pointers.data());
+  } catch (const CLI::ParseError& problem) { throw Error(ExitCode::kUsage, printable_usage_message(*app_, problem)); }
+}
+
+std::optional<int> Program::parse(int argc, char** argv) {
+  if (!version_.empty()) {
+    app_->set_version_flag("--version", version_);
+    for (CLI::App* command : app_->get_subcommands({})) command->set_version_flag("--version", version_);
+  }
+  try {
+    std::vector<std::string> words = with_implied_values(*help_, argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    app_->parse(static_cast<int>(pointers.size()), pointers.data());
+    return std::nullopt;
+  } catch (const CLI::CallForHelp&) {
+    const CLI::App& command = called_command(*app_);
+    const CommandHelp* const found = help().find(command.get_name());
+    std::cout << (found != nullptr ? help_text(*found, help().name, text_columns())
+                                   : help_text(help(), "", text_columns()));
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    std::cout << version_ << '\n';
+    return 0;
+  } catch (const CLI::ParseError& problem) {
+    std::cerr << app_->get_name() << ": " << printable_usage_message(*app_, problem) << " (see '"
+              << full_name(called_command(*app_)) << " --help')\n";
+    return static_cast<int>(ExitCode::kUsage);
+  }
+}
+
+}  // namespace sheaf

@@ -1,0 +1,406 @@
+// The Python module sheaf._sheaf: scenes and images for the package sheaf, which is written in Python. Wraps pybind11.
+#include "core/image/image_compare.h"
+#include "core/io/error.h"
+#include "core/simd/simd.h"
+#include "scene/xml/xml_values.h"
+#include "tools/python/bindings/module_queries.h"
+#include "tools/python/bindings/session.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <span>
+#include <thread>
+
+namespace py = pybind11;
+
+namespace sheaf {
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// Keeps a Python object alive; released with the interpreter's lock.
+std::shared_ptr<const void> owner_of(py::object object) {
+  return {new py::object(std::move(object)), [](const void* owned) {
+            const py::gil_scoped_acquire lock;
+            delete static_cast<const py::object*>(owned);
+          }};
+}
+
+std::shared_ptr<const ArrayValue> array_from(const py::array& given) {
+  ArrayValue array;
+  if (py::isinstance<py::array_t<float>>(given))
+    array.type = ArrayValue::Type::kFloat;
+  else if (py::isinstance<py::array_t<std::uint32_t>>(given))
+    array.type = ArrayValue::Type::kIndex;
+  else if (py::isinstance<py::array_t<std::uint8_t>>(given))
+    array.type = ArrayValue::Type::kByte;
+  else
+    throw Error(ExitCode::kUsage, "arrays must have the type float32, uint32 or uint8");
+  if ((given.flags() & py::array::c_style) == 0) throw Error(ExitCode::kUsage, "arrays must be contiguous");
+  for (py::ssize_t axis = 0; axis < given.ndim(); ++axis)
+    array.shape.push_back(static_cast<std::size_t>(given.shape(axis)));
+  array.data = given.data();
+  array.owner = owner_of(given);
+  return std::make_shared<const ArrayValue>(std::move(array));
+}
+
+/// Maximum depth of trees, as in files.
+constexpr int kMaxTreeDepth = 100;
+
+/// Converts (name, attributes, children, location[, array]).
+XmlElement element_from(const py::tuple& given, int depth = 0) {
+  if (depth > kMaxTreeDepth) throw Error(ExitCode::kUsage, "objects are nested deeper than 100 levels");
+  XmlElement element;
+  element.name = given[0].cast<std::string>();
+  for (const auto& [name, value] : given[1].cast<py::dict>())
+    element.attributes.push_back({name.cast<std::string>(), value.cast<std::string>()});
+  for (const py::handle child : given[2].cast<py::list>())
+    element.children.push_back(element_from(child.cast<py::tuple>(), depth + 1));
+  element.where.file = given[3].cast<std::string>();
+  if (given.size() > 4 && !given[4].is_none()) element.array = array_from(given[4].cast<py::array>());
+  return element;
+}
+
+const XmlElement& at(const XmlElement& root, const TreePath& path) {
+  const XmlElement* element = &root;
+  for (const std::size_t index : path) {
+    if (index >= element->children.size()) throw Error(ExitCode::kUsage, "the object is no longer part of the scene");
+    element = &element->children[index];
+  }
+  return *element;
+}
+
+XmlElement& at(XmlElement& root, const TreePath& path) {
+  return const_cast<XmlElement&>(at(static_cast<const XmlElement&>(root), path));
+}
+
+/// An element without its grandchildren: (name, attributes, [(name, attributes)], location).
+py::tuple shallow(const XmlElement& element) {
+  const auto attributes = [](const XmlElement& of) {
+    py::dict out;
+    for (const XmlAttribute& attribute : of.attributes) out[py::str(attribute.name)] = attribute.value;
+    return out;
+  };
+  py::list children;
+  for (const XmlElement& child : element.children) children.append(py::make_tuple(child.name, attributes(child)));
+  std::string where = element.where.file;
+  if (element.where.line > 0) where += ":" + std::to_string(element.where.line);
+  return py::make_tuple(element.name, attributes(element), children, where);
+}
+
+/// Appends (path, name, id, type) of all elements with one of the names, in order of the file.
+void list_elements(const XmlElement& element, const std::vector<std::string>& names, TreePath& path, py::list& out) {
+  for (std::size_t i = 0; i < element.children.size(); ++i) {
+    const XmlElement& child = element.children[i];
+    path.push_back(i);
+    if (std::find(names.begin(), names.end(), child.name) != names.end()) {
+      const std::string *const id = child.find_attribute("id"), *const type = child.find_attribute("type");
+      out.append(py::make_tuple(path, child.name, id != nullptr ? *id : "", type != nullptr ? *type : ""));
+    }
+    list_elements(child, names, path, out);
+    path.pop_back();
+  }
+}
+
+/// Sets a child: replaces the one at `index`, or appends it if there is none.
+void set_child(Session& session, const TreePath& path, std::optional<std::size_t> index, const py::tuple& given) {
+  XmlElement child = element_from(given);
+  const py::gil_scoped_release unlocked;
+  session.edit([&](XmlElement& root) {
+    XmlElement& element = at(root, path);
+    if (child.where.file.empty()) child.where = element.where;
+    if (!index) {
+      element.children.push_back(child);
+    } else if (*index < element.children.size()) {
+      element.children[*index] = child;
+    }
+  });
+}
+
+void remove_child(Session& session, const TreePath& path, std::size_t index) {
+  const py::gil_scoped_release unlocked;
+  session.edit([&](XmlElement& root) {
+    std::vector<XmlElement>& children = at(root, path).children;
+    if (index < children.size()) children.erase(children.begin() + static_cast<std::ptrdiff_t>(index));
+  });
+}
+
+/// The matrix of a <transform>, row by row.
+std::vector<double> matrix_of(const Session& session, const TreePath& path) {
+  const Transform transform = parse_transform(at(session.tree(), path));
+  std::vector<double> out;
+  for (const auto& row : transform.matrix().m) out.insert(out.end(), row.begin(), row.end());
+  return out;
+}
+
+/// A copy of the array of an <array>.
+py::array array_parameter(const Session& session, const TreePath& path) {
+  const XmlElement& element = at(session.tree(), path);
+  if (element.array == nullptr) throw Error(ExitCode::kUsage, "the parameter is not an array");
+  const ArrayValue& array = *element.array;
+  const auto copy = [&]<class T>(std::span<const T> values) -> py::array {
+    return py::array_t<T>({array.shape.begin(), array.shape.end()}, values.data());
+  };
+  switch (array.type) {
+    case ArrayValue::Type::kIndex:
+      return copy(array.indices());
+    case ArrayValue::Type::kByte:
+      return copy(array.bytes());
+    default:
+      return copy(array.floats());
+  }
+}
+
+/// Calls run() in another thread. Meanwhile handles signals and calls the functions of the user. A signal that raises
+/// KeyboardInterrupt requests a stop. Other exceptions do so as well and are raised at the end.
+template <class Run>
+void run_watched(RenderWatch& watch, const py::object& progress, const py::object& stop, Run&& run) {
+  constexpr std::chrono::milliseconds kInterval(100);
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool is_done = false;
+  std::exception_ptr problem;
+  std::thread worker([&] {
+    try {
+      run();
+    } catch (...) { problem = std::current_exception(); }
+    const std::lock_guard lock(mutex);
+    is_done = true;
+    ended.notify_one();
+  });
+  std::optional<py::error_already_set> raised;
+  const auto call_user = [&] {
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!stop.is_none() && stop().cast<bool>()) watch.stop = true;
+      const std::uint64_t total = watch.total.load();
+      if (!progress.is_none() && total > 0) progress(watch.done.load(), total);
+    } catch (py::error_already_set& error) {
+      watch.stop = true;
+      if (!error.matches(PyExc_KeyboardInterrupt)) raised.emplace(error);
+    }
+  };
+  for (;;) {
+    bool finished;
+    {
+      const py::gil_scoped_release unlocked;
+      std::unique_lock lock(mutex);
+      finished = ended.wait_for(lock, kInterval, [&] { return is_done; });
+    }
+    if (finished) break;
+    if (!raised) call_user();
+  }
+  worker.join();
+  if (problem) std::rethrow_exception(problem);
+  if (!raised) call_user();  // the last progress
+  if (raised) throw *raised;
+}
+
+RenderedImage render(Session& session, const Words& options, const py::object& progress, const py::object& stop) {
+  RenderWatch watch;
+  RenderedImage out;
+  run_watched(watch, progress, stop, [&] { out = session.render(options, watch); });
+  return out;
+}
+
+/// A view of channels of the image, without a copy if they follow each other: H x W, or H x W x C.
+py::object channels_of(const py::object& self, const std::vector<std::string>& names) {
+  const auto& image = self.cast<const RenderedImage&>().image;
+  std::vector<int> indices;
+  for (const std::string& name : names) {
+    indices.push_back(image.find_channel(name));
+    if (indices.back() < 0) return py::none();
+  }
+  const auto stride = static_cast<py::ssize_t>(image.channels.size() * sizeof(float));
+  const py::ssize_t size = sizeof(float), height = image.height, width = image.width;
+  bool follow = true;
+  for (std::size_t i = 1; i < indices.size(); ++i) follow &= indices[i] == indices[0] + static_cast<int>(i);
+  if (!follow) {
+    py::array_t<float> copy({height, width, static_cast<py::ssize_t>(indices.size())});
+    float* out = copy.mutable_data();
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (const int c : indices) *out++ = image.at(x, y, c);
+    return copy;
+  }
+  std::vector<py::ssize_t> shape{height, width}, strides{width * stride, stride};
+  if (indices.size() > 1) {
+    shape.push_back(static_cast<py::ssize_t>(indices.size()));
+    strides.push_back(size);
+  }
+  return py::array_t<float>(shape, strides, image.data.data() + indices[0], self);
+}
+
+py::dict attributes_of(const RenderedImage& result) {
+  py::dict out;
+  for (const ExrMetadata::Attribute& attribute : result.metadata.attributes)
+    out[py::str(attribute.name)] = std::visit([](const auto& value) { return py::cast(value); }, attribute.value);
+  return out;
+}
+
+/// The parameters of an option: (name, help, kind, values, repeats).
+py::list option_list(const std::vector<OptionHelp>& options) {
+  constexpr const char* kKinds[] = {"flag", "integer", "number", "time", "text", "file", "folder"};
+  py::list out;
+  for (const OptionHelp& option : options) {
+    std::string name = option.names.back();
+    name.erase(0, name.find_first_not_of('-'));
+    out.append(
+        py::make_tuple(name, option.text, kKinds[static_cast<std::size_t>(option.kind)], option.words, option.repeats));
+  }
+  return out;
+}
+
+using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+/// An image H x W x C of 1 channel (Y), 3 (R, G, B) or 4 (and A).
+RenderedImage image_from(const FloatArray& values) {
+  const py::ssize_t channels = values.ndim() == 3 ? values.shape(2) : 0;
+  if ((channels != 1 && channels != 3 && channels != 4) || values.size() == 0 || values.shape(0) > kMaxImageSide ||
+      values.shape(1) > kMaxImageSide)
+    throw Error(ExitCode::kUsage, "expected an image as an array H x W x C with 1, 3 or 4 channels");
+  std::vector<std::string> names{"Y"};
+  if (channels >= 3) names = {"R", "G", "B"};
+  if (channels == 4) names.emplace_back("A");
+  RenderedImage result;
+  result.image = Image(static_cast<int>(values.shape(1)), static_cast<int>(values.shape(0)), std::move(names));
+  std::copy_n(values.data(), values.size(), result.image.data.data());
+  return result;
+}
+
+py::dict compare(const RenderedImage& a, const RenderedImage& b, double significance) {
+  CompareOptions options;
+  options.significance = significance;
+  options.variance_a = variance_layers(a.image);
+  options.variance_b = variance_layers(b.image);
+  ImageComparison result;
+  {
+    const py::gil_scoped_release unlocked;
+    result = compare_images(a.image, b.image, options);
+  }
+  py::dict out;
+  out["width"] = result.width;
+  out["height"] = result.height;
+  out["channels"] = result.channels;
+  out["mse"] = result.mse;
+  out["relative_mse"] = result.relative_mse;
+  out["mean_a"] = result.mean_a;
+  out["mean_b"] = result.mean_b;
+  out["mean_ratio"] = result.mean_ratio;
+  out["non_finite"] = result.non_finite;
+  if (result.z_test) {
+    out["accepted"] = result.z_test->accepted_share();
+    out["mean_z_squared"] = result.z_test->mean_z_squared;
+    out["mean_p"] = result.z_test->corrected_mean_p();
+  }
+  return out;
+}
+
+void add_scene(py::module_& m) {
+  py::class_<Session>(m, "Session")
+      .def(py::init<const std::string&, Words>(), py::call_guard<py::gil_scoped_release>())
+      .def(py::init([](const py::tuple& root, const std::string& name, const std::string& folder, Words options) {
+        XmlElement tree = element_from(root);
+        const py::gil_scoped_release unlocked;
+        return std::make_unique<Session>(std::move(tree), name, folder, std::move(options));
+      }))
+      .def_property_readonly("has_tree", &Session::has_tree)
+      .def_property_readonly("name", &Session::name)
+      .def_property_readonly("notes", [](const Session& s) { return s.description().notes; })
+      .def_property_readonly("stand_ins", [](const Session& s) { return s.description().stand_ins; })
+      .def_property_readonly(
+          "size",
+          [](const Session& s) { return py::make_tuple(s.description().film.width, s.description().film.height); })
+      .def("list",
+           [](const Session& s, const std::vector<std::string>& names) {
+             py::list out;
+             TreePath path;
+             list_elements(s.tree(), names, path, out);
+             return out;
+           })
+      .def("get", [](const Session& s, const TreePath& path) { return shallow(at(s.tree(), path)); })
+      .def("set", set_child)
+      .def("remove", remove_child)
+      .def("matrix", matrix_of)
+      .def("array", array_parameter)
+      .def("render", render);
+}
+
+void add_image(py::module_& m) {
+  py::class_<RenderedImage>(m, "Image")
+      .def_static("from_array", image_from)
+      .def_property_readonly("width", [](const RenderedImage& r) { return r.image.width; })
+      .def_property_readonly("height", [](const RenderedImage& r) { return r.image.height; })
+      .def_property_readonly("channels", [](const RenderedImage& r) { return r.image.channels; })
+      .def_property_readonly("offset", [](const RenderedImage& r) { return py::make_tuple(r.image.x0, r.image.y0); })
+      .def_property_readonly(
+          "frame", [](const RenderedImage& r) { return py::make_tuple(r.image.frame_width, r.image.frame_height); })
+      .def_property_readonly("attributes", attributes_of)
+      .def_readonly("stats", &RenderedImage::stats)
+      .def_readonly("warnings", &RenderedImage::warnings)
+      .def_readonly("notes", &RenderedImage::notes)
+      .def_readonly("interrupted", &RenderedImage::interrupted)
+      .def_readonly("kept_scene", &RenderedImage::kept_scene)
+      .def_readonly("kept_accel", &RenderedImage::kept_accel)
+      .def("array", channels_of)
+      .def("write", write_result, py::call_guard<py::gil_scoped_release>())
+      .def("png",
+           [](const RenderedImage& r, const Words& options) {
+             const std::vector<unsigned char> bytes = encode_png(r, options);
+             return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+           })
+      .def("denoise", denoise_result, py::call_guard<py::gil_scoped_release>())
+      .def("compare", compare);
+}
+
+/// Errors become sheaf._sheaf.NativeError(message, exit code), which the package converts.
+void translate_errors(py::module_& m) {
+  static PyObject* const native = PyErr_NewException("sheaf._sheaf.NativeError", PyExc_Exception, nullptr);
+  m.attr("NativeError") = py::handle(native);
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const Error& error) {
+      PyErr_SetObject(native, py::make_tuple(error.what(), static_cast<int>(error.code())).ptr());
+    }
+  });
+}
+
+}  // namespace
+
+}  // namespace sheaf
+
+PYBIND11_MODULE(_sheaf, m) {
+  using namespace sheaf;
+  m.attr("version") = SHEAF_VERSION;
+  m.attr("isa") = kIsaName;
+  translate_errors(m);
+  add_scene(m);
+  add_image(m);
+  add_queries(m);
+  m.def("render_options", [] { return option_list(render_option_list()); });
+  m.def("read_options", [] { return option_list(read_option_list()); });
+  m.def("output_options", [] { return option_list(output_option_list()); });
+  m.def("plugins", plugin_names);
+  m.def("aovs", [] {
+    std::vector<std::pair<std::string, std::vector<std::string>>> out;
+    for (const AovEntry& entry : kAovList) {
+      out.emplace_back(std::string(entry.name), std::vector<std::string>());
+      for (const std::string_view channel : entry.channels)
+        if (!channel.empty()) out.back().second.emplace_back(channel);
+    }
+    return out;
+  });
+  m.def("read", read_result, py::call_guard<py::gil_scoped_release>());
+  m.def("merge", [](const std::vector<const RenderedImage*>& parts, std::vector<int> crop, bool incomplete) {
+    const py::gil_scoped_release unlocked;
+    return merge_results(parts, {std::move(crop), incomplete, false});
+  });
+}

@@ -1,0 +1,256 @@
+#include "tools/python/bindings/session.h"
+
+#include "core/io/error.h"
+#include "core/io/file_cache.h"
+#include "core/io/inflate.h"
+#include "core/io/memory.h"
+#include "scene/dialects/read_scene.h"
+#include "tools/console/progress.h"
+#include "tools/job/apply_arguments.h"
+#include "tools/job/parts.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <set>
+
+namespace sheaf {
+
+namespace {
+
+/// The files of all scenes, which remain in memory while any scene exists.
+class SharedFiles {
+ public:
+  /// Files that no scene has read since the last call are dropped.
+  void open() {
+    const std::lock_guard lock(mutex_);
+    if (sessions_++ == 0) cache_.emplace();
+    cache_->drop_unused();
+  }
+  void close() {
+    const std::lock_guard lock(mutex_);
+    if (--sessions_ == 0) cache_.reset();
+  }
+
+ private:
+  std::mutex mutex_;
+  int sessions_ = 0;
+  std::optional<FileCache> cache_;
+};
+
+SharedFiles& shared_files() {
+  static auto* const files = new SharedFiles;  // never destroyed: scenes may outlive static objects
+  return *files;
+}
+
+/// Locks the mutex, or throws if another call holds it.
+std::unique_lock<std::mutex> claim(std::mutex& mutex) {
+  std::unique_lock lock(mutex, std::try_to_lock);
+  if (!lock.owns_lock()) throw Error(ExitCode::kUsage, "the scene is in use by another call");
+  return lock;
+}
+
+/// Options that the compiled scene does not depend on.
+const std::set<std::string>& options_of_render_only() {
+  static const std::set<std::string> names{"seed",  "threads",       "wave-size",    "aov",      "light-groups",
+                                           "float", "replicates",    "guiding",      "caustics", "samples",
+                                           "crop",  "spectral-bins", "no-timestamps"};
+  return names;
+}
+
+/// Checksum of a tree with its arrays.
+std::uint32_t check_sum_of(const XmlElement& element, std::uint32_t sum) {
+  const auto add = [&sum](std::string_view text) { sum = check_sum({text.data(), text.size()}, sum); };
+  add("<" + element.name);
+  for (const XmlAttribute& attribute : element.attributes) add(" " + attribute.name + "=" + attribute.value);
+  if (const ArrayValue* array = element.array.get()) {
+    add(array->text());
+    const std::size_t number_bytes = array->type == ArrayValue::Type::kByte ? 1 : 4;
+    sum = check_sum({static_cast<const char*>(array->data), array->size() * number_bytes}, sum);
+  }
+  for (const XmlElement& child : element.children) sum = check_sum_of(child, sum);
+  add(">");
+  return sum;
+}
+
+}  // namespace
+
+/// One render: its options, and what follows from them.
+struct Session::Job {
+  Job() : program("sheaf", ""), command(add_render_options(program, arguments)) {}
+
+  Program program;
+  RenderArguments arguments;
+  Command command;
+  std::vector<GivenOption> given;
+  AovSet aovs;
+  RenderOptions options;
+  std::string compiled_for;
+  double build_seconds = 0;
+  bool kept_scene = false, kept_accel = false;
+};
+
+Session::Session(const std::string& file, std::vector<std::string> options)
+    : name_(file), read_words_(std::move(options)) {
+  read_options_ = parse_read_options(file, read_words_);
+  shared_files().open();
+  try {
+    const double start = Progress::steady_seconds();
+    if (is_xml_scene(file)) {
+      expanded_ = std::make_unique<ExpandedScene>(expand_scene(file, read_options_));
+      take(read_scene(*expanded_, name_, read_options_));
+    } else {
+      take(read_scene(file, read_options_));
+    }
+    load_seconds_ = Progress::steady_seconds() - start;
+  } catch (...) {
+    shared_files().close();
+    throw;
+  }
+}
+
+Session::Session(XmlElement root, const std::string& name, const std::filesystem::path& folder,
+                 std::vector<std::string> options)
+    : name_(name), read_words_(std::move(options)), is_changed_(true) {
+  read_options_ = parse_read_options(name, read_words_);
+  shared_files().open();
+  try {
+    const double start = Progress::steady_seconds();
+    expanded_ = std::make_unique<ExpandedScene>(std::move(root), folder, read_options_.lenient);
+    take(read_scene(*expanded_, name_, read_options_));
+    load_seconds_ = Progress::steady_seconds() - start;
+  } catch (...) {
+    shared_files().close();
+    throw;
+  }
+}
+
+Session::~Session() { shared_files().close(); }
+
+void Session::take(Description description) {
+  loaded_.description = std::move(description);
+  film_ = loaded_.description.film;
+  sampler_ = loaded_.description.sampler;
+  integrator_ = loaded_.description.integrator;
+  notes_ = loaded_.description.notes;
+  compiled_for_.clear();
+}
+
+const XmlElement& Session::tree() const {
+  if (expanded_ == nullptr)
+    throw Error(ExitCode::kUsage,
+                name_ + " cannot be changed or inspected: expected a scene of Mitsuba or Nori or from a dictionary");
+  return expanded_->root();
+}
+
+void Session::edit(const std::function<void(XmlElement& root)>& change) {
+  const auto lock = claim(mutex_);
+  const double start = Progress::steady_seconds();
+  XmlElement root = tree();
+  change(root);
+  auto changed = std::make_unique<ExpandedScene>(std::move(root), *expanded_);
+  Description description = read_scene(*changed, name_, read_options_);
+  expanded_ = std::move(changed);
+  is_changed_ = true;
+  take(std::move(description));
+  load_seconds_ = Progress::steady_seconds() - start;
+}
+
+void Session::prepare_job(const std::vector<std::string>& options, Job& job) {
+  // Parse the words of an equal command line
+  job.command.on_call([&job] { job.given = job.command.given(); });
+  std::vector<std::string> words{"render"};
+  words.insert(words.end(), read_words_.begin(), read_words_.end());
+  words.insert(words.end(), options.begin(), options.end());
+  words.emplace_back("--");
+  words.push_back(name_);
+  job.program.parse(words);
+  for (const GivenOption& option : job.given)
+    if (!options_of_render_only().contains(option.name) && option.name != "scene")
+      job.compiled_for += "--" + option.name + "=" + option.values + "\n";
+  if (!job.arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", job.arguments.denoiser));
+  // Apply them to the scene as it was read
+  Description& description = loaded_.description;
+  description.film = film_;
+  description.sampler = sampler_;
+  description.integrator = integrator_;
+  description.notes = notes_;
+  job.aovs = wanted_aovs(job.arguments);
+  const PixelRect crop = prepare(job.arguments, loaded_);
+  job.options = render_options(job.arguments, description.sampler, job.aovs, crop);
+}
+
+void Session::compile_job(Job& job) {
+  job.compiled_for += ".";  // not empty
+  job.kept_scene = loaded_.scene != nullptr && compiled_for_ == job.compiled_for;
+  job.kept_accel = job.kept_scene;
+  if (job.kept_scene) {
+    loaded_.compiled.texture_seconds = loaded_.compiled.mesh_seconds = loaded_.compiled.accel_seconds = 0;
+    return;
+  }
+  const double start = Progress::steady_seconds();
+  compiled_for_.clear();
+  if (loaded_.scene != nullptr) keep_geometry(std::move(loaded_.scene), kept_);
+  const Accel* const before = kept_.accel.get();
+  sheaf::compile(job.arguments, job.options, loaded_, &kept_);
+  job.kept_accel = before != nullptr && loaded_.scene->view().accel == before;
+  compiled_for_ = job.compiled_for;
+  job.build_seconds = Progress::steady_seconds() - start;
+}
+
+RenderSettings Session::settings_of(const Job& job) const {
+  RenderSettings settings =
+      render_settings(job.given, expanded_ != nullptr ? expanded_->files() : loaded_.description.files);
+  if (is_changed_) settings.emplace_back("the scene of the program", fmt::format("{:08x}", check_sum_of(tree(), 0)));
+  return settings;
+}
+
+RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch& watch) {
+  const auto lock = claim(mutex_);
+  Job job;
+  prepare_job(words, job);
+  compile_job(job);
+  // Render
+  RenderOptions& options = job.options;
+  options.stop = &watch.stop;
+  options.on_progress = [&watch](std::uint64_t done, std::uint64_t total) {
+    watch.total.store(total, std::memory_order_relaxed);
+    // Workers may report in any order
+    std::uint64_t last = watch.done.load(std::memory_order_relaxed);
+    while (last < done && !watch.done.compare_exchange_weak(last, done, std::memory_order_relaxed)) {}
+  };
+  RenderResult result = sheaf::render(*loaded_.scene, options);
+  RenderReport& report = result.report;
+  report.scene = name_;
+  report.color = loaded_.color_name();
+  add_loading(report, loaded_, load_seconds_, job.build_seconds);
+  load_seconds_ = 0;
+  report.peak_rss_bytes = peak_rss_bytes();
+  report.peak_private_bytes = peak_private_bytes();
+  // Make the image with its metadata
+  RenderedImage out;
+  out.image = result.to_image();
+  out.metadata = make_metadata(job.arguments, loaded_, job.aovs, report, out.image);
+  if (result.samples) report.spp = result.samples->count;
+  if (!job.arguments.samples.empty() || !job.arguments.crop.empty())
+    add_part_attributes(out.metadata, part_settings(settings_of(job)), result.samples);
+  add_denoised(job.arguments, out.image, out.metadata);
+  out.stats = to_json(report);
+  out.warnings = scene_warnings(loaded_);
+  out.warnings.insert(out.warnings.end(), result.warnings.begin(), result.warnings.end());
+  out.notes = loaded_.description.notes;
+  out.interrupted = result.interrupted;
+  out.kept_scene = job.kept_scene;
+  out.kept_accel = job.kept_accel;
+  return out;
+}
+
+void Session::with_scene(const std::vector<std::string>& options, const std::function<void(const LoadedScene&)>& use) {
+  const auto lock = claim(mutex_);
+  Job job;
+  prepare_job(options, job);
+  compile_job(job);
+  use(loaded_);
+}
+
+}  // namespace sheaf

@@ -1,0 +1,119 @@
+// A scene of a Python program: read once, changed and rendered any number of times. It takes the same steps as `sheaf
+// render` (tools/job/render_job.h).
+#pragma once
+
+#include "scene/compile/kept_geometry.h"
+#include "scene/xml/xml_expand.h"
+#include "tools/farm/merge_parts.h"
+#include "tools/job/render_job.h"
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace sheaf {
+
+/// An image with its metadata, as files hold it, and what is known of its render.
+struct RenderedImage {
+  Image image;
+  ExrMetadata metadata;
+  std::string stats = {};                  ///< the content of --stats; empty: unknown
+  std::vector<std::string> warnings = {};  ///< about the scene and the render
+  std::vector<std::string> notes = {};
+  bool interrupted = false;
+  bool kept_scene = false;  ///< the compiled scene of the last render was used
+  bool kept_accel = false;  ///< its acceleration structure was used
+};
+
+/// What another thread reads and sets while a render runs.
+struct RenderWatch {
+  std::atomic<bool> stop{false};
+  std::atomic<std::uint64_t> done{0}, total{0};  ///< samples
+};
+
+/// Indices of children, from the root of a tree to an element.
+using TreePath = std::vector<std::size_t>;
+
+/// Throws Error (exit code 2) when a second thread calls a member function meanwhile.
+class Session {
+ public:
+  /// Reads a file. `options`: words of the command line that read_options.h declares. Throws Error.
+  Session(const std::string& file, std::vector<std::string> options);
+  /// Reads a tree, whose relative paths refer to `folder`. `name`: of the scene in messages. Throws Error.
+  Session(XmlElement root, const std::string& name, const std::filesystem::path& folder,
+          std::vector<std::string> options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Whether the scene is a tree that can be changed.
+  bool has_tree() const { return expanded_ != nullptr; }
+  /// The root of the tree. Throws Error (exit code 2) without one.
+  const XmlElement& tree() const;
+  /// Calls `change` for a copy of the tree, and reads it. If that fails, the scene remains as it was.
+  void edit(const std::function<void(XmlElement& root)>& change);
+
+  /// Renders. `options`: words of the command line of `sheaf render`. Throws Error.
+  RenderedImage render(const std::vector<std::string>& options, RenderWatch& watch);
+
+  /// Calls `use` with the scene compiled for a render with these options.
+  void with_scene(const std::vector<std::string>& options, const std::function<void(const LoadedScene&)>& use);
+
+  const std::string& name() const { return name_; }
+  /// Notes and substitutions of reading.
+  const Description& description() const { return loaded_.description; }
+
+ private:
+  struct Job;
+  void take(Description description);
+  void prepare_job(const std::vector<std::string>& options, Job& job);
+  void compile_job(Job& job);
+  RenderSettings settings_of(const Job& job) const;
+
+  std::mutex mutex_;
+  std::string name_;
+  std::vector<std::string> read_words_;
+  ReadOptions read_options_;
+  std::unique_ptr<ExpandedScene> expanded_;  ///< null for formats other than XML
+  bool is_changed_ = false;                  ///< the tree is not that of the file
+  LoadedScene loaded_;
+  // The settings as read, before options are applied
+  FilmSettings film_;
+  SamplerSettings sampler_;
+  IntegratorSettings integrator_;
+  std::vector<std::string> notes_;
+  double load_seconds_ = 0;
+  KeptGeometry kept_;
+  std::string compiled_for_;  ///< the options that the compiled scene depends on
+};
+
+/// Throws Error (exit code 2) for words that are not options of reading; otherwise returns the options.
+ReadOptions parse_read_options(const std::string& file, const std::vector<std::string>& words);
+
+/// The options of `sheaf render` that apply to renders in a program, and those of reading and of writing images.
+std::vector<OptionHelp> render_option_list();
+std::vector<OptionHelp> read_option_list();
+std::vector<OptionHelp> output_option_list();
+
+/// The plugins of Mitsuba's dialect, by element. Read from the errors about unknown plugins.
+std::map<std::string, std::vector<std::string>> plugin_names();
+
+/// Writes an image file, or encodes it as PNG. `options`: words of the command line that output_options.h declares.
+/// Throws Error.
+void write_result(const RenderedImage& result, const std::string& file, const std::vector<std::string>& options);
+std::vector<unsigned char> encode_png(const RenderedImage& result, const std::vector<std::string>& options);
+
+/// Reads an image of any format. Throws SceneError.
+RenderedImage read_result(const std::string& file);
+
+/// See tools/farm/merge_parts.h. Throws Error.
+RenderedImage merge_results(const std::vector<const RenderedImage*>& parts, const MergeOptions& options);
+
+/// See kernels/denoise/denoise.h. Throws Error.
+RenderedImage denoise_result(const RenderedImage& result, const std::string& method, int threads);
+
+}  // namespace sheaf
