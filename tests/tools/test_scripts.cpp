@@ -1,6 +1,9 @@
 // The scripts of the repository can be run as documented.
 #include <doctest/doctest.h>
 
+#include "tests/support/temporary_folder.h"
+
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -24,6 +27,20 @@ TEST_CASE("exactly the scripts with an interpreter line are executable") {
     }
   }
   CHECK(scripts > 20);
+}
+
+TEST_CASE("the commit hook accepts subjects of at most 72 characters") {
+  const TemporaryFolder folder;
+  const auto accepts = [&](const std::string& message) {
+    std::ofstream(folder / "message") << message;
+    const std::string file = folder / "message";
+    return std::system(("'" SHEAF_SOURCE_DIR "/.githooks/commit-msg' '" + file + "' 2>/dev/null").c_str()) == 0;
+  };
+  CHECK(accepts(std::string(72, 'x') + "\n"));
+  CHECK_FALSE(accepts(std::string(73, 'x') + "\n"));
+  CHECK(accepts("Short\n\n" + std::string(100, 'x') + "\n"));
+  CHECK(accepts("Fl\u00e4che " + std::string(65, 'x')));
+  CHECK(accepts("Merge " + std::string(100, 'x')));
 }
 
 }  // namespace sheaf::test_scripts
