@@ -6,7 +6,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/phase/all_headers.h"
 #include "scene/materials/list.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 namespace sheaf {
 

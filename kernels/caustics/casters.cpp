@@ -4,7 +4,7 @@
 #include "core/sampling/warp.h"
 #include "kernels/lights/list.h"
 #include "scene/materials/list.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include "core/sampling/alias_table.h"
 #include "core/sampling/rng.h"
 #include "scene/tables/instance.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <optional>
 #include <vector>

@@ -9,7 +9,7 @@
 
 #include "kernels/caustics/specular_chain.h"
 #include "kernels/media/medium_random.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <optional>
 

@@ -5,7 +5,7 @@
 #include "kernels/bsdf/dielectric.h"
 #include "kernels/bsdf/dispersive_dielectric.h"
 #include "kernels/bsdf/list.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <cmath>
 

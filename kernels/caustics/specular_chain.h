@@ -5,7 +5,7 @@
 
 #include "core/color/spectrum.h"
 #include "kernels/caustics/casters.h"
-#include "scene/tables/accel.h"
+#include "scene/accel/accel.h"
 
 namespace sheaf {
 

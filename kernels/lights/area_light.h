@@ -3,7 +3,7 @@
 
 #include "core/math/frame.h"
 #include "kernels/lights/light_kind.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

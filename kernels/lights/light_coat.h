@@ -4,7 +4,7 @@
 
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/principled_lobes.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/textures/texture_lookup.h"
 
 namespace sheaf {

@@ -18,7 +18,7 @@
 #include "core/sampling/rng.h"
 #include "core/sampling/warp.h"
 #include "kernels/lights/envmap.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/textures/texture_lookup.h"
 
 #include <concepts>

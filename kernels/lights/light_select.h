@@ -3,7 +3,7 @@
 
 #include "core/sampling/alias_table.h"
 #include "kernels/lights/light_tree.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 namespace sheaf {
 

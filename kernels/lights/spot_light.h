@@ -3,7 +3,7 @@
 
 #include "kernels/lights/point_light.h"
 #include "scene/lights/spot_light.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/materials/list.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 #include "scene/textures/texture_lookup.h"
 
 namespace sheaf {

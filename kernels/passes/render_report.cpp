@@ -2,7 +2,7 @@
 
 #include "core/io/duration.h"
 #include "kernels/guiding/candidate_trial.h"
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

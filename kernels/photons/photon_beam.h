@@ -5,7 +5,7 @@
 
 #include "core/color/spectrum.h"
 #include "core/math/vec.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <cstdint>
 

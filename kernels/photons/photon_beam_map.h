@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/photons/photon_beam.h"
-#include "scene/tables/accel.h"
+#include "scene/accel/accel.h"
 
 #include <vector>
 

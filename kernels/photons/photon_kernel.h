@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/simd/simd.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 namespace sheaf {
 

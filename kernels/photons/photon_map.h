@@ -13,7 +13,7 @@
 
 #include "core/soa/large_table.h"
 #include "kernels/photons/photon.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <array>
 #include <cstddef>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "kernels/photons/photon.h"
-#include "scene/tables/accel.h"
-#include "scene/tables/scene.h"
+#include "scene/accel/accel.h"
+#include "scene/tables/scene_view.h"
 
 #include <vector>
 

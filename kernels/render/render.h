@@ -7,7 +7,7 @@
 #include "kernels/render/caustic_mode.h"
 #include "kernels/render/render_state.h"
 #include "kernels/training/guiding_mode.h"
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <atomic>
 #include <functional>

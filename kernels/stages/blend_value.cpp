@@ -8,7 +8,7 @@
 #include "kernels/stages/stage_list.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <array>
 #include <bit>

@@ -8,7 +8,7 @@
 #include "kernels/wave/add_radiance.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

@@ -4,7 +4,7 @@
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

@@ -5,7 +5,7 @@
 #include "kernels/stages/medium_boundary.h"
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/wave.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

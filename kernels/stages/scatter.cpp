@@ -15,7 +15,7 @@
 #include "kernels/wave/path_time.h"
 #include "kernels/wave/path_wavelengths.h"
 #include "kernels/wave/stage_timer.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Texture lookups for the parameters of closures.
 #pragma once
 
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/textures/texture_lookup.h"
 
 namespace sheaf {

@@ -4,8 +4,8 @@
 #include "core/soa/lane_array.h"
 #include "kernels/stages/trace_packets.h"
 #include "kernels/wave/path_state.h"
+#include "scene/surfaces/shape.h"
 #include "scene/tables/exterior_medium.h"
-#include "scene/tables/shape.h"
 
 namespace sheaf {
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "kernels/wave/wave.h"
+#include "scene/accel/accel.h"
+#include "scene/tables/scene_view.h"
 
 #include <algorithm>
 

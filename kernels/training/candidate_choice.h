@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/training/trial_pass.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 namespace sheaf {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/color/spectrum.h"
-#include "scene/tables/accel.h"
+#include "scene/accel/accel.h"
 
 #include <vector>
 

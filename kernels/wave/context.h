@@ -3,7 +3,7 @@
 
 #include "kernels/guiding/candidate_trial.h"
 #include "kernels/guiding/guide_view.h"
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <cassert>
 

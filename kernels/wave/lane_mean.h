@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/color/spectrum.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 namespace sheaf {
 

@@ -3,7 +3,7 @@
 
 #include "core/io/name_table.h"
 #include "scene/content/description.h"
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <functional>
 

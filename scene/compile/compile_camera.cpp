@@ -2,7 +2,7 @@
 
 #include "core/math/frame.h"
 #include "scene/description/field_of_view.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <algorithm>
 #include <cmath>

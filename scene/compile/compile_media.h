@@ -3,7 +3,7 @@
 
 #include "scene/compile/compile.h"
 #include "scene/spectra/spectrum_set.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <span>
 

@@ -1,7 +1,7 @@
 // Compiles grids of signed distances.
+#include "scene/accel/sdf_grid.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/description/voxels.h"
-#include "scene/tables/sdf_grid.h"
 
 #include <cmath>
 

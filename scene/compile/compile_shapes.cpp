@@ -1,10 +1,10 @@
 // Compiles shapes, shape groups and instances.
 #include "core/math/frame.h"
 #include "core/soa/large_pages.h"
+#include "scene/accel/quadric.h"
 #include "scene/compile/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/instance.h"
-#include "scene/tables/quadric.h"
 
 #include <algorithm>
 

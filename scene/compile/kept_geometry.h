@@ -2,7 +2,7 @@
 // geometry does not move.
 #pragma once
 
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <memory>
 #include <vector>

@@ -1,8 +1,9 @@
 #include "scene/compile/medium_probe.h"
 
 #include "core/sampling/warp.h"
+#include "scene/accel/accel.h"
+#include "scene/surfaces/shape.h"
 #include "scene/tables/exterior_medium.h"
-#include "scene/tables/shape.h"
 
 #include <algorithm>
 #include <cmath>

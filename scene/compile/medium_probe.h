@@ -1,7 +1,7 @@
 // Finds the medium that contains a point, by probe rays.
 #pragma once
 
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <vector>
 

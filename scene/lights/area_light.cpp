@@ -1,6 +1,6 @@
 #include "scene/lights/area_light.h"
 
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <algorithm>
 #include <cmath>

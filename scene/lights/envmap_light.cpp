@@ -8,7 +8,7 @@
 #include "scene/lights/make_envmap.h"
 #include "scene/lights/octahedral_envmap.h"
 #include "scene/tables/render_settings.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/xml/linear_gamma.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // Bounds of lights for the light tree: helpers shared by the kinds (scene/lights/), also used by tests.
 #pragma once
 
+#include "scene/surfaces/shape.h"
 #include "scene/tables/light.h"
 #include "scene/tables/light_tree.h"
-#include "scene/tables/shape.h"
 
 #include <span>
 

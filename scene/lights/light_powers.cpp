@@ -2,7 +2,7 @@
 
 #include "scene/lights/texture_mean.h"
 #include "scene/tables/light_tree.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 #include "scene/lights/list.h"
 
 #include "scene/lights/light_context.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/xml/properties.h"
 
 namespace sheaf {

@@ -6,8 +6,8 @@
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/texture_mean.h"
+#include "scene/surfaces/shape.h"
 #include "scene/tables/light_cone.h"
-#include "scene/tables/shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 #include "scene/lights/quadric_light.h"
 
 #include "core/sampling/warp.h"
+#include "scene/accel/quadric.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/texture_mean.h"
-#include "scene/tables/quadric.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include <algorithm>
 #include <cmath>

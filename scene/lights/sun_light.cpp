@@ -2,7 +2,7 @@
 
 #include "scene/lights/daylight.h"
 #include "scene/lights/light_context.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <cmath>
 

@@ -1,6 +1,8 @@
 // Rows and bounds of instances.
 #include "scene/tables/instance.h"
 
+#include "core/io/error.h"
+
 #include <cmath>
 
 namespace sheaf {

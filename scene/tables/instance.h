@@ -3,7 +3,7 @@
 
 #include "core/math/vec.h"
 #include "scene/tables/instance_transform.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/shape_rows.h"
 
 namespace sheaf {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/color/float4.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 #include "scene/tables/spectral_grid.h"
 
 #include <cmath>

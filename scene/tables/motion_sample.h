@@ -3,6 +3,7 @@
 #pragma once
 
 #include "scene/tables/instance.h"
+#include "scene/tables/motion.h"
 
 namespace sheaf {
 

@@ -2,7 +2,7 @@
 // coordinates are safe, including NaN. scene/textures/lookups/ implements them for each kind of textures.
 #pragma once
 
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 #include "scene/tables/texture.h"
 
 namespace sheaf {

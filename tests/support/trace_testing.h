@@ -1,7 +1,8 @@
 // Traces single rays through a compiled scene.
 #pragma once
 
-#include "scene/tables/shape.h"
+#include "scene/accel/accel.h"
+#include "scene/surfaces/shape.h"
 
 #include <optional>
 

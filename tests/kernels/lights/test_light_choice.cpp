@@ -2,7 +2,7 @@
 // sampling. The latter know the vertex only by their ray's origin and a rounded normal.
 #include "kernels/stages/light_sample_context.h"
 #include "scene/compile/compile.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 #include "tests/support/tiny_scenes.h"
 
 #include <doctest/doctest.h>

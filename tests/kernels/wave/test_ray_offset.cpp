@@ -2,7 +2,7 @@
 // surface.
 #include "kernels/render/render.h"
 #include "scene/compile/compile.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 #include "tests/support/near.h"
 #include "tests/support/statistics.h"
 #include "tests/support/tiny_scenes.h"

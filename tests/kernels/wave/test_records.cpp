@@ -1,6 +1,6 @@
 // Records of tables: the memory layout matches the order of fields().
 #include "kernels/wave/path_state.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Surfaces at hits: positions, normals, uv and tangents of every kind of shape, and the distribution of light samples.
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 
 #include "scene/compile/compile.h"
 #include "tests/support/chi_square.h"

@@ -1,7 +1,6 @@
 // Files of measured BRDFs: fields and error messages.
 #include "scene/formats/measured_file.h"
 #include "scene/formats/tensor_file.h"
-#include "scene/tables/scene.h"
 #include "tests/support/files/scene_files.h"
 #include "tests/support/measured_testing.h"
 

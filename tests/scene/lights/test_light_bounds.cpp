@@ -2,9 +2,9 @@
 #include "scene/lights/light_bounds.h"
 
 #include "kernels/lights/light_tree.h"
+#include "scene/accel/quadric.h"
 #include "scene/compile/compile.h"
 #include "scene/lights/light_powers.h"
-#include "scene/tables/quadric.h"
 #include "tests/support/light_testing.h"
 #include "tests/support/near.h"
 #include "tests/support/records_testing.h"

@@ -1,6 +1,6 @@
 // Shapes of pbrt: parameters, texture coordinates of spheres, curves, and the media on both sides.
 #include "scene/compile/compile.h"
-#include "scene/tables/shape.h"
+#include "scene/surfaces/shape.h"
 #include "tests/support/near.h"
 #include "tests/support/pbrt_testing.h"
 

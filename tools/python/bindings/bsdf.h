@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/math/vec.h"
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "tools/python/bindings/trace.h"
 
 #include "core/soa/lane_array.h"
-#include "scene/tables/accel.h"
-#include "scene/tables/shape.h"
+#include "scene/accel/accel.h"
+#include "scene/surfaces/shape.h"
 
 #include <algorithm>
 

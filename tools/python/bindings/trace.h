@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/math/vec3d.h"
-#include "scene/tables/scene.h"
+#include "scene/tables/scene_view.h"
 
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 // Points near rays: Embree's discs that face the ray.
-#include "scene/tables/accel.h"
-#include "scene/tables/near_query.h"
+#include "scene/accel/accel.h"
+#include "scene/accel/near_query.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "scene/tables/embree.h"
+#include "scene/accel/embree.h"
 
 #include "core/io/error.h"
 #include "core/io/memory.h"

@@ -1,6 +1,6 @@
 // Lines near rays: Embree's flat curves. Long lines are divided into pieces, which have tighter bounds.
-#include "scene/tables/accel.h"
-#include "scene/tables/near_query.h"
+#include "scene/accel/accel.h"
+#include "scene/accel/near_query.h"
 
 #include <cmath>
 

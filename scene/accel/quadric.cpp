@@ -1,5 +1,6 @@
-#include "scene/tables/quadric.h"
+#include "scene/accel/quadric.h"
 
+#include "core/io/error.h"
 #include "core/math/vec3d.h"
 
 #include <array>

@@ -1,11 +1,10 @@
 // The scene's acceleration structure: building it, with instances, and tracing packets of rays.
-#include "scene/tables/accel.h"
+#include "scene/accel/accel.h"
 
-#include "scene/tables/build_quality.h"
-#include "scene/tables/embree_shapes.h"
+#include "scene/accel/build_quality.h"
+#include "scene/accel/embree_shapes.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/motion_sample.h"
-#include "scene/tables/scene.h"
 
 #include <cstring>
 #include <vector>

@@ -1,7 +1,8 @@
 // Spheres, disks and cylinders as affine images of canonical shapes, with ray intersection in double precision.
 #pragma once
 
-#include "scene/tables/scene.h"
+#include "core/math/transform.h"
+#include "scene/tables/shape_rows.h"
 
 #include <optional>
 

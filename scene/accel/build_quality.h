@@ -1,7 +1,7 @@
 // Decides whether an acceleration structure is built with spatial splits.
 #pragma once
 
-#include "scene/tables/accel.h"
+#include "scene/accel/accel.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Grids of signed distances: exact intersection of rays with their zero level set, in double precision.
 #pragma once
 
-#include "scene/tables/quadric.h"
+#include "scene/accel/quadric.h"
 
 #include <utility>
 

@@ -1,4 +1,4 @@
-#include "scene/tables/build_quality.h"
+#include "scene/accel/build_quality.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // Signed distance grids: hits against a numerical search, planes, spheres, watertightness, and errors.
-#include "scene/tables/sdf_grid.h"
+#include "scene/accel/sdf_grid.h"
 
 #include "scene/compile/compile.h"
 #include "tests/support/files/mesh_files.h"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/math/vec.h"
-#include "scene/tables/embree.h"
+#include "scene/accel/embree.h"
 
 namespace sheaf {
 

@@ -1,4 +1,4 @@
-#include "scene/tables/sdf_grid.h"
+#include "scene/accel/sdf_grid.h"
 
 #include "core/math/vec3d.h"
 

@@ -1,4 +1,4 @@
-#include "scene/tables/near_query.h"
+#include "scene/accel/near_query.h"
 
 namespace sheaf {
 

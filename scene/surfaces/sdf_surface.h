@@ -1,7 +1,7 @@
 // Surface interaction of signed distance grids, generic in the lane policy.
 #pragma once
 
-#include "scene/tables/surface.h"
+#include "scene/surfaces/surface.h"
 
 namespace sheaf {
 

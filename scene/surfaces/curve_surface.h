@@ -1,8 +1,8 @@
 // Surface interaction of round curves, generic in the lane policy.
 #pragma once
 
+#include "scene/surfaces/surface.h"
 #include "scene/tables/motion_sample.h"
-#include "scene/tables/surface.h"
 
 namespace sheaf {
 

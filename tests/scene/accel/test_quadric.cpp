@@ -1,6 +1,7 @@
 // Spheres, disks and cylinders: intersections against a numerical search, bounds, and areas.
-#include "scene/tables/quadric.h"
+#include "scene/accel/quadric.h"
 
+#include "core/io/error.h"
 #include "tests/support/near.h"
 #include "tests/support/records_testing.h"
 #include "tests/support/test_transforms.h"

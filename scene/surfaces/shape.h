@@ -2,10 +2,10 @@
 #pragma once
 
 #include "core/sampling/warp.h"
-#include "scene/tables/curve_surface.h"
+#include "scene/surfaces/curve_surface.h"
+#include "scene/surfaces/sdf_surface.h"
 #include "scene/tables/instance.h"
 #include "scene/tables/motion_sample.h"
-#include "scene/tables/sdf_surface.h"
 
 namespace sheaf {
 

@@ -1,8 +1,8 @@
 // Quadrics and cells of SDF grids are user geometries with callbacks for their bounds and intersections. Meshes and
 // curves are Embree's own; a filter culls the inside of curves.
-#include "scene/tables/embree_shapes.h"
+#include "scene/accel/embree_shapes.h"
 
-#include "scene/tables/quadric.h"
+#include "scene/accel/quadric.h"
 
 namespace sheaf {
 

@@ -1,4 +1,4 @@
-#include "scene/tables/scene.h"
+#include "scene/scene.h"
 
 namespace sheaf {
 

@@ -1,9 +1,9 @@
 // Embree's geometries of the scene's shapes: meshes, quadrics, SDF grids and curves.
 #pragma once
 
-#include "scene/tables/accel.h"
-#include "scene/tables/embree.h"
-#include "scene/tables/sdf_grid.h"
+#include "scene/accel/accel.h"
+#include "scene/accel/embree.h"
+#include "scene/accel/sdf_grid.h"
 
 #include <deque>
 

@@ -1,5 +1,5 @@
 // The measure that selects the quality of the BVH build.
-#include "scene/tables/build_quality.h"
+#include "scene/accel/build_quality.h"
 #include "tests/support/near.h"
 
 #include <doctest/doctest.h>
