@@ -2,8 +2,8 @@
 // of majorants. In chains each lookup position depends on the previous value, as in tracking. "per_item" is in seconds.
 #include "core/sampling/rng.h"
 #include "kernels/media/density_tracking.h"
-#include "scene/compile/build_brick_grid.h"
-#include "scene/tables/make_majorants.h"
+#include "scene/compile/media/build_brick_grid.h"
+#include "scene/compile/media/make_majorants.h"
 
 #include <benchmark/benchmark.h>
 

@@ -4,7 +4,7 @@
 #include "core/io/memory.h"
 #include "scene/compile/compile_camera.h"
 #include "scene/compile/compile_materials.h"
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/load_volume.h"
 #include "scene/compile/render_origin.h"
 #include "scene/compile/scene_compiler.h"
 

@@ -49,7 +49,7 @@ struct CompileOptions {
   /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
   /// acceleration structure. Empty: none.
   std::function<double(const Scene&)> render_bytes = {};
-  /// Geometry of an earlier scene (scene/compile/kept_geometry.h), used instead of an equal one; null: none.
+  /// Geometry of an earlier scene (scene/compile/geometry/kept_geometry.h), used instead of an equal one; null: none.
   KeptGeometry* kept = nullptr;
 };
 

@@ -1,5 +1,5 @@
 // Compiles motions: tabulates the transforms of moving instances, lights and cameras over the shutter. Those of media
-// are in scene/compile/compile_medium_motion.cpp.
+// are in scene/compile/media/compile_medium_motion.cpp.
 #include "scene/compile/scene_compiler.h"
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/light_powers.h"

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "scene/compile/compile.h"
-#include "scene/compile/compile_textures.h"
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
+#include "scene/compile/geometry/open_boundaries.h"
+#include "scene/compile/geometry/prepare_mesh.h"
 #include "scene/compile/motion_steps.h"
-#include "scene/compile/open_boundaries.h"
-#include "scene/compile/prepare_mesh.h"
 #include "scene/compile/scene_naming.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/formats/mesh.h"
 #include "scene/lights/area_light.h"
 #include "scene/lights/light_context.h"

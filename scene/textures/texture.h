@@ -10,7 +10,8 @@
 //   colors()       the colours between which it varies. Scaling them scales the texture.
 //   kShowsColors   with colors() only: whether each of them shows on a part of the surface
 //   scale_by(by)   without colors() only: multiplies the texture's values
-//   make_row(row)  makes the row, with the functions of the TextureRowBuilder (scene/compile/texture_row_builder.h)
+//   make_row(row)  makes the row, with the functions of the TextureRowBuilder
+//   (scene/compile/textures/texture_row_builder.h)
 // read() and make_row() are templates, because the headers of readers and of the builder come after the list. A row's
 // data is a struct of at most kTexturePayloadBytes; it may have up to kMaxTextureInputs inputs.
 //

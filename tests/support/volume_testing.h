@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/sampling/rng.h"
-#include "scene/compile/build_brick_grid.h"
+#include "scene/compile/media/build_brick_grid.h"
 #include "scene/tables/brick_grid_lookup.h"
 
 #include <doctest/doctest.h>

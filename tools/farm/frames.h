@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/io/file_cache.h"
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 #include "tools/farm/frame_names.h"
 #include "tools/job/render_arguments.h"
 

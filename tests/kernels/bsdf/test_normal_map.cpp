@@ -1,6 +1,6 @@
 // Normals of normal maps: scale, and the direction of the y axis where uv are mirrored.
 #include "kernels/stages/normal_map.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/near.h"
 

@@ -2,7 +2,7 @@
 // per wavelength.
 #include "kernels/media/density_weights.h"
 
-#include "scene/tables/make_majorants.h"
+#include "scene/compile/media/make_majorants.h"
 
 #include "tests/support/near.h"
 #include "tests/support/statistics.h"

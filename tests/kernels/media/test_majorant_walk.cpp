@@ -2,7 +2,7 @@
 // cells.
 #include "kernels/media/majorant_walk.h"
 
-#include "scene/tables/make_majorants.h"
+#include "scene/compile/media/make_majorants.h"
 
 #include "tests/support/near.h"
 #include "tests/support/volume_testing.h"

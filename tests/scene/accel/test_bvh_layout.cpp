@@ -1,6 +1,6 @@
 // Memory layouts of the acceleration structure: the compact one takes less memory and gives the same hits.
 #include "scene/compile/compile.h"
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 #include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"
 #include "tests/support/trace_testing.h"

@@ -1,6 +1,6 @@
 // Geometry kept from one frame to the next: it is reused exactly if the acceleration structure would be the same.
 #include "scene/compile/compile.h"
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 #include "tests/support/files/scene_files.h"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // NanoVDB files: round trips in every precision and compression, and errors for damaged files.
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/load_volume.h"
 #include "scene/formats/nanovdb.h"
 #include "tests/support/files/deflate.h"
 #include "tests/support/files/mesh_files.h"

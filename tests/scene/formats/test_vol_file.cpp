@@ -1,5 +1,5 @@
 // Grid volumes of Mitsuba, written byte by byte: encodings, boxes, borders, and inconsistent files.
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/load_volume.h"
 #include "tests/support/files/mesh_files.h"
 #include "tests/support/near.h"
 #include "tests/support/volume_testing.h"

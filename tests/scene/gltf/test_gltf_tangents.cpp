@@ -1,6 +1,6 @@
 // Tangents of glTF meshes: their attribute in all of its forms, and their way through meshes and deformations.
 #include "scene/compile/compile.h"
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 #include "scene/formats/draco.h"
 #include "scene/formats/mesh.h"
 #include "tests/support/files/gltf_files.h"

@@ -1,6 +1,6 @@
 // Microflake matrices: valid ellipsoids, grids of them, and invalid media.
 #include "scene/compile/compile.h"
-#include "scene/compile/flakes.h"
+#include "scene/compile/media/flakes.h"
 #include "scene/tables/medium_lookup.h"
 #include "tests/support/media_testing.h"
 #include "tests/support/near.h"

@@ -1,5 +1,5 @@
 // The base under pbrt's coats: Sheaf's closed form against pbrt's random walk, simulated here.
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/materials/rough_coat.h"
 #include "scene/textures/texture_lookup.h"

@@ -1,7 +1,7 @@
 // Composite textures of pbrt, at positions where their formulas give the value.
 #include "core/image/exr.h"
 #include "core/image/image.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/dialects/pbrt/noise.h"
 #include "scene/textures/texture_lookup.h"
 #include "tests/support/near.h"

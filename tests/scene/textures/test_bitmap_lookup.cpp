@@ -4,7 +4,7 @@
 
 #include "core/color/color.h"
 #include "core/image/exr.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/textures/lookups/bitmap.h"
 #include "tests/scene/textures/texture_lookups.h"
 #include "tests/support/capture.h"

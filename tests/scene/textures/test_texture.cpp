@@ -1,10 +1,10 @@
 // Compiling textures: images of every format and their tiles, sharing, checkerboards, mesh attributes, and errors.
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/tables/texture.h"
 
 #include "core/color/color.h"
 #include "core/image/exr.h"
-#include "scene/compile/texture_image.h"
+#include "scene/compile/textures/texture_image.h"
 #include "tests/support/capture.h"
 #include "tests/support/contains.h"
 #include "tests/support/files/image_files.h"

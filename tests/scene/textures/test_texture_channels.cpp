@@ -3,7 +3,7 @@
 #include "core/image/exr.h"
 #include "core/image/image.h"
 #include "core/io/error.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/textures/texture_lookup.h"
 #include "tests/scene/textures/texture_lookups.h"
 #include "tests/support/contains.h"

@@ -3,7 +3,7 @@
 
 #include "core/color/color.h"
 #include "scene/compile/compile.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/formats/mesh.h"
 #include "tests/scene/textures/texture_lookups.h"
 #include "tests/support/lanes_testing.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/sampling/rng.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/textures/texture_lookup.h"
 #include "tests/support/lanes_testing.h"
 #include "tests/support/records_testing.h"

@@ -2,7 +2,7 @@
 // render` (tools/job/render_job.h).
 #pragma once
 
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 #include "scene/xml/xml_expand.h"
 #include "tools/farm/merge_parts.h"
 #include "tools/job/render_job.h"

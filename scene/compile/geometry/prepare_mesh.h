@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/io/read_ahead.h"
-#include "scene/compile/open_boundaries.h"
+#include "scene/compile/geometry/open_boundaries.h"
 #include "scene/description/shapes.h"
 
 #include <string>

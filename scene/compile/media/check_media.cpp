@@ -1,6 +1,6 @@
 // Checks that the coefficients and emission of media are finite: the product of finite factors may overflow.
 #include "core/color/color.h"
-#include "scene/compile/compile_media.h"
+#include "scene/compile/media/compile_media.h"
 #include "scene/tables/medium_lookup.h"
 
 #include <algorithm>

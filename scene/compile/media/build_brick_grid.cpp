@@ -1,5 +1,5 @@
 // Builds brick grids from dense arrays and from blocks of voxels.
-#include "scene/compile/build_brick_grid.h"
+#include "scene/compile/media/build_brick_grid.h"
 
 #include "core/io/error.h"
 

@@ -1,6 +1,6 @@
 // Meshes that deform: reads their keys, checks that they agree, and tabulates them over the shutter.
+#include "scene/compile/geometry/prepare_mesh.h"
 #include "scene/compile/key_times.h"
-#include "scene/compile/prepare_mesh.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
 

@@ -2,7 +2,7 @@
 #include "core/math/frame.h"
 #include "core/soa/large_pages.h"
 #include "scene/accel/quadric.h"
-#include "scene/compile/sample_height_field.h"
+#include "scene/compile/geometry/sample_height_field.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/instance.h"
 

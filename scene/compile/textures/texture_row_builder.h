@@ -3,7 +3,7 @@
 
 #include "core/io/read_ahead.h"
 #include "scene/compile/compile.h"
-#include "scene/compile/texture_image.h"
+#include "scene/compile/textures/texture_image.h"
 #include "scene/textures/list.h"
 
 #include <map>

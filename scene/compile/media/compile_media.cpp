@@ -1,10 +1,10 @@
-#include "scene/compile/compile_media.h"
+#include "scene/compile/media/compile_media.h"
 
 #include "core/color/color.h"
-#include "scene/compile/flakes.h"
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/flakes.h"
+#include "scene/compile/media/load_volume.h"
+#include "scene/compile/media/make_majorants.h"
 #include "scene/spectra/spectrum_rgb.h"
-#include "scene/tables/make_majorants.h"
 #include "scene/tables/spectral_grid.h"
 
 #include <algorithm>

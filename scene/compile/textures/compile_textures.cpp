@@ -1,7 +1,7 @@
 // Compiles textures: makes their rows, checks references, and lays out mesh attributes.
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 
-#include "scene/compile/texture_row_builder.h"
+#include "scene/compile/textures/texture_row_builder.h"
 
 #include <algorithm>
 #include <cmath>

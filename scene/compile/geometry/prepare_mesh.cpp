@@ -1,4 +1,4 @@
-#include "scene/compile/prepare_mesh.h"
+#include "scene/compile/geometry/prepare_mesh.h"
 
 #include "scene/formats/mesh_io.h"
 #include "scene/formats/smooth_normals.h"

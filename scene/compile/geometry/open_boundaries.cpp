@@ -1,4 +1,4 @@
-#include "scene/compile/open_boundaries.h"
+#include "scene/compile/geometry/open_boundaries.h"
 
 #include <algorithm>
 #include <utility>

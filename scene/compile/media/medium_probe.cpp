@@ -1,4 +1,4 @@
-#include "scene/compile/medium_probe.h"
+#include "scene/compile/media/medium_probe.h"
 
 #include "core/sampling/warp.h"
 #include "scene/accel/accel.h"

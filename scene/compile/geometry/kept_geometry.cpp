@@ -1,4 +1,4 @@
-#include "scene/compile/kept_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
 
 #include "scene/compile/scene_compiler.h"
 

@@ -1,4 +1,4 @@
-#include "scene/tables/make_majorants.h"
+#include "scene/compile/media/make_majorants.h"
 
 #include "core/io/error.h"
 

@@ -1,8 +1,8 @@
-#include "scene/compile/texture_row_builder.h"
+#include "scene/compile/textures/texture_row_builder.h"
 
 #include "core/image/image.h"
 #include "core/soa/large_pages.h"
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/load_volume.h"
 
 #include <algorithm>
 

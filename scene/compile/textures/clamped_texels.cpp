@@ -1,6 +1,6 @@
 // Warns about images with values that are invalid as reflectances. Kernels clamp these, which changes the result.
 #include "core/image/image.h"
-#include "scene/compile/compile_textures.h"
+#include "scene/compile/textures/compile_textures.h"
 #include "scene/spectra/spectrum_rgb.h"
 
 #include <tbb/blocked_range.h>

@@ -1,5 +1,5 @@
 // Converts an image, with rows from the top, to tiles of texels, with rows from the bottom.
-#include "scene/compile/texture_image.h"
+#include "scene/compile/textures/texture_image.h"
 
 #include "core/color/color.h"
 #include "core/image/image.h"

@@ -1,7 +1,7 @@
-#include "scene/compile/flakes.h"
+#include "scene/compile/media/flakes.h"
 
-#include "scene/compile/build_brick_grid.h"
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/build_brick_grid.h"
+#include "scene/compile/media/load_volume.h"
 #include "scene/formats/vol_file.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Placement of media: on the sides of shapes, around the scene, and around the camera.
-#include "scene/compile/compile_media.h"
-#include "scene/compile/medium_probe.h"
+#include "scene/compile/media/compile_media.h"
+#include "scene/compile/media/medium_probe.h"
 #include "scene/compile/scene_compiler.h"
 #include "scene/tables/motion_sample.h"
 

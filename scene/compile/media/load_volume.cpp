@@ -1,7 +1,7 @@
-#include "scene/compile/load_volume.h"
+#include "scene/compile/media/load_volume.h"
 
 #include "core/io/file_cache.h"
-#include "scene/compile/build_brick_grid.h"
+#include "scene/compile/media/build_brick_grid.h"
 #include "scene/formats/nanovdb.h"
 #include "scene/formats/vol_file.h"
 

@@ -1,4 +1,4 @@
-#include "scene/compile/sample_height_field.h"
+#include "scene/compile/geometry/sample_height_field.h"
 
 #include "core/color/color.h"
 #include "scene/formats/height_field.h"
