@@ -102,6 +102,29 @@ function(sheaf_embed target file name)
   target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/embedded")
 endfunction()
 
+# sheaf_embed_tables(<target> <file>): embeds tables of floats as the arrays sheaf::<name>. In the file, each table is a
+# line with its name and lines of numbers, which are literals of C++ without the suffix f; lines that start with # are
+# comments. The target's sources include it as sheaf_embed() describes.
+function(sheaf_embed_tables target file)
+  file(STRINGS "${PROJECT_SOURCE_DIR}/${file}" lines REGEX "^[^#]")
+  set(tables "")
+  set(end "")
+  foreach(line IN LISTS lines)
+    if(line MATCHES "^[A-Za-z]")
+      string(APPEND tables "${end}inline constexpr float ${line}[] = {\n")
+      set(end "};\n")
+    else()
+      string(REGEX REPLACE "[^ ]+" "\\0f," line "${line}")
+      string(APPEND tables "${line}\n")
+    endif()
+  endforeach()
+  cmake_path(REPLACE_EXTENSION file LAST_ONLY .h OUTPUT_VARIABLE header)
+  file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/embedded/${header}"
+    CONTENT "// Written by CMake from ${file}.\n#pragma once\n\nnamespace sheaf {\n${tables}${end}}  // namespace sheaf\n")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+  target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/embedded")
+endfunction()
+
 # sheaf_list_headers(<folder> <template>): writes <folder>/all_headers.h below the build folder. It includes every header
 # of the folder that specialises the template. New headers are found automatically.
 function(sheaf_list_headers folder template)

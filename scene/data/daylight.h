@@ -1,4 +1,4 @@
-// Coefficients of the sky and sun models; see scene/lights/daylight.cpp for their use.
+// Coefficients of the sky and sun models, from daylight_tables.txt; see scene/lights/daylight.cpp for their use.
 #pragma once
 
 #include <cstddef>
