@@ -22,22 +22,9 @@ struct DiffuseTransmitterDescription {
 
   using Closures = ClosureList<DiffuseTransmitterClosure>;
   static constexpr Plugin<DiffuseTransmitterDescription> kPlugins[] = {{"difftrans"}};
-  static constexpr ParameterName kParameters[] = {{"transmittance", "diffuse_transmittance"}};
+  static constexpr ParameterName kParameters[] = {{"transmittance", "diffuse_transmittance"}, {}};
   static constexpr auto fields(auto& s) { return std::tie(s.transmittance, s.reflectance); }
   bool transmits() const { return true; }
-
-  static DiffuseTransmitterDescription read(auto& p, const BsdfDialect&) {
-    DiffuseTransmitterDescription result;
-    read_declared(p, result);
-    return result;
-  }
-
-  MaterialRow make_row(auto& context) const {
-    auto m = context.template builder<DiffuseTransmitterParameters>();
-    m.set(m.p.transmittance, transmittance);
-    m.set(m.p.reflectance, reflectance);
-    return m.template row<DiffuseTransmitterClosure>();
-  }
 };
 
 }  // namespace sheaf

@@ -29,8 +29,10 @@ struct DisneyDescription {
               anisotropic = 0.0f, sheen = 0.0f, sheen_tint = 0.5f, clearcoat = 0.0f, clearcoat_gloss = 1.0f;
 
   using Closures = ClosureList<DisneyClosure>;
-  static DisneyDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr auto kPlugins = kNoPlugins;
+  static constexpr ParameterName kParameters[] = {
+      {"baseColor", "albedo"}, {"metallic"}, {"subsurface"}, {"specular"},  {"specularTint"},  {"roughness"},
+      {"anisotropic"},         {"sheen"},    {"sheenTint"},  {"clearcoat"}, {"clearcoatGloss"}};
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.metallic, s.subsurface, s.specular, s.specular_tint, s.roughness, s.anisotropic,
                     s.sheen, s.sheen_tint, s.clearcoat, s.clearcoat_gloss);

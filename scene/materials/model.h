@@ -7,27 +7,20 @@
 //   fields()           all parameters
 //   transmits()        whether light can pass through it; composites take a NestedTransmission, which answers for
 //                      nested materials
-// one way to be read from files
-//   kParameters        the names of its first fields, ScalarInputs and SpectrumInputs that are used as the file gives
-//                      them
+// If each field becomes a parameter of the row, in the same order, it needs no code, neither for reading nor for rows:
+//   kParameters        the names of its fields (scene/description/parameter_names.h)
+// Otherwise it defines some of these functions in scene/materials/<name>.cpp:
 //   read(p, dialect)   reads the properties (scene/materials/reading.h)
-// and one way to become rows of the material table:
-//   kParameters        declarative models: each field is a row's parameter, in the same order. They need no further
-//                      code, neither for reading nor for rows.
 //   make_row(context)  derives the row (scene/materials/row_builder.h)
 //   flatten(flattener, around, where)  composites: makes rows that refer to rows (scene/materials/flattener.h)
-// Short functions are defined in the header, as templates: read(auto& p, ...) and make_row(auto& context). The headers
-// that they need come after the list of models, and calls with `p` or `context` are looked up after those. Others are
-// in a .cpp file.
 // scene/materials/list.h lists all models. One that omits something does not compile.
 #pragma once
 
 #include "core/color/spectrum.h"
 #include "core/soa/record_table.h"
-#include "scene/description/inputs.h"
+#include "scene/description/parameter_names.h"
 #include "scene/tables/material.h"
 
-#include <array>
 #include <concepts>
 #include <cstddef>
 #include <tuple>
@@ -72,8 +65,7 @@ template <class... Closures> struct ClosureList {
 /// The closures of two lists.
 template <class... A, class... B> ClosureList<A..., B...> operator+(ClosureList<A...>, ClosureList<B...>);
 
-/// A name of a model in files, and the function that reads its properties, unless that is Model::read() or they are
-/// read as kParameters.
+/// A name of a model in files, and the function that reads its properties, unless read_model() does.
 template <class Model> struct Plugin {
   using Reader = Model (*)(Properties& p, const BsdfDialect& dialect);
 
@@ -84,16 +76,6 @@ template <class Model> struct Plugin {
   Reader read = nullptr;
   bool has_reader = false;  ///< g++ does not compare `read` with nullptr in constant expressions under sanitizers
 };
-/// kPlugins of a model whose names belong to a single dialect.
-inline constexpr std::array<Plugin<void>, 0> kNoPlugins{};
-
-/// Names of a parameter in files. Numbers lie in [low, high].
-struct ParameterName {
-  const char* name;
-  const char* also = nullptr;  ///< alternative name
-  float low = 0, high = 1;
-};
-
 /// Whether a material nested in a composite one transmits light.
 struct NestedTransmission {
   const std::vector<MaterialDescription>& materials;
@@ -107,17 +89,9 @@ concept DerivedBsdf = requires(const Model& model, RowContext& context) {
   { model.make_row(context) } -> std::same_as<MaterialRow>;
 };
 
-/// A model that defines how it is read.
+/// A model whose fields are the parameters of its row: kParameters names all of them.
 template <class Model>
-concept ReadableModel = requires(Properties& p, const BsdfDialect& dialect) {
-  { Model::read(p, dialect) } -> std::same_as<Model>;
-};
-
-/// A model that is read and compiled only by its declaration: kParameters names all of its fields.
-template <class Model>
-concept DeclarativeBsdf = !DerivedBsdf<Model> && requires(Model & model) {
-  Model::kParameters, Model::fields(model);
-};
+concept DeclarativeBsdf = !DerivedBsdf<Model> && DeclaresParameters<Model>;
 
 /// A model that combines other materials.
 template <class Model>

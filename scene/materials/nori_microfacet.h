@@ -24,26 +24,11 @@ struct NoriMicrofacetDescription {
   SpectrumInput kd = SpectrumDescription::constant(0.5f);
 
   using Closures = ClosureList<NoriMicrofacetClosure>;
+  static NoriMicrofacetDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.int_ior, s.ext_ior, s.alpha, s.kd); }
   bool transmits() const { return false; }
-
-  static NoriMicrofacetDescription read(auto& p, const BsdfDialect&) {
-    NoriMicrofacetDescription result;
-    result.int_ior = read_ior(p, "intIOR", result.int_ior);
-    result.ext_ior = read_ior(p, "extIOR", result.ext_ior);
-    result.alpha = read_alpha(p, first_of(p, {"alpha", "m_alpha"}), result.alpha);
-    result.kd = read_reflectance(p, first_of(p, {"kd", "albedo"}), result.kd);
-    return result;
-  }
-
-  MaterialRow make_row(auto& context) const {
-    auto m = context.template builder<NoriMicrofacetParameters>();
-    m.set(m.p.kd, kd);
-    m.set(m.p.alpha, alpha);
-    m.p.eta = int_ior / ext_ior;
-    return m.template row<NoriMicrofacetClosure>();
-  }
+  MaterialRow make_row(RowContext& context) const;
 };
 
 }  // namespace sheaf

@@ -23,18 +23,12 @@ struct PhongDescription {
   ScalarInput exponent = 30.0f;
 
   using Closures = ClosureList<PhongClosure>;
-  static constexpr Plugin<PhongDescription> kPlugins[] = {{"phong"}};
+  static PhongDescription read(Properties& p, const BsdfDialect& dialect);
+  static constexpr Plugin<PhongDescription> kPlugins[] = {{"phong", read}};
   static constexpr ParameterName kParameters[] = {
-      {"diffuse_reflectance"}, {"specular_reflectance"}, {"exponent", nullptr, 0, 1e9f}};
+      {"diffuse_reflectance"}, {"specular_reflectance"}, {"exponent", nullptr, {0, 1e9}}};
   static constexpr auto fields(auto& s) { return std::tie(s.diffuse_reflectance, s.specular_reflectance, s.exponent); }
   bool transmits() const { return false; }
-
-  static PhongDescription read(auto& p, const BsdfDialect&) {
-    PhongDescription result;
-    read_declared(p, result);
-    limit_energy(p, result.diffuse_reflectance, result.specular_reflectance);
-    return result;
-  }
 };
 
 }  // namespace sheaf

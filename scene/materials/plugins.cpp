@@ -11,21 +11,15 @@ namespace {
 /// Reads plugin I of a model.
 template <class Model, std::size_t I> MaterialModel read_as(Properties& p, const BsdfDialect& dialect) {
   constexpr Plugin<Model> kPlugin = Model::kPlugins[I];
-  if constexpr (kPlugin.has_reader) {
+  if constexpr (kPlugin.has_reader)
     return kPlugin.read(p, dialect);
-  } else if constexpr (ReadableModel<Model>) {
-    return Model::read(p, dialect);
-  } else {
-    static_assert(DeclarativeBsdf<Model>, "a plugin has no reader");
-    Model model;
-    read_declared(p, model);
-    return model;
-  }
+  else
+    return read_model<Model>(p, SpectrumRole::kReflectance, dialect);
 }
 
 template <class Model> void add_plugins(std::vector<BsdfPlugin>& table) {
   [&]<std::size_t... I>(std::index_sequence<I...>) {
-    (table.push_back({Model::kPlugins[I].name, read_as<Model, I>}), ...);
+    (table.push_back({Plugin<Model>(Model::kPlugins[I]).name, read_as<Model, I>}), ...);
   }
   (std::make_index_sequence<std::size(Model::kPlugins)>{});
 }

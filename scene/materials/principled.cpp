@@ -38,8 +38,7 @@ MaterialRow PrincipledDescription::make_row(RowContext& context) const {
   constexpr float kMinTransmittingEta = 1.001f;
   const bool matched = eta == 1.0f && spec_trans != kAbsent;
   m.p.eta = matched ? kMinTransmittingEta : eta;
-  if (spec_tint != kAbsent || sheen_tint != kAbsent)
-    m.set_luminance(m.p.base_luminance, m.p.base_color, base_color, TextureRole::kScalar);
+  m.set_base_luminance(base_color, {spec_tint, sheen_tint}, TextureRole::kScalar);
   // kernels/bsdf/principled.h: without a difference of the indices, metal has no specular reflection.
   if (eta == 1.0f && metallic != kAbsent && spec_trans == kAbsent) context.warning = kBlackMetal;
   return with_tangent(m.row<PrincipledClosure>(), anisotropic);

@@ -30,6 +30,9 @@ struct PrincipledThinDescription {
   using Closures = ClosureList<PrincipledThinClosure>;
   static PrincipledThinDescription read(Properties& p, const BsdfDialect& dialect);
   static constexpr Plugin<PrincipledThinDescription> kPlugins[] = {{"principledthin", read}};
+  static constexpr ParameterName kParameters[] = {
+      {"base_color"}, {"roughness"}, {"anisotropic"}, {"spec_trans"}, {"eta", nullptr, kPositive},
+      {"spec_tint"},  {"sheen"},     {"sheen_tint"},  {"flatness"},   {"diff_trans", nullptr, {0, 2}}};
   static constexpr auto fields(auto& s) {
     return std::tie(s.base_color, s.roughness, s.anisotropic, s.spec_trans, s.eta, s.spec_tint, s.sheen, s.sheen_tint,
                     s.flatness, s.diff_trans);

@@ -3,14 +3,10 @@
 
 #include "scene/materials/material.h"
 #include "scene/materials/roughness.h"
-#include "scene/xml/properties.h"
+#include "scene/xml/read_declared.h"
 
 #include <functional>
-#include <iterator>
 #include <string>
-#include <tuple>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace sheaf {
@@ -72,20 +68,9 @@ TextureId read_map(const XmlElement& texture, ReadContext& context);
 /// Adds a note that the plugin acts on all light as on unpolarised light.
 void note_polarisation(Properties& p);
 
-/// Reads the parameters that a model declares by kParameters: its first fields.
-template <class Model> void read_declared(Properties& p, Model& model) {
-  constexpr std::size_t kCount = std::size(Model::kParameters);
-  const auto read = [&]<class Input>(Input& input, const ParameterName& names) {
-    const char* name = names.also != nullptr && p.has(names.also) && !p.has(names.name) ? names.also : names.name;
-    if constexpr (std::is_same_v<Input, SpectrumInput>)
-      input = read_reflectance(p, name, std::move(input));
-    else
-      input = p.scalar_input(name, input, NumberRange{names.low, names.high});
-  };
-  const auto inputs = Model::fields(model);
-  static_assert(!DeclarativeBsdf<Model> || std::tuple_size_v<decltype(inputs)> == kCount);
-  [&]<std::size_t... I>(std::index_sequence<I...>) { (read(std::get<I>(inputs), Model::kParameters[I]), ...); }
-  (std::make_index_sequence<kCount>{});
+/// read_declared() of a material.
+template <DeclaresParameters Model> void read_declared(Properties& p, Model& model) {
+  read_declared(p, model, SpectrumRole::kReflectance);
 }
 
 }  // namespace sheaf

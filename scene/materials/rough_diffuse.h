@@ -25,25 +25,10 @@ struct RoughDiffuseDescription {
 
   using Closures = ClosureList<RoughDiffuseClosure>;
   static constexpr Plugin<RoughDiffuseDescription> kPlugins[] = {{"roughdiffuse"}};
+  static constexpr ParameterName kParameters[] = {
+      {"reflectance", "diffuse_reflectance"}, {"alpha", nullptr, kNotNegative}, {"use_fast_approx"}};
   static constexpr auto fields(auto& s) { return std::tie(s.reflectance, s.alpha, s.fast); }
   bool transmits() const { return false; }
-
-  static RoughDiffuseDescription read(auto& p, const BsdfDialect&) {
-    RoughDiffuseDescription result;
-    const char* name = p.has("diffuse_reflectance") && !p.has("reflectance") ? "diffuse_reflectance" : "reflectance";
-    result.reflectance = read_reflectance(p, name, result.reflectance);
-    result.alpha = p.scalar_input("alpha", result.alpha, kNotNegative);
-    result.fast = p.boolean("use_fast_approx", false);
-    return result;
-  }
-
-  MaterialRow make_row(auto& context) const {
-    auto m = context.template builder<RoughDiffuseParameters>();
-    m.set(m.p.reflectance, reflectance);
-    m.set(m.p.alpha, alpha);
-    m.p.fast = fast ? 1 : 0;
-    return m.template row<RoughDiffuseClosure>();
-  }
 };
 
 }  // namespace sheaf

@@ -16,8 +16,6 @@ namespace sheaf {
 /// Spectra of a material's parameters, in order.
 using MaterialSpectra = std::array<SpectrumRow, kMaxClosureSpectra>;
 
-template <template <class> class Parameters> struct MaterialRowBuilder;
-
 /// Destinations and shared state for making rows.
 struct RowContext {
   std::vector<TextureBinding>& bindings;  ///< appended to
@@ -27,9 +25,6 @@ struct RowContext {
   float largest_reflectance = 0;          ///< maximum of all constants so far, before clamping
   const char* warning = nullptr;          ///< about the most recent row
   RoughCoats coats = {};
-
-  /// A builder of the next row.
-  template <template <class> class Parameters> MaterialRowBuilder<Parameters> builder();
 };
 
 /// Builds a row's parameters: constants are stored, textures become bindings of the parameter's words.
@@ -44,6 +39,8 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     else
       bind(leaf, std::get<TextureId>(input), 1, TextureRole::kScalar);
   }
+
+  void set(std::uint32_t& leaf, bool flag) { leaf = flag ? 1 : 0; }
 
   void set(Spectrum4& spectrum, const SpectrumInput& input, TextureRole role = TextureRole::kReflectance) {
     if (const auto* value = std::get_if<SpectrumDescription>(&input)) {
@@ -73,12 +70,14 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     set(p.alpha_v, roughness.alpha_v);
   }
 
-  /// Spectral mode: sets the luminance of `color`, which was set from `input`, with the weights of `role`.
-  void set_luminance(float& leaf, const Spectrum4& color, const SpectrumInput& input, TextureRole role) {
-    if (context.set == nullptr) return;
-    if (const auto* texture = std::get_if<TextureId>(&input)) return bind(leaf, *texture, 1, role);
-    leaf = role == TextureRole::kBurleyLuminance ? 0.3f * color.c0 + 0.6f * color.c1 + 0.1f * color.c2
-                                                 : luminance({color.c0, color.c1, color.c2});
+  /// Spectral mode: sets the luminance of the base colour, with the weights of `role`, if one of the tints is used.
+  void set_base_luminance(const SpectrumInput& base_color, std::initializer_list<ScalarInput> tints, TextureRole role) {
+    const auto is_used = [](const ScalarInput& tint) { return tint != ScalarInput(0.0f); };
+    if (context.set == nullptr || std::none_of(tints.begin(), tints.end(), is_used)) return;
+    if (const auto* texture = std::get_if<TextureId>(&base_color)) return bind(p.base_luminance, *texture, 1, role);
+    const Spectrum4& color = p.base_color;
+    p.base_luminance = role == TextureRole::kBurleyLuminance ? 0.3f * color.c0 + 0.6f * color.c1 + 0.1f * color.c2
+                                                             : luminance({color.c0, color.c1, color.c2});
   }
 
   /// The spectrum of one of the parameters.
@@ -112,8 +111,6 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     context.bindings.push_back({static_cast<std::uint32_t>(texture), word_of(leaf), words, role});
   }
 };
-
-template <template <class> class Parameters> MaterialRowBuilder<Parameters> RowContext::builder() { return {*this}; }
 
 /// Only anisotropic surfaces need the tangent.
 inline MaterialRow with_tangent(MaterialRow row, const RoughnessDescription& roughness) {

@@ -1,7 +1,6 @@
 // Ward's anisotropic BRDF over a diffuse base.
 #pragma once
 
-#include "core/io/name_table.h"
 #include "scene/materials/model.h"
 
 namespace sheaf {
@@ -27,37 +26,13 @@ struct WardDescription {
   ScalarInput alpha_u = 0.1f, alpha_v = 0.1f;  ///< along the tangent and the bitangent
 
   using Closures = ClosureList<WardClosure>;
-  static constexpr Plugin<WardDescription> kPlugins[] = {{"ward"}};
+  static WardDescription read(Properties& p, const BsdfDialect& dialect);
+  static constexpr Plugin<WardDescription> kPlugins[] = {{"ward", read}};
   static constexpr auto fields(auto& s) {
     return std::tie(s.variant, s.diffuse_reflectance, s.specular_reflectance, s.alpha_u, s.alpha_v);
   }
   bool transmits() const { return false; }
-
-  static WardDescription read(auto& p, const BsdfDialect&) {
-    static constexpr NameTable<Variant> kVariants{
-        {{"ward", Variant::kWard}, {"ward-duer", Variant::kDuer}, {"balanced", Variant::kBalanced}}};
-    WardDescription result;
-    result.variant = p.choice("variant", kVariants, result.variant);
-    result.diffuse_reflectance = read_reflectance(p, "diffuse_reflectance", result.diffuse_reflectance);
-    result.specular_reflectance = read_reflectance(p, "specular_reflectance", result.specular_reflectance);
-    const ScalarInput both = read_alpha(p, "alpha", result.alpha_u);
-    result.alpha_u = read_alpha(p, "alpha_u", both);
-    result.alpha_v = read_alpha(p, "alpha_v", both);
-    limit_energy(p, result.diffuse_reflectance, result.specular_reflectance);
-    return result;
-  }
-
-  MaterialRow make_row(auto& context) const {
-    auto m = context.template builder<WardParameters>();
-    m.set(m.p.diffuse, diffuse_reflectance);
-    m.set(m.p.specular, specular_reflectance);
-    m.set(m.p.alpha_u, alpha_u);
-    m.set(m.p.alpha_v, alpha_v);
-    m.p.variant = static_cast<std::uint32_t>(variant);
-    MaterialRow row = m.template row<WardClosure>();
-    if (alpha_u != alpha_v) row.flags |= kNeedsUv;
-    return row;
-  }
+  MaterialRow make_row(RowContext& context) const;
 };
 
 }  // namespace sheaf

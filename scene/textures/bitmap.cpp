@@ -1,4 +1,4 @@
-// Reading of images.
+// Images: reading, and the row.
 #include "scene/textures/bitmap.h"
 
 #include "core/image/image.h"
@@ -74,6 +74,14 @@ BitmapDescription BitmapDescription::read(Properties& p) {
   bitmap.channel = read_channel(p);
   p.ignore({"format", "accel", "cache", "max_anisotropy"});
   return bitmap;
+}
+
+void BitmapDescription::make_row(TextureRowBuilder& row) const {
+  const PlacedImage image = row.load_image(*this);
+  TexelFormat format = image.format;
+  if (format == TexelFormat::kByte1 && !is_linear()) format = TexelFormat::kSrgbByte1;
+  if (format == TexelFormat::kByte4 && !is_linear()) format = TexelFormat::kSrgbByte4;
+  row.set(BitmapRow{image.first_tile, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
 }
 
 }  // namespace sheaf

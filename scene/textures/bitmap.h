@@ -56,15 +56,7 @@ struct BitmapDescription {
   void scale_by(float by) { change.scale *= by; }
   /// Whether integers are linear values.
   bool is_linear() const { return raw || channel == Channel::kAlpha; }
-
-  void make_row(auto& row) const {
-    const auto image = row.load_image(*this);
-    TexelFormat format = image.format;
-    if (format == TexelFormat::kByte1 && !is_linear()) format = TexelFormat::kSrgbByte1;
-    if (format == TexelFormat::kByte4 && !is_linear()) format = TexelFormat::kSrgbByte4;
-    row.set(
-        BitmapRow{image.first_tile, image.tiles_per_row, image.width, image.height, wrap_u, wrap_v, filter, format});
-  }
+  void make_row(TextureRowBuilder& row) const;
 };
 
 }  // namespace sheaf

@@ -11,16 +11,11 @@ struct CheckerboardDescription {
 
   static constexpr TextureDomain kDomain = TextureDomain::kUv;
   static constexpr std::array kPlugins = {"checkerboard"};
-  static CheckerboardDescription read(auto& p) {
-    CheckerboardDescription board;
-    board.color0 = p.spectrum_input("color0", board.color0, SpectrumRole::kIor);
-    board.color1 = p.spectrum_input("color1", board.color1, SpectrumRole::kIor);
-    return board;
-  }
+  static constexpr ParameterName kParameters[] = {{"color0"}, {"color1"}};
   static constexpr auto fields(auto& s) { return std::tie(s.color0, s.color1); }
   static constexpr auto colors(auto& s) { return std::tie(s.color0, s.color1); }
   static constexpr bool kShowsColors = true;
-  void make_row(auto& row) const { row.add_inputs(color0, color1); }
+  void make_row(TextureRowBuilder& row) const { row.add_inputs(color0, color1); }
 };
 
 }  // namespace sheaf

@@ -20,11 +20,11 @@ struct ConstantTextureDescription {
   SpectrumDescription value = SpectrumDescription::constant(0.5f);
 
   static constexpr TextureDomain kDomain = TextureDomain::kNothing;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.value); }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { value = scaled(value, by); }
-  void make_row(auto& row) const { row.set(constant_row(value)); }
+  void make_row(TextureRowBuilder& row) const { row.set(constant_row(value)); }
 };
 
 }  // namespace sheaf

@@ -3,8 +3,6 @@
 
 #include "scene/textures/texture.h"
 
-#include <cmath>
-
 namespace sheaf {
 
 /// Data of a direction's row.
@@ -20,14 +18,14 @@ struct DirectionTextureDescription {
   float scale = 1;
 
   static constexpr TextureDomain kDomain = TextureDomain::kNothing;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.x, s.y, s.offset, s.scale); }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { scale *= by; }
 
-  void make_row(auto& row) const {
-    if (!std::isfinite(offset)) throw row.error("'offset' is not finite");
-    if (!std::isfinite(scale)) throw row.error("'scale' is not finite");
+  void make_row(TextureRowBuilder& row) const {
+    row.expect_finite(offset, "offset");
+    row.expect_finite(scale, "scale");
     row.add_inputs(x, y);
     row.set(DirectionRow{offset, scale});
   }

@@ -18,18 +18,12 @@ struct GridTextureDescription {
 
   static constexpr TextureDomain kDomain = TextureDomain::kUv;
   static constexpr std::array kPlugins = {"gridtexture"};
-  static GridTextureDescription read(auto& p) {
-    GridTextureDescription grid;
-    grid.color0 = p.spectrum_input("color0", grid.color0, SpectrumRole::kIor);
-    grid.color1 = p.spectrum_input("color1", grid.color1, SpectrumRole::kIor);
-    grid.line_width = p.number("line_width", grid.line_width, kNotNegative);
-    return grid;
-  }
+  static constexpr ParameterName kParameters[] = {{"color0"}, {"color1"}, {"line_width", nullptr, kNotNegative}};
   static constexpr auto fields(auto& s) { return std::tie(s.color0, s.color1, s.line_width); }
   static constexpr auto colors(auto& s) { return std::tie(s.color0, s.color1); }
   static constexpr bool kShowsColors = true;
 
-  void make_row(auto& row) const {
+  void make_row(TextureRowBuilder& row) const {
     if (!(line_width >= 0)) throw row.error("'line_width' is negative or not a number");
     row.add_inputs(color0, color1);
     row.set(GridTextureRow{line_width});

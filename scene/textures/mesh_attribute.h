@@ -3,7 +3,6 @@
 
 #include "scene/textures/texture.h"
 
-#include <cmath>
 #include <string>
 
 namespace sheaf {
@@ -21,20 +20,14 @@ struct MeshAttributeDescription {
 
   static constexpr TextureDomain kDomain = TextureDomain::kMesh;
   static constexpr std::array kPlugins = {"mesh_attribute", "vertexcolors"};
-  static MeshAttributeDescription read(auto& p) {
-    if (p.type() == "vertexcolors") return {"vertex_color"};
-    const std::string name = p.required_string("name");
-    if (!is_attribute_name(name))
-      p.fail_at("name", "is " + in_quotes(name) + ", expected a name that begins with vertex_ or face_");
-    return {name, p.number("scale", 1)};
-  }
+  static MeshAttributeDescription read(Properties& p);
   static constexpr auto fields(auto& s) { return std::tie(s.name, s.scale); }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { scale *= by; }
 
-  void make_row(auto& row) const {
-    check_attribute_name(row, name);
-    if (!std::isfinite(scale)) throw row.error("'scale' is not finite");
+  void make_row(TextureRowBuilder& row) const {
+    row.expect_attribute_name(name);
+    row.expect_finite(scale, "scale");
     row.set(MeshAttributeRow{row.require_attribute(name), scale});
   }
 };

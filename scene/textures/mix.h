@@ -11,11 +11,11 @@ struct MixTextureDescription {
   ScalarInput amount = 0.5f;  ///< may lie outside [0, 1]
 
   static constexpr TextureDomain kDomain = TextureDomain::kNothing;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.color0, s.color1, s.amount); }
   static constexpr auto colors(auto& s) { return std::tie(s.color0, s.color1); }
   static constexpr bool kShowsColors = false;
-  void make_row(auto& row) const { row.add_inputs(color0, color1, amount); }
+  void make_row(TextureRowBuilder& row) const { row.add_inputs(color0, color1, amount); }
 };
 
 }  // namespace sheaf

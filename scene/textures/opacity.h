@@ -12,11 +12,11 @@ struct OpacityTextureDescription {
   ScalarInput opacity = 1.0f;
 
   static constexpr TextureDomain kDomain = TextureDomain::kNothing;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.color, s.opacity); }
   static constexpr auto colors(auto& s) { return std::tie(s.color); }
   static constexpr bool kShowsColors = false;
-  void make_row(auto& row) const { row.add_inputs(color, opacity); }
+  void make_row(TextureRowBuilder& row) const { row.add_inputs(color, opacity); }
 };
 
 }  // namespace sheaf

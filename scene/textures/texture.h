@@ -4,25 +4,23 @@
 // A kind is a struct XDescription in scene/textures/<name>.h that holds the parameters as a file gives them, with their
 // defaults, and declares
 //   kDomain        what it is looked up by, besides its inputs
-//   kPlugins       its names in files of the dialects of Mitsuba and Nori: an array, or kNoTexturePlugins
-//   read(p)        reads the properties; with kPlugins only
+//   kPlugins       its names in files of the dialects of Mitsuba and Nori: an array, or kNoPlugins
+//   kParameters    with kPlugins only: the names of its parameters (scene/description/parameter_names.h), or
+//   read(p)        reads them, in scene/textures/<name>.cpp
 //   fields()       all parameters
 //   colors()       the colours between which it varies. Scaling them scales the texture.
 //   kShowsColors   with colors() only: whether each of them shows on a part of the surface
 //   scale_by(by)   without colors() only: multiplies the texture's values
-//   make_row(row)  makes the row, with the functions of the TextureRowBuilder
-//   (scene/compile/textures/texture_row_builder.h)
-// read() and make_row() are templates, because the headers of readers and of the builder come after the list. A row's
-// data is a struct of at most kTexturePayloadBytes; it may have up to kMaxTextureInputs inputs.
+//   make_row(row)  makes the row
+// A row's data is a struct of at most kTexturePayloadBytes; it may have up to kMaxTextureInputs inputs.
 //
 // A kind that omits something does not compile.
 #pragma once
 
 #include "core/io/error.h"
-#include "scene/description/inputs.h"
+#include "scene/description/parameter_names.h"
 #include "scene/tables/texture.h"
 
-#include <array>
 #include <concepts>
 #include <span>
 #include <string>
@@ -32,7 +30,8 @@
 namespace sheaf {
 
 class Properties;
-class TextureRowBuilder;
+struct BitmapDescription;
+struct GridVolumeDescription;
 
 /// What a texture is looked up by, besides its inputs.
 enum class TextureDomain {
@@ -54,14 +53,54 @@ inline bool is_attribute_name(std::string_view name) {
   return name.starts_with("vertex_") || name.starts_with("face_");
 }
 
-/// Throws the error of the TextureRowBuilder `row` if it cannot.
-void check_attribute_name(const auto& row, const std::string& name) {
-  if (!is_attribute_name(name))
-    throw row.error("'" + name + "' is not a mesh attribute (expected a name that begins with 'vertex_' or 'face_')");
-}
+/// An image in the table of tiles.
+struct PlacedImage {
+  std::uint32_t first_tile;  ///< into TextureView::tiles
+  std::uint32_t tiles_per_row;
+  std::uint32_t width, height;  ///< texels
+  TexelFormat format;           ///< bytes are kByte1 or kByte4, decoded or not
+};
 
-/// kPlugins of a kind that only one dialect can write.
-inline constexpr std::array<const char*, 0> kNoTexturePlugins{};
+/// Builds the row of one texture. The scene compiler derives from it, since rows refer to tables that it fills. All
+/// functions throw SceneError at the texture.
+class TextureRowBuilder {
+ public:
+  TextureRowBuilder(const TextureRowBuilder&) = delete;
+  TextureRowBuilder& operator=(const TextureRowBuilder&) = delete;
+
+  /// Sets the data of the row.
+  template <class Data> void set(const Data& data) { row_.set_data(data); }
+  /// Adds textures or constants to the inputs of the row.
+  template <class... Inputs> void add_inputs(const Inputs&... inputs) {
+    static_assert(sizeof...(Inputs) <= kMaxTextureInputs, "a row has no room for so many inputs");
+    ((row_.inputs[row_.input_count++] = row_of(as_color(inputs))), ...);
+  }
+  /// Loads an image, once per way of reading it.
+  virtual PlacedImage load_image(const BitmapDescription& bitmap) = 0;
+  /// Loads a grid; returns its index in TextureView::grids.
+  virtual std::uint32_t load_grid(const GridVolumeDescription& grid) = 0;
+  /// Index of a mesh attribute in TextureTables::attribute_names, which the compiler computes for every mesh.
+  virtual std::uint32_t attribute(const std::string& name) = 0;
+  /// The same for an attribute from files. It is an error if no mesh with the texture has it.
+  virtual std::uint32_t require_attribute(const std::string& name) = 0;
+
+  /// An error at the texture.
+  virtual SceneError error(const std::string& message) const = 0;
+  void expect_finite(float value, const char* name) const;
+  void expect_attribute_name(const std::string& name) const;
+
+ protected:
+  TextureRowBuilder() = default;
+  ~TextureRowBuilder() = default;
+  /// The row of a texture, or of a constant, which is added.
+  virtual std::uint32_t row_of(const SpectrumInput& input) = 0;
+
+  TextureRow row_;
+
+ private:
+  static const SpectrumInput& as_color(const SpectrumInput& input) { return input; }
+  static SpectrumInput as_color(const ScalarInput& input);
+};
 
 namespace texture_detail {
 
@@ -84,10 +123,11 @@ concept CompleteTexture = requires(Description& texture, const Description& same
   Description::colors(texture);
   same.make_row(row);
 }
-&&texture_detail::has_plugins<Description>() == requires(Properties& p) {
-  { Description::read(p) } -> std::same_as<Description>;
-}
-&&texture_detail::has_colors<Description>() == requires {
+&&texture_detail::has_plugins<Description>() == (DeclaresParameters<Description> ||
+                                                 requires(Properties & p) {
+                                                   { Description::read(p) } -> std::same_as<Description>;
+                                                 }) &&
+    texture_detail::has_colors<Description>() == requires {
   { Description::kShowsColors } -> std::convertible_to<bool>;
 }
 &&texture_detail::has_colors<Description>() != requires(Description& texture) { texture.scale_by(1.0f); };

@@ -3,8 +3,6 @@
 
 #include "scene/textures/texture.h"
 
-#include <cmath>
-
 namespace sheaf {
 
 /// Data of a threshold's row.
@@ -20,14 +18,14 @@ struct ThresholdTextureDescription {
   float value = 1;
 
   static constexpr TextureDomain kDomain = TextureDomain::kNothing;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.input, s.threshold, s.value); }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { value *= by; }
 
-  void make_row(auto& row) const {
-    if (!std::isfinite(threshold)) throw row.error("'threshold' is not finite");
-    if (!std::isfinite(value)) throw row.error("'value' is not finite");
+  void make_row(TextureRowBuilder& row) const {
+    row.expect_finite(threshold, "threshold");
+    row.expect_finite(value, "value");
     row.add_inputs(input);
     row.set(ThresholdRow{threshold, value});
   }

@@ -20,13 +20,13 @@ struct UvSetTextureDescription {
   SpectrumInput input = SpectrumDescription::constant(1);
 
   static constexpr TextureDomain kDomain = TextureDomain::kMesh;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.attribute, s.input); }
   static constexpr auto colors(auto& s) { return std::tie(s.input); }
   static constexpr bool kShowsColors = true;
 
-  void make_row(auto& row) const {
-    check_attribute_name(row, attribute);
+  void make_row(TextureRowBuilder& row) const {
+    row.expect_attribute_name(attribute);
     row.add_inputs(input);
     row.set(UvSetRow{row.attribute(attribute)});
   }

@@ -4,8 +4,6 @@
 #include "scene/description/grid_volume.h"
 #include "scene/textures/texture.h"
 
-#include <cmath>
-
 namespace sheaf {
 
 /// Data of a volume's row.
@@ -20,15 +18,15 @@ struct VolumeTextureDescription {
   float scale = 1;
 
   static constexpr TextureDomain kDomain = TextureDomain::kPoint;
-  static constexpr auto kPlugins = kNoTexturePlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.grid.file, s.grid.filter, s.grid.wrap, s.grid.raw, s.scale);
   }
   static constexpr auto colors(auto&) { return std::tie(); }
   void scale_by(float by) { scale *= by; }
 
-  void make_row(auto& row) const {
-    if (!std::isfinite(scale)) throw row.error("'scale' is not finite");
+  void make_row(TextureRowBuilder& row) const {
+    row.expect_finite(scale, "scale");
     row.set(VolumeTextureRow{row.load_grid(grid), scale});
   }
 };

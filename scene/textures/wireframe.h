@@ -28,19 +28,13 @@ struct WireframeDescription {
 
   static constexpr TextureDomain kDomain = TextureDomain::kMesh;
   static constexpr std::array kPlugins = {"wireframe"};
-  static WireframeDescription read(auto& p) {
-    WireframeDescription frame;
-    frame.interior = p.spectrum_input("interior_color", frame.interior, SpectrumRole::kIor);
-    frame.edge = p.spectrum_input("edge_color", frame.edge, SpectrumRole::kIor);
-    frame.line_width = p.number("line_width", frame.line_width, kNotNegative);
-    frame.step_width = p.number("step_width", frame.step_width, kUnitInterval);
-    return frame;
-  }
+  static constexpr ParameterName kParameters[] = {
+      {"interior_color"}, {"edge_color"}, {"line_width", nullptr, kNotNegative}, {"step_width"}};
   static constexpr auto fields(auto& s) { return std::tie(s.interior, s.edge, s.line_width, s.step_width); }
   static constexpr auto colors(auto& s) { return std::tie(s.interior, s.edge); }
   static constexpr bool kShowsColors = true;
 
-  void make_row(auto& row) const {
+  void make_row(TextureRowBuilder& row) const {
     if (!(line_width >= 0)) throw row.error("'line_width' is negative or not a number");
     if (!(step_width >= 0 && step_width <= 1)) throw row.error("'step_width' is not within [0, 1]");
     const bool relative = line_width == 0;

@@ -64,7 +64,7 @@ TextureTables compile_textures(const std::vector<TextureDescription>& textures, 
     for (const float entry : texture.to_uv)
       if (!std::isfinite(entry))
         throw TextureTableBuilder::error(texture, "the transform of its coordinates is not finite");
-    TextureRowBuilder builder(tables, texture, static_cast<std::uint32_t>(i));
+    TextureRowCompiler builder(tables, texture, static_cast<std::uint32_t>(i));
     const TextureRow row = std::visit([&](const auto& model) { return builder.row(model); }, texture.model);
     tables.rows()[i] = row;
   }

@@ -14,14 +14,6 @@
 
 namespace sheaf {
 
-/// An image in the table of tiles.
-struct PlacedImage {
-  std::uint32_t first_tile;  ///< into TextureView::tiles
-  std::uint32_t tiles_per_row;
-  std::uint32_t width, height;  ///< texels
-  TexelFormat format;           ///< bytes are kByte1 or kByte4, decoded or not
-};
-
 /// The tables of textures while they are filled. Functions throw SceneError at the texture on whose behalf they act.
 class TextureTableBuilder {
  public:
@@ -85,30 +77,18 @@ class TextureTableBuilder {
   TextureTables out_;
 };
 
-/// Builds the row of a texture. The functions are those that make_row() of a kind of textures uses.
-class TextureRowBuilder {
+/// Builds the row of a texture in the tables.
+class TextureRowCompiler final : public TextureRowBuilder {
  public:
   /// `index`: of the texture in the description.
-  TextureRowBuilder(TextureTableBuilder& tables, const TextureDescription& texture, std::uint32_t index)
+  TextureRowCompiler(TextureTableBuilder& tables, const TextureDescription& texture, std::uint32_t index)
       : tables_(tables), texture_(texture), index_(index) {}
 
-  /// An error at the texture.
-  SceneError error(const std::string& message) const { return TextureTableBuilder::error(texture_, message); }
-
-  /// Sets the data of the row.
-  template <class Data> void set(const Data& data) { row_.set_data(data); }
-  /// Adds textures or constants to the inputs of the row.
-  template <class... Inputs> void add_inputs(const Inputs&... inputs) {
-    static_assert(sizeof...(Inputs) <= kMaxTextureInputs, "a row has no room for so many inputs");
-    ((row_.inputs[row_.input_count++] = tables_.row_of(as_color(inputs), texture_)), ...);
-  }
-  PlacedImage load_image(const BitmapDescription& bitmap) { return tables_.image(bitmap, texture_); }
-  /// Index of a grid in TextureView::grids.
-  std::uint32_t load_grid(const GridVolumeDescription& grid) { return tables_.grid(grid, texture_); }
-  /// Index of a mesh attribute in TextureTables::attribute_names, which the compiler computes for every mesh.
-  std::uint32_t attribute(const std::string& name) { return tables_.attribute(name); }
-  /// The same for an attribute from files. It is an error if no mesh with the texture has it.
-  std::uint32_t require_attribute(const std::string& name) {
+  SceneError error(const std::string& message) const override { return TextureTableBuilder::error(texture_, message); }
+  PlacedImage load_image(const BitmapDescription& bitmap) override { return tables_.image(bitmap, texture_); }
+  std::uint32_t load_grid(const GridVolumeDescription& grid) override { return tables_.grid(grid, texture_); }
+  std::uint32_t attribute(const std::string& name) override { return tables_.attribute(name); }
+  std::uint32_t require_attribute(const std::string& name) override {
     const std::uint32_t attribute = tables_.attribute(name);
     tables_.require_attribute(index_, attribute);
     return attribute;
@@ -124,16 +104,11 @@ class TextureRowBuilder {
   }
 
  private:
-  static const SpectrumInput& as_color(const SpectrumInput& input) { return input; }
-  static SpectrumInput as_color(const ScalarInput& input) {
-    if (const float* number = std::get_if<float>(&input)) return SpectrumDescription::constant(*number);
-    return std::get<TextureId>(input);
-  }
+  std::uint32_t row_of(const SpectrumInput& input) override { return tables_.row_of(input, texture_); }
 
   TextureTableBuilder& tables_;
   const TextureDescription& texture_;
   std::uint32_t index_;
-  TextureRow row_;
 };
 
 }  // namespace sheaf

@@ -16,9 +16,8 @@ MaterialModel read_diffuse(Properties& p, const BsdfDialect&) {
   return diffuse;
 }
 
-/// Reads a model by its own function.
 template <class Model> MaterialModel read_own(Properties& p, const BsdfDialect& dialect) {
-  return Model::read(p, dialect);
+  return read_model<Model>(p, SpectrumRole::kReflectance, dialect);
 }
 
 /// Names that this dialect adds or changes.

@@ -1,6 +1,9 @@
 // Textures shared by the Nori and Mitsuba dialects.
 #include "scene/dialects/xml/read_texture.h"
 
+#include "scene/content/description.h"
+#include "scene/xml/read_declared.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -29,7 +32,7 @@ std::array<float, 6> read_to_uv(Properties& p) {
 /// Reads a texture of one kind.
 template <class Description> void read_as(Properties& p, ImageOrigin origin, TextureDescription& texture) {
   constexpr TextureDomain kDomain = Description::kDomain;
-  texture.model = Description::read(p);
+  texture.model = read_model<Description>(p, SpectrumRole::kIor);
   if (kDomain == TextureDomain::kUv || kDomain == TextureDomain::kImage) texture.to_uv = read_to_uv(p);
   if (kDomain == TextureDomain::kImage && origin == ImageOrigin::kUpperLeft) texture.to_uv = flipped(texture.to_uv);
 }

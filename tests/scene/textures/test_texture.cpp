@@ -96,22 +96,22 @@ struct CommonKind {
   static constexpr auto colors(auto&) { return std::tie(); }
 };
 struct CompleteKind : CommonKind {
-  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
   void scale_by(float by);
-  void make_row(auto& row) const;
+  void make_row(TextureRowBuilder& row) const;
 };
 struct WithoutScale : CommonKind {
-  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
-  void make_row(auto& row) const;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
+  void make_row(TextureRowBuilder& row) const;
 };
 struct WithoutRow : CommonKind {
-  [[maybe_unused]] static constexpr auto kPlugins = kNoTexturePlugins;
+  [[maybe_unused]] static constexpr auto kPlugins = kNoPlugins;
   void scale_by(float by);
 };
 struct WithoutReader : CommonKind {
   [[maybe_unused]] static constexpr std::array kPlugins = {"unread"};
   void scale_by(float by);
-  void make_row(auto& row) const;
+  void make_row(TextureRowBuilder& row) const;
 };
 static_assert(CompleteTexture<CompleteKind>);
 static_assert(!CompleteTexture<WithoutScale> && !CompleteTexture<WithoutRow> && !CompleteTexture<WithoutReader>);
