@@ -61,10 +61,9 @@ Vec3f canonical_point(ShapeKind kind, float u, float v) {
 }  // namespace
 
 bool ends_chains(const LightRow& light) {
-  if (light.is(kLightKind<BeamLightKind>)) return false;
   LightHitKind kind = LightHitKind::kEscape;
   Lights::for_each([&]<class Light>(Light) {
-    if (light.is(kLightKind<typename Light::Kind>)) kind = Light::kHitKind;
+    if (!kIsForPhotons<Light> && light.is(kLightKind<typename Light::Kind>)) kind = Light::kHitKind;
   });
   const bool is_reached = !light.is_along_normal() && !light.has_flag(kMissedByRays);
   return kind == LightHitKind::kNever || (kind == LightHitKind::kSurface && is_reached);

@@ -9,6 +9,7 @@ namespace sheaf {
 struct BeamLight {
   using Kind = BeamLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kNever;
+  static constexpr bool kIsForPhotons = true;
 
   /// Never valid: only points on the ray receive light.
   template <class L, ColorMode kMode>

@@ -14,7 +14,7 @@ struct GoniometricLight {
   template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
-    const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();
+    const FramedLightData<L> light = lights.light.template data<FramedLightData>();
     const LightFrameRecord<L> frame = load_frames<L>(lights, light.frame);
     LightSample<L> s = sample_position<L>(lights.light, light.position, from);
     look_up<L>(lights.active & s.valid, normalize_any(frame.local_point(from)), texture);
@@ -25,7 +25,7 @@ struct GoniometricLight {
   template <class L, ColorMode kMode>
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
-    const GoniometricLightData<L> light = lights.light.template data<GoniometricLightData>();
+    const FramedLightData<L> light = lights.light.template data<FramedLightData>();
     const LightFrameRecord<L> frame = load_frames<L>(lights, light.frame);
     const Vec3<L> local = square_to_sphere<L>(b.x, b.y);
     look_up<L>(lights.active, local, texture);

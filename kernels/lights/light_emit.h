@@ -36,8 +36,7 @@ PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choi
     light_emit_detail::merge<L>(
         active, Light::template emit<L, kMode>({scene, light, active, lambda, nullptr, time}, a, b, query), e);
   });
-  const VolumeLightData<L> volume = light.template data<VolumeLightData>();
-  e.medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
+  e.medium = light_medium<L>(light);
   const auto textured = e.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) e.flux = e.flux * light_textures<L, kMode>(scene, light.texture, textured, query, lambda);
   if (scene.motion.lights != nullptr) {

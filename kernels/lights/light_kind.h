@@ -8,7 +8,10 @@
 //     kNever    nothing,
 //     kSurface  pdf_solid_angle: the pdf with which sample() returns a point that a ray has hit,
 //     kEscape   arriving: the radiance from a direction, and that pdf,
-//     kMedium   pdf_volume: that pdf at a point.
+//     kMedium   pdf_volume: that pdf at a point, and medium: the row of the medium.
+// and optionally, as constants that are true
+//     kIsSampledInline  for common kinds: light sampling inlines their code for registers with lights of one kind,
+//     kIsForPhotons     light sampling never reaches the light.
 // A specialisation of LightOf below the struct makes it the kernel of its scene half.
 //
 // The lanes of a register may hold lights of several kinds. A kind may compute anything in the lanes of other kinds,
@@ -130,11 +133,17 @@ concept SurroundsScene = requires(const SceneView& scene, const LightRow& light,
 };
 
 template <class Kind>
-concept FillsVolume = requires(const SceneView& scene, std::uint32_t light, Vec3f p) {
+concept FillsVolume = requires(const SceneView& scene, std::uint32_t light, const LightRow& row, Vec3f p) {
   { Kind::pdf_volume(scene, light, p) } -> std::same_as<float>;
+  { Kind::template medium<Scalar>(row) } -> std::same_as<std::uint32_t>;
 };
 
 }  // namespace light_kind_detail
+
+/// Whether a kind has kIsSampledInline.
+template <class Light> inline constexpr bool kIsSampledInline = requires { Light::kIsSampledInline; };
+/// Whether a kind has kIsForPhotons.
+template <class Light> inline constexpr bool kIsForPhotons = requires { Light::kIsForPhotons; };
 
 /// A valid light kind: it defines everything that its LightHitKind requires, and nothing else.
 template <class Kind>

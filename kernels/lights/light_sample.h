@@ -45,6 +45,17 @@ Spectrum<L> light_textures(const SceneView& scene, Uint<L> texture, Mask<L> acti
   return out;
 }
 
+/// 1 + the row of the medium that a volume light fills, as in ray flags; kNone for other lights.
+template <class L> SHEAF_INLINE Uint<L> light_medium(const LightRecord<L>& light) {
+  Uint<L> medium(kNone);
+  Lights::for_each([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    if constexpr (Light::kHitKind == LightHitKind::kMedium)
+      medium =
+          select(light.is(kLightKind<typename Light::Kind>), Light::template medium<L>(light) + Uint<L>(1u), medium);
+  });
+  return medium;
+}
+
 namespace light_detail {
 
 /// Samples lights of type `Light` in the lanes of `lights.active`.
@@ -66,8 +77,8 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const LightSample<L>& a, L
   into.normal = select<L>(m, a.normal, into.normal);
 }
 
-/// sample_given_light() unless all lights are meshes or all are rectangles. Not inlined, because the code of all kinds
-/// is large.
+/// sample_given_light() unless all lights are of one kind that is sampled inline. Not inlined, because the code of all
+/// kinds is large.
 template <class L, ColorMode kMode>
 [[gnu::noinline]] LightSample<L> sample_mixed_lights(LightQuery<L> lights, Vec3<L> from, const Random4<L>& u,
                                                      TextureQuery<L>& texture) {
@@ -86,15 +97,16 @@ SHEAF_INLINE LightSample<L> sample_at_rest(const SceneView& scene, const LightSa
                                            const EnvmapDraw<L>* drawn, Float<L> time, TextureQuery<L>& query) {
   const LightQuery<L> lights{scene, light, Mask<L>(true), lambda, drawn, time, at.n};
   LightSample<L> s;
-  if (all(light.is(kLightKind<MeshLightKind>))) {
-    s = sample_kind<L, kMode, MeshLight>(lights, at.p, u, query);
-  } else if (all(light.is(kLightKind<RectangleLightKind>))) {
-    s = sample_kind<L, kMode, RectangleLight>(lights, at.p, u, query);
-  } else {
-    s = sample_mixed_lights<L, kMode>(lights, at.p, u, query);
-  }
-  const VolumeLightData<L> volume = light.template data<VolumeLightData>();
-  s.target_medium = select(light.is(kLightKind<VolumeLightKind>), volume.medium + Uint<L>(1u), Uint<L>(kNone));
+  const bool is_done = Lights::any_of([&]<class Light>(Light) SHEAF_LAMBDA_INLINE {
+    if constexpr (kIsSampledInline<Light>)
+      if (all(light.is(kLightKind<typename Light::Kind>))) {
+        s = sample_kind<L, kMode, Light>(lights, at.p, u, query);
+        return true;
+      }
+    return false;
+  });
+  if (!is_done) s = sample_mixed_lights<L, kMode>(lights, at.p, u, query);
+  s.target_medium = light_medium<L>(light);
   const auto textured = s.valid & (light.texture != Uint<L>(kNone));
   if (any(textured)) s.radiance = s.radiance * light_textures<L, kMode>(scene, light.texture, textured, query, lambda);
   return s;

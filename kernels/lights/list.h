@@ -21,6 +21,8 @@ template <class... Kinds> struct LightList<LightKindList<Kinds...>> {
 
   /// Calls f(kernel) for each kind, with a value of the kernel's type.
   template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(typename LightOf<Kinds>::Type{}), ...); }
+  /// Calls f(kernel) for each kind until it returns true. Whether it did.
+  template <class F> static SHEAF_INLINE bool any_of(F&& f) { return (f(typename LightOf<Kinds>::Type{}) || ...); }
 };
 
 }  // namespace light_detail

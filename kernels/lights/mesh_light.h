@@ -11,6 +11,7 @@ namespace sheaf {
 struct MeshLight {
   using Kind = MeshLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
+  static constexpr bool kIsSampledInline = true;
 
   template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,

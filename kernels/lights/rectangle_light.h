@@ -60,6 +60,7 @@ template <class L> class VisibleRectangle {
 struct RectangleLight {
   using Kind = RectangleLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kSurface;
+  static constexpr bool kIsSampledInline = true;
 
   template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,

@@ -20,7 +20,7 @@ template <class SpotKind> struct SpotLight {
   template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>&,
                                             TextureQuery<L>& texture) {
-    const auto spot = data<L>(lights);
+    const SpotLightData<L> spot = lights.light.template data<SpotLightData>();
     const LightFrameRecord<L> frame = load_frames<L>(lights, spot.frame);
     const Float<L> share = falloff<L>(lights, spot, frame.local_point(from), texture);
     LightSample<L> s = sample_position<L>(lights.light, spot.position, from);
@@ -34,7 +34,7 @@ template <class SpotKind> struct SpotLight {
   static SHEAF_INLINE PhotonEmission<L> emit(const LightQuery<L>& lights, const Random4<L>&, const Random4<L>& b,
                                              TextureQuery<L>& texture) {
     using F = Float<L>;
-    const auto spot = data<L>(lights);
+    const SpotLightData<L> spot = lights.light.template data<SpotLightData>();
     const LightFrameRecord<L> frame = load_frames<L>(lights, spot.frame);
     const F one_minus_cos = cone_one_minus_cos<L>(spot);
     const Vec3<L> local = square_to_cone<L>(b.x, b.y, one_minus_cos);
@@ -48,29 +48,18 @@ template <class SpotKind> struct SpotLight {
   }
 
  private:
-  static constexpr bool kLinear = std::is_same_v<Kind, LinearSpotLightKind>;
-  static_assert(kLinear || std::is_same_v<Kind, SmoothSpotLightKind>);
-
-  /// LinearSpotLightData or SmoothSpotLightData.
-  template <class L> static SHEAF_INLINE auto data(const LightQuery<L>& lights) {
-    if constexpr (kLinear)
-      return lights.light.template data<LinearSpotLightData>();
-    else
-      return lights.light.template data<SmoothSpotLightData>();
-  }
-
   /// Falloff in [0, 1], without texture, in the direction `local`, a vector in the light's space.
-  template <class L, class Data>
-  static SHEAF_INLINE Float<L> falloff(const LightQuery<L>& lights, const Data& spot, Vec3<L> local,
+  template <class L>
+  static SHEAF_INLINE Float<L> falloff(const LightQuery<L>& lights, const SpotLightData<L>& spot, Vec3<L> local,
                                        TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
     F x;
-    if constexpr (kLinear) {
+    if constexpr (!Kind::kIsSmooth) {
       // Compute the angle from its tangent, which is accurate near the axis.
-      x = spot.cutoff_angle - atan2(sqrt(local.x * local.x + local.y * local.y), local.z);
+      x = spot.cutoff - atan2(sqrt(local.x * local.x + local.y * local.y), local.z);
     } else {
-      x = local.z / max(sqrt(dot(local, local)), F(1e-37f)) - spot.cos_cutoff;
+      x = local.z / max(sqrt(dot(local, local)), F(1e-37f)) - spot.cutoff;
     }
     const F step = clamp(x * spot.inverse_width, F(0.0f), F(1.0f));
     const auto textured = lights.active & (step > F(0.0f)) & (lights.light.texture != U(kNone));
@@ -79,17 +68,17 @@ template <class SpotKind> struct SpotLight {
       const Vec2<L> uv{F(0.5f) + local.x * scale, F(0.5f) + local.y * scale};
       set_query<L>(textured, {uv, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
     }
-    return kLinear ? step : step * step * (F(3.0f) - F(2.0f) * step);
+    return Kind::kIsSmooth ? step * step * (F(3.0f) - F(2.0f) * step) : step;
   }
 
-  template <class L, class Data> static SHEAF_INLINE Float<L> cone_one_minus_cos(const Data& spot) {
+  template <class L> static SHEAF_INLINE Float<L> cone_one_minus_cos(const SpotLightData<L>& spot) {
     using F = Float<L>;
-    if constexpr (kLinear) {
+    if constexpr (!Kind::kIsSmooth) {
       // 1 - cos of the cutoff angle c is 2 sin^2(c / 2).
-      const F half = sincos_2pi<L>(clamp(spot.cutoff_angle * F(0.25f * kInvPi), F(0.0f), F(0.25f))).sin;
+      const F half = sincos_2pi<L>(clamp(spot.cutoff * F(0.25f * kInvPi), F(0.0f), F(0.25f))).sin;
       return F(2.0f) * half * half;
     } else {
-      return F(1.0f) - spot.cos_cutoff;
+      return F(1.0f) - spot.cutoff;
     }
   }
 

@@ -92,6 +92,10 @@ struct VolumeLight {
     return s;
   }
 
+  template <class L> static SHEAF_INLINE Uint<L> medium(const LightRecord<L>& light) {
+    return light.template data<VolumeLightData>().medium;
+  }
+
   static float pdf_volume(const SceneView& scene, std::uint32_t light, Vec3f p) {
     return volume_light_pdf(scene, light, p);
   }

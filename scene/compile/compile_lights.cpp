@@ -101,9 +101,8 @@ void SceneCompiler::add_lights() {
   LightContext context = light_context();
   std::vector<std::pair<CompiledLight, const LightDescription*>> placed;
   for (const LightDescription& light : in_.lights) {
-    const auto place = [&](const auto& description) { return place_light(description, light.where, context); };
     try {
-      auto row = std::visit(place, light.model);
+      auto row = compile_light(light, context);
       // A black environment lights nothing, but it is what camera rays see.
       if (LightKinds::is_environment(light.model) && !(row && max_component(emitted_rgb(row->row)) > 0.0f))
         out_->lights_.has_black_environment = true;

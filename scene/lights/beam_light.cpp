@@ -1,7 +1,6 @@
 #include "scene/lights/beam_light.h"
 
 #include "scene/lights/light_bounds.h"
-#include "scene/lights/light_context.h"
 
 #include <cmath>
 
@@ -15,13 +14,12 @@ LightBounds BeamLightKind::bounds(const SceneView&, const LightRow& light, doubl
   return spot_light_bounds(beam.position, beam.direction, 1, 0);
 }
 
-std::optional<CompiledLight> place_light(const BeamDescription& light, const SourceLocation& where,
-                                         LightContext& context) {
-  const Vec3f along = light.to_world.vector({0, 0, 1});
+std::optional<CompiledLight> BeamDescription::compile(const SourceLocation& where, LightContext& context) const {
+  const Vec3f along = to_world.vector({0, 0, 1});
   const float length = sheaf::length(along);
   if (!(length > 0.0f) || !std::isfinite(length)) throw SceneError(where, "the direction of the beam has no length");
-  const BeamLightData<Scalar> data{light.to_world.point({0, 0, 0}), along * (1.0f / length)};
-  return context.light<BeamLightKind>(context.emission(light.power, where), data);
+  const BeamLightData<Scalar> data{to_world.point({0, 0, 0}), along * (1.0f / length)};
+  return context.light(context.emission(power, where), data);
 }
 
 }  // namespace sheaf

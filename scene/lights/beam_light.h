@@ -11,20 +11,16 @@ struct BeamDescription {
   Transform to_world;
   SpectrumDescription power = SpectrumDescription::constant(1);
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.to_world, s.power); }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const BeamDescription& light, const SourceLocation& where,
-                                         LightContext& context);
 
 /// Data of a beam. LightRecord::radiance is its power, W.
 template <class L> struct BeamLightData {
   Vec3<L> position;   ///< where the beam starts, world space
   Vec3<L> direction;  ///< of travel, unit length
 
-  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.direction); }
 };
 

@@ -10,10 +10,12 @@ struct ConstantLightDescription {
   SpectrumDescription radiance = SpectrumDescription::constant(1);
 
   static constexpr std::array kPlugins = {"constant"};
-  static ConstantLightDescription read(auto& p) {
-    return {p.spectrum("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission)};
-  }
+  static constexpr ParameterName kParameters[] = {{"radiance"}};
   static constexpr auto fields(auto& s) { return std::tie(s.radiance); }
+
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const {
+    return context.light(context.emission(radiance, where));
+  }
 };
 
 /// See scene/lights/light.h.
@@ -22,16 +24,9 @@ struct ConstantLightKind {
   static constexpr LightDomain kDomain = LightDomain::kEnvironment;
   using Descriptions = LightDescriptions<ConstantLightDescription>;
 
-  static Vec3f power(const auto& scene, const LightRow& light) {
-    const float disk = kPi * scene.radius * scene.radius;
-    return emitted_rgb(light) * (4 * kPi * disk);
+  static Vec3f power(const SceneView& scene, const LightRow& light) {
+    return emitted_rgb(light) * (4 * kPi * scene_disk_area(scene));
   }
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const ConstantLightDescription& light, const SourceLocation& where,
-                                         auto& context) {
-  return context.template light<ConstantLightKind>(context.emission(light.radiance, where));
-}
 
 }  // namespace sheaf

@@ -10,19 +10,15 @@ struct DirectionalLightDescription {
   Vec3f direction{0, 0, 1};  ///< direction in which the light travels; any length except zero
   SpectrumDescription irradiance = SpectrumDescription::constant(1);
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.direction, s.irradiance); }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const DirectionalLightDescription& light, const SourceLocation& where,
-                                         LightContext& context);
 
 /// Data of a directional light. LightRecord::radiance is its irradiance on a perpendicular surface, W / m^2.
 template <class L> struct DirectionalLightData {
   Vec3<L> to_light;  ///< unit length
 
-  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.to_light); }
 };
 

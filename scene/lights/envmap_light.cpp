@@ -3,12 +3,10 @@
 #include "core/io/memory.h"
 #include "core/math/frame.h"
 #include "scene/lights/daylight.h"
-#include "scene/lights/light_context.h"
-#include "scene/lights/light_rotation.h"
+#include "scene/lights/framed_light.h"
 #include "scene/lights/make_envmap.h"
 #include "scene/lights/octahedral_envmap.h"
 #include "scene/tables/render_settings.h"
-#include "scene/tables/scene_view.h"
 #include "scene/xml/linear_gamma.h"
 
 #include <algorithm>
@@ -32,10 +30,9 @@ std::optional<CompiledLight> place_map(Envmap map, LightContext& context, const 
     return std::nullopt;
   }
   if (context.spectra != nullptr) uplift_nodes(map);
-  CompiledLight placed{make_light_row(kLightKind<EnvmapLightKind>, map.mean),
-                       context.emission_row(SpectrumDescription::constant(1), where)};
+  const SpectrumRow spectrum = context.emission_row(SpectrumDescription::constant(1), where);
   context.envmap = std::move(map);
-  return placed;
+  return context.light({context.envmap.mean, spectrum});
 }
 
 }  // namespace
@@ -51,22 +48,16 @@ EnvmapDescription EnvmapDescription::read(Properties& p) {
   return map;
 }
 
-Vec3f EnvmapLightKind::power(const SceneView& scene, const LightRow& light) {
-  const float disk = kPi * scene.radius * scene.radius;
-  return emitted_rgb(light) * (4 * kPi * disk);
-}
-
 void set_rotation(Envmap& map, const Transform& to_world, const SourceLocation& where) {
   const std::array<double, 9> rotation = rotation_of(to_world, "an environment map", where);
   std::transform(rotation.begin(), rotation.end(), map.to_map, [](double v) { return static_cast<float>(v); });
 }
 
-std::optional<CompiledLight> place_light(const EnvmapDescription& light, const SourceLocation& where,
-                                         LightContext& context) {
-  EnvmapImage image = read_envmap_image(light.file, light.raw);
+std::optional<CompiledLight> EnvmapDescription::compile(const SourceLocation& where, LightContext& context) const {
+  EnvmapImage image = read_envmap_image(file, raw);
   const UnusableValues unusable = replace_unusable(image);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
-    std::string text = light.file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
+    std::string text = file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
     if (unusable.infinite == 0) {
       text += " count as 0";
     } else {
@@ -75,23 +66,22 @@ std::optional<CompiledLight> place_light(const EnvmapDescription& light, const S
     }
     context.warnings.push_back(std::move(text));
   }
-  if (light.layout == EnvmapDescription::Layout::kOctahedral) image = lat_long_of_octahedral(image, light.file);
+  if (layout == Layout::kOctahedral) image = lat_long_of_octahedral(image, file);
   const double nodes = static_cast<double>(image.width) * image.height;
   const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "use a smaller map"},
                             {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};
-  check_memory("the environment map '" + light.file.string() + "' of " + std::to_string(image.width) + " x " +
+  check_memory("the environment map '" + file.string() + "' of " + std::to_string(image.width) + " x " +
                    std::to_string(image.height) + " pixels",
                uses);
-  Envmap map = make_envmap(std::move(image), light.scale, light.mis_compensation && can_compensate(context.integrator));
-  set_rotation(map, light.to_world, where);
-  return place_map(std::move(map), context, light.file.string() + ": the environment map", where);
+  Envmap map = make_envmap(std::move(image), scale, mis_compensation && can_compensate(context.integrator));
+  set_rotation(map, to_world, where);
+  return place_map(std::move(map), context, file.string() + ": the environment map", where);
 }
 
-std::optional<CompiledLight> place_light(const SkyDescription& sky, const SourceLocation& where,
-                                         LightContext& context) {
-  const auto frame = Frame<Scalar>::from_normal(sky.up);
-  Envmap map = make_envmap(sky_image(sky, frame.s), 1, can_compensate(context.integrator));
-  const Vec3f rows[3] = {cross(sky.up, frame.s), sky.up, frame.s};
+std::optional<CompiledLight> SkyDescription::compile(const SourceLocation& where, LightContext& context) const {
+  const auto frame = Frame<Scalar>::from_normal(up);
+  Envmap map = make_envmap(sky_image(*this, frame.s), 1, can_compensate(context.integrator));
+  const Vec3f rows[3] = {cross(up, frame.s), up, frame.s};
   for (std::size_t i = 0; i < 3; ++i)
     map.to_map[3 * i] = rows[i].x, map.to_map[3 * i + 1] = rows[i].y, map.to_map[3 * i + 2] = rows[i].z;
   return place_map(std::move(map), context, SceneError(where, "the sky").what(), where);

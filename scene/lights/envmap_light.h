@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/math/transform.h"
-#include "scene/lights/light.h"
+#include "scene/lights/constant_light.h"
 
 #include <filesystem>
 
@@ -26,11 +26,8 @@ struct EnvmapDescription {
   static constexpr auto fields(auto& s) {
     return std::tie(s.file, s.scale, s.to_world, s.mis_compensation, s.raw, s.layout);
   }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const EnvmapDescription& light, const SourceLocation& where,
-                                         LightContext& context);
 
 /// The sky model of Hosek and Wilkie 2012, for directions above the horizon.
 struct SkyDescription {
@@ -46,23 +43,16 @@ struct SkyDescription {
   bool extend = false;   ///< directions below the horizon repeat the horizon
   int resolution = 512;  ///< width of the generated map; its height is half of that
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.up, s.suns, s.turbidity, s.albedo, s.scale, s.sun_scale, s.stretch, s.extend, s.resolution);
   }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
 
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const SkyDescription& light, const SourceLocation& where,
-                                         LightContext& context);
-
 /// See scene/lights/light.h. LightRecord::radiance is the mean over all directions.
-struct EnvmapLightKind {
-  static constexpr const char* kLabel = "environment";
-  static constexpr LightDomain kDomain = LightDomain::kEnvironment;
+struct EnvmapLightKind : ConstantLightKind {
   using Descriptions = LightDescriptions<EnvmapDescription, SkyDescription>;
-
-  static Vec3f power(const SceneView& scene, const LightRow& light);
 };
 
 }  // namespace sheaf

@@ -1,8 +1,6 @@
 #include "scene/lights/goniometric_light.h"
 
 #include "scene/lights/light_bounds.h"
-#include "scene/lights/light_context.h"
-#include "scene/lights/light_rotation.h"
 #include "scene/lights/texture_mean.h"
 
 namespace sheaf {
@@ -25,16 +23,11 @@ IntegralSharing GoniometricLightKind::integral_key(const SceneView&, const Light
   return IntegralSharing::kShared;
 }
 
-Vec3f GoniometricLightKind::position(const LightRow& light) { return light.data<GoniometricLightData>().position; }
-
-std::optional<CompiledLight> place_light(const GoniometricLightDescription& light, const SourceLocation& where,
-                                         LightContext& context) {
-  const std::array<double, 9> rotation = rotation_of(light.to_world, "a goniometric light", where);
-  const Vec3f origin = light.to_world.point({0, 0, 0});
-  const LightEmission emission = context.emission(light.intensity, where);
-  const GoniometricLightData<Scalar> data{origin, context.add_frame(frame_of(rotation, origin))};
-  CompiledLight out{make_light_row(kLightKind<GoniometricLightKind>, emission.rgb, data), emission.spectrum};
-  out.row.texture = context.texture_row(light.image, where);
+std::optional<CompiledLight> GoniometricLightDescription::compile(const SourceLocation& where,
+                                                                  LightContext& context) const {
+  const FramedLightData<Scalar> data = rotated_frame(to_world, "a goniometric light", where, context);
+  CompiledLight out = context.light(context.emission(intensity, where), data);
+  out.row.texture = context.texture_row(image, where);
   return out;
 }
 

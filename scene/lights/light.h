@@ -11,25 +11,20 @@
 //     integral, integral_key    the factor of its power that needs numerical integration; see LightCompiler,
 //     position                  the point from which the light shines; see LightCompiler.
 // A description is a struct with
-//     kPlugins      its names in files that the dialects of Mitsuba and Nori write alike: an array, or kNoLightPlugins,
-//     read(p)       reads the properties; with kPlugins only,
-//     fields()      all parameters.
-// place_light() makes its row.
-//
-// Short functions are defined in the header. Those that need SceneView, LightContext or Properties are templates, such
-// as power(const auto& scene, ...), because the headers of these come after the list of kinds. Others are in a .cpp
-// file.
+//     kPlugins      its names in files that the dialects of Mitsuba and Nori write alike: an array, or kNoPlugins,
+//     kParameters   with kPlugins only: the names of its parameters (scene/description/parameter_names.h), or
+//     read(p)       reads them,
+//     fields()      all parameters,
+//     compile(where, context)  makes the row and the spectrum; returns nothing if the light is known to be black, and
+//                              throws SceneError.
+// Short functions are defined in the header, others in a .cpp file.
 #pragma once
 
-#include "core/color/spectrum_row.h"
-#include "core/io/error.h"
-#include "scene/description/inputs.h"
-#include "scene/tables/light.h"
+#include "scene/description/parameter_names.h"
+#include "scene/lights/light_context.h"
 
-#include <array>
 #include <concepts>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -37,15 +32,8 @@ namespace sheaf {
 
 class Properties;
 struct LightBounds;
-struct LightContext;
 struct LightDescription;
 struct SceneView;
-
-/// A light that is not on a shape.
-struct CompiledLight {
-  LightRow row;
-  SpectrumRow spectrum = {};  ///< spectrum of LightRecord::radiance, in spectral mode
-};
 
 /// A plugin of the dialects of Mitsuba and Nori.
 struct LightReader {
@@ -54,23 +42,15 @@ struct LightReader {
   void (*read)(Properties&, LightDescription&);
 };
 
-/// kPlugins of a description that each dialect writes differently.
-inline constexpr std::array<const char*, 0> kNoLightPlugins{};
-
-/// A description with everything that its names in files require.
+/// A description with all of its members.
 template <class Description>
-concept ReadableLight = (std::size(Description::kPlugins) > 0) == requires(Properties& p) {
-  { Description::read(p) } -> std::same_as<Description>;
-};
-
-/// A description for which place_light() compiles the light. It returns nothing if the light is known to be black, and
-/// throws SceneError.
-template <class Description>
-concept PlaceableLight = requires(const Description& light, const SourceLocation& where, LightContext& context) {
+concept CompilableDescription = requires(const Description& light, const SourceLocation& where, LightContext& context) {
   Description::fields(light);
-  requires ReadableLight<Description>;
-  { place_light(light, where, context) } -> std::same_as<std::optional<CompiledLight>>;
-};
+  { light.compile(where, context) } -> std::same_as<std::optional<CompiledLight>>;
+}
+&&(std::size(Description::kPlugins) > 0) == (DeclaresParameters<Description> || requires(Properties & p) {
+  { Description::read(p) } -> std::same_as<Description>;
+});
 
 /// A list of descriptions of lights.
 template <class... Description> struct LightDescriptions {};
@@ -149,6 +129,9 @@ template <CompilableLight Kind> constexpr LightCompiler make_light_compiler() {
   if constexpr (light_detail::HasPosition<Kind>) out.position = &Kind::position;
   return out;
 }
+
+/// Area of the disk, m^2, through which light from infinity reaches the scene's bounding sphere.
+float scene_disk_area(const SceneView& scene);
 
 /// A row's radiance in R, G and B.
 inline Vec3f emitted_rgb(const LightRow& light) { return {light.radiance.c0, light.radiance.c1, light.radiance.c2}; }

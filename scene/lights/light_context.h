@@ -1,9 +1,16 @@
-// Scene data for placing lights.
+// Rows of lights, and the scene data from which lights are compiled.
 #pragma once
 
-#include "scene/lights/list.h"
+#include "core/color/spectrum_row.h"
+#include "core/io/error.h"
+#include "scene/description/inputs.h"
 #include "scene/tables/envmap.h"
+#include "scene/tables/light.h"
 #include "scene/tables/texture.h"
+
+#include <span>
+#include <string>
+#include <vector>
 
 namespace sheaf {
 
@@ -16,6 +23,12 @@ struct LightEmission {
   SpectrumRow spectrum;  ///< spectral mode; relative to D65 for textures
 };
 
+/// A light that is not on a shape.
+struct CompiledLight {
+  LightRow row;
+  SpectrumRow spectrum = {};  ///< spectrum of LightRecord::radiance, in spectral mode
+};
+
 /// Makes a row without texture.
 LightRow make_light_row(LightKind kind, Vec3f radiance);
 template <template <class> class Data>
@@ -25,7 +38,7 @@ LightRow make_light_row(LightKind kind, Vec3f radiance, const Data<Scalar>& data
   return row;
 }
 
-/// Scene data for placing lights.
+/// Scene data from which lights are compiled.
 struct LightContext {
   const IntegratorSettings& integrator;
   std::span<const TextureRow> textures;  ///< those of the description
@@ -33,6 +46,7 @@ struct LightContext {
   Envmap& envmap;                        ///< environment map of the scene, filled by its light
   std::vector<LightFrameRow>& frames;
   std::vector<std::string>& warnings;
+  LightKind kind = {};  ///< of the next light: the first kind that lists its description
 
   /// The emission of a light. Throws SceneError at `where`.
   LightEmission emission(const SpectrumInput& emission, const SourceLocation& where) const;
@@ -42,13 +56,13 @@ struct LightContext {
   std::uint32_t texture_row(TextureId id, const SourceLocation& where) const;
   /// Adds a row to LightView::frames; returns its index.
   std::uint32_t add_frame(const LightFrameRow& frame);
-  /// A light of a kind, without texture.
-  template <class Kind> CompiledLight light(const LightEmission& emission) const {
-    return {make_light_row(kLightKind<Kind>, emission.rgb), emission.spectrum};
+  /// A light of `kind`, without texture.
+  CompiledLight light(const LightEmission& emission) const {
+    return {make_light_row(kind, emission.rgb), emission.spectrum};
   }
-  template <class Kind, template <class> class Data>
+  template <template <class> class Data>
   CompiledLight light(const LightEmission& emission, const Data<Scalar>& data) const {
-    return {make_light_row(kLightKind<Kind>, emission.rgb, data), emission.spectrum};
+    return {make_light_row(kind, emission.rgb, data), emission.spectrum};
   }
 };
 

@@ -1,8 +1,7 @@
 #include "scene/lights/list.h"
 
-#include "scene/lights/light_context.h"
 #include "scene/tables/scene_view.h"
-#include "scene/xml/properties.h"
+#include "scene/xml/read_declared.h"
 
 namespace sheaf {
 
@@ -11,7 +10,9 @@ namespace {
 template <class Description> void add_readers(std::vector<LightReader>& all) {
   if constexpr (std::size(Description::kPlugins) > 0)
     for (const char* name : Description::kPlugins)
-      all.push_back({name, [](Properties& p, LightDescription& out) { out.model = Description::read(p); }});
+      all.push_back({name, [](Properties& p, LightDescription& out) {
+                       out.model = read_model<Description>(p, SpectrumRole::kEmission);
+                     }});
 }
 
 template <class... Descriptions> std::vector<LightReader> readers_of(const std::variant<Descriptions...>*) {
@@ -21,6 +22,17 @@ template <class... Descriptions> std::vector<LightReader> readers_of(const std::
 }
 
 }  // namespace
+
+float scene_disk_area(const SceneView& scene) { return kPi * scene.radius * scene.radius; }
+
+std::optional<CompiledLight> compile_light(const LightDescription& light, LightContext& context) {
+  return std::visit(
+      [&]<class Description>(const Description& model) {
+        context.kind = LightKinds::kind_for<Description>();
+        return model.compile(light.where, context);
+      },
+      light.model);
+}
 
 std::span<const LightCompiler> light_compilers() {
   static constexpr std::array kCompilers = [] {

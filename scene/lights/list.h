@@ -31,7 +31,7 @@ namespace light_list_detail {
 /// A variant of the descriptions in several LightDescriptions.
 template <class... Lists> struct AnyDescription;
 template <class... All> struct AnyDescription<LightDescriptions<All...>> {
-  static_assert((PlaceableLight<All> && ...), "place_light() is missing for a description");
+  static_assert((CompilableDescription<All> && ...), "a description omits something; see scene/lights/light.h");
   using Type = std::variant<All...>;
 };
 template <class... Some, class... More, class... Lists>
@@ -55,6 +55,11 @@ template <CompilableLight... Kinds> struct LightKindList {
   template <class Kind> static constexpr LightKind kind_of() {
     static_assert((std::is_same_v<Kind, Kinds> + ...) == 1, "a kind must be listed once");
     constexpr bool kMatches[] = {std::is_same_v<Kind, Kinds>...};
+    return static_cast<LightKind>(std::find(kMatches, kMatches + kCount, true) - kMatches);
+  }
+  /// The first kind that lists a description.
+  template <class Description> static constexpr LightKind kind_for() {
+    constexpr bool kMatches[] = {light_list_detail::lists<Description>(typename Kinds::Descriptions{})...};
     return static_cast<LightKind>(std::find(kMatches, kMatches + kCount, true) - kMatches);
   }
   /// Calls f.operator()<Kind>() for each kind.
@@ -98,6 +103,9 @@ struct LightDescription {
   std::string id = {};  ///< name in files; may be empty
   std::optional<MotionId> motion = {};
 };
+
+/// Compiles a light. Returns nothing if it is known to be black. Throws SceneError.
+std::optional<CompiledLight> compile_light(const LightDescription& light, LightContext& context);
 
 /// The functions of each kind, by LightKind.
 std::span<const LightCompiler> light_compilers();

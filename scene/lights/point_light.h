@@ -7,21 +7,24 @@
 
 namespace sheaf {
 
+/// Data of a point light. LightRecord::radiance is its intensity, W / sr.
+template <class L> struct PointLightData {
+  Vec3<L> position;  ///< world space
+
+  static constexpr auto fields(auto& s) { return std::tie(s.position); }
+};
+
 /// Emits `intensity` (W / sr) from `position` in all directions.
 struct PointLightDescription {
   Vec3d position{0, 0, 0};
   SpectrumDescription intensity = SpectrumDescription::constant(1);
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.intensity); }
-};
 
-/// Data of a point light. LightRecord::radiance is its intensity, W / sr.
-template <class L> struct PointLightData {
-  Vec3<L> position;  ///< world space
-
-  static constexpr auto kPlugins = kNoLightPlugins;
-  static constexpr auto fields(auto& s) { return std::tie(s.position); }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const {
+    return context.light(context.emission(intensity, where), PointLightData<Scalar>{position.rounded()});
+  }
 };
 
 /// See scene/lights/light.h.
@@ -36,12 +39,5 @@ struct PointLightKind {
   }
   static Vec3f position(const LightRow& light) { return light.data<PointLightData>().position; }
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const PointLightDescription& light, const SourceLocation& where,
-                                         auto& context) {
-  const PointLightData<Scalar> data{light.position.rounded()};
-  return context.template light<PointLightKind>(context.emission(light.intensity, where), data);
-}
 
 }  // namespace sheaf

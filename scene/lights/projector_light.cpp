@@ -2,8 +2,6 @@
 
 #include "scene/description/field_of_view.h"
 #include "scene/lights/light_bounds.h"
-#include "scene/lights/light_context.h"
-#include "scene/lights/light_rotation.h"
 #include "scene/lights/texture_mean.h"
 #include "scene/textures/list.h"
 
@@ -21,8 +19,6 @@ double aspect_of(const TextureRow& row) {
 }
 
 }  // namespace
-
-Vec3f ProjectorLightKind::power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
 
 LightBounds ProjectorLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
   const auto projector = light.data<ProjectorLightData>();
@@ -59,26 +55,21 @@ IntegralSharing ProjectorLightKind::integral_key(const SceneView&, const LightRo
   return IntegralSharing::kShared;
 }
 
-Vec3f ProjectorLightKind::position(const LightRow& light) { return light.data<ProjectorLightData>().position; }
-
-std::optional<CompiledLight> place_light(const ProjectorDescription& projector, const SourceLocation& where,
-                                         LightContext& context) {
-  const auto* image = std::get_if<TextureId>(&projector.irradiance);
+std::optional<CompiledLight> ProjectorDescription::compile(const SourceLocation& where, LightContext& context) const {
+  const auto* image = std::get_if<TextureId>(&irradiance);
   const std::uint32_t texture = image != nullptr ? context.texture_row(*image, where) : kNone;
   const double aspect = image != nullptr ? aspect_of(context.textures[texture]) : 1;
-  const std::array<double, 9> rotation = rotation_of(projector.to_world, "a projector", where);
-  const double half_width = half_width_of(projector.fov, projector.fov_axis, aspect, 1.0, where);
-  LightEmission emission = context.emission(projector.irradiance, where);
-  const float scale = projector.is_even ? projector.scale : kPi * projector.scale;
-  emission.spectrum.scale *= scale;
-  const Vec3f origin = projector.to_world.point({0, 0, 0});
+  const double half_width = half_width_of(fov, fov_axis, aspect, 1.0, where);
+  LightEmission emission = context.emission(irradiance, where);
+  const float factor = is_even ? scale : kPi * scale;
+  emission.rgb = emission.rgb * factor;
+  emission.spectrum.scale *= factor;
   const ProjectorLightData<Scalar> data{
-      origin,
-      context.add_frame(frame_of(rotation, origin)),
+      rotated_frame(to_world, "a projector", where, context),
       {static_cast<float>(0.5 / half_width), static_cast<float>(0.5 * aspect / half_width)}};
-  CompiledLight out{make_light_row(kLightKind<ProjectorLightKind>, emission.rgb * scale, data), emission.spectrum};
+  CompiledLight out = context.light(emission, data);
   out.row.texture = texture;
-  if (projector.is_even) out.row.flags |= kIsEven;
+  if (is_even) out.row.flags |= kIsEven;
   return out;
 }
 

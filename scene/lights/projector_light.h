@@ -1,9 +1,8 @@
 // Projectors.
 #pragma once
 
-#include "core/math/transform.h"
 #include "scene/description/camera.h"
-#include "scene/lights/light.h"
+#include "scene/lights/framed_light.h"
 
 namespace sheaf {
 
@@ -18,37 +17,28 @@ struct ProjectorDescription {
   float fov = 50;  ///< degrees
   CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.to_world, s.irradiance, s.scale, s.is_even, s.fov, s.fov_axis);
   }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
 
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const ProjectorDescription& light, const SourceLocation& where,
-                                         LightContext& context);
-
 /// Data of a projector. LightRecord::radiance is the intensity (W / sr) on its axis where the image is 1.
-template <class L> struct ProjectorLightData {
-  Vec3<L> position;        ///< world space
-  typename L::Uint frame;  ///< into LightView::frames
-  Vec2<L> image_scale;     ///< reciprocals of the image's width and height at z = 1
+template <class L> struct ProjectorLightData : FramedLightData<L> {
+  Vec2<L> image_scale;  ///< reciprocals of the image's width and height at z = 1
 
-  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.position, s.frame, s.image_scale); }
 };
 
 /// See scene/lights/light.h.
-struct ProjectorLightKind {
+struct ProjectorLightKind : FramedLightKind {
   static constexpr const char* kLabel = "projector";
-  static constexpr LightDomain kDomain = LightDomain::kBounded;
   using Descriptions = LightDescriptions<ProjectorDescription>;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
-  static Vec3f position(const LightRow& light);
 };
 
 }  // namespace sheaf

@@ -1,7 +1,7 @@
 #include "scene/lights/spot_light.h"
 
 #include "scene/lights/light_bounds.h"
-#include "scene/lights/light_context.h"
+#include "scene/lights/list.h"
 #include "scene/lights/texture_mean.h"
 
 #include <algorithm>
@@ -24,43 +24,15 @@ LightFrameRow frame_row(const Transform& to_world) {
   return row;
 }
 
-using LinearSpot = LinearSpotLightData<Scalar>;
-using SmoothSpot = SmoothSpotLightData<Scalar>;
-
-double cutoff_angle_of(const LinearSpot& spot) { return spot.cutoff_angle; }
-double cutoff_angle_of(const SmoothSpot& spot) { return std::acos(std::clamp(double(spot.cos_cutoff), -1.0, 1.0)); }
+double cutoff_angle_of(const SpotLightData<Scalar>& spot, bool smooth) {
+  return smooth ? std::acos(std::clamp(double(spot.cutoff), -1.0, 1.0)) : double(spot.cutoff);
+}
 
 /// Relative intensity at an angle from the axis.
-double falloff(const LinearSpot& spot, double theta) {
-  return std::clamp((spot.cutoff_angle - theta) * spot.inverse_width, 0.0, 1.0);
-}
-double falloff(const SmoothSpot& spot, double theta) {
-  const double t = std::clamp((std::cos(theta) - spot.cos_cutoff) * spot.inverse_width, 0.0, 1.0);
+double falloff(const SpotLightData<Scalar>& spot, bool smooth, double theta) {
+  if (!smooth) return std::clamp((spot.cutoff - theta) * spot.inverse_width, 0.0, 1.0);
+  const double t = std::clamp((std::cos(theta) - spot.cutoff) * spot.inverse_width, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
-}
-
-/// Integral of the intensity over all directions for intensity 1.
-template <class Spot> Vec3f integral_of(const Spot& spot, const SceneView& scene, const LightRow& light, int points) {
-  const double cutoff = cutoff_angle_of(spot);
-  TextureMean mean(scene, light.texture);
-  double sum = 0;
-  // Rings are cheap without a texture.
-  const int rings = light.texture == kNone ? kMeanPoints / 8 : points / 8;
-  for (int i = 0; i < rings; ++i) {
-    const double theta = (i + 0.5) / rings * cutoff;
-    const double weight = falloff(spot, theta) * std::sin(theta) * cutoff / rings;
-    sum += weight;
-    if (light.texture == kNone) continue;
-    constexpr int kAround = 32;
-    for (int j = 0; j < kAround; ++j) {
-      const double phi = kTwoPi * (j + 0.5 + 0.618 * i) / kAround;
-      const double r = 0.5 * std::tan(theta) * spot.cot_cutoff;
-      const Vec2f uv{static_cast<float>(0.5 + r * std::cos(phi)), static_cast<float>(0.5 + r * std::sin(phi))};
-      mean.add({uv, 0, 0, 0, 0}, weight);
-    }
-  }
-  const auto whole = static_cast<float>(kTwoPi * sum);
-  return light.texture == kNone ? Vec3f{whole, whole, whole} : mean.value() * whole;
 }
 
 void check_angles(const SpotLightDescription& spot, const SourceLocation& where) {
@@ -77,67 +49,68 @@ void check_angles(const SpotLightDescription& spot, const SourceLocation& where)
 
 }  // namespace
 
-Vec3f LinearSpotLightKind::power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
-
-LightBounds LinearSpotLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
-  const LinearSpot spot = light.data<LinearSpotLightData>();
-  return frame_light_bounds(scene.lights.frames[spot.frame], spot.position, std::cos(double(spot.cutoff_angle)), power);
+template <bool kSmooth>
+LightBounds SpotLightKind<kSmooth>::bounds(const SceneView& scene, const LightRow& light, double power) {
+  const auto spot = light.data<SpotLightData>();
+  const double cos_total = kSmooth ? double(spot.cutoff) : std::cos(double(spot.cutoff));
+  return frame_light_bounds(scene.lights.frames[spot.frame], spot.position, cos_total, power);
 }
 
-Vec3f LinearSpotLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
-  return integral_of(light.data<LinearSpotLightData>(), scene, light, points);
+/// Integral of the intensity over all directions for intensity 1.
+template <bool kSmooth>
+Vec3f SpotLightKind<kSmooth>::integral(const SceneView& scene, const LightRow& light, int points) {
+  const auto spot = light.data<SpotLightData>();
+  const double cutoff = cutoff_angle_of(spot, kSmooth);
+  TextureMean mean(scene, light.texture);
+  double sum = 0;
+  // Rings are cheap without a texture.
+  const int rings = light.texture == kNone ? kMeanPoints / 8 : points / 8;
+  for (int i = 0; i < rings; ++i) {
+    const double theta = (i + 0.5) / rings * cutoff;
+    const double weight = falloff(spot, kSmooth, theta) * std::sin(theta) * cutoff / rings;
+    sum += weight;
+    if (light.texture == kNone) continue;
+    constexpr int kAround = 32;
+    for (int j = 0; j < kAround; ++j) {
+      const double phi = kTwoPi * (j + 0.5 + 0.618 * i) / kAround;
+      const double r = 0.5 * std::tan(theta) * spot.cot_cutoff;
+      const Vec2f uv{static_cast<float>(0.5 + r * std::cos(phi)), static_cast<float>(0.5 + r * std::sin(phi))};
+      mean.add({uv, 0, 0, 0, 0}, weight);
+    }
+  }
+  const auto whole = static_cast<float>(kTwoPi * sum);
+  return light.texture == kNone ? Vec3f{whole, whole, whole} : mean.value() * whole;
 }
 
-IntegralSharing LinearSpotLightKind::integral_key(const SceneView&, const LightRow& light,
-                                                  std::vector<std::uint32_t>& key) {
-  const LinearSpot spot = light.data<LinearSpotLightData>();
-  key.insert(key.end(), {float_bits(spot.cutoff_angle), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
+template <bool kSmooth>
+IntegralSharing SpotLightKind<kSmooth>::integral_key(const SceneView&, const LightRow& light,
+                                                     std::vector<std::uint32_t>& key) {
+  const auto spot = light.data<SpotLightData>();
+  key.insert(key.end(), {float_bits(spot.cutoff), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
   return IntegralSharing::kShared;
 }
 
-Vec3f LinearSpotLightKind::position(const LightRow& light) { return light.data<LinearSpotLightData>().position; }
+template struct SpotLightKind<false>;
+template struct SpotLightKind<true>;
 
-Vec3f SmoothSpotLightKind::power(const SceneView&, const LightRow& light) { return emitted_rgb(light); }
-
-LightBounds SmoothSpotLightKind::bounds(const SceneView& scene, const LightRow& light, double power) {
-  const SmoothSpot spot = light.data<SmoothSpotLightData>();
-  return frame_light_bounds(scene.lights.frames[spot.frame], spot.position, double(spot.cos_cutoff), power);
-}
-
-Vec3f SmoothSpotLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
-  return integral_of(light.data<SmoothSpotLightData>(), scene, light, points);
-}
-
-IntegralSharing SmoothSpotLightKind::integral_key(const SceneView&, const LightRow& light,
-                                                  std::vector<std::uint32_t>& key) {
-  const SmoothSpot spot = light.data<SmoothSpotLightData>();
-  key.insert(key.end(), {float_bits(spot.cos_cutoff), float_bits(spot.inverse_width), float_bits(spot.cot_cutoff)});
-  return IntegralSharing::kShared;
-}
-
-Vec3f SmoothSpotLightKind::position(const LightRow& light) { return light.data<SmoothSpotLightData>().position; }
-
-std::optional<CompiledLight> place_light(const SpotLightDescription& spot, const SourceLocation& where,
-                                         LightContext& context) {
-  const double cutoff = spot.cutoff_angle * kDegree, beam = spot.beam_width * kDegree;
-  const std::uint32_t texture = spot.texture ? context.texture_row(*spot.texture, where) : kNone;
-  check_angles(spot, where);
-  const bool smooth = spot.falloff == SpotLightDescription::Falloff::kSmooth;
+std::optional<CompiledLight> SpotLightDescription::compile(const SourceLocation& where, LightContext& context) const {
+  const double cutoff = cutoff_angle * kDegree, beam = beam_width * kDegree;
+  const std::uint32_t texture_row = texture ? context.texture_row(*texture, where) : kNone;
+  check_angles(*this, where);
+  const bool smooth = falloff == Falloff::kSmooth;
   // Avoids division by zero for a step of zero width.
   constexpr double kMinWidth = 1e-7;
   const double outer = smooth ? std::cos(cutoff) : cutoff;
   const double width = smooth ? std::cos(beam) - std::cos(cutoff) : cutoff - beam;
   const auto limit = static_cast<float>(outer), inverse_width = static_cast<float>(1.0 / std::max(width, kMinWidth));
   const auto cot_cutoff = static_cast<float>(1.0 / std::tan(std::min(cutoff, 89.999 * kDegree)));
-  const LightEmission emission = context.emission(spot.intensity, where);
-  const Vec3f position = spot.to_world.point({0, 0, 0});
-  const std::uint32_t frame = context.add_frame(frame_row(spot.to_world));
-  const SmoothSpot smooth_spot{position, frame, limit, inverse_width, cot_cutoff};
-  const LinearSpot linear_spot{position, frame, limit, inverse_width, cot_cutoff};
-  CompiledLight out{smooth ? make_light_row(kLightKind<SmoothSpotLightKind>, emission.rgb, smooth_spot)
-                           : make_light_row(kLightKind<LinearSpotLightKind>, emission.rgb, linear_spot),
-                    emission.spectrum};
-  out.row.texture = texture;
+  const LightEmission emission = context.emission(intensity, where);
+  const Vec3f position = to_world.point({0, 0, 0});
+  const SpotLightData<Scalar> data{
+      {position, context.add_frame(frame_row(to_world))}, limit, inverse_width, cot_cutoff};
+  const LightKind kind = smooth ? kLightKind<SmoothSpotLightKind> : kLightKind<LinearSpotLightKind>;
+  CompiledLight out{make_light_row(kind, emission.rgb, data), emission.spectrum};
+  out.row.texture = texture_row;
   return out;
 }
 

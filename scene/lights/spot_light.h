@@ -1,8 +1,9 @@
 // Spot lights with linear or smooth falloff.
 #pragma once
 
-#include "core/math/transform.h"
-#include "scene/lights/light.h"
+#include "scene/lights/framed_light.h"
+
+#include <type_traits>
 
 namespace sheaf {
 
@@ -18,70 +19,37 @@ struct SpotLightDescription {
   /// degrees.
   std::optional<TextureId> texture;
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.falloff, s.to_world, s.intensity, s.cutoff_angle, s.beam_width, s.texture);
   }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
 
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const SpotLightDescription& light, const SourceLocation& where,
-                                         LightContext& context);
-
-/// Data of a spot light whose intensity falls off linearly in the angle. LightRecord::radiance is the intensity on its
-/// axis, W / sr.
-template <class L> struct LinearSpotLightData {
-  Vec3<L> position;                 ///< world space
-  typename L::Uint frame;           ///< into LightView::frames
-  typename L::Float cutoff_angle;   ///< from the axis, radians
-  typename L::Float inverse_width;  ///< 1 / (cutoff angle - beam width)
+/// Data of a spot light. LightRecord::radiance is the intensity on its axis, W / sr. Widths are angles from the axis in
+/// radians if the intensity falls off linearly in the angle, and cosines of them if it falls off as a smooth step in
+/// the cosine.
+template <class L> struct SpotLightData : FramedLightData<L> {
+  typename L::Float cutoff;         ///< width of the cone
+  typename L::Float inverse_width;  ///< 1 / |width of the cone - width of the beam|
   typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)
 
-  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) {
-    return std::tie(s.position, s.frame, s.cutoff_angle, s.inverse_width, s.cot_cutoff);
+    return std::tie(s.position, s.frame, s.cutoff, s.inverse_width, s.cot_cutoff);
   }
 };
 
-/// Data of a spot light whose intensity falls off as a smooth step in the cosine of the angle. LightRecord::radiance is
-/// the intensity on its axis, W / sr.
-template <class L> struct SmoothSpotLightData {
-  Vec3<L> position;                 ///< world space
-  typename L::Uint frame;           ///< into LightView::frames
-  typename L::Float cos_cutoff;     ///< cosine of the cutoff angle
-  typename L::Float inverse_width;  ///< 1 / (cosine of the beam width - cos_cutoff)
-  typename L::Float cot_cutoff;     ///< with a texture: 1 / tan(cutoff angle)
-
-  static constexpr auto kPlugins = kNoLightPlugins;
-  static constexpr auto fields(auto& s) {
-    return std::tie(s.position, s.frame, s.cos_cutoff, s.inverse_width, s.cot_cutoff);
-  }
-};
-
-/// See scene/lights/light.h.
-struct LinearSpotLightKind {
+/// See scene/lights/light.h. Descriptions are compiled to the kind of their falloff.
+template <bool kSmooth> struct SpotLightKind : FramedLightKind {
   static constexpr const char* kLabel = "spot";
-  static constexpr LightDomain kDomain = LightDomain::kBounded;
-  using Descriptions = LightDescriptions<SpotLightDescription>;
+  static constexpr bool kIsSmooth = kSmooth;
+  using Descriptions = std::conditional_t<kSmooth, LightDescriptions<>, LightDescriptions<SpotLightDescription>>;
 
-  static Vec3f power(const SceneView& scene, const LightRow& light);
   static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
   static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
   static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
-  static Vec3f position(const LightRow& light);
 };
-
-/// See scene/lights/light.h.
-struct SmoothSpotLightKind {
-  static constexpr const char* kLabel = "spot";
-  static constexpr LightDomain kDomain = LightDomain::kBounded;
-  using Descriptions = LightDescriptions<>;
-
-  static Vec3f power(const SceneView& scene, const LightRow& light);
-  static LightBounds bounds(const SceneView& scene, const LightRow& light, double power);
-  static Vec3f integral(const SceneView& scene, const LightRow& light, int points);
-  static IntegralSharing integral_key(const SceneView& scene, const LightRow& light, std::vector<std::uint32_t>& key);
-  static Vec3f position(const LightRow& light);
-};
+using LinearSpotLightKind = SpotLightKind<false>;
+using SmoothSpotLightKind = SpotLightKind<true>;
 
 }  // namespace sheaf

@@ -16,22 +16,18 @@ struct SunDescription {
 
   static constexpr float kSunRadius = 0.2679f;
 
-  static constexpr auto kPlugins = kNoLightPlugins;
+  static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
     return std::tie(s.up, s.direction, s.turbidity, s.scale, s.radius, s.stretch);
   }
+  std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };
-
-/// See PlaceableLight.
-std::optional<CompiledLight> place_light(const SunDescription& light, const SourceLocation& where,
-                                         LightContext& context);
 
 /// Data of a sun.
 template <class L> struct SunLightData {
   Vec3<L> to_light;                 ///< towards the centre of the disk, unit length
   typename L::Float one_minus_cos;  ///< 1 - cosine of the angular radius
 
-  static constexpr auto kPlugins = kNoLightPlugins;
   static constexpr auto fields(auto& s) { return std::tie(s.to_light, s.one_minus_cos); }
 };
 

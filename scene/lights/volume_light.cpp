@@ -1,7 +1,7 @@
 #include "scene/lights/volume_light.h"
 
 #include "scene/lights/light_bounds.h"
-#include "scene/lights/light_context.h"
+#include "scene/lights/list.h"
 #include "scene/tables/medium_lookup.h"
 
 #include <algorithm>

@@ -41,9 +41,8 @@ TEST_CASE("light list: rows keep the data of every kind") {
   check_data<SphereLightData>();
   check_data<QuadricLightData>();
   check_data<PointLightData>();
-  check_data<LinearSpotLightData>();
-  check_data<SmoothSpotLightData>();
-  check_data<GoniometricLightData>();
+  check_data<FramedLightData>();
+  check_data<SpotLightData>();
   check_data<ProjectorLightData>();
   check_data<BeamLightData>();
   check_data<DirectionalLightData>();

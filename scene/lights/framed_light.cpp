@@ -1,4 +1,4 @@
-#include "scene/lights/light_rotation.h"
+#include "scene/lights/framed_light.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,10 @@ std::array<double, 9> rotation_of(const Transform& to_world, const char* what, c
   return rows;
 }
 
-LightFrameRow frame_of(const std::array<double, 9>& rotation, Vec3f origin) {
+FramedLightData<Scalar> rotated_frame(const Transform& to_world, const char* what, const SourceLocation& where,
+                                      LightContext& context) {
+  const std::array<double, 9> rotation = rotation_of(to_world, what, where);
+  const Vec3f origin = to_world.point({0, 0, 0});
   LightFrameRow frame;
   Vec3f* const rows[3] = {&frame.row_x, &frame.row_y, &frame.row_z};
   float* const offsets[3] = {&frame.offset_x, &frame.offset_y, &frame.offset_z};
@@ -31,7 +34,7 @@ LightFrameRow frame_of(const std::array<double, 9>& rotation, Vec3f origin) {
     *rows[i] = {static_cast<float>(row[0]), static_cast<float>(row[1]), static_cast<float>(row[2])};
     *offsets[i] = static_cast<float>(-(row[0] * origin.x + row[1] * origin.y + row[2] * origin.z));
   }
-  return frame;
+  return {origin, context.add_frame(frame)};
 }
 
 }  // namespace sheaf
