@@ -49,7 +49,7 @@ class GatheringWave {
                          {film.width}, 0, 4);
     task_.begin(pixels_, {film.width}, kBeautyChannels);
     for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i)
-      if (takes_part(context_, kStages<Wide>[i].use)) kStages<Wide>[i].run(context_, wave_);
+      if (kStages<Wide>[i].takes_part(context_)) kStages<Wide>[i].run(context_, wave_);
   }
 
   /// Times the stage by its own counter. `found`: number of photons that all queries find.

@@ -56,7 +56,7 @@ class WarmWave {
     for (std::size_t i = 0; i < static_cast<std::size_t>(end); ++i) {
       const StageEntry& stage = kStages<Wide>[i];
       const bool waits = stage.is_source() && !refilling();
-      if (!waits && takes_part(context_, stage.use)) stage.run(context_, wave_);
+      if (!waits && stage.takes_part(context_)) stage.run(context_, wave_);
     }
   }
 
@@ -90,8 +90,8 @@ const Scene& load_scene(const char* file) {
 void run_stage(benchmark::State& state, const char* file, const StageEntry& stage) try {
   const FlushDenormals flush;
   // Advance the wave to the stage
-  WarmWave warm(load_scene(file), stage.use == StageUse::kPhotons ? PassKind::kLight : PassKind::kPath);
-  if (!takes_part(warm.context(), stage.use)) return state.SkipWithError("the scene does not use this stage");
+  WarmWave warm(load_scene(file), stage.takes_part == condition::starts_at_lights ? PassKind::kLight : PassKind::kPath);
+  if (!stage.takes_part(warm.context())) return state.SkipWithError("the scene does not use this stage");
   warm.advance(stage.stage);
   Wave& wave = warm.wave();
   const WaveSnapshot snapshot(wave);
@@ -122,7 +122,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
 
 template <class L> void add_stages(const std::string& scene, const char* file, const char* lane) {
   for (const StageEntry& stage : kStages<L>) {
-    if (stage.use == StageUse::kDebug) continue;
+    if (stage.takes_part == condition::in_debug_pass) continue;
     const std::string name = scene + "/" + std::string(stage.name) + "/" + lane;
     benchmark::RegisterBenchmark(name.c_str(), run_stage, file, stage)->UseManualTime();
   }

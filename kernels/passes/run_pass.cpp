@@ -16,7 +16,7 @@ template <class L> class Schedule {
  public:
   explicit Schedule(const StageContext& context) {
     for (const StageEntry& stage : kStages<L>) {
-      if (!takes_part(context, stage.use)) continue;
+      if (!stage.takes_part(context)) continue;
       if (stage.is_source()) {
         source_ = stage.run;
       } else if (stage.run_candidate != nullptr) {

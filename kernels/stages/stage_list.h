@@ -108,34 +108,53 @@ template <class L> void store_photons(const StageContext& context, Wave& wave) n
 /// Frees the slots of photons that have ended or left the scene.
 template <class L> void free_photons(const StageContext& context, Wave& wave) noexcept;
 
-/// The passes that a stage belongs to, and its conditions.
-enum class StageUse {
-  kAlways,  ///< all passes
-  kCamera,  ///< passes that start at the camera
-  kLight,   ///< passes that transport light
-  /// Passes with shadow rays, without SceneView::needs_transmittance; also the debug view of visibility.
-  kBinary,
-  kTransmission,     ///< passes with shadow rays, with SceneView::needs_transmittance
-  kPath,             ///< path pass
-  kAovs,             ///< path pass with AOVs
-  kGuiding,          ///< path pass with a guide
-  kLearning,         ///< path pass that trains a guide
-  kCaustics,         ///< path pass with specular chains to the lights
-  kGathering,        ///< path pass with photon maps
-  kGatheringMedia,   ///< path pass with a volume photon map
-  kScatteringMedia,  ///< passes that transport light, without a volume photon map
-  kPhotons,          ///< light pass and photon pass
-  kSplats,           ///< light pass
-  kStoring,          ///< photon pass
-  kDebug,            ///< debug views
-};
+/// Whether a stage takes part in the pass of a context.
+using StageCondition = bool (*)(const StageContext&);
+
+/// The conditions of kStages.
+namespace condition {
+
+inline bool always(const StageContext&) { return true; }
+inline bool starts_at_camera(const StageContext& context) { return !context.starts_at_lights(); }
+inline bool starts_at_lights(const StageContext& context) { return context.starts_at_lights(); }
+inline bool transports_light(const StageContext& context) { return context.transports_light(); }
+inline bool in_path_pass(const StageContext& context) { return context.pass() == PassKind::kPath; }
+inline bool in_light_pass(const StageContext& context) { return context.pass() == PassKind::kLight; }
+inline bool in_photon_pass(const StageContext& context) { return context.pass() == PassKind::kPhoton; }
+inline bool in_debug_pass(const StageContext& context) { return context.pass() == PassKind::kDebug; }
+inline bool writes_aovs(const StageContext& context) {
+  return in_path_pass(context) && context.camera_task().aovs().any();
+}
+inline bool samples_guide(const StageContext& context) { return in_path_pass(context) && context.samples_guide(); }
+inline bool trains_guide(const StageContext& context) { return in_path_pass(context) && context.trains_guide(); }
+inline bool connects_caustics(const StageContext& context) {
+  return in_path_pass(context) && context.connects_caustics();
+}
+inline bool gathers_photons(const StageContext& context) { return in_path_pass(context) && context.gathers_photons(); }
+inline bool gathers_volume(const StageContext& context) {
+  return gathers_photons(context) && context.photon_maps().covers_media();
+}
+inline bool scatters_in_media(const StageContext& context) {
+  return context.transports_light() && !gathers_volume(context);
+}
+/// Shadow rays that any opaque surface blocks, also those of the debug view of visibility.
+inline bool has_opaque_shadows(const StageContext& context) {
+  if (in_debug_pass(context)) return context.integrator.kind == IntegratorKind::kVisibility;
+  return !in_photon_pass(context) && !context.scene.needs_transmittance;
+}
+inline bool has_transparent_shadows(const StageContext& context) {
+  return (in_path_pass(context) || in_light_pass(context)) && context.scene.needs_transmittance;
+}
+
+}  // namespace condition
 
 /// A stage, with the queues that it uses.
 struct StageEntry {
   std::string_view name;  ///< name of the function and of its file; in reports and benchmarks, too
-  QueueSet consumes;      ///< queues that it empties or reads
+  QueueSet reads;         ///< queues that it leaves as they are
+  QueueSet consumes;      ///< queues that it empties; a source empties free slots only as far as it has paths
   QueueSet produces;      ///< queues that it pushes to
-  StageUse use;
+  StageCondition takes_part;
   void (*run)(const StageContext&, Wave&) noexcept;  ///< stages that process one light candidate: the first
   /// Stages that run once for each light candidate: for the candidate of that index. Null for others.
   void (*run_candidate)(const StageContext&, Wave&, int candidate) noexcept = nullptr;
@@ -149,60 +168,71 @@ struct StageEntry {
 template <class L>
 inline constexpr auto kStages = [] {
   using Q = Queue;
-  using U = StageUse;
+  namespace C = condition;
   auto stages = std::to_array<StageEntry>({
-      {"camera_rays", {Q::kFree}, {Q::kActive}, U::kCamera, camera_rays<L>},
-      {"photon_rays", {Q::kFree}, {Q::kActive, Q::kFinished}, U::kPhotons, photon_rays<L>},
+      {"camera_rays", {}, {Q::kFree}, {Q::kActive}, C::starts_at_camera, camera_rays<L>},
+      {"photon_rays", {}, {Q::kFree}, {Q::kActive, Q::kFinished}, C::starts_at_lights, photon_rays<L>},
       {"intersect",
+       {},
        {Q::kActive},
        {Q::kMedium, Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
-       U::kAlways,
+       C::always,
        intersect<L>},
       {"gather_volume",
+       {},
        {Q::kMedium},
        {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
-       U::kGatheringMedia,
+       C::gathers_volume,
        gather_volume<L>},
       {"medium",
+       {},
        {Q::kMedium},
        {Q::kMiss, Q::kEmitter, Q::kComposite, Q::kSurface, Q::kFinished},
-       U::kScatteringMedia,
+       C::scatters_in_media,
        medium<L>},
-      {"emission", {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, U::kPath, emission<L>},
-      {"select_materials", {Q::kComposite}, {Q::kActive, Q::kSurface, Q::kFinished}, U::kAlways, select_materials<L>},
+      {"emission", {}, {Q::kMiss, Q::kEmitter}, {Q::kActive, Q::kFinished}, C::in_path_pass, emission<L>},
+      {"select_materials",
+       {},
+       {Q::kComposite},
+       {Q::kActive, Q::kSurface, Q::kFinished},
+       C::always,
+       select_materials<L>},
       {"debug_view",
+       {},
        {Q::kMiss, Q::kEmitter, Q::kSurface},
        {Q::kActive, Q::kFinished, Q::kShadows},
-       U::kDebug,
+       C::in_debug_pass,
        debug_view<L>},
-      {"sort_surfaces", {Q::kSurface}, {Q::kSorted}, U::kLight, sort_surfaces<L>},
-      {"surface_inputs", {Q::kSorted}, {Q::kVertices}, U::kLight, surface_inputs<L>},
-      {"store_photons", {Q::kSorted, Q::kVertices}, {}, U::kStoring, store_photons<L>},
-      {"textures", {Q::kVertices}, {Q::kVertices}, U::kLight, textures<L>},
-      {"aovs", {Q::kSorted, Q::kVertices}, {}, U::kAovs, aovs<L>},
-      {"gather", {Q::kSorted, Q::kVertices}, {}, U::kGathering, gather<L>},
-      {"guide", {Q::kSorted, Q::kVertices}, {}, U::kGuiding, guide<L>},
+      {"sort_surfaces", {}, {Q::kSurface}, {Q::kSorted}, C::transports_light, sort_surfaces<L>},
+      {"surface_inputs", {Q::kSorted}, {}, {Q::kVertices}, C::transports_light, surface_inputs<L>},
+      {"store_photons", {Q::kSorted, Q::kVertices}, {}, {}, C::in_photon_pass, store_photons<L>},
+      {"textures", {Q::kSorted, Q::kVertices}, {}, {}, C::transports_light, textures<L>},
+      {"aovs", {Q::kSorted, Q::kVertices}, {}, {}, C::writes_aovs, aovs<L>},
+      {"gather", {Q::kSorted, Q::kVertices}, {}, {}, C::gathers_photons, gather<L>},
+      {"guide", {Q::kSorted, Q::kVertices}, {}, {}, C::samples_guide, guide<L>},
       {"light_candidates",
-       {Q::kVertices},
+       {Q::kSorted, Q::kVertices},
+       {},
        {Q::kCandidates},
-       U::kPath,
+       C::in_path_pass,
        [](const StageContext& context, Wave& wave) noexcept { light_candidates<L>(context, wave, 0); },
        light_candidates<L>},
       {"resample",
-       {Q::kVertices, Q::kCandidates},
+       {Q::kSorted, Q::kVertices},
+       {Q::kCandidates},
        {Q::kShadows},
-       U::kPath,
+       C::in_path_pass,
        [](const StageContext& context, Wave& wave) noexcept { resample<L>(context, wave, 0); },
        resample<L>},
-      {"manifold_connections", {Q::kSorted, Q::kVertices}, {}, U::kCaustics, manifold_connections<L>},
-      {"camera_connections", {Q::kSorted, Q::kVertices}, {Q::kShadows}, U::kSplats, camera_connections<L>},
-      {"shadow", {Q::kShadows}, {}, U::kBinary, shadow<L>},
-      {"transmittance", {Q::kShadows}, {}, U::kTransmission, transmittance<L>},
-      {"splat", {Q::kSorted}, {}, U::kSplats, splat<L>},
-      {"scatter", {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, U::kLight, scatter<L>},
-      {"record_training", {}, {}, U::kLearning, record_training<L>},
-      {"accumulate", {Q::kFinished}, {Q::kFree}, U::kCamera, accumulate<L>},
-      {"free_photons", {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, U::kPhotons, free_photons<L>},
+      {"manifold_connections", {Q::kSorted, Q::kVertices}, {}, {}, C::connects_caustics, manifold_connections<L>},
+      {"camera_connections", {Q::kSorted, Q::kVertices}, {}, {Q::kShadows}, C::in_light_pass, camera_connections<L>},
+      {"shadow", {}, {Q::kShadows}, {}, C::has_opaque_shadows, shadow<L>},
+      {"transmittance", {}, {Q::kShadows}, {}, C::has_transparent_shadows, transmittance<L>},
+      {"splat", {Q::kSorted}, {}, {}, C::in_light_pass, splat<L>},
+      {"scatter", {}, {Q::kSorted, Q::kVertices}, {Q::kActive, Q::kFinished}, C::transports_light, scatter<L>},
+      {"record_training", {Q::kFinished}, {}, {}, C::trains_guide, record_training<L>},
+      {"accumulate", {}, {Q::kFinished}, {Q::kFree}, C::starts_at_camera, accumulate<L>},
+      {"free_photons", {}, {Q::kMiss, Q::kEmitter, Q::kFinished}, {Q::kFree}, C::starts_at_lights, free_photons<L>},
   });
   static_assert(stages.size() <= kMaxStages);
   for (std::size_t i = 0; i < stages.size(); ++i) stages[i].stage = static_cast<Stage>(i);
@@ -230,50 +260,5 @@ template <class L = Wide> consteval Stage stage_named(std::string_view name) {
 #define SHEAF_INSTANTIATE_CANDIDATE_STAGE(stage) \
   template void stage<SHEAF_STAGE_LANE>(const StageContext&, Wave&, int) noexcept
 // NOLINTEND(bugprone-macro-parentheses)
-
-/// Whether a stage takes part in the context's pass.
-inline bool takes_part(const StageContext& context, StageUse use) {
-  const PassKind pass = context.pass();
-  const bool gathers_volume = context.gathers_photons() && context.photon_maps().covers_media();
-  const bool has_shadow_rays = pass == PassKind::kPath || pass == PassKind::kLight;
-  switch (use) {
-    case StageUse::kAlways:
-      return true;
-    case StageUse::kCamera:
-      return !context.starts_at_lights();
-    case StageUse::kLight:
-      return context.transports_light();
-    case StageUse::kPath:
-      return pass == PassKind::kPath;
-    case StageUse::kAovs:
-      return pass == PassKind::kPath && context.camera_task().aovs().any();
-    case StageUse::kGuiding:
-      return pass == PassKind::kPath && context.samples_guide();
-    case StageUse::kLearning:
-      return pass == PassKind::kPath && context.trains_guide();
-    case StageUse::kCaustics:
-      return pass == PassKind::kPath && context.connects_caustics();
-    case StageUse::kGathering:
-      return pass == PassKind::kPath && context.gathers_photons();
-    case StageUse::kGatheringMedia:
-      return pass == PassKind::kPath && gathers_volume;
-    case StageUse::kScatteringMedia:
-      return context.transports_light() && !(pass == PassKind::kPath && gathers_volume);
-    case StageUse::kPhotons:
-      return context.starts_at_lights();
-    case StageUse::kSplats:
-      return pass == PassKind::kLight;
-    case StageUse::kStoring:
-      return pass == PassKind::kPhoton;
-    case StageUse::kBinary:
-      return has_shadow_rays ? !context.scene.needs_transmittance
-                             : context.integrator.kind == IntegratorKind::kVisibility;
-    case StageUse::kTransmission:
-      return has_shadow_rays && context.scene.needs_transmittance;
-    case StageUse::kDebug:
-      return pass == PassKind::kDebug;
-  }
-  return false;
-}
 
 }  // namespace sheaf

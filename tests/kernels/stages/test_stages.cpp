@@ -252,7 +252,7 @@ TEST_CASE_TEMPLATE("stages: empty queues do no work", L, SHEAF_STAGE_LANES) {
   for (const StageEntry& stage : kStages<L>) {
     CAPTURE(stage.name);
     const StageContext context = test.context(*scene);
-    if (!takes_part(context, stage.use)) continue;
+    if (!stage.takes_part(context)) continue;
     stage.run(context, wave);
     check_conservation(wave);
     CHECK(wave.free.size() == wave.capacity);
@@ -264,7 +264,8 @@ TEST_CASE_TEMPLATE("stages: empty queues do no work", L, SHEAF_STAGE_LANES) {
 
 namespace {
 
-/// Runs a stage. Checks that it changes the queues alone that it names, and empties those that it consumes.
+/// Runs a stage. Checks that it changes only the queues that it consumes or produces, and empties those that it
+/// consumes.
 void run_and_check_queues(const StageEntry& stage, const StageContext& context, Wave& wave) {
   CAPTURE(stage.name);
   std::vector<std::vector<Slot>> before;
@@ -281,7 +282,7 @@ void run_and_check_queues(const StageEntry& stage, const StageContext& context, 
     if (stage.produces.contains(queue)) continue;
     if (!stage.consumes.contains(queue))
       CHECK(std::equal(old.begin(), old.end(), list.span().begin(), list.span().end()));
-    else if (queue != Queue::kFree && queue != Queue::kSorted)
+    else if (!stage.is_source())
       CHECK(list.empty());
   }
   if (stage.consumes.contains(Queue::kShadows))
@@ -335,13 +336,13 @@ TEST_CASE_TEMPLATE("stages: only declared queues change and consumed queues are 
     std::set<Stage> worked;
     for (int step = 0; step < 20; ++step)
       for (const StageEntry& stage : kStages<L>) {
-        if (!takes_part(context, stage.use)) continue;
+        if (!stage.takes_part(context)) continue;
         run_and_check_queues(stage, context, wave);
         if (wave.stats[stage.stage].items > 0) worked.insert(stage.stage);
       }
     for (const StageEntry& stage : kStages<L>) {
       CAPTURE(stage.name);
-      CHECK(worked.contains(stage.stage) == takes_part(context, stage.use));
+      CHECK(worked.contains(stage.stage) == stage.takes_part(context));
     }
   }
 }

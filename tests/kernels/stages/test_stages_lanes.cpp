@@ -79,7 +79,7 @@ TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
           context->sample_from({.mixtures = &mixture, .means = &unknown});
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStages<Wide>.size(); ++i) {
-          if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
+          if (!kStages<Wide>[i].takes_part(wide_context)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);
           WaveSnapshot(wide.wave).restore(scalar.wave);
@@ -124,7 +124,7 @@ TEST_CASE("stages: SIMD photon stages equal scalar ones in both colour modes") {
       const StageContext scalar_context = scalar.photon_context(*scene, 700);
       for (int bounce = 0; bounce < 12; ++bounce)
         for (std::size_t i = 0; i < kStages<Wide>.size(); ++i) {
-          if (!takes_part(wide_context, kStages<Wide>[i].use)) continue;
+          if (!kStages<Wide>[i].takes_part(wide_context)) continue;
           CAPTURE(kStages<Wide>[i].name);
           CAPTURE(bounce);
           WaveSnapshot(wide.wave).restore(scalar.wave);
