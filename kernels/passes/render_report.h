@@ -1,4 +1,4 @@
-// The report of a render: settings, times and statistics, as a table and as JSON.
+// The report of a render: settings, times and statistics.
 #pragma once
 
 #include "core/io/memory.h"
@@ -17,7 +17,7 @@ struct IntegratorSettings;
 /// Name of the integrator in scene files, e.g. "path_mats".
 std::string integrator_name(const IntegratorSettings& integrator);
 
-/// The content of `--stats`: settings, times, and the counters of all workers together.
+/// Settings, times, and the counters of all workers together. tools/report/ formats it.
 struct RenderReport {
   std::string scene;          ///< the scene file, as given
   std::string integrator;     ///< "path", "normals" ...
@@ -86,16 +86,5 @@ struct RenderReport {
   /// Factor on the number of samples that reduces the noise to `target`; 0 if the noise is unknown.
   double samples_factor(double target) const;
 };
-
-/// Maximum number of lights in a report.
-inline constexpr std::size_t kReportedLights = 10;
-/// Indices of the lights with the most shadow rays, in descending order. Omits lights without shadow rays.
-std::vector<std::size_t> costliest_lights(const Stats& stats, std::size_t count = kReportedLights);
-
-/// The report as JSON text, one object with the keys that the command line's help lists.
-std::string to_json(const RenderReport& report);
-
-/// The report as a human-readable table; lines end in '\n'. Omits stages without items.
-std::string to_table(const RenderReport& report);
 
 }  // namespace sheaf

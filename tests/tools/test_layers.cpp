@@ -80,11 +80,12 @@ const std::vector<Folder> kKernelFolders = {
 const std::vector<Folder> kToolFolders = {
     {"console", {}},  // messages and progress
     {"options", {"console"}},
-    {"preview", {"console", "options"}},
+    {"report", {"console"}},  // reports of renders as text
+    {"preview", {"console", "options", "report"}},
     {"job", {"console", "options", "preview"}},  // the steps around a render
     {"farm", {"console", "options", "job"}},
-    {"cli", {"console", "options", "preview", "job", "farm"}},
-    {"python", {"console", "options", "job", "farm"}},
+    {"cli", {"console", "options", "report", "preview", "job", "farm"}},
+    {"python", {"console", "options", "report", "job", "farm"}},
     {"importer", {}},  // a program of its own
     {"packaging", {}},
 };

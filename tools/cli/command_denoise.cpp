@@ -1,11 +1,11 @@
 // sheaf denoise: reads a rendered image, denoises it and writes it to all outputs.
 #include "core/image/exr.h"
-#include "core/io/duration.h"
 #include "core/io/error.h"
 #include "core/io/output_file.h"
 #include "kernels/denoise/denoise.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/render_summary.h"
+#include "tools/console/duration.h"
 #include "tools/job/image_files.h"
 #include "tools/job/interrupted_image.h"
 

@@ -21,6 +21,7 @@
 #include "tools/job/parts.h"
 #include "tools/job/render_job.h"
 #include "tools/preview/preview.h"
+#include "tools/report/report_text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,6 +1,6 @@
 #include "tools/cli/render_summary.h"
 
-#include "core/io/duration.h"
+#include "tools/console/duration.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // Counting of work, and its display as a bar or as log lines.
 #include "tools/console/progress.h"
 
-#include "core/io/duration.h"
+#include "tools/console/duration.h"
 
 #include <fmt/format.h>
 

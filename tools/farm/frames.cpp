@@ -1,8 +1,8 @@
 #include "tools/farm/frames.h"
 
-#include "core/io/duration.h"
 #include "core/io/error.h"
 #include "scene/dialects/model/read_model.h"
+#include "tools/console/duration.h"
 #include "tools/console/interrupt.h"
 #include "tools/console/messages.h"
 #include "tools/console/progress.h"

@@ -6,6 +6,7 @@
 #include "tools/console/progress.h"
 #include "tools/preview/live_page.h"
 #include "tools/preview/tev.h"
+#include "tools/report/report_text.h"
 
 #include <algorithm>
 #include <thread>

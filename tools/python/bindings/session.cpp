@@ -8,6 +8,7 @@
 #include "tools/console/progress.h"
 #include "tools/job/apply_arguments.h"
 #include "tools/job/parts.h"
+#include "tools/report/report_text.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // The smallest unit is chosen so that the text has two or three significant digits.
-#include "core/io/duration.h"
+#include "tools/console/duration.h"
 
 #include <fmt/format.h>
 

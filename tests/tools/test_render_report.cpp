@@ -1,9 +1,9 @@
 // The report of a render as text and as JSON, and the sums of its counters.
-#include "kernels/passes/render_report.h"
-
 #include "core/simd/simd.h"
 #include "tests/support/contains.h"
 #include "tests/support/near.h"
+#include "tools/report/report_figures.h"
+#include "tools/report/report_text.h"
 
 #include <doctest/doctest.h>
 

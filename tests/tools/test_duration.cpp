@@ -1,5 +1,5 @@
 // Durations: units, rounding at the borders between units, and values that are no durations.
-#include "core/io/duration.h"
+#include "tools/console/duration.h"
 
 #include <doctest/doctest.h>
 
