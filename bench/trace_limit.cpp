@@ -6,7 +6,7 @@
 #include "kernels/render/render.h"
 #include "kernels/stages/stage_list.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/options/options.h"
 

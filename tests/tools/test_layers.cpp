@@ -387,7 +387,7 @@ TEST_CASE("breaches of the folders of scene/dialects/ are found") {
                        {"scene/dialects/nori/scene.cpp", "scene/dialects/nori/reader.h"},
                        {"scene/dialects/nori/scene.cpp", "scene/dialects/xml/read_geometry.h"},
                        {"tools/cli/command_render.cpp", "scene/dialects/read_scene.h"},
-                       {"tools/cli/command_render.cpp", "scene/dialects/common/sampler_name.h"}})
+                       {"tools/cli/command_render.cpp", "scene/dialects/common/setting_names.h"}})
             .empty());
   CHECK(find_breaches({{"scene/dialects/read_scene.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);
   CHECK(find_breaches({{"scene/dialects/common/read_bsdf.cpp", "scene/dialects/nori/reader.h"}}).size() == 1);

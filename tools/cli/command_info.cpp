@@ -4,7 +4,7 @@
 #include "core/io/memory.h"
 #include "kernels/render/render_memory.h"
 #include "scene/compile/compile.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/cli/commands.h"

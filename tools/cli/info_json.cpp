@@ -3,7 +3,7 @@
 #include "core/io/memory.h"
 #include "kernels/passes/render_report.h"
 #include "kernels/render/render_memory.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 
 #include <nlohmann/json.hpp>
 

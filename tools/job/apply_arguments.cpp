@@ -3,9 +3,7 @@
 #include "core/io/error.h"
 #include "core/simd/saturate.h"
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/native_color.h"
 #include "tools/job/parts.h"
 

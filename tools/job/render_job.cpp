@@ -7,7 +7,7 @@
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/render/render_memory.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/native_color.h"
 #include "tools/job/apply_arguments.h"
 #include "tools/job/interrupted_image.h"

@@ -1,7 +1,6 @@
 // The Mitsuba dialect: integrators. Integrators with the same expected image are mapped to Sheaf's, with a note.
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/dialects/xml/read_photon_mapping.h"

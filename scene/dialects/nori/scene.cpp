@@ -6,8 +6,7 @@
 #include "scene/materials/reading.h"
 
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/model/auto_camera.h"
 #include "scene/dialects/nori/read_nori.h"
 #include "scene/dialects/xml/read_camera.h"

@@ -1,8 +1,7 @@
 // The pbrt dialect: integrators and samplers, replaced by Sheaf's with the same expected image.
 #include "scene/dialects/common/frame_limits.h"
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/reader.h"
 

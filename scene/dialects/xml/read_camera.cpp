@@ -1,7 +1,7 @@
 // Camera and sampler properties shared by the Nori and Mitsuba dialects.
 #include "scene/dialects/xml/read_camera.h"
 
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 
 namespace sheaf {
 

@@ -1,6 +1,6 @@
 // Integrators of both dialects: parameters, defaults, and replacements with a note.
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "tests/support/files/scene_files.h"
 
 #include <doctest/doctest.h>

@@ -1,8 +1,6 @@
 // The names that readers of scenes accept, against the documentation.
 #include "scene/dialects/common/integrator_name.h"
-#include "scene/dialects/common/light_selector_name.h"
-#include "scene/dialects/common/medium_estimator_name.h"
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/xml/read_geometry.h"
 #include "scene/dialects/xml/read_spectrum.h"
 #include "scene/dialects/xml/read_texture.h"

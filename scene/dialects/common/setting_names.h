@@ -1,8 +1,9 @@
-// Names of samplers, shared by all dialects and the command line.
+// Names of samplers, light selectors and medium estimators, shared by all dialects and the command line, and the
+// integrator properties that select them.
 #pragma once
 
-#include "core/io/name_table.h"
-#include "core/sampling/sampler.h"
+#include "scene/content/description.h"
+#include "scene/xml/named_values.h"
 
 #include <string>
 #include <string_view>
@@ -35,5 +36,19 @@ std::string rendered_sampler_note(SamplerKind named);
 
 /// Returns a note for the user if this sampler rounds `sample_count` samples per pixel up; else empty.
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count);
+
+inline constexpr NameTable<LightSelector> kLightSelectors{
+    {{"uniform", LightSelector::kUniform}, {"power", LightSelector::kPower}, {"bvh", LightSelector::kBvh}}};
+
+/// Reads `light_sampler` (a name) and `candidates` (light samples per vertex; RIS keeps one). Throws SceneError.
+void read_light_sampling(NamedValues& p, IntegratorSettings& integrator);
+
+inline constexpr NameTable<MediumEstimator> kMediumEstimators{{{"null_mis", MediumEstimator::kNullMis},
+                                                               {"delta", MediumEstimator::kDelta},
+                                                               {"ratio", MediumEstimator::kRatio},
+                                                               {"marching", MediumEstimator::kMarching}}};
+
+/// Reads `medium_estimator` (a name) and `step_size` (m, positive). Throws SceneError.
+void read_medium_estimation(NamedValues& p, IntegratorSettings& integrator);
 
 }  // namespace sheaf

@@ -1,5 +1,4 @@
-// Notes on samplers that others replace, and on rounded sample counts.
-#include "scene/dialects/common/sampler_name.h"
+#include "scene/dialects/common/setting_names.h"
 
 namespace sheaf {
 
@@ -30,6 +29,17 @@ std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
          (kind == SamplerKind::kZSobol
               ? std::string(", a power of two")
               : ", a grid of " + std::to_string(grid.columns) + " x " + std::to_string(grid.rows));
+}
+
+void read_light_sampling(NamedValues& p, IntegratorSettings& integrator) {
+  integrator.sets_candidates = integrator.sets_candidates || p.has("candidates");
+  integrator.candidates = p.integer("candidates", integrator.candidates, 1, kMaxCandidates);
+  integrator.light_selector = p.choice("light_sampler", kLightSelectors, integrator.light_selector);
+}
+
+void read_medium_estimation(NamedValues& p, IntegratorSettings& integrator) {
+  integrator.step_size = p.number("step_size", integrator.step_size, kPositive);
+  integrator.medium_estimator = p.choice("medium_estimator", kMediumEstimators, integrator.medium_estimator);
 }
 
 }  // namespace sheaf
