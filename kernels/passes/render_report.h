@@ -12,15 +12,10 @@
 
 namespace sheaf {
 
-struct IntegratorSettings;
-
-/// Name of the integrator in scene files, e.g. "path_mats".
-std::string integrator_name(const IntegratorSettings& integrator);
-
 /// Settings, times, and the counters of all workers together. tools/report/ formats it.
 struct RenderReport {
   std::string scene;          ///< the scene file, as given
-  std::string integrator;     ///< "path", "normals" ...
+  std::string integrator;     ///< its name as given, such as "path_mats"
   std::string color = "rgb";  ///< colour mode
   std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
   int width = 0, height = 0;  ///< of the frame, pixels

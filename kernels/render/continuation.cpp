@@ -50,7 +50,7 @@ std::string precomputation_problem(const Scene& scene, const RenderOptions& opti
     if (options.may_choose_candidates(integrator) && has_trial(layout.spp) != has_trial(state.division.spp))
       return "a render of so few samples has one light candidate (--candidates 1 keeps it)";
   }
-  if (integrator.kind != IntegratorKind::kPhotonMapper || integrator.photons.progressive) return "";
+  if (!integrator.traits().has_photon_maps() || integrator.photons.progressive) return "";
   const auto sets = [&](std::uint32_t spp) { return photon_map_sets(integrator.photons, scene.color(), spp); };
   return sets(layout.spp) == sets(state.division.spp) ? "" : "the photons are divided among more sets of wavelengths";
 }

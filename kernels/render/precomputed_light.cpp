@@ -13,7 +13,7 @@ PrecomputedLight::PrecomputedLight(StageContext& context, const SamplePlan& plan
       guide_training_{[&reporter] { return reporter.is_stopped(); },
                       [&reporter](std::uint64_t more) { reporter.add_done(more); }} {
   const Film& film = plan.state().film;
-  if (context.integrator.kind == IntegratorKind::kPhotonMapper)
+  if (context.integrator.traits().has_photon_maps())
     photon_mapping_.emplace(context, plan.layout().spp, std::max(film.width(), film.height()));
   // Waves allocate what guided paths need, even if training rejects the guide.
   if (trains_guide(guiding, context.integrator) && !plan.training().empty()) context.sample_from(guide_.view());

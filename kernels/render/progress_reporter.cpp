@@ -59,7 +59,7 @@ void ProgressReporter::pause(SamplePlan& plan, const TaskStatistics& tasks) {
 RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatistics& tasks,
                                       std::vector<std::string>& warnings) const {
   RenderReport report;
-  report.integrator = integrator_name(scene_.integrator());
+  report.integrator = scene_.integrator().name();
   report.isa = kIsaName;
   report.width = plan.state().film.width();
   report.height = plan.state().film.height();

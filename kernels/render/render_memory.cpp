@@ -71,7 +71,7 @@ double image_bytes(const FilmSize& film, const RenderOptions& options) {
 
 /// Bytes of photons: as traced by the tasks of one map at a time with the keys of their order, and of all maps.
 double photon_bytes(const StageContext& context) {
-  if (context.integrator.kind != IntegratorKind::kPhotonMapper) return 0;
+  if (!context.integrator.traits().has_photon_maps()) return 0;
   const PhotonMappingSettings& photons = context.integrator.photons;
   constexpr double kKey = sizeof(std::uint64_t), kSorted = 9 * sizeof(float);
   constexpr double kInBlocks =
@@ -125,9 +125,10 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
   needs.chains = options.caustics == CausticMode::kManifold;
   needs.guides = trains_guide(options.guiding, context.integrator);
   const FilmSize film = film_size(layout, options);
-  const bool traces_light = context.integrator.kind == IntegratorKind::kLightTracer;
+  const bool connects_photons = context.integrator.traits().connects_photons();
   const std::string parts = "render it in parts with --crop and merge them with 'sheaf merge'";
-  std::vector<MemoryUse> uses{{"the film", film.pixels * (8 * film.numbers + film.coverage + (traces_light ? 48 : 0)),
+  std::vector<MemoryUse> uses{{"the film",
+                               film.pixels * (8 * film.numbers + film.coverage + (connects_photons ? 48 : 0)),
                                parts + ", or write fewer layers"}};
   // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
   const double edges = layout.adapts ? adaptive_bytes(film, layout) : border_bytes(film, layout);

@@ -3,7 +3,6 @@
 
 #include "core/io/error.h"
 #include "kernels/passes/photon_mapping.h"
-#include "kernels/passes/render_report.h"
 #include "kernels/render/tiles.h"
 
 #include <algorithm>
@@ -49,7 +48,7 @@ void check_spectral_bins(const Scene& scene, int bins) {
   if (bins == 0) return;
   if (bins < 0 || bins > kMaxSpectralBins)
     throw Error(ExitCode::kUsage, "the number of spectral bins must be from 1 to " + std::to_string(kMaxSpectralBins));
-  if (scene.color() != ColorMode::kSpectral || scene.integrator().kind != IntegratorKind::kPath)
+  if (scene.color() != ColorMode::kSpectral || !scene.integrator().traits().supports_spectral_bins)
     throw Error(ExitCode::kUsage,
                 "spectral bins need spectral mode and an integrator that traces paths from the camera");
 }
@@ -57,7 +56,7 @@ void check_spectral_bins(const Scene& scene, int bins) {
 /// Samples per pixel if the options do not set them.
 std::uint32_t default_samples(const Scene& scene) {
   const IntegratorSettings& integrator = scene.integrator();
-  const bool passes = integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive;
+  const bool passes = integrator.traits().has_photon_maps() && integrator.photons.progressive;
   if (passes && integrator.photons.max_passes > 0) return static_cast<std::uint32_t>(integrator.photons.max_passes);
   return scene.sampler().sample_count;
 }
@@ -69,12 +68,11 @@ bool wants_halves(const RenderOptions& options) {
 
 void check_layers(const RenderOptions& options, const IntegratorSettings& transport, std::uint32_t spp) {
   const bool of_surfaces = options.aovs.contains(AovSource::kVertex) || options.aovs.contains(AovSource::kSurfaceId);
-  const bool follows_paths = transport.kind == IntegratorKind::kPath || transport.kind == IntegratorKind::kPhotonMapper;
-  if ((options.light_groups || of_surfaces) && !follows_paths)
+  if ((options.light_groups || of_surfaces) && !transport.traits().follows_camera_paths())
     refuse("surface layers and light groups need an integrator that traces paths from the camera, such as path (got '" +
-           integrator_name(transport) + "')");
+           transport.name() + "')");
   if (of_surfaces && transport.max_depth == 1) refuse("surface layers need a max depth of at least 2");
-  if (options.aovs.contains(aov_named("half")) && transport.kind == IntegratorKind::kLightTracer)
+  if (options.aovs.contains(aov_named("half")) && transport.traits().connects_photons())
     refuse("the layer half is not available with ptracer, because it needs camera samples");
   if (wants_halves(options) && spp < 2) refuse("the layers variance and half need at least 2 samples per pixel");
 }
@@ -82,16 +80,16 @@ void check_layers(const RenderOptions& options, const IntegratorSettings& transp
 void check_adaptive(SamplerKind sampler, const IntegratorSettings& transport, std::uint32_t spp) {
   if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
     refuse("a noise target or a time limit needs a sampler without a fixed sample count: sobol or independent");
-  if (transport.kind != IntegratorKind::kPath)
+  if (!transport.traits().supports_adaptive)
     refuse("a noise target or a time limit needs an integrator that traces paths from the camera, such as path (got '" +
-           integrator_name(transport) + "')");
+           transport.name() + "')");
   if (spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs at least 4 samples per pixel");
 }
 
 void check_guiding(const IntegratorSettings& integrator) {
   if (can_guide(integrator)) return;
-  refuse("guiding needs an integrator that traces paths from the camera, such as path (got '" +
-         integrator_name(integrator) + "')");
+  refuse("guiding needs an integrator that traces paths from the camera, such as path (got '" + integrator.name() +
+         "')");
 }
 
 /// Manifold next-event estimation replaces BSDF sampling of specular chains behind vertices that sample lights.
@@ -100,7 +98,7 @@ void check_caustics(const SceneView& scene, const IntegratorSettings& integrator
     refuse(
         "caustics by mnee need an integrator that traces paths from the camera and samples lights, such as path "
         "(got '" +
-        integrator_name(integrator) + "')");
+        integrator.name() + "')");
   if (scene.needs_transmittance)
     refuse(
         "caustics by mnee are not supported in scenes with participating media, masks or thin dielectrics that "
@@ -112,7 +110,7 @@ void add_light_groups(const SceneNames& names, const IntegratorSettings& transpo
   std::vector<std::string>& groups = layout.light_groups;
   groups = names.lights;
   // Photon maps mix the light of all groups.
-  if (names.has_other_light || transport.kind == IntegratorKind::kPhotonMapper) groups.emplace_back("other");
+  if (names.has_other_light || transport.traits().has_photon_maps()) groups.emplace_back("other");
   if (groups.size() > kMaxLightGroups)
     refuse("the scene has " + std::to_string(groups.size()) + " light groups, expected at most " +
            std::to_string(kMaxLightGroups) +
@@ -144,9 +142,9 @@ SampleRange requested_range(const SampleRange& requested, const SampleLayout& la
   if (requested.count == 0 || requested.first >= samples || requested.count > samples - requested.first)
     refuse("the samples " + name + " are out of range (expected samples from 0 to " + std::to_string(samples - 1) +
            " of each pixel)");
-  if (transport.kind == IntegratorKind::kLightTracer)
+  if (transport.traits().connects_photons())
     refuse("sample ranges need an integrator that traces paths from the camera, such as path (got '" +
-           integrator_name(transport) + "')");
+           transport.name() + "')");
   if (layout.adapts) refuse("sample ranges cannot be combined with a noise target or a time limit");
   const SampleRange range{requested.first * layout.rays, requested.count * layout.rays};
   const std::uint32_t set = layout.replicate_samples;
@@ -172,7 +170,7 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   const SamplerKind sampler = scene.sampler().kind;
   // Set the samples per pixel, with gather rays
   layout.spp = rounded_sample_count(sampler, options.samples_per_pixel.value_or(default_samples(scene)));
-  if (transport.kind == IntegratorKind::kPhotonMapper && transport.photons.gathering == PhotonGathering::kFinal)
+  if (transport.traits().has_photon_maps() && transport.photons.gathering == PhotonGathering::kFinal)
     layout.rays = static_cast<std::uint32_t>(transport.photons.gather_rays);
   if (layout.spp > kMaxSamples / layout.rays)
     refuse("samples per pixel times gather rays must not exceed " + std::to_string(kMaxSamples));
@@ -196,8 +194,8 @@ SampleLayout make_sample_layout(const Scene& scene, const RenderOptions& options
   // Divide the samples into replicates and passes
   set_replicates(options, sampler, layout);
   layout.range = options.samples ? requested_range(*options.samples, layout, transport) : SampleRange{0, layout.spp};
-  const bool has_map_sets = transport.kind == IntegratorKind::kPhotonMapper &&
-                            photon_map_sets(transport.photons, scene.color(), layout.spp) > 1;
+  const bool has_map_sets =
+      transport.traits().has_photon_maps() && photon_map_sets(transport.photons, scene.color(), layout.spp) > 1;
   layout.max_pass_samples = has_map_sets ? 1 : kPassSamples;
   if (options.light_groups) add_light_groups(scene.names(), transport, layout);
   if (options.guiding == GuidingMode::kOn) check_guiding(transport);

@@ -37,7 +37,7 @@ SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleL
     tries_candidates_ =
         options.may_choose_candidates(scene.integrator()) && is_trial_worthwhile(width, height, samples);
   }
-  if (scene.integrator().kind == IntegratorKind::kLightTracer) set_photons(scene);
+  if (scene.integrator().traits().connects_photons()) set_photons(scene);
   if (options.resume != nullptr) resume(*options.resume);
   is_trained_ = training_.empty() || state_.first_sample == layout_.range.end();
 }

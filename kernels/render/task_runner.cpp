@@ -31,7 +31,7 @@ StageContext camera_context(const Scene& scene, const RenderOptions& options, co
   context.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
                                  layout.replicate_samples, static_cast<std::uint32_t>(layout.frame.row_length()));
   // Photons do not find light that reaches the camera unscattered, so the camera takes only that.
-  if (context.integrator.kind == IntegratorKind::kLightTracer) context.max_depth = 1;
+  if (context.integrator.traits().connects_photons()) context.max_depth = 1;
   if (casters) context.connect_caustics(*casters);
   return context;
 }

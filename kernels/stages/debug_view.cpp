@@ -73,7 +73,7 @@ template <class L> void debug_view(const StageContext& context, Wave& wave) noex
   StageTimer timer(wave.stats, stage_named<L>("debug_view"));
   timer.count(hits, L::width);
   wave.surface.pad();
-  const bool looks_around = context.integrator.kind == IntegratorKind::kVisibility;
+  const bool looks_around = context.integrator.traits().measures_visibility;
   for_tiles<L>(hits, [&](int i, int count) {
     if (looks_around)
       look_around_tile<L>(context, wave, wave.surface.data() + i, count);

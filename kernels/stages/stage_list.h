@@ -139,7 +139,7 @@ inline bool scatters_in_media(const StageContext& context) {
 }
 /// Shadow rays that any opaque surface blocks, also those of the debug view of visibility.
 inline bool has_opaque_shadows(const StageContext& context) {
-  if (in_debug_pass(context)) return context.integrator.kind == IntegratorKind::kVisibility;
+  if (in_debug_pass(context)) return context.integrator.traits().measures_visibility;
   return !in_photon_pass(context) && !context.scene.needs_transmittance;
 }
 inline bool has_transparent_shadows(const StageContext& context) {

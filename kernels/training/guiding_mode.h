@@ -14,7 +14,7 @@ enum class GuidingMode {
 
 /// Whether the integrator has paths that can sample a guide.
 inline bool can_guide(const IntegratorSettings& integrator) {
-  return integrator.kind == IntegratorKind::kPath && !integrator.ends_at_diffuse;
+  return integrator.traits().supports_guiding && !integrator.ends_at_diffuse;
 }
 
 /// Whether a render trains a guide. With kAuto only for indirect light: direct light is sampled at the lights.

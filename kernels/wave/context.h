@@ -33,7 +33,7 @@ class StageContext {
         integrator(of.integrator()),
         sampler(of.sampler_view()),
         max_depth(of.integrator().max_depth),
-        pass_(sheaf::transports_light(of.integrator().kind) ? PassKind::kPath : PassKind::kDebug) {}
+        pass_(of.integrator().traits().uses_lights() ? PassKind::kPath : PassKind::kDebug) {}
   /// The same for one task.
   StageContext(const Scene& of, CameraTask& task) : StageContext(of) { set_camera_task(task); }
 

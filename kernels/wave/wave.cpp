@@ -61,7 +61,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.transparency = scene.needs_transmittance;
   needs.distance = needs.transparency || context.integrator.hide_emitters;
   needs.textures = false;
-  needs.candidates = context.integrator.kind != IntegratorKind::kLightTracer;
+  needs.candidates = !context.integrator.traits().connects_photons();
   needs.reservoirs = needs.candidates && context.integrator.candidates > 1;
   needs.light_tops = needs.candidates && shares_light_tops(context);
   needs.candidate_trial = false;

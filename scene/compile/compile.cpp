@@ -118,7 +118,7 @@ void SceneCompiler::add_cameras() {
     else
       out_->sensor_.more_cameras.push_back(made);
   }
-  if (in_.integrator.kind == IntegratorKind::kLightTracer && (count > 1 || !out_->sensor_.camera.sees_points))
+  if (in_.integrator.traits().connects_photons() && (count > 1 || !out_->sensor_.camera.sees_points))
     throw SceneError(
         in_.camera.where,
         "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
@@ -154,7 +154,7 @@ void SceneCompiler::add_materials() {
   out_->shadow_rays_pass_thin_dielectrics_ =
       in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
   // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
-  const bool passes_lights = in_.integrator.kind == IntegratorKind::kLightTracer && in_.integrator.hide_emitters;
+  const bool passes_lights = in_.integrator.traits().connects_photons() && in_.integrator.hide_emitters;
   out_->needs_transmittance_ = out_->needs_transmittance_ || out_->shadow_rays_pass_thin_dielectrics_ || passes_lights;
   out_->counts_.materials = in_.materials.size();
 }

@@ -50,7 +50,7 @@ void light_what_is_dark(Description& description) {
   for (const ShapeGroup& group : description.groups)
     lit = lit || std::any_of(group.shapes.begin(), group.shapes.end(), emits);
   for (const MediumDescription& medium : description.media) lit = lit || medium.emission || medium.temperature;
-  if (lit || !transports_light(description.integrator.kind)) return;
+  if (lit || !description.integrator.traits().uses_lights()) return;
   description.lights.push_back({ConstantLightDescription{}, {}});
   description.stand_ins.push_back(description.file.string() + ": the scene has no light (rendered with a white sky)");
 }

@@ -18,7 +18,7 @@ namespace {
 /// Whether MIS compensation may leave dark directions to BSDF sampling. Requires that BSDF sampling reaches all light
 /// that light sampling finds; otherwise the unsampled light would be lost. Photons have no second strategy.
 bool can_compensate(const IntegratorSettings& integrator) {
-  return integrator.kind == IntegratorKind::kPath && integrator.strategy == LightStrategy::kMis &&
+  return integrator.traits().source == PathSource::kCamera && integrator.strategy == LightStrategy::kMis &&
          !integrator.ends_at_diffuse;
 }
 

@@ -5,6 +5,7 @@
 #include "core/math/transform.h"
 #include "core/sampling/sampler.h"
 #include "scene/tables/filter.h"
+#include "scene/tables/integrator_list.h"
 #include "scene/tables/photon_settings.h"
 
 #include <cstdint>
@@ -28,15 +29,6 @@ struct SamplerSettings {
   std::uint32_t seed = 0;
 };
 
-/// The quantity computed at each pixel. Radiance along paths from the camera, along paths from the lights, or along
-/// both with photon maps in between; or normals, depth or ambient visibility of the first surface.
-enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth, kVisibility };
-/// Whether an integrator computes radiance.
-constexpr bool transports_light(IntegratorKind kind) {
-  return kind == IntegratorKind::kPath || kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
-}
-/// How direct light is estimated: by sampling lights, by sampling BSDFs, or both combined by MIS.
-enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
 /// How a light is selected for sampling.
 enum class LightSelector {
   kUniform,  ///< with equal probability
@@ -53,10 +45,9 @@ enum class MediumEstimator {
 /// Maximum number of light candidates per vertex.
 inline constexpr int kMaxCandidates = 1024;
 
-/// Default depths at which Russian roulette starts; see bench/README.md.
-inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
-
 struct IntegratorSettings {
+  /// A name of kIntegrators, as the scene or the user gives it; null: the name of the kind.
+  const char* given_name = nullptr;
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
   int max_depth = -1;           ///< -1 unlimited, 1 emission only, 2 direct light, ...
@@ -73,10 +64,11 @@ struct IntegratorSettings {
   float visibility_length = kInfinity;  ///< kVisibility: metres within which surfaces occlude
   PhotonMappingSettings photons;        ///< for kPhotonMapper
 
+  const IntegratorTraits& traits() const { return traits_of(kind); }
+  /// Name for reports and messages.
+  std::string name() const { return given_name != nullptr ? given_name : traits().name; }
   /// Depth from which Russian roulette applies.
-  int roulette_depth() const {
-    return rr_depth.value_or(kind == IntegratorKind::kPath ? kPathRouletteDepth : kOtherRouletteDepth);
-  }
+  int roulette_depth() const { return rr_depth.value_or(traits().roulette_depth); }
 };
 
 }  // namespace sheaf

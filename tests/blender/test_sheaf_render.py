@@ -10,6 +10,7 @@ import importlib.util
 import json
 import math
 import struct
+import subprocess
 import sys
 import tempfile
 import types
@@ -164,6 +165,14 @@ class LogicTest(unittest.TestCase):
         self.assertEqual(out["materials"][2], gltf["materials"][2])
         self.assertEqual(out["extensionsUsed"], ["KHR_materials_volume"])
 
+    def test_integrators_are_those_of_the_program(self):
+        program = json.loads(subprocess.run([sheaf, "help", "--json"], capture_output=True, check=True).stdout)
+        render, = [command for command in program["commands"] if command["name"] == "render"]
+        option, = [option for option in render["options"] if "--integrator" in option["names"]]
+        items = addon.SheafSettings.__annotations__["integrator"]["items"]
+        self.assertGreater(len(items), 1)
+        self.assertLessEqual({item[0] for item in items}, set(option["words"]))
+
     def test_registers_its_classes(self):
         bpy = sys.modules["bpy"]
         addon.register()
@@ -175,5 +184,6 @@ class LogicTest(unittest.TestCase):
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("--sheaf", required=True)
-    addon = load_addon(str(Path(parser.parse_args().sheaf).resolve()))
+    sheaf = str(Path(parser.parse_args().sheaf).resolve())
+    addon = load_addon(sheaf)
     unittest.main(argv=[sys.argv[0]])

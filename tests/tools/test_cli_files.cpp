@@ -18,7 +18,8 @@ using test::kScene;
 TEST_CASE("one render writes several images and the statistics") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  const Outcome outcome = run(folder, "render scene.xml -o a.exr -o b.png --spp 4 --seed 7 --stats s.json");
+  const Outcome outcome = run(
+      folder, "render scene.xml -o a.exr -o b.png --spp 4 --seed 7 --integrator path_mis --max-depth 2 --stats s.json");
   CAPTURE(outcome.err);
   REQUIRE(outcome.code == 0);
   CHECK(outcome.out.empty());
@@ -75,6 +76,7 @@ TEST_CASE("one render writes several images and the statistics") {
   }
   CHECK(contains(stats, "\"samples\": 1536"));
   CHECK(contains(stats, "\"seed\": 7"));
+  CHECK(contains(stats, "\"integrator\": \"path_mis\""));
 }
 
 TEST_CASE("an image without a name is named after the scene and written to the current folder") {

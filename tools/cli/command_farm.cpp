@@ -113,7 +113,7 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     farm.part_values = strips(crop, arguments.parts);
     return;
   }
-  if (plan.integrator == IntegratorKind::kLightTracer)
+  if (traits_of(plan.integrator).connects_photons())
     throw Error(ExitCode::kUsage,
                 "the samples of ptracer cannot be split, and each of its tiles takes as long as the whole frame: "
                 "distribute frames instead, with --parts 1 --tiles");

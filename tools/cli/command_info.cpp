@@ -31,8 +31,9 @@ struct InfoArguments {
   ReadArguments read;
 };
 
-std::string describe_photon_mapping(const PhotonMappingSettings& photons) {
-  std::string text = fmt::format("{}, {} photons", photons.progressive ? "sppm" : "photonmapper", photons.global.count);
+/// The settings of photon maps, starting with a comma.
+std::string describe_photon_maps(const PhotonMappingSettings& photons) {
+  std::string text = fmt::format(", {} photons", photons.global.count);
   if (photons.progressive) text += " per pass";
   if (photons.gathering == PhotonGathering::kIndirect) text += ", direct light by next-event estimation";
   if (photons.gathering == PhotonGathering::kFinal) text += ", final gathering";
@@ -45,21 +46,18 @@ std::string describe_photon_mapping(const PhotonMappingSettings& photons) {
 }
 
 std::string describe_integrator(const IntegratorSettings& integrator) {
-  if (integrator.kind == IntegratorKind::kNormals) return "normals";
-  if (integrator.kind == IntegratorKind::kDepth) return "depth";
-  if (integrator.kind == IntegratorKind::kVisibility)
-    return fmt::format("av, within {} m", integrator.visibility_length);
-  const char* strategy = integrator.strategy == LightStrategy::kMis        ? "multiple importance sampling"
-                         : integrator.strategy == LightStrategy::kBsdfOnly ? "BSDF sampling only"
-                                                                           : "light sampling only";
+  const IntegratorTraits& traits = integrator.traits();
+  std::string text = integrator.name();
+  if (traits.measures_visibility) return text + fmt::format(", within {} m", integrator.visibility_length);
+  if (!traits.uses_lights()) return text;
   const std::string depth = integrator.max_depth < 0 ? "unlimited" : std::to_string(integrator.max_depth);
-  if (integrator.kind == IntegratorKind::kPhotonMapper)
-    return describe_photon_mapping(integrator.photons) + ", max depth " + depth;
-  if (integrator.kind == IntegratorKind::kLightTracer)
-    return fmt::format("ptracer, max depth {}, roulette from depth {}{}", depth, integrator.roulette_depth(),
-                       integrator.hide_emitters ? ", emitters hidden" : "");
-  return fmt::format("path, {}, max depth {}, roulette from depth {}{}", strategy, depth, integrator.roulette_depth(),
-                     integrator.hide_emitters ? ", emitters hidden" : "");
+  if (traits.has_photon_maps()) return text + describe_photon_maps(integrator.photons) + ", max depth " + depth;
+  if (traits.source == PathSource::kCamera)
+    text += integrator.strategy == LightStrategy::kMis        ? ", multiple importance sampling"
+            : integrator.strategy == LightStrategy::kBsdfOnly ? ", BSDF sampling only"
+                                                              : ", light sampling only";
+  return text + fmt::format(", max depth {}, roulette from depth {}{}", depth, integrator.roulette_depth(),
+                            integrator.hide_emitters ? ", emitters hidden" : "");
 }
 
 /// `digits`: significant ones.

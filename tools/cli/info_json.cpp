@@ -1,7 +1,6 @@
 #include "tools/cli/info_json.h"
 
 #include "core/io/memory.h"
-#include "kernels/passes/render_report.h"
 #include "kernels/render/render_memory.h"
 #include "scene/dialects/common/setting_names.h"
 
@@ -60,7 +59,7 @@ std::string info_json(const Description& description, const Scene& scene, const 
                 {"rendered_sampler", kSamplers.name_of(rendered_sampler(sampler.kind))},
                 {"spp", sampler.sample_count},
                 {"seed", sampler.seed},
-                {"integrator", integrator_name(description.integrator)},
+                {"integrator", description.integrator.name()},
                 {"max_depth", description.integrator.max_depth}};
   // Describe the contents
   json.update({{"shapes", info.shapes},

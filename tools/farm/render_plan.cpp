@@ -37,7 +37,7 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   // Fill in the plan
   plan.integrator = scene.integrator.kind;
   const PhotonMappingSettings& photons = scene.integrator.photons;
-  const bool maps = plan.integrator == IntegratorKind::kPhotonMapper;
+  const bool maps = scene.integrator.traits().has_photon_maps();
   plan.samples = maps && photons.progressive && photons.max_passes > 0
                      ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
                      : scene.sampler.sample_count;

@@ -14,7 +14,7 @@ struct RenderPlan {
   std::vector<std::string> given;  ///< names of the options given, without dashes
   /// The options of output_options.h that are given, with their values.
   std::vector<std::pair<std::string, std::string>> output_options;
-  IntegratorKind integrator = IntegratorKind::kPath;
+  IntegratorKind integrator{};
   PixelRect crop;                 ///< rendered pixels
   std::uint32_t samples = 0;      ///< per pixel
   std::uint32_t gather_rays = 1;  ///< rays that each sample consists of

@@ -2,7 +2,7 @@
 
 #include "core/io/error.h"
 #include "core/simd/saturate.h"
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/native_color.h"
 #include "tools/job/parts.h"

@@ -193,12 +193,11 @@ struct TransportArguments {
   void add_integrator(Command& command) {
     command.begin_group(kTransportOptions);
     command
-        .add_option("--integrator", integrator,
-                    "Integrator, named as in scene files, e.g. path, direct, path_mats, path_ems, path_ris, whitted, "
-                    "ptracer, photonmapper, sppm, ao, av, normals, depth. Default: the scene's")
+        .add_option(
+            "--integrator", integrator,
+            "Integrator, by any name that scene files may use. Default: the scene's\n" + integrator_descriptions())
         .placeholder("NAME")
-        .suggest({"path", "direct", "path_mats", "path_ems", "path_ris", "whitted", "ptracer", "photonmapper", "sppm",
-                  "ao", "av", "normals", "depth"});
+        .suggest(suggested_integrators());
   }
 
   void add_sampling(Command& command) {

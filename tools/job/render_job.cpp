@@ -70,7 +70,7 @@ std::vector<std::string> scene_warnings(const LoadedScene& loaded) {
   const Scene& scene = *loaded.scene;
   std::vector<std::string> warnings = loaded.description.stand_ins;
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
-  if (scene.view().lights.count == 0 && !scene.names().has_other_light && transports_light(scene.integrator().kind))
+  if (scene.view().lights.count == 0 && !scene.names().has_other_light && scene.integrator().traits().uses_lights())
     warnings.emplace_back("the scene has no lights: the image will be black");
   return warnings;
 }

@@ -119,7 +119,7 @@ void Preview::watch(RenderOptions& options) {
 }
 
 void Preview::show_first_passes(const Scene& scene, const RenderOptions& options) {
-  const bool is_new = options.resume == nullptr && scene.integrator().kind == IntegratorKind::kPath;
+  const bool is_new = options.resume == nullptr && scene.integrator().traits().source == PathSource::kCamera;
   if ((!page_ && !tev_) || !is_new) return;
   const std::uint32_t samples = options.samples_per_pixel.value_or(scene.sampler().sample_count);
   RenderOptions first;

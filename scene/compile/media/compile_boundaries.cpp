@@ -48,8 +48,7 @@ void SceneCompiler::add_media() {
     const MediumDescription& m = in_.media[i];
     const std::size_t phase = m.phase ? static_cast<std::size_t>(*m.phase) : row_of_phase_.size() - 1;
     const auto* flakes = m.phase ? std::get_if<SggxDescription>(&in_.phases.at(phase).model) : nullptr;
-    if (flakes != nullptr && in_.integrator.kind == IntegratorKind::kPhotonMapper &&
-        in_.integrator.photons.volume.count > 0)
+    if (flakes != nullptr && in_.integrator.traits().has_photon_maps() && in_.integrator.photons.volume.count > 0)
       throw SceneError(m.where,
                        "photons cannot be gathered in a medium of microflakes (expected a phase function other than "
                        "'sggx', or no photons in media)");
@@ -88,10 +87,8 @@ void SceneCompiler::probe_media() {
   const std::uint32_t default_value = out_->media_.camera_medium;
   out_->media_.outer_medium = default_value;
   if (!out_->media_.boundaries.empty()) probe_boundaries(default_value);
-  const IntegratorKind kind = in_.integrator.kind;
-  const bool by_photons = kind == IntegratorKind::kLightTracer || kind == IntegratorKind::kPhotonMapper;
   const std::uint32_t outer = out_->media_.outer_medium;
-  if (by_photons && outer != 0 && (out_->media_.rows[outer - 1].flags & kMediumEmits) != 0)
+  if (in_.integrator.traits().emits_photons() && outer != 0 && (out_->media_.rows[outer - 1].flags & kMediumEmits) != 0)
     out_->warnings_.push_back(SceneError(in_.media[outer - 1].where,
                                          "photons do not carry the emission of an unbounded medium: its scattered "
                                          "light is missing")

@@ -1,7 +1,6 @@
 // The Mitsuba dialect: integrators. Integrators with the same expected image are mapped to Sheaf's, with a note.
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
-#include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/mitsuba/reader.h"
 #include "scene/dialects/xml/read_photon_mapping.h"
 
@@ -28,15 +27,15 @@ void read_photon_maps(Properties& p, IntegratorSettings& integrator) {
             "gather_locally", "max_specular_depth", "caustic_lookup_size", "volume_lookup_size"});
 }
 
-void read_path_like(Properties& p, const IntegratorChoice& choice, IntegratorSettings& integrator) {
+void read_path_like(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
   integrator.max_depth = p.integer("max_depth", usual_depth(p.type()), -1, kMaxDepth);
   if (p.has("rr_depth")) integrator.rr_depth = p.integer("rr_depth", 0, 1, kMaxDepth);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
-  apply(choice, integrator);
+  apply(found, integrator);
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   p.ignore({"strict_normals", "samples_per_pass", "block_size", "timeout"});
-  if (integrator.kind == IntegratorKind::kPhotonMapper) read_photon_maps(p, integrator);
+  if (integrator.traits().has_photon_maps()) read_photon_maps(p, integrator);
   if (p.type() == "ptracer") p.ignore({"granularity", "brute_force", "samples_per_pass"});
   if (p.type() == "volpathmis") p.ignore({"use_spectral_mis"});
   // Forks of Mitsuba use `version` to select among equivalent estimators, and the others for intermediate output.
@@ -45,16 +44,16 @@ void read_path_like(Properties& p, const IntegratorChoice& choice, IntegratorSet
 }
 
 /// Reads an integrator with the same expected image; ignores its own properties.
-void read_stand_in(Properties& p, const IntegratorChoice& choice, IntegratorSettings& integrator) {
-  read_path_like(p, choice, integrator);
+void read_stand_in(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
+  read_path_like(p, found, integrator);
   p.ignore_all();
-  p.context().note(p.where(), stand_in_note(p.type()));
+  p.context().note(p.where(), stand_in_note(p.type(), found));
 }
 
 /// Reads `direct`. Several samples per strategy have the same expectation as one; 0 samples disable a strategy.
-void read_direct(Properties& p, IntegratorSettings& integrator) {
+void read_direct(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
   constexpr int kMax = 1'000'000;
-  integrator.max_depth = 2;
+  apply(found, integrator);
   integrator.hide_emitters = p.boolean("hide_emitters", false);
   const int shading = p.integer("shading_samples", 1, 1, kMax);
   const int lights = p.integer("emitter_samples", shading, 0, kMax);
@@ -91,30 +90,29 @@ constexpr NameTable<void (*)(Properties&, Reader&)> kWrappers{{{"adaptive", read
                                                                {"stokes", read_wrapper}}};
 
 /// Reads ambient occlusion or average visibility.
-void read_visibility(Properties& p, Visibility visibility) {
+void read_visibility(Properties& p, const IntegratorMatch& found) {
   const float length = p.number("length", kInfinity, kPositive);
   p.ignore({"samples_per_pass", "block_size", "timeout"});
   p.reject_unused();
-  apply_visibility_integrator(visibility, length, true, p.context().description);
+  white_scene(found, length, true, p.context().description);
 }
 
 void read_plugin(const XmlElement& element, Reader& reader) {
   Properties p(element, reader.context);
   IntegratorSettings& integrator = reader.context.description.integrator;
   if (const auto* read = kWrappers.find(p.type())) return (*read)(p, reader);
-  if (const Visibility* visibility = kVisibilityIntegrators.find(p.type())) return read_visibility(p, *visibility);
-  const IntegratorChoice* choice = find_integrator(p.type());
-  if (choice == nullptr) fail_integrator(p, kWrappers.names());
-  if (kStandInIntegrators.find(p.type()) != nullptr) {
-    read_stand_in(p, *choice, integrator);
+  const std::optional<IntegratorMatch> found = find_integrator(p.type());
+  if (!found) fail_integrator(p, kWrappers.names());
+  if (found->entry->whitens_scene) return read_visibility(p, *found);
+  if (found->is_stand_in) {
+    read_stand_in(p, *found, integrator);
   } else if (p.type() == "direct") {
-    read_direct(p, integrator);
-  } else if (!transports_light(choice->kind)) {
-    integrator.kind = choice->kind;
-    p.ignore({"samples_per_pass", "block_size", "timeout"});
+    read_direct(p, *found, integrator);
+  } else if (traits_of(found->entry->kind).uses_lights()) {
+    read_path_like(p, *found, integrator);
   } else {
-    read_path_like(p, *choice, integrator);
-    if (choice->direct) integrator.max_depth = 2;
+    apply(*found, integrator);
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
   }
   p.reject_unused();
 }

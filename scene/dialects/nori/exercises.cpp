@@ -1,5 +1,5 @@
 // The Nori dialect: integrators of the course's first exercises, rendered as white scenes with their own light or none.
-#include "scene/dialects/common/visibility_integrators.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/nori/reader.h"
 
 #include <numbers>
@@ -15,6 +15,7 @@ void make_simple(Properties& p, Description& description) {
   light.intensity = scaled(p.spectrum("energy", SpectrumDescription::constant(1), SpectrumRole::kEmission),
                            1.0f / (4.0f * std::numbers::pi_v<float>));
   make_white(description, false);
+  description.integrator.given_name = "simple";
   description.lights.push_back({std::move(light), p.where()});
 }
 
@@ -26,10 +27,10 @@ bool read_exercise(Properties& p) {
   Description& description = p.context().description;
   if (const auto* read = kExercises.find(p.type())) {
     (*read)(p, description);
-  } else if (const Visibility* visibility = kVisibilityIntegrators.find(p.type())) {
+  } else if (const auto found = find_integrator(p.type()); found && found->entry->whitens_scene) {
     const auto length = p.find_number("length", kPositive);
-    if (*visibility == Visibility::kAverage && !length) p.fail("needs the float 'length'");
-    apply_visibility_integrator(*visibility, length.value_or(kInfinity), false, description);
+    if (traits_of(found->entry->kind).measures_visibility && !length) p.fail("needs the float 'length'");
+    white_scene(*found, length.value_or(kInfinity), false, description);
   } else {
     return false;
   }

@@ -5,7 +5,7 @@
 #include "scene/dialects/xml/read_instances.h"
 #include "scene/materials/reading.h"
 
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/model/auto_camera.h"
 #include "scene/dialects/nori/read_nori.h"
@@ -116,25 +116,25 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (nori::read_exercise(p)) return p.reject_unused();
   // Find the integrator
-  const IntegratorChoice* choice = find_integrator(p.type());
-  if (choice == nullptr) fail_integrator(p, nori::kExercises.names());
+  const std::optional<IntegratorMatch> found = find_integrator(p.type());
+  if (!found) fail_integrator(p, nori::kExercises.names());
   IntegratorSettings& integrator = context.description.integrator;
-  apply(*choice, integrator);
+  apply(*found, integrator);
   // Read its properties
-  if (transports_light(choice->kind)) {
-    if (!choice->direct) {
+  if (integrator.traits().uses_lights()) {
+    if (!found->entry->is_direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
       if (p.has("rrDepth")) integrator.rr_depth = p.integer("rrDepth", 0, 1, 1'000'000);
     }
     integrator.hide_emitters = p.boolean("hideEmitters", false);
     read_light_sampling(p, integrator);
     read_medium_estimation(p, integrator);
-    if (choice->kind == IntegratorKind::kPhotonMapper) read_photon_mapping(p, integrator.photons);
+    if (integrator.traits().has_photon_maps()) read_photon_mapping(p, integrator.photons);
     p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
   }
-  if (kStandInIntegrators.find(p.type()) != nullptr) {
+  if (found->is_stand_in) {
     p.ignore_all();
-    context.note(element.where, stand_in_note(p.type()));
+    context.note(element.where, stand_in_note(p.type(), *found));
   }
   p.reject_unused();
 }

@@ -1,8 +1,7 @@
 // The pbrt dialect: integrators and samplers, replaced by Sheaf's with the same expected image.
 #include "scene/dialects/common/frame_limits.h"
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
-#include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/reader.h"
 
 #include <algorithm>
@@ -11,21 +10,6 @@
 namespace sheaf::pbrt {
 
 namespace {
-
-/// Sheaf's integrator in place of one of pbrt.
-struct Counterpart {
-  const char* name;
-  bool alike;  ///< same expected image by another algorithm
-};
-constexpr NameTable<Counterpart> kIntegrators{{{"volpath", {"path", false}},
-                                               {"path", {"path", false}},
-                                               {"simplevolpath", {"path", false}},
-                                               {"bdpt", {"path", true}},
-                                               {"simplepath", {"path", false}},
-                                               {"mlt", {"path", true}},
-                                               {"sppm", {"sppm", false}},
-                                               {"lightpath", {"ptracer", false}},
-                                               {"randomwalk", {"path", true}}}};
 
 constexpr int kMaxDepth = 1'000'000;
 
@@ -38,49 +22,44 @@ void read_progressive(Parameters& p, PhotonMappingSettings& photons) {
 }
 
 /// Reads ambient occlusion, under pbrt's name or Sheaf's, or average visibility. The scene is made white after reading.
-void read_visibility(Parameters& p, Visibility visibility, Reader& reader) {
-  const bool average = visibility == Visibility::kAverage;
+void read_visibility(Parameters& p, const IntegratorMatch& found, Reader& reader) {
+  const bool average = traits_of(found.entry->kind).measures_visibility;
   const float length = p.number(average ? "length" : "maxdistance", kInfinity, kPositive);
   if (!average && std::isfinite(length))
     p.unsupported("ambient occlusion within 'maxdistance'", "rendered without a maximum distance");
   p.ignore({"cossample"});
-  reader.visibility = {visibility, length};
+  reader.visibility = {found, length};
 }
 
 /// Finds an integrator by its name in pbrt or in the other dialects. Throws SceneError for an unknown name.
-Counterpart find_counterpart(Parameters& p, const Entity& entity) {
-  const std::string& type = entity.type;
-  if (const Counterpart* found = kIntegrators.find(type)) return *found;
-  if (type == "function") {
+IntegratorMatch find_entity(Parameters& p, const Entity& entity) {
+  if (const auto found = find_integrator(entity.type, true)) return *found;
+  if (entity.type == "function") {
     p.unsupported("integrators of this kind", "rendered with 'path'");
     p.ignore({"function", "filename", "skipbad"});
-    return {"path", false};
+    return *find_integrator("path");
   }
-  if (const char* const* ours = kStandInIntegrators.find(type)) return {*ours, true};
-  if (find_integrator(type) != nullptr) return {type.c_str(), false};
   std::vector<std::string> known = integrator_names();
   known.emplace_back("function");
-  throw SceneError(entity.where, "unknown integrator '" + type + "'" + did_you_mean(type, known) + known_names(known));
+  throw SceneError(entity.where,
+                   "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known));
 }
 
 }  // namespace
 
 void read_integrator(Reader& reader, Entity entity) {
   Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
-  if (const Visibility* visibility = kVisibilityIntegrators.find(entity.type)) {
-    read_visibility(p, *visibility, reader);
+  const IntegratorMatch found = find_entity(p, entity);
+  if (found.entry->whitens_scene) {
+    read_visibility(p, found, reader);
     return p.reject_unused();
   }
   IntegratorSettings& integrator = reader.description.integrator;
-  const Counterpart found = find_counterpart(p, entity);
   // In pbrt depth 0 is emission only, here depth 1.
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
-  apply(*find_integrator(found.name), integrator);
-  if (integrator.kind == IntegratorKind::kPhotonMapper && integrator.photons.progressive)
-    read_progressive(p, integrator.photons);
-  if (found.alike)
-    reader.note(entity.where, "integrator '" + entity.type + "' is rendered with '" + found.name +
-                                  "', which has the same expectation");
+  apply(found, integrator);
+  if (integrator.photons.progressive) read_progressive(p, integrator.photons);
+  if (found.is_stand_in) reader.note(entity.where, stand_in_note(entity.type, found));
   static constexpr NameTable<LightSelector> kSelectors{{{"bvh", LightSelector::kBvh},
                                                         {"exhaustive", LightSelector::kBvh},
                                                         {"power", LightSelector::kPower},

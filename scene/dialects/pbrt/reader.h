@@ -3,7 +3,7 @@
 
 #include "core/image/image.h"
 #include "scene/description/placement.h"
-#include "scene/dialects/common/visibility_integrators.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/pbrt/coat.h"
 #include "scene/dialects/pbrt/parameters.h"
 #include "scene/dialects/xml/read_spectrum.h"
@@ -75,9 +75,9 @@ struct Reader {
 
   Attributes attributes;
   double start_time = 0, end_time = 1;  ///< of motions
-  /// A visibility integrator and its maximum distance (m). Applied after the world is read.
+  /// An integrator for which the scene is made white after the world is read, and its maximum distance (m).
   struct VisibilityIntegrator {
-    Visibility kind;
+    IntegratorMatch found;
     float length;
   };
   std::optional<VisibilityIntegrator> visibility = {};

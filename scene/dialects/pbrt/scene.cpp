@@ -2,7 +2,6 @@
 #include "scene/dialects/pbrt/scene.h"
 
 #include "scene/dialects/common/moving_groups.h"
-#include "scene/dialects/common/visibility_integrators.h"
 #include "scene/dialects/pbrt/read_pbrt.h"
 #include "scene/formats/mesh_io.h"
 #include "scene/xml/missing_file.h"
@@ -197,8 +196,7 @@ void SceneBuilder::finish() {
   }
   separate_moving_shapes(description, reader_.lenient);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
-  if (reader_.visibility)
-    apply_visibility_integrator(reader_.visibility->kind, reader_.visibility->length, true, description);
+  if (reader_.visibility) white_scene(reader_.visibility->found, reader_.visibility->length, true, description);
 }
 
 }  // namespace sheaf::pbrt

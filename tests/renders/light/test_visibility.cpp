@@ -1,5 +1,5 @@
 // Ambient occlusion and average visibility under the same names in all dialects and on the command line.
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/read_scene.h"
 #include "tests/support/near.h"
 #include "tests/support/render_testing.h"

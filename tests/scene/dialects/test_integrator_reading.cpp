@@ -1,10 +1,11 @@
-// Integrators of both dialects: parameters, defaults, and replacements with a note.
-#include "scene/dialects/common/integrator_name.h"
+// The list of integrators, and reading them: parameters, defaults, and replacements with a note.
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
-#include "tests/support/files/scene_files.h"
+#include "tests/support/pbrt_testing.h"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace sheaf::test_integrator_reading {
@@ -23,6 +24,53 @@ std::string nori_scene(const std::string& integrator) {
 }
 
 }  // namespace
+
+TEST_CASE("integrators: names are unique, and each kind has an integrator of its name") {
+  const std::vector<std::string> names = integrator_names();
+  CHECK(std::adjacent_find(names.begin(), names.end()) == names.end());
+  for (const std::string& name : names) CHECK(find_integrator(name).has_value());
+  for (const std::string& name : suggested_integrators()) {
+    CAPTURE(name);
+    REQUIRE(find_integrator(name).has_value());
+    CHECK(find_integrator(name)->name == name);
+    CHECK(contains(integrator_descriptions(), name + ": "));
+  }
+  std::size_t kind = 0;
+  for (const IntegratorTraits& traits : kIntegratorTraits) {
+    CAPTURE(std::string(traits.name));
+    REQUIRE(find_integrator(traits.name).has_value());
+    CHECK(find_integrator(traits.name)->entry->kind == static_cast<IntegratorKind>(kind++));
+  }
+}
+
+TEST_CASE("integrators: settings keep the name that was given, or that of the substitute") {
+  const auto mitsuba = [](const std::string& type) {
+    return with_integrator("<integrator type='" + type + "'/>").integrator;
+  };
+  for (const char* name : {"path", "path_mis", "volpath", "direct", "direct_ems", "whitted", "ptracer", "lightpath",
+                           "photonmapper", "ppm", "ao", "ambientocclusion", "av", "normals"}) {
+    CHECK(mitsuba(name).name() == name);
+    if (std::string(name) != "av")
+      CHECK(read_text(nori_scene("<integrator type='" + std::string(name) + "'/>")).integrator.name() == name);
+    CHECK(read_pbrt_world("", "Integrator \"" + std::string(name) + "\"").integrator.name() == name);
+    Description d;
+    apply_integrator_name(name, d);
+    CHECK(d.integrator.name() == name);
+  }
+  CHECK(mitsuba("bdpt").name() == "path");
+  CHECK(mitsuba("prbvolpath").name() == "volpath");
+  CHECK(read_text(nori_scene("<integrator type='simple'/>")).integrator.name() == "simple");
+  IntegratorSettings integrator;
+  CHECK(integrator.name() == "path");
+  integrator.kind = IntegratorKind::kLightTracer;
+  CHECK(integrator.name() == "ptracer");
+}
+
+TEST_CASE("integrators: in pbrt scenes volpath is path") {
+  CHECK(with_integrator("<integrator type='volpath'/>").integrator.thin_dielectrics_are_free);
+  CHECK_FALSE(read_pbrt_world("", "Integrator \"volpath\"").integrator.thin_dielectrics_are_free);
+  CHECK(read_pbrt_world("", "Integrator \"volpathmis\"").integrator.thin_dielectrics_are_free);
+}
 
 TEST_CASE("Mitsuba: integrators have the documented parameters") {
   const Description d = with_integrator(
@@ -126,14 +174,14 @@ TEST_CASE("media: volumetric integrator names select strategy and estimator") {
   for (const char* name : {"vol_path", "vol_path_mis", "path_mis_vol", "path_vol_mis", "medium_path", "medium_path_mis",
                            "volpath_mis", "volpath", "volpathmis", "volpath_simple"}) {
     CAPTURE(name);
-    REQUIRE(find_integrator(name) != nullptr);
-    CHECK(find_integrator(name)->strategy == LightStrategy::kMis);
-    CHECK(find_integrator(name)->kind == IntegratorKind::kPath);
+    REQUIRE(find_integrator(name).has_value());
+    CHECK(find_integrator(name)->entry->strategy == LightStrategy::kMis);
+    CHECK(find_integrator(name)->entry->kind == IntegratorKind::kPath);
     const std::string text = "<integrator type='" + std::string(name) + "'/>";
     CHECK(read_text(mitsuba_scene("", "<sensor type='perspective'/>", text)).notes.empty());
   }
   for (const char* name : {"vol_path_mats", "medium_path_mats"})
-    CHECK(find_integrator(name)->strategy == LightStrategy::kBsdfOnly);
+    CHECK(find_integrator(name)->entry->strategy == LightStrategy::kBsdfOnly);
 
   const auto integrator = [](const std::string& type, const std::string& estimator) {
     return "<integrator type='" + type + "'><string name='medium_estimator' value='" + estimator +

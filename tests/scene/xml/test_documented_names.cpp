@@ -1,5 +1,5 @@
 // The names that readers of scenes accept, against the documentation.
-#include "scene/dialects/common/integrator_name.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/xml/read_geometry.h"
 #include "scene/dialects/xml/read_spectrum.h"

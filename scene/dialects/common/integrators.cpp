@@ -1,0 +1,101 @@
+#include "scene/dialects/common/integrators.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace sheaf {
+
+void apply(const IntegratorMatch& found, IntegratorSettings& integrator) {
+  const IntegratorEntry& entry = *found.entry;
+  PhotonMappingSettings& photons = integrator.photons;
+  if (entry.is_progressive && !photons.progressive) {
+    photons.gathering = PhotonGathering::kIndirect;
+    if (!integrator.traits().has_photon_maps()) photons.global = {250'000, 0, 0};
+  }
+  photons.progressive = entry.is_progressive;
+  integrator.given_name = found.name;
+  integrator.kind = entry.kind;
+  integrator.strategy = entry.strategy;
+  integrator.thin_dielectrics_are_free = entry.thin_dielectrics_are_free;
+  integrator.ends_at_diffuse = entry.ends_at_diffuse;
+  if (entry.candidates > 1) {
+    integrator.candidates = entry.candidates;
+    integrator.sets_candidates = true;
+  }
+  if (entry.is_direct) integrator.max_depth = 2;
+}
+
+std::string stand_in_note(std::string_view name, const IntegratorMatch& found) {
+  if (!found.is_stand_in) return {};
+  return "integrator '" + std::string(name) + "' is rendered with '" + found.name + "', which has the same expectation";
+}
+
+void fail_integrator(const Properties& p, const std::vector<std::string>& others) {
+  std::vector<std::string> known = integrator_names();
+  for (const std::string& other : others)
+    if (!find_integrator(other)) known.push_back(other);
+  p.fail_plugin(std::move(known));
+}
+
+void make_white(Description& description, bool two_sided) {
+  const std::vector<MaterialDescription> before = std::move(description.materials);
+  description.materials.clear();
+  const auto add = [&](decltype(MaterialDescription::model) model) {
+    description.materials.emplace_back().model = std::move(model);
+    return static_cast<MaterialId>(description.materials.size() - 1);
+  };
+  MaterialId white = add(DiffuseDescription{SpectrumDescription::constant(1)});
+  if (two_sided) white = add(TwoSidedDescription{white, white});
+  const auto is_boundary = [&](const ShapeDescription& shape) {
+    return shape.material &&
+           std::holds_alternative<NullDescription>(before[static_cast<std::size_t>(*shape.material)].model);
+  };
+  // Null interfaces have no media any more.
+  std::erase_if(description.shapes, is_boundary);
+  const auto clear = [&](std::vector<ShapeDescription>& shapes) {
+    for (ShapeDescription& shape : shapes) {
+      shape.material = white;
+      shape.radiance.reset();
+      shape.interior.reset();
+      shape.exterior.reset();
+      shape.exterior_is_surrounding = false;
+    }
+  };
+  clear(description.shapes);
+  for (ShapeGroup& group : description.groups) clear(group.shapes);
+  description.media.clear();
+  description.phases.clear();
+  description.textures.clear();
+  description.lights.clear();
+  description.camera.medium.reset();
+  for (CameraDescription& camera : description.more_cameras) camera.medium.reset();
+  description.integrator = IntegratorSettings();
+  description.integrator.max_depth = 2;
+}
+
+void white_scene(const IntegratorMatch& found, float length, bool two_sided, Description& description) {
+  make_white(description, two_sided);
+  IntegratorSettings& integrator = description.integrator;
+  apply(found, integrator);
+  if (integrator.traits().measures_visibility) {
+    integrator.visibility_length = length;
+    return;
+  }
+  // A white surface under a sky of radiance 1 that is hidden from the camera.
+  description.lights.push_back({ConstantLightDescription{}, {}});
+  integrator.hide_emitters = true;
+}
+
+void apply_integrator_name(std::string_view name, Description& description) {
+  const std::optional<IntegratorMatch> found = find_integrator(name);
+  if (!found)
+    throw Error(ExitCode::kUsage, "unknown integrator '" + std::string(name) + "'" +
+                                      did_you_mean(name, integrator_names()) + known_names(integrator_names()));
+  if (found->entry->whitens_scene)
+    return white_scene(*found, description.integrator.visibility_length, true, description);
+  apply(*found, description.integrator);
+  if (std::string note = stand_in_note(name, *found); !note.empty()) description.notes.push_back(std::move(note));
+}
+
+}  // namespace sheaf
