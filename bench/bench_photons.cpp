@@ -29,8 +29,9 @@ std::unique_ptr<Scene> load_scene(const char* file) {
 
 /// Traces and stores photons as a render does.
 template <class Trace> auto traced(const Scene& scene, PhotonKind kind, float radius, int lookup_size, Trace&& trace) {
-  StageContext context(scene);
-  context.integrator.photons.lookup_size = lookup_size;
+  IntegratorSettings integrator = scene.integrator();
+  integrator.photons.lookup_size = lookup_size;
+  const StageContext context(scene, integrator);
   Workers workers([&] { return Worker(Wave::default_capacity(WaveNeeds::of(context)), WaveNeeds::of(context)); });
   PhotonTracing tracing{[] { return false; }, [](std::uint64_t) {}};
   const std::uint64_t emitted = photons_to_emit(context, workers, kind, kPhotons, 64 * kPhotons, tracing);

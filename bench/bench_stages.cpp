@@ -24,13 +24,11 @@ namespace sheaf {
 
 namespace {
 
-/// The context of a pass of this kind, with the settings of the scene.
-StageContext context_of(const Scene& scene, CameraTask& camera, LightTask& photons, PassKind pass) {
-  StageContext context(scene, camera);
-  if (pass != PassKind::kLight) return context;
-  context.integrator.kind = IntegratorKind::kLightTracer;
-  context.start_at_lights(pass, photons);
-  return context;
+/// The settings of the scene, with the light tracer for the light pass.
+IntegratorSettings settings_of(const Scene& scene, PassKind pass) {
+  IntegratorSettings settings = scene.integrator();
+  if (pass == PassKind::kLight) settings.kind = IntegratorKind::kLightTracer;
+  return settings;
 }
 
 /// A wave that has rendered the middle of the image for a while, so that it holds paths of all lengths; or a wave of
@@ -38,8 +36,11 @@ StageContext context_of(const Scene& scene, CameraTask& camera, LightTask& photo
 class WarmWave {
  public:
   WarmWave(const Scene& scene, PassKind pass)
-      : context_(context_of(scene, task_, photons_, pass)),
+      : settings_(settings_of(scene, pass)),
+        context_(scene, settings_),
         wave_(Wave::default_capacity(WaveNeeds::of(context_)), WaveNeeds::of(context_)) {
+    context_.set_camera_task(task_);
+    if (pass == PassKind::kLight) context_.start_at_lights(pass, photons_);
     const FilmSettings& film = scene.film();
     bounds_ = {-0.5f, -0.5f, static_cast<float>(film.width) + 0.5f, static_cast<float>(film.height) + 0.5f};
     const int x = std::max(0, (film.width - kSide) / 2), y = std::max(0, (film.height - kSide) / 2);
@@ -75,6 +76,7 @@ class WarmWave {
   LightTask photons_;
   SplatFilter::Bounds bounds_{};
   std::vector<PixelSamples> pixels_;
+  IntegratorSettings settings_;
   StageContext context_;
   Wave wave_;
 };

@@ -22,11 +22,11 @@ template <class L> class Schedule {
       } else if (stage.run_candidate != nullptr) {
         candidate_stages_.push_back(stage.run_candidate);
       } else {
-        repeat_candidate_stages(context.integrator.candidates);
+        repeat_candidate_stages(context.candidates);
         steps_.push_back({stage.run, nullptr, 0});
       }
     }
-    repeat_candidate_stages(context.integrator.candidates);
+    repeat_candidate_stages(context.candidates);
   }
 
   /// Starts paths in free slots.

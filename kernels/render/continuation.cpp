@@ -45,9 +45,9 @@ std::string precomputation_problem(const Scene& scene, const RenderOptions& opti
     if (passes(layout.spp) != passes(state.division.spp))
       return "path guiding trains longer for more samples (--guiding off renders without)";
     const auto has_trial = [&](std::uint32_t spp) {
-      return is_trial_worthwhile(scene.film().width, scene.film().height, spp);
+      return wants_candidate_trial(integrator, scene.film().width, scene.film().height, spp);
     };
-    if (options.may_choose_candidates(integrator) && has_trial(layout.spp) != has_trial(state.division.spp))
+    if (has_trial(layout.spp) != has_trial(state.division.spp))
       return "a render of so few samples has one light candidate (--candidates 1 keeps it)";
   }
   if (!integrator.traits().has_photon_maps() || integrator.photons.progressive) return "";

@@ -9,7 +9,7 @@ PrecomputedLight::PrecomputedLight(StageContext& context, const SamplePlan& plan
     : photon_tracing_{[&reporter] { return reporter.is_stopped(); },
                       [&reporter](std::uint64_t more) { reporter.add_done(more); }},
       guiding_(guiding),
-      candidates_{context.integrator.candidates, {}},
+      candidates_{context.candidates, {}},
       guide_training_{[&reporter] { return reporter.is_stopped(); },
                       [&reporter](std::uint64_t more) { reporter.add_done(more); }} {
   const Film& film = plan.state().film;
@@ -22,9 +22,9 @@ PrecomputedLight::PrecomputedLight(StageContext& context, const SamplePlan& plan
 void PrecomputedLight::train(const SamplePlan& plan, Workers& workers, StageContext& context) {
   const Film& film = plan.state().film;
   guide_ = train_guide(context, workers, film.width(), film.height(), plan.training(), guiding_,
-                       plan.tries_candidates(), guide_training_);
-  if (plan.tries_candidates()) {
-    context.integrator.candidates = guide_training_.candidates.count;
+                       plan.has_candidate_trial(), guide_training_);
+  if (plan.has_candidate_trial()) {
+    context.candidates = guide_training_.candidates.count;
     const CandidateChoice& choice = guide_training_.candidates;
     candidates_ = {choice.count, {choice.gains.begin(), choice.gains.end()}};
   }

@@ -39,13 +39,11 @@ struct RenderOptions {
   /// The samples of each pixel to be taken. They are the same as in a full render: merging the images of all parts
   /// gives the image of all samples. Default: all.
   std::optional<SampleRange> samples;
-  AovSet aovs;                              ///< further layers; "variance" and "half" need two replicates or more
-  bool light_groups = false;                ///< layers with the contribution of each of SceneNames::lights
-  GuidingMode guiding = GuidingMode::kOff;  ///< path guiding, with training passes before the image is rendered
-  /// Chooses the number of light candidates in the first training passes, unless the scene sets it; see
-  /// choose_candidates(). Renders without training passes, shorter than 16 samples per pixel or smaller than 128 x 128
-  /// pixels have one candidate.
-  bool chooses_candidates = false;
+  AovSet aovs;                ///< further layers; "variance" and "half" need two replicates or more
+  bool light_groups = false;  ///< layers with the contribution of each of SceneNames::lights
+  /// Path guiding, with training passes before the image is rendered. They also choose the number of light candidates
+  /// unless the scene sets it, see has_candidate_trial().
+  GuidingMode guiding = GuidingMode::kOff;
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
   /// participating media, transparent surfaces and motion.
   CausticMode caustics = CausticMode::kSampled;
@@ -65,11 +63,6 @@ struct RenderOptions {
   /// Called before on_pause, with the statistics since the render was started or resumed. The report does not include
   /// the noise, which takes longer to compute.
   std::function<void(const RenderReport&)> on_report;
-
-  /// Whether training passes, if there are any, may choose the number of light candidates.
-  bool may_choose_candidates(const IntegratorSettings& integrator) const {
-    return chooses_candidates && !integrator.sets_candidates && integrator.strategy != LightStrategy::kBsdfOnly;
-  }
 };
 
 /// Noise of the image: Film::noise(), or image_noise() of the image with splats. Empty if there are splats but no

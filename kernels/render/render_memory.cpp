@@ -8,6 +8,7 @@
 #include "kernels/photons/photon_map.h"
 #include "kernels/render/sample_layout.h"
 #include "kernels/render/tiles.h"
+#include "kernels/training/train_guiding.h"
 #include "kernels/wave/wave.h"
 
 #include <algorithm>
@@ -119,9 +120,9 @@ std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& op
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
   const StageContext context(scene);
-  const bool tries_candidates =
-      options.may_choose_candidates(context.integrator) && trains_guide(options.guiding, context.integrator);
-  WaveNeeds needs = tries_candidates ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context);
+  const bool has_trial = trains_guide(options.guiding, context.integrator) &&
+                         wants_candidate_trial(context.integrator, scene.film().width, scene.film().height, layout.spp);
+  WaveNeeds needs = has_trial ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context);
   needs.chains = options.caustics == CausticMode::kManifold;
   needs.guides = trains_guide(options.guiding, context.integrator);
   const FilmSize film = film_size(layout, options);

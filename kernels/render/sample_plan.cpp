@@ -34,8 +34,7 @@ SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleL
     const int width = state_.film.width(), height = state_.film.height();
     const std::uint32_t samples = layout_.adapts ? std::min(layout_.spp, kTypicalSamples) : layout_.spp;
     training_ = training_passes(width, height, samples, options.guiding);
-    tries_candidates_ =
-        options.may_choose_candidates(scene.integrator()) && is_trial_worthwhile(width, height, samples);
+    has_candidate_trial_ = wants_candidate_trial(scene.integrator(), width, height, samples);
   }
   if (scene.integrator().traits().connects_photons()) set_photons(scene);
   if (options.resume != nullptr) resume(*options.resume);

@@ -40,7 +40,7 @@ class SamplePlan {
   /// All training passes of the render.
   const std::vector<TrainingPass>& training() const { return training_; }
   /// Whether the first training passes are a trial of light candidates.
-  bool tries_candidates() const { return tries_candidates_; }
+  bool has_candidate_trial() const { return has_candidate_trial_; }
   /// Number of samples and photons of the whole render; an estimate in adaptive sampling.
   std::uint64_t sample_total() const;
   /// Number of samples and photons taken before the render was resumed.
@@ -102,7 +102,7 @@ class SamplePlan {
   RoundKind round_ = RoundKind::kCamera;
   bool is_incomplete_ = false;
   std::vector<TrainingPass> training_;
-  bool tries_candidates_ = false;
+  bool has_candidate_trial_ = false;
   bool is_trained_ = false;  ///< or training is not needed
   std::vector<Tile> tiles_;  ///< of the pass, or of adaptive sampling
   std::optional<PhotonRounds> photons_;

@@ -57,8 +57,8 @@ TaskRunner::TaskRunner(const Scene& scene, const RenderOptions& options, SampleP
       light_(context_, plan, options.guiding, reporter),
       threads_(threads_of(options)),
       wave_size_(wave_size_of(options, WaveNeeds::of(context_))),
-      workers_([this,
-                needs = plan.tries_candidates() ? WaveNeeds::with_candidate_trial(context_) : WaveNeeds::of(context_)] {
+      workers_([this, needs = plan.has_candidate_trial() ? WaveNeeds::with_candidate_trial(context_)
+                                                         : WaveNeeds::of(context_)] {
         return Worker(wave_size_, needs, options_.make_recorder ? options_.make_recorder() : nullptr);
       }) {}
 

@@ -158,7 +158,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
   if (context.samples_guide())
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
-  if (context.tries_candidates())
+  if (context.has_candidate_trial())
     for (int lane = 0; lane < count; ++lane) wave.moments.row(slots[lane]) = {};
   if (context.scene.needs_transmittance)
     ray.flags |= start_in_medium<L>(context, wave, slots, count, path, film_x, time);

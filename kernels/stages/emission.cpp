@@ -39,9 +39,9 @@ SHEAF_INLINE void add_emission(const StageContext& context, Wave& wave, const Sl
                                const Spectrum<L>& emitted, Float<L> divisor, Float<L> scatter_pdf, Float<L> light_pdf,
                                typename L::Uint light) {
   const LightStrategy strategy = context.integrator.strategy;
-  const Float<L> weight = emission_weight<L>(strategy, context.integrator.candidates, scatter_pdf, light_pdf) / divisor;
+  const Float<L> weight = emission_weight<L>(strategy, context.candidates, scatter_pdf, light_pdf) / divisor;
   add_radiance<L>(wave, slots, lanes, emitted * weight, light);
-  if (!context.tries_candidates()) [[likely]]
+  if (!context.has_candidate_trial()) [[likely]]
     return;
   const auto found = [&](int i) {
     return total(emitted) * (emission_weight<L>(strategy, kCandidateCounts[i], scatter_pdf, light_pdf) / divisor);

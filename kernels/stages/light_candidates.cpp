@@ -149,7 +149,7 @@ void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run
 template <class L> void light_candidates(const StageContext& context, Wave& wave, int candidate) noexcept {
   if (!samples_lights(context)) return;
   StageTimer timer(wave.stats, stage_named<L>("light_candidates"));
-  const SampleSet set{static_cast<std::uint32_t>(candidate), static_cast<std::uint32_t>(context.integrator.candidates)};
+  const SampleSet set{static_cast<std::uint32_t>(candidate), static_cast<std::uint32_t>(context.candidates)};
   const bool draws_map = context.scene.lights.envmap.columns != nullptr && context.scene.lights.bounded_count == 0;
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;

@@ -54,7 +54,7 @@ class MediumEmission {
     const auto from =
         light_sample_context<Scalar>(path.ray, wave.radiance.row(path.slot).normal, path.distance_since_vertex);
     choice_ = choice_probability<Scalar>(context.scene, from, ray.medium.light) / path.scatter_pdf *
-              static_cast<float>(context.integrator.candidates);
+              static_cast<float>(context.candidates);
   }
 
   /// Whether light sampling could have found this emission.

@@ -160,7 +160,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
                               kInMedium, weighed.single);
   const Reservoir<L> kept = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
   const ReservoirItem<L>& r = kept.item;
-  if (context.tries_candidates()) [[unlikely]]
+  if (context.has_candidate_trial()) [[unlikely]]
     try_candidate<L>(context, wave, slots, column, count, total(weighed.contribution) * weighed.mis_weight,
                      weighed.pdf_ratio, kept.taken, candidate.index);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
@@ -188,7 +188,7 @@ template <class L> void resample(const StageContext& context, Wave& wave, int ca
     if (Bsdf<L>::kIsSpecular && !has_parts(context.scene, kind)) return;
     const VertexRun& run = wave.runs[static_cast<int>(kind)];
     timer.count(run.count, L::width);
-    resample_run<L, Bsdf>(context, wave, run, {candidate, context.integrator.candidates});
+    resample_run<L, Bsdf>(context, wave, run, {candidate, context.candidates});
   });
 }
 

@@ -17,7 +17,7 @@ SHEAF_INLINE void add_unoccluded(const StageContext& context, Wave& wave, int i,
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
   tally.arrive(c.light[i], found);
-  if (context.tries_candidates()) [[unlikely]]
+  if (context.has_candidate_trial()) [[unlikely]]
     arrive_in_trial(wave, static_cast<Slot>(c.slot[i]), total<Scalar>(found));
   add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i]);
 }

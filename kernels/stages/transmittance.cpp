@@ -154,7 +154,7 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
   LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
-  if (context.tries_candidates()) arrive_in_trial(wave, static_cast<Slot>(ray.item.slot), total(found));
+  if (context.has_candidate_trial()) arrive_in_trial(wave, static_cast<Slot>(ray.item.slot), total(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 

@@ -166,6 +166,11 @@ bool is_trial_worthwhile(int width, int height, std::uint32_t samples) {
   return samples >= kMinAutoTrained && static_cast<double>(width) * height >= kMinAutoPixels;
 }
 
+bool wants_candidate_trial(const IntegratorSettings& integrator, int width, int height, std::uint32_t samples) {
+  return !integrator.candidates && integrator.strategy != LightStrategy::kBsdfOnly &&
+         is_trial_worthwhile(width, height, samples);
+}
+
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes) {
   std::uint64_t sum = 0;
   for (const TrainingPass& pass : passes)
@@ -175,7 +180,7 @@ std::uint64_t training_samples(int width, int height, std::span<const TrainingPa
 }
 
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_trial,
                        GuideTraining& training) {
   GuideField field;
   StageContext of_passes = context;
@@ -190,7 +195,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
     StageContext of_pass = of_passes;
-    if (tries_candidates && trials.size() < kTrialPasses) of_pass.try_candidates();
+    if (has_trial && trials.size() < kTrialPasses) of_pass.start_candidate_trial();
     const auto records =
         run_pass(of_pass, workers, width, height, pass, field.means(), training, trials.emplace_back());
     report.trace_seconds += seconds_since(start);
@@ -209,10 +214,10 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
       report.gain = gain.ratio;
       report.is_used = is_last ? gain.is_significant() : gain.is_promising();
     }
-    if (tries_candidates && (is_last || !report.is_used)) {
+    if (has_trial && (is_last || !report.is_used)) {
       training.candidates =
           choose_candidates(report.is_used ? trials.back() : trials.front(), candidate_cost(context.scene));
-      of_passes.integrator.candidates = training.candidates.count;
+      of_passes.candidates = training.candidates.count;
     }
     if (report.is_used) continue;
     training.on_samples(training_samples(width, height, passes) - report.samples);  // that are not taken

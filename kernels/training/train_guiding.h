@@ -47,14 +47,16 @@ std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t s
 /// candidates.
 bool is_trial_worthwhile(int width, int height, std::uint32_t samples);
 
+/// Whether the first training passes are also a trial of light candidates, which chooses their number.
+bool wants_candidate_trial(const IntegratorSettings& integrator, int width, int height, std::uint32_t samples);
+
 /// Number of camera samples of all passes.
 std::uint64_t training_samples(int width, int height, std::span<const TrainingPass> passes);
 
 /// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass. With
 /// GuidingMode::kAuto, training ends as soon as guiding is not promising, or after the trial if it does not pay.
-/// `tries_candidates`: the passes of the trial try light candidates, and the following ones have the number that pays.
+/// `has_trial`: the passes of the trial try light candidates, and the following ones have the number that pays.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, bool tries_candidates,
-                       GuideTraining& training);
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_trial, GuideTraining& training);
 
 }  // namespace sheaf

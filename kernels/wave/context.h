@@ -27,21 +27,25 @@ enum class PassKind {
 /// except through its references to the task and the training samples.
 class StageContext {
  public:
-  /// A pass from the camera, with the settings of the scene: kPath, or kDebug if the integrator transports no light.
-  explicit StageContext(const Scene& of)
+  /// A pass from the camera: kPath, or kDebug if the integrator transports no light. `settings` must outlive it.
+  StageContext(const Scene& of, const IntegratorSettings& settings)
       : scene(of.view()),
-        integrator(of.integrator()),
+        integrator(settings),
         sampler(of.sampler_view()),
-        max_depth(of.integrator().max_depth),
-        pass_(of.integrator().traits().uses_lights() ? PassKind::kPath : PassKind::kDebug) {}
+        max_depth(settings.max_depth),
+        candidates(settings.candidates.value_or(1)),
+        pass_(settings.traits().uses_lights() ? PassKind::kPath : PassKind::kDebug) {}
+  /// The same with the settings of the scene.
+  explicit StageContext(const Scene& of) : StageContext(of, of.integrator()) {}
   /// The same for one task.
   StageContext(const Scene& of, CameraTask& task) : StageContext(of) { set_camera_task(task); }
 
   const SceneView& scene;
-  IntegratorSettings integrator;
+  const IntegratorSettings& integrator;
   SamplerView sampler;
   /// Maximum depth of the pass's paths; see IntegratorSettings::max_depth, which it may be below.
   int max_depth;
+  int candidates;  ///< light candidates per vertex, of which RIS keeps one
   /// Number in [0, 1) from which the wavelengths of all paths are derived; -1: each path draws its own.
   float wavelength_sample = -1;
 
@@ -55,7 +59,7 @@ class StageContext {
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
   /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
-  bool tries_candidates() const { return tries_candidates_; }
+  bool has_candidate_trial() const { return has_candidate_trial_; }
   /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
   bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
@@ -80,9 +84,9 @@ class StageContext {
   }
   /// Path passes that record training samples: also compares numbers of light candidates, with kTrialCandidates of
   /// them.
-  void try_candidates() {
-    tries_candidates_ = true;
-    integrator.candidates = kTrialCandidates;
+  void start_candidate_trial() {
+    has_candidate_trial_ = true;
+    candidates = kTrialCandidates;
   }
   /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
   void connect_caustics(const CausticCasters& casters) {
@@ -93,7 +97,7 @@ class StageContext {
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
-    gathers_photons_ = samples_guide_ = trains_guide_ = tries_candidates_ = false;
+    gathers_photons_ = samples_guide_ = trains_guide_ = has_candidate_trial_ = false;
     caustic_casters_ = nullptr;
   }
 
@@ -130,7 +134,7 @@ class StageContext {
 
  private:
   PassKind pass_;
-  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, tries_candidates_ = false;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, has_candidate_trial_ = false;
   CameraTask* camera_task_ = nullptr;
   LightTask* light_task_ = nullptr;
   const PhotonMaps* photon_maps_ = nullptr;
@@ -149,7 +153,7 @@ inline bool samples_lights(const StageContext& context) {
 inline bool shares_light_tops(const StageContext& context) {
   constexpr int kMinCandidates = 4;
   constexpr std::uint32_t kMinLights = 32;
-  return context.integrator.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&
+  return context.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&
          context.scene.lights.bounded_count >= kMinLights;
 }
 

@@ -62,7 +62,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.distance = needs.transparency || context.integrator.hide_emitters;
   needs.textures = false;
   needs.candidates = !context.integrator.traits().connects_photons();
-  needs.reservoirs = needs.candidates && context.integrator.candidates > 1;
+  needs.reservoirs = needs.candidates && context.candidates > 1;
   needs.light_tops = needs.candidates && shares_light_tops(context);
   needs.candidate_trial = false;
   needs.raster_positions = !needs.candidates;
@@ -77,7 +77,7 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
 
 WaveNeeds WaveNeeds::with_candidate_trial(const StageContext& context) {
   StageContext trial = context;
-  trial.integrator.candidates = kTrialCandidates;
+  trial.start_candidate_trial();
   WaveNeeds needs = of(trial);
   needs.candidate_trial = true;
   return needs;

@@ -53,8 +53,9 @@ struct IntegratorSettings {
   int max_depth = -1;           ///< -1 unlimited, 1 emission only, 2 direct light, ...
   std::optional<int> rr_depth;  ///< overrides the default of roulette_depth()
   LightSelector light_selector = LightSelector::kBvh;
-  int candidates = 1;            ///< light candidates per vertex, of which RIS keeps one; in [1, kMaxCandidates]
-  bool sets_candidates = false;  ///< the scene or the user sets `candidates`; otherwise a render may choose it
+  /// Light candidates per vertex, of which RIS keeps one; in [1, kMaxCandidates]. Empty: the number that the training
+  /// passes of guiding recommend, or 1 without them.
+  std::optional<int> candidates;
   bool hide_emitters = false;    ///< lights are invisible to camera rays (alpha 0)
   bool ends_at_diffuse = false;  ///< paths continue only at mirrors and smooth glass (Whitted 1980)
   /// Transmission through thin dielectrics does not cost depth (Mitsuba's volpath)

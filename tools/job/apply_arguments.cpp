@@ -41,11 +41,7 @@ void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (arguments.spp) integrator.photons.max_passes = 0;
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
-  if (!arguments.candidates.empty()) {
-    const std::optional<int> count = parse_candidates(arguments.candidates);
-    integrator.candidates = count.value_or(1);
-    integrator.sets_candidates = count.has_value();
-  }
+  if (!arguments.candidates.empty()) integrator.candidates = parse_candidates(arguments.candidates);
   if (!arguments.light_sampler.empty())
     integrator.light_selector = kLightSelectors.option("light sampler", arguments.light_sampler);
   if (!arguments.medium_estimator.empty())
@@ -172,7 +168,6 @@ RenderOptions render_options(const RenderArguments& arguments, const SamplerSett
   options.replicates = choose_replicates(arguments, sampler);
   options.guiding =
       arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
-  options.chooses_candidates = true;
   if (!arguments.caustics.empty()) options.caustics = kCausticModes.option("caustics", arguments.caustics);
   options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
   options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));

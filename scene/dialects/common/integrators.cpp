@@ -19,10 +19,7 @@ void apply(const IntegratorMatch& found, IntegratorSettings& integrator) {
   integrator.strategy = entry.strategy;
   integrator.thin_dielectrics_are_free = entry.thin_dielectrics_are_free;
   integrator.ends_at_diffuse = entry.ends_at_diffuse;
-  if (entry.candidates > 1) {
-    integrator.candidates = entry.candidates;
-    integrator.sets_candidates = true;
-  }
+  if (entry.candidates > 1) integrator.candidates = entry.candidates;
   if (entry.is_direct) integrator.max_depth = 2;
 }
 

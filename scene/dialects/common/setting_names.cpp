@@ -32,8 +32,8 @@ std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
 }
 
 void read_light_sampling(NamedValues& p, IntegratorSettings& integrator) {
-  integrator.sets_candidates = integrator.sets_candidates || p.has("candidates");
-  integrator.candidates = p.integer("candidates", integrator.candidates, 1, kMaxCandidates);
+  const int candidates = p.integer("candidates", integrator.candidates.value_or(1), 1, kMaxCandidates);
+  if (p.has("candidates")) integrator.candidates = candidates;
   integrator.light_selector = p.choice("light_sampler", kLightSelectors, integrator.light_selector);
 }
 

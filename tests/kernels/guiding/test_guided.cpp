@@ -184,12 +184,13 @@ TEST_CASE("guided vertices: dispersive parts of blends keep their own pdf and th
 }
 
 TEST_CASE("guided vertices: roulette starts below half the first expectation of a path") {
-  const auto scene = compile_scene(empty_scene(1, 1));
+  Description d = empty_scene(1, 1);
+  d.integrator.rr_depth = 3;
+  const auto scene = compile_scene(d);
   const std::array<GuideMixture, 2> mixtures{mixture_of(0.5f), mixture_of(0.5f)};
   const std::array<float, 2> means{2, -1};  // the second is unknown
   TestWave test(1);
   StageContext context = test.context(*scene);
-  context.integrator.rr_depth = 3;
   context.sample_from({.mixtures = mixtures.data(), .means = means.data()});
   const Slot slot = 0;
   const auto survival = [&](std::uint32_t row, std::uint32_t depth, float throughput) {

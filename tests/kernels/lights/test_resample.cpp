@@ -52,7 +52,7 @@ template <class L> MeanVariance sampled_radiance(const Description& d) {
   intersect<L>(test.context(*scene), wave);
   sort_surfaces<L>(test.context(*scene), wave);
   surface_inputs<L>(test.context(*scene), wave);
-  for (int candidate = 0; candidate < d.integrator.candidates; ++candidate) {
+  for (int candidate = 0; candidate < *d.integrator.candidates; ++candidate) {
     CHECK(wave.shadow_count == 0);
     light_candidates<L>(test.context(*scene), wave, candidate);
     resample<L>(test.context(*scene), wave, candidate);

@@ -141,7 +141,7 @@ TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set 
 
 /// The stages of the path pass between surface inputs and shadow rays.
 template <class L> void sample_lights(const StageContext& context, Wave& wave) {
-  for (int candidate = 0; candidate < context.integrator.candidates; ++candidate) {
+  for (int candidate = 0; candidate < context.candidates; ++candidate) {
     light_candidates<L>(context, wave, candidate);
     resample<L>(context, wave, candidate);
   }

@@ -116,8 +116,8 @@ Samples sample(const Scene& scene, int candidates, std::uint32_t seed) {
   const GuideField field;
   context.sample_from(field.view());
   context.record_in(training);
-  context.integrator.candidates = std::max(candidates, 1);
-  if (candidates == 0) context.try_candidates();
+  context.candidates = candidates;
+  if (candidates == 0) context.start_candidate_trial();
   Wave wave(512, candidates == 0 ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context));
   run_pass<Wide>(context, wave);
   return {training.radiance(), training.squared_radiance(), training.vertices(), wave.stats.rays.shadow};
@@ -140,10 +140,9 @@ TrialPass pass_with(const std::array<float, 4>& more) {
   return pass;
 }
 
-RenderResult rendered(const Scene& scene, bool chooses, int threads = 2, GuidingMode mode = GuidingMode::kAuto) {
+RenderResult rendered(const Scene& scene, int threads = 2, GuidingMode mode = GuidingMode::kAuto) {
   RenderOptions options;
   options.guiding = mode;
-  options.chooses_candidates = chooses;
   options.threads = threads;
   return render(scene, options);
 }
@@ -230,20 +229,20 @@ TEST_CASE("candidate choice: a few outliers and black passes do not decide") {
 
 TEST_CASE("candidate choice: a render has the bits of one with that number, with any number of threads") {
   const auto scene = compile_scene(point_lights());
-  const RenderResult automatic = rendered(*scene, true);
+  const RenderResult automatic = rendered(*scene);
   const RenderReport::Candidates& chosen = automatic.report.candidates;
   REQUIRE(chosen.gains.size() == std::size(kCandidateCounts));
   CAPTURE(chosen.gains[3]);
   CHECK(chosen.count > 1);
   REQUIRE_FALSE(automatic.report.guiding.is_used);
-  CHECK(same_bits(automatic.film, rendered(*scene, true, 1).film));
+  CHECK(same_bits(automatic.film, rendered(*scene, 1).film));
   Description fixed = point_lights();
   fixed.integrator.candidates = chosen.count;
-  CHECK(same_bits(automatic.film, rendered(*compile_scene(fixed), false, 2, GuidingMode::kOff).film));
+  CHECK(same_bits(automatic.film, rendered(*compile_scene(fixed), 2, GuidingMode::kOff).film));
   // A guide learns from passes with that number, too.
-  const RenderResult guided = rendered(*scene, true, 2, GuidingMode::kOn);
+  const RenderResult guided = rendered(*scene, 2, GuidingMode::kOn);
   CHECK_FALSE(guided.report.candidates.gains.empty());
-  CHECK(same_bits(guided.film, rendered(*scene, true, 1, GuidingMode::kOn).film));
+  CHECK(same_bits(guided.film, rendered(*scene, 1, GuidingMode::kOn).film));
 }
 
 TEST_CASE("candidate choice: a trial with a rejected guide does not count, and one with a used guide does") {
@@ -280,7 +279,6 @@ TEST_CASE("candidate choice: parts and continued renders have the same number") 
   const auto scene = compile_scene(lamps(160));
   RenderOptions options;
   options.guiding = GuidingMode::kAuto;
-  options.chooses_candidates = true;
   const int count = render(*scene, options).report.candidates.count;
   options.samples = SampleRange{8, 8};
   CHECK(render(*scene, options).report.candidates.count == count);
@@ -294,16 +292,17 @@ TEST_CASE("candidate choice: parts and continued renders have the same number") 
 TEST_CASE("candidate choice: a scene's number stays, and renders without a trial have one candidate") {
   Description fixed = lamps(160), brief = lamps(160), small = lamps(127);
   fixed.integrator.candidates = 2;
-  fixed.integrator.sets_candidates = true;
   brief.sampler.sample_count = 15;
   for (const Description* d : {&fixed, &brief, &small}) {
-    const auto scene = compile_scene(*d);
-    const RenderResult result = rendered(*scene, true);
+    const RenderResult result = rendered(*compile_scene(*d));
+    const int count = d->integrator.candidates.value_or(1);
     CHECK(result.report.candidates.gains.empty());
-    CHECK(result.report.candidates.count == d->integrator.candidates);
-    CHECK(same_bits(result.film, rendered(*scene, false).film));
+    CHECK(result.report.candidates.count == count);
+    Description same = *d;
+    same.integrator.candidates = count;
+    CHECK(same_bits(result.film, rendered(*compile_scene(same)).film));
   }
-  const RenderResult off = rendered(*compile_scene(lamps(160)), true, 2, GuidingMode::kOff);
+  const RenderResult off = rendered(*compile_scene(lamps(160)), 2, GuidingMode::kOff);
   CHECK(off.report.candidates.gains.empty());
   CHECK(off.report.candidates.count == 1);
 }

@@ -32,6 +32,7 @@ double ratio(const TrialPass& unguided, const TrialPass& guided) { return guidin
 Description room(bool is_hidden) {
   Description d = empty_scene(200, 200);
   d.sampler.sample_count = 16;
+  d.integrator.candidates = 1;
   d.integrator.max_depth = 6;
   look_at(d, {0, 0, 0.95f}, {0, -0.3f, -1}, {0, 1, 0}, 80);
   const MaterialId wall = add_two_sided(d, add_diffuse(d, 0.6f));
