@@ -109,14 +109,14 @@ template <class L> void candidates(benchmark::State& state, std::uint32_t count)
       const Vec3<L> p = load_vector<L>(items.p, i), n = load_vector<L>(items.n, i);
       const auto top = light_tree_top<L>(view, p, n, Mask<L>(true));
       for (int k = i * kCandidates; k < (i + L::width) * kCandidates; k += 2 * L::width) {
-        LightTreeWalk<L> walks[2];
+        LightTreeTraversal<L> walks[2];
         for (int j = 0; j < 2; ++j) {
           Float<L> u;
           load(items.u + k + j * L::width, u);
-          walks[j] = begin_light_walk<L>(view, top, p, n, Mask<L>(true), u);
+          walks[j] = begin_light_traversal<L>(view, top, p, n, Mask<L>(true), u);
         }
         LightTreeSample<L> choices[2];
-        end_light_walks<L>(view, walks, choices);
+        finish_light_traversals<L>(view, walks, choices);
         for (int j = 0; j < 2; ++j) {
           store(items.out + k + j * L::width, choices[j].probability);
           store(items.light + k + j * L::width, choices[j].light);

@@ -24,7 +24,7 @@ inline std::uint32_t infinite_light_count(const SceneView& scene) {
 
 /// LightSelector::kBvh: probability of choosing one of the lights at infinity, which are chosen uniformly. The light
 /// tree does not contain them and counts as one more light.
-inline float infinite_light_share(const SceneView& scene) {
+inline float infinite_light_probability(const SceneView& scene) {
   const std::uint32_t infinite = infinite_light_count(scene);
   return static_cast<float>(infinite) / static_cast<float>(infinite + (scene.lights.bounded_count > 0 ? 1u : 0u));
 }
@@ -33,39 +33,40 @@ namespace light_select_detail {
 
 template <class L, int N>
 SHEAF_INLINE void choose_by_bvh(const SceneView& scene, const LightSampleContext<L> (&at)[N],
-                                const typename L::Float (&u)[N], const LightTreeCut<L>* tops,
+                                const typename L::Float (&u)[N], const LightTreeCut<L>* cuts,
                                 LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const std::uint32_t infinite = infinite_light_count(scene);
-  const float share = infinite_light_share(scene);
+  const float p_infinite = infinite_light_probability(scene);
   const auto count = static_cast<float>(infinite);
-  const F far_probability(infinite > 0 ? share / count : 0.0f);
+  const F far_probability(infinite > 0 ? p_infinite / count : 0.0f);
   const auto far = [&](F number) SHEAF_LAMBDA_INLINE {
-    return U(scene.lights.bounded_count) + min(to_uint(number * F(count / share)), U(infinite - 1));
+    return U(scene.lights.bounded_count) + min(to_uint(number * F(count / p_infinite)), U(infinite - 1));
   };
   if (scene.lights.bounded_count == 0) {
     for (int i = 0; i < N; ++i) choices[i] = {far(u[i]), far_probability};
     return;
   }
-  // Descend the light tree.
-  LightTreeWalk<L> walks[N];
+  // Traverse the light tree
+  LightTreeTraversal<L> traversals[N];
   for (int i = 0; i < N; ++i) {
-    const F number =
-        infinite == 0 ? u[i] : clamp((u[i] - F(share)) * F(1.0f / (1.0f - share)), F(0.0f), F(kOneMinusEpsilon));
-    walks[i] = tops != nullptr
-                   ? begin_light_walk<L>(scene.lights.tree, tops[i], at[i].p, at[i].n, Mask<L>(true), number)
-                   : begin_light_walk<L>(at[i].p, at[i].n, Mask<L>(true), number);
+    const F number = infinite == 0
+                         ? u[i]
+                         : clamp((u[i] - F(p_infinite)) * F(1.0f / (1.0f - p_infinite)), F(0.0f), F(kOneMinusEpsilon));
+    traversals[i] = cuts != nullptr
+                        ? begin_light_traversal<L>(scene.lights.tree, cuts[i], at[i].p, at[i].n, Mask<L>(true), number)
+                        : begin_light_traversal<L>(at[i].p, at[i].n, Mask<L>(true), number);
   }
   LightTreeSample<L> near[N];
-  end_light_walks<L>(scene.lights.tree, walks, near);
+  finish_light_traversals<L>(scene.lights.tree, traversals, near);
   for (int i = 0; i < N; ++i) {
     choices[i] = {near[i].light, near[i].probability};
     if (infinite == 0) continue;
-    // Choose a light at infinity by the lower part of u.
-    const auto is_far = u[i] < F(share);
+    // Choose a light at infinity by the lower part of u
+    const auto is_far = u[i] < F(p_infinite);
     choices[i] = {select(is_far, far(u[i]), near[i].light),
-                  select(is_far, far_probability, near[i].probability * F(1.0f - share))};
+                  select(is_far, far_probability, near[i].probability * F(1.0f - p_infinite))};
   }
 }
 
@@ -75,11 +76,11 @@ SHEAF_INLINE Float<L> bvh_probability(const SceneView& scene, const LightSampleC
   using U = typename L::Uint;
   const std::uint32_t infinite = infinite_light_count(scene);
   const auto near = light < U(scene.lights.bounded_count);
-  const float share = infinite_light_share(scene);
-  const F far_probability(infinite > 0 ? share / static_cast<float>(infinite) : 0.0f);
+  const float p_infinite = infinite_light_probability(scene);
+  const F far_probability(infinite > 0 ? p_infinite / static_cast<float>(infinite) : 0.0f);
   if (!any(near)) return far_probability;
   const F in_tree = light_tree_probability<L>(scene.lights.tree, at.p, at.n, Mask<L>(true), light, near);
-  return select(near, in_tree * F(1.0f - share), far_probability);
+  return select(near, in_tree * F(1.0f - p_infinite), far_probability);
 }
 
 }  // namespace light_select_detail
@@ -91,21 +92,21 @@ template <class L> SHEAF_INLINE LightChoice<L> choose_light_by_power(const Scene
 }
 
 /// Whether the choice depends on the point to be lit.
-inline bool chooses_by_place(const SceneView& scene) {
+inline bool choice_depends_on_position(const SceneView& scene) {
   return scene.lights.count > 1 && scene.light_selector == LightSelector::kBvh;
 }
 
 /// Chooses a light for each point by its u in [0, 1), with SceneView::light_selector. The scene must have lights. `at`
-/// is ignored unless chooses_by_place(). `tops`: light_tree_top() of the points if already known, or null; the choice
-/// is the same. Making several choices in one call is faster than one after the other.
+/// is ignored unless choice_depends_on_position(). `cuts`: the cut of the light tree for each point, or null to compute
+/// the choices without; they are the same. Several choices in one call are faster than one after the other.
 template <class L, int N>
 SHEAF_INLINE void choose_lights(const SceneView& scene, const LightSampleContext<L> (&at)[N],
-                                const typename L::Float (&u)[N], const LightTreeCut<L>* tops,
+                                const typename L::Float (&u)[N], const LightTreeCut<L>* cuts,
                                 LightChoice<L> (&choices)[N]) {
   using F = typename L::Float;
   using U = typename L::Uint;
   const auto count = static_cast<float>(scene.lights.count);
-  if (chooses_by_place(scene)) return light_select_detail::choose_by_bvh<L>(scene, at, u, tops, choices);
+  if (choice_depends_on_position(scene)) return light_select_detail::choose_by_bvh<L>(scene, at, u, cuts, choices);
   for (int i = 0; i < N; ++i) {
     if (scene.lights.count == 1)
       choices[i] = {U(0u), F(1.0f)};

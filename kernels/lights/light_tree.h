@@ -29,9 +29,9 @@ namespace light_tree_detail {
 inline constexpr float kMinCosine = 1e-3f;
 /// Minimum probability of each child that may contribute, if several do. A uniform number with 24 bits can still select
 /// it, and products over many levels do not underflow.
-inline constexpr float kMinTurn = 0x1p-20f;
+inline constexpr float kMinProbability = 0x1p-20f;
 /// Largest random number used for the selection.
-inline constexpr float kFarthest = 1.0f - 0x1p-22f;
+inline constexpr float kMaxRandom = 1.0f - 0x1p-22f;
 /// Squared distances are clamped to this range, which keeps their products finite.
 inline constexpr float kNearSquared = 1e-18f, kFarSquared = 1e18f;
 
@@ -54,7 +54,15 @@ template <class L> SHEAF_INLINE Float<L> reciprocal_power_of_two(typename L::Flo
   return bits_float(U(0x7f000000u) - (float_bits(x) & U(0x7f800000u)));
 }
 
-/// A node in registers, as its words. The centre of its bounds is relative to the receiver.
+/// 1 / x for 0 <= x <= 1e10, within 1/20: the bits of a float approximate the logarithm of its value, so subtracting
+/// them from a constant negates the logarithm. Larger x count as 1e10.
+template <class L> SHEAF_INLINE Float<L> rough_reciprocal(typename L::Float x) {
+  using U = Uint<L>;
+  constexpr std::uint32_t kReciprocalBits = 0x7ef311c7u, kMaxBits = 0x501502f9u;
+  return bits_float(U(kReciprocalBits) - min(float_bits(x), U(kMaxBits)));
+}
+
+/// A node in registers, as its words. The center of its bounds is relative to the receiver.
 template <class L> struct NodeWords {
   typename L::Float words[LightNodeRow::kWordCount];
 
@@ -89,7 +97,8 @@ template <class L> struct Importance {
   Mask<L> shines;            ///< the child may contribute
 };
 
-/// Uses bounds on the cosines instead of their maxima. For a sphere of radius r whose centre is at distance D and at
+/// Importance of Conty Estevez and Kulla (2018), equation 3: power / distance^2 times the cosines at both ends, with
+/// bounds on the cosines instead of their maxima. For a sphere of radius r whose center is at distance D and at
 /// the angle i, no direction to the sphere has a larger cosine than cos i + r / D, because cos(i - b) <= cos i + sin b.
 /// The same holds for the cone of normals at the light, where the sine of the angle w from its axis is at most
 /// 1 - (cos w)^2 / 2. `child.center` is relative to the receiver.
@@ -104,32 +113,32 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   const F cos_light = fma(child.radius, inverse, fma(child.spread, sin_w, cos_w));
   // Cosine at the receiver, on the side of its normal where the light is.
   const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.cosine_bias);
-  // The distance counts as at least the radius. Its inverse is approximated to within 1/20, for radii up to 1e10.
-  using U = Uint<L>;
-  const F nearest = min(inverse, bits_float(U(0x7ef311c7u) - min(float_bits(child.radius), U(0x501502f9u))));
-  const F weight = child.share * (nearest * nearest) * (clamp(cos_light, min_cosine, one) * min(cos_receiver, one));
+  // The distance counts as at least the radius.
+  const F inverse_distance = min(inverse, rough_reciprocal<L>(child.radius));
+  const F weight = child.share * (inverse_distance * inverse_distance) *
+                   (clamp(cos_light, min_cosine, one) * min(cos_receiver, one));
   const auto shines = cos_light + child.reach > one;
   return {select(shines, weight, F(0.0f)), shines};
 }
 
-/// Relative weights of the children of a node.
-template <class L> struct Turn {
+/// Selection weights of the children of a node, in proportion to their probabilities.
+template <class L> struct ChildWeights {
   typename L::Float weights[kLightChildren];
 
   SHEAF_INLINE Float<L> sum() const { return (weights[0] + weights[1]) + (weights[2] + weights[3]); }
 };
 
-template <class L> SHEAF_INLINE Turn<L> turn(const NodeWords<L>& node, const Receiver<L>& at) {
+template <class L> SHEAF_INLINE ChildWeights<L> child_weights(const NodeWords<L>& node, const Receiver<L>& at) {
   using F = Float<L>;
   const Importance<L> children[kLightChildren] = {
       importance<L>(unpack_light_child<L, 0>(node.words), at), importance<L>(unpack_light_child<L, 1>(node.words), at),
       importance<L>(unpack_light_child<L, 2>(node.words), at), importance<L>(unpack_light_child<L, 3>(node.words), at)};
   const F min_weight =
-      ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kMinTurn);
-  Turn<L> way;
+      ((children[0].weight + children[1].weight) + (children[2].weight + children[3].weight)) * F(kMinProbability);
+  ChildWeights<L> out;
   for (int k = 0; k < kLightChildren; ++k)
-    way.weights[k] = select(children[k].shines, max(children[k].weight, min_weight), F(0.0f));
-  return way;
+    out.weights[k] = select(children[k].shines, max(children[k].weight, min_weight), F(0.0f));
+  return out;
 }
 
 /// values[child] for child < 4.
@@ -139,131 +148,136 @@ template <class L> SHEAF_INLINE Float<L> pick(const typename L::Float* values, t
   return select(is_upper, select(is_odd, values[3], values[2]), select(is_odd, values[1], values[0]));
 }
 
-/// Place of a child of node `index`: see light_tree_child().
+/// Position of a child of node `index`: see light_tree_child().
 template <class L>
-SHEAF_INLINE Uint<L> place_of_child(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
+SHEAF_INLINE Uint<L> child_position(const NodeWords<L>& node, typename L::Uint index, typename L::Uint child) {
   using U = Uint<L>;
   const U link = node.link();
   return select(child < (link >> kLightNodeBits), (link & U(kLightNodeIndex)) + child,
                 U(kLightLeaf) | (index << 2) | child);
 }
 
-/// State of a descent. `rest` / `whole` is the remaining random number in [0, 1), and `chosen` / `offered` the
-/// probability of reaching the current node. Both stay fractions until the end, because a division would add latency to
-/// each step.
-template <class L> struct Descent {
-  typename L::Float rest, whole, chosen, offered;
+/// State of the traversal of a tree from its root to a leaf. The remaining random number in [0, 1) and the probability
+/// of reaching the current node are kept as fractions until the end, because a division would add latency to each
+/// level.
+template <class L> struct Traversal {
+  typename L::Float u_numerator, u_denominator;
+  typename L::Float pmf_numerator, pmf_denominator;
 
-  static SHEAF_INLINE Descent at_root(typename L::Float u) {
+  static SHEAF_INLINE Traversal at_root(typename L::Float u) {
     return {u, Float<L>(1.0f), Float<L>(1.0f), Float<L>(1.0f)};
   }
-  SHEAF_INLINE Mask<L> possible() const { return chosen > Float<L>(0.0f); }
+  /// False: no light below the current node can contribute.
+  SHEAF_INLINE Mask<L> possible() const { return pmf_numerator > Float<L>(0.0f); }
 
-  /// Selects a child and returns its index; updates the `active` lanes.
-  SHEAF_INLINE Uint<L> take(const Turn<L>& way, Mask<L> active) {
+  /// Samples a child and returns its index; updates the `active` lanes.
+  SHEAF_INLINE Uint<L> sample_child(const ChildWeights<L>& children, Mask<L> active) {
     using F = Float<L>;
     using U = Uint<L>;
-    const auto& w = way.weights;
-    const F sum = way.sum(), first = w[0], two = first + w[1], three = two + w[2];
-    const F borders[3] = {whole * first, whole * two, whole * three};
+    const auto& w = children.weights;
+    const F sum = children.sum(), first = w[0], two = first + w[1], three = two + w[2];
+    const F cdf[3] = {u_denominator * first, u_denominator * two, u_denominator * three};
     // Keep the number below the upper end despite rounding, so that children of weight 0 are never selected.
-    const F here = min(rest, whole * F(kFarthest)) * sum;
-    F border(0.0f), taken = first;
+    const F u = min(u_numerator, u_denominator * F(kMaxRandom)) * sum;
+    F cdf_below(0.0f), weight = first;
     U child(0u);
     for (std::uint32_t k = 1; k < kLightChildren; ++k) {
-      const auto beyond = here >= borders[k - 1];
-      border = select(beyond, borders[k - 1], border);
-      taken = select(beyond, w[k], taken);
+      const auto beyond = u >= cdf[k - 1];
+      cdf_below = select(beyond, cdf[k - 1], cdf_below);
+      weight = select(beyond, w[k], weight);
       child = select(beyond, U(k), child);
     }
-    const F part = whole * taken;
-    const F scale = reciprocal_power_of_two<L>(part), scale_sum = reciprocal_power_of_two<L>(sum);
-    rest = select(active, (here - border) * scale, rest);
-    whole = select(active, part * scale, whole);
-    chosen = select(active, chosen * (taken * scale_sum), chosen);
-    offered = select(active, offered * (sum * scale_sum), offered);
+    // Remap the random number and multiply the probabilities, both scaled by powers of two to stay near 1
+    const F interval = u_denominator * weight;
+    const F scale = reciprocal_power_of_two<L>(interval), scale_sum = reciprocal_power_of_two<L>(sum);
+    u_numerator = select(active, (u - cdf_below) * scale, u_numerator);
+    u_denominator = select(active, interval * scale, u_denominator);
+    pmf_numerator = select(active, pmf_numerator * (weight * scale_sum), pmf_numerator);
+    pmf_denominator = select(active, pmf_denominator * (sum * scale_sum), pmf_denominator);
     return child;
   }
 };
 
 }  // namespace light_tree_detail
 
-/// A descent through a light tree that is under way; see end_light_walks().
-template <class L> struct LightTreeWalk {
+/// A traversal of a light tree in progress; see finish_light_traversals().
+template <class L> struct LightTreeTraversal {
   light_tree_detail::Receiver<L> at;
-  light_tree_detail::Descent<L> way;
-  typename L::Uint place;  ///< current place in the tree
+  light_tree_detail::Traversal<L> state;
+  typename L::Uint position;  ///< current position in the tree
 };
 
-/// Completes all descents, interleaved to hide their latency: each step depends on the one before. The tree must have
+/// Completes all traversals, interleaved to hide their latency: each level depends on the one above. The tree must have
 /// lights.
 template <class L, int N>
-SHEAF_INLINE void end_light_walks(const LightTreeView& tree, LightTreeWalk<L> (&walks)[N],
-                                  LightTreeSample<L> (&samples)[N]) {
+SHEAF_INLINE void finish_light_traversals(const LightTreeView& tree, LightTreeTraversal<L> (&traversals)[N],
+                                          LightTreeSample<L> (&samples)[N]) {
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
-  const auto goes_on = [](const LightTreeWalk<L>& walk) SHEAF_LAMBDA_INLINE {
-    return ((walk.place & U(kLightLeaf)) == U(0u)) & walk.way.possible();
+  const auto is_active = [](const LightTreeTraversal<L>& traversal) SHEAF_LAMBDA_INLINE {
+    return ((traversal.position & U(kLightLeaf)) == U(0u)) & traversal.state.possible();
   };
   Mask<L> active[N];
-  const auto goes_any_on = [&]() SHEAF_LAMBDA_INLINE {
-    for (int i = 0; i < N; ++i) active[i] = goes_on(walks[i]);
+  const auto any_active = [&]() SHEAF_LAMBDA_INLINE {
+    for (int i = 0; i < N; ++i) active[i] = is_active(traversals[i]);
     Mask<L> all = active[0];
     for (int i = 1; i < N; ++i) all = all | active[i];
     return any(all);
   };
-  // Descend by one level at a time.
-  while (goes_any_on()) {
+  // Descend by one level at a time
+  while (any_active()) {
     for (int i = 0; i < N; ++i) {
-      LightTreeWalk<L>& walk = walks[i];
-      const U index = select(active[i], walk.place, U(0u));
-      const NodeWords<L> node = load_node<L>(tree, index, walk.at);
-      const U child = walk.way.take(turn<L>(node, walk.at), active[i]);
-      walk.place = select(active[i], place_of_child<L>(node, index, child), walk.place);
+      LightTreeTraversal<L>& traversal = traversals[i];
+      const U index = select(active[i], traversal.position, U(0u));
+      const NodeWords<L> node = load_node<L>(tree, index, traversal.at);
+      const U child = traversal.state.sample_child(child_weights<L>(node, traversal.at), active[i]);
+      traversal.position = select(active[i], child_position<L>(node, index, child), traversal.position);
     }
   }
-  // Read the lights at the leaves.
+  // Read the lights at the leaves
   constexpr std::uint32_t kRowWords = sizeof(LightNodeRow) / sizeof(std::uint32_t);
   for (int i = 0; i < N; ++i) {
-    const Descent<L>& way = walks[i].way;
-    const auto valid = way.possible();
-    const F remapped = clamp(way.rest / select(valid, way.whole, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
-    const U leaf = select(valid, walks[i].place & U(~kLightLeaf), U(0u));
+    const Traversal<L>& end = traversals[i].state;
+    const auto valid = end.possible();
+    const F remapped = clamp(end.u_numerator / select(valid, end.u_denominator, F(1.0f)), F(0.0f), F(kOneMinusEpsilon));
+    const U leaf = select(valid, traversals[i].position & U(~kLightLeaf), U(0u));
     const U light = gather(tree.nodes->lights, (leaf >> 2) * U(kRowWords) + (leaf & U(3u)));
-    samples[i] = {select(valid, light, U(0u)), select(valid, way.chosen / way.offered, F(0.0f)), remapped, valid};
+    samples[i] = {select(valid, light, U(0u)), select(valid, end.pmf_numerator / end.pmf_denominator, F(0.0f)),
+                  remapped, valid};
   }
 }
 
-/// Begins the descent of sample_light_tree().
+/// Begins the traversal of sample_light_tree().
 template <class L>
-SHEAF_INLINE LightTreeWalk<L> begin_light_walk(Vec3<L> p, Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
+SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
+                                                         typename L::Float u) {
   using namespace light_tree_detail;
-  return {make_receiver<L>(p, n, has_normal), Descent<L>::at_root(u), Uint<L>(0u)};
+  return {make_receiver<L>(p, n, has_normal), Traversal<L>::at_root(u), Uint<L>(0u)};
 }
 
 /// Samples a light for the point `p` by `u` in [0, 1). `n`: unit shading normal; light on either side of it counts. A
 /// zero `n`, or `has_normal` false, stands for a point in a medium. Every light that can reach `p` has a positive
-/// probability. About 24 - log2(1 / probability) random bits of u remain. Lights far less likely than 2^-24 share the
+/// probability. About 24 - log2(1 / probability) random bits of u remain. Lights far less likely than 2^-24 use the
 /// same values of u.
 template <class L>
 SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
                                                   typename L::Float u) {
   if (tree.node_count == 0) return {Uint<L>(0u), Float<L>(0.0f), u, Mask<L>(false)};
-  LightTreeWalk<L> walk[1] = {begin_light_walk<L>(p, n, has_normal, u)};
+  LightTreeTraversal<L> traversal[1] = {begin_light_traversal<L>(p, n, has_normal, u)};
   LightTreeSample<L> sample[1];
-  end_light_walks<L>(tree, walk, sample);
+  finish_light_traversals<L>(tree, traversal, sample);
   return sample[0];
 }
 
 /// The upper levels of the tree evaluated for one point, shared by all its candidates.
 template <class L> struct LightTreeCut {
-  /// Cumulative probabilities of each upper node's first one, two and three children. kAlwaysFirst if there is no node,
-  /// because a leaf lies above it; kNoTurn if none of its lights can contribute.
-  typename L::Float below[(kLightChildren - 1) * kLightTopTurns];
+  /// Cumulative probabilities of each upper node's first one, two and three children. kSkipNode if there is no node,
+  /// because a leaf lies above it; kUnreachable if none of its lights can contribute.
+  typename L::Float cdf[(kLightChildren - 1) * kLightTopTurns];
 
-  static constexpr float kAlwaysFirst = 2, kNoTurn = -1;
-  static constexpr auto fields(auto& s) { return std::tie(s.below); }
+  static constexpr float kSkipNode = 2, kUnreachable = -1;
+  static constexpr auto fields(auto& s) { return std::tie(s.cdf); }
 };
 
 /// Evaluates the upper levels of the tree for a point; see sample_light_tree(). The tree must have lights.
@@ -272,52 +286,55 @@ SHEAF_INLINE LightTreeCut<L> light_tree_top(const LightTreeView& tree, Vec3<L> p
   using namespace light_tree_detail;
   using F = Float<L>;
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
-  LightTreeCut<L> top;
+  LightTreeCut<L> out;
   for (int node = 0; node < kLightTopTurns; ++node) {
-    F* const below = top.below + (kLightChildren - 1) * node;
-    for (int k = 0; k + 1 < kLightChildren; ++k) below[k] = F(LightTreeCut<L>::kAlwaysFirst);
-    const std::uint32_t place = tree.top[node];
-    if ((place & kLightLeaf) != 0) continue;
-    const Turn<L> way = turn<L>(broadcast<L>(tree.nodes[place], at), at);
-    const F sum = way.sum();
+    F* const cdf = out.cdf + (kLightChildren - 1) * node;
+    for (int k = 0; k + 1 < kLightChildren; ++k) cdf[k] = F(LightTreeCut<L>::kSkipNode);
+    const std::uint32_t position = tree.top[node];
+    if ((position & kLightLeaf) != 0) continue;
+    const ChildWeights<L> children = child_weights<L>(broadcast<L>(tree.nodes[position], at), at);
+    const F sum = children.sum();
     const auto possible = sum > F(0.0f);
     const F inverse = F(1.0f) / select(possible, sum, F(1.0f));
-    F before(0.0f);
+    F partial_sum(0.0f);
     for (int k = 0; k + 1 < kLightChildren; ++k) {
-      before = before + way.weights[k];
-      below[k] = select(possible, min(before * inverse, F(1.0f)), F(LightTreeCut<L>::kNoTurn));
+      partial_sum = partial_sum + children.weights[k];
+      cdf[k] = select(possible, min(partial_sum * inverse, F(1.0f)), F(LightTreeCut<L>::kUnreachable));
     }
   }
-  return top;
+  return out;
 }
 
-/// As begin_light_walk() without `top`, up to rounding. `top` must have been computed for the same point.
+/// As begin_light_traversal() without a cut, up to rounding. `cut` must have been computed for the same point.
 template <class L>
-SHEAF_INLINE LightTreeWalk<L> begin_light_walk(const LightTreeView& tree, const LightTreeCut<L>& top, Vec3<L> p,
-                                               Vec3<L> n, Mask<L> has_normal, typename L::Float u) {
+SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(const LightTreeView& tree, const LightTreeCut<L>& cut,
+                                                         Vec3<L> p, Vec3<L> n, Mask<L> has_normal,
+                                                         typename L::Float u) {
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
   static_assert(kLightTopLevels == 2);
-  constexpr int kBorders = kLightChildren - 1;
+  constexpr int kCdfSize = kLightChildren - 1;
   const F zero(0.0f), one(1.0f);
-  Descent<L> way = Descent<L>::at_root(u);
-  const auto take = [&](const F* below) SHEAF_LAMBDA_INLINE {
-    const auto known = (below[0] >= zero) & (below[0] <= one);
-    const Turn<L> turn{{select(known, below[0], zero), select(known, below[1] - below[0], zero),
-                        select(known, below[2] - below[1], zero), select(known, one - below[2], zero)}};
-    return select(below[0] > one, U(0u), way.take(turn, below[0] <= one));
+  Traversal<L> state = Traversal<L>::at_root(u);
+  const auto sample_child = [&](const F* cdf) SHEAF_LAMBDA_INLINE {
+    const auto known = (cdf[0] >= zero) & (cdf[0] <= one);
+    const ChildWeights<L> children{{select(known, cdf[0], zero), select(known, cdf[1] - cdf[0], zero),
+                                    select(known, cdf[2] - cdf[1], zero), select(known, one - cdf[2], zero)}};
+    return select(cdf[0] > one, U(0u), state.sample_child(children, cdf[0] <= one));
   };
-  const U first = take(top.below);
-  F below[kBorders];
-  for (int k = 0; k < kBorders; ++k) {
-    const F of_children[kLightChildren] = {top.below[kBorders + k], top.below[2 * kBorders + k],
-                                           top.below[3 * kBorders + k], top.below[4 * kBorders + k]};
-    below[k] = pick<L>(of_children, first);
+  // Sample a child of the root
+  const U first = sample_child(cut.cdf);
+  // Sample a child of that node
+  F cdf[kCdfSize];
+  for (int k = 0; k < kCdfSize; ++k) {
+    const F of_children[kLightChildren] = {cut.cdf[kCdfSize + k], cut.cdf[2 * kCdfSize + k], cut.cdf[3 * kCdfSize + k],
+                                           cut.cdf[4 * kCdfSize + k]};
+    cdf[k] = pick<L>(of_children, first);
   }
-  const U second = take(below);
-  const U place = gather(tree.top, (first << 2) + second + U(kLightTopTurns));
-  return {make_receiver<L>(p, n, has_normal), way, place};
+  const U second = sample_child(cdf);
+  const U position = gather(tree.top, (first << 2) + second + U(kLightTopTurns));
+  return {make_receiver<L>(p, n, has_normal), state, position};
 }
 
 /// The probability with which sample_light_tree() chooses `light` for the same point and normal. 0 in lanes that are
@@ -332,20 +349,20 @@ SHEAF_INLINE Float<L> light_tree_probability(const LightTreeView& tree, Vec3<L> 
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
   U trail = gather(tree.trails, select(active, light, U(0u)));
   U index(0u);
-  F chosen = select(active, F(1.0f), F(0.0f)), offered(1.0f);
+  F pmf_numerator = select(active, F(1.0f), F(0.0f)), pmf_denominator(1.0f);
   while (any(active)) {
     const NodeWords<L> node = load_node<L>(tree, index, at);
-    const Turn<L> way = turn<L>(node, at);
+    const ChildWeights<L> children = child_weights<L>(node, at);
     const U child = trail & U(3u);
-    const F sum = way.sum(), scale = reciprocal_power_of_two<L>(sum);
-    chosen = select(active, chosen * (pick<L>(way.weights, child) * scale), chosen);
-    offered = select(active, offered * (sum * scale), offered);
-    const U place = place_of_child<L>(node, index, child);
-    active = active & ((place & U(kLightLeaf)) == U(0u)) & (chosen > F(0.0f));
+    const F sum = children.sum(), scale = reciprocal_power_of_two<L>(sum);
+    pmf_numerator = select(active, pmf_numerator * (pick<L>(children.weights, child) * scale), pmf_numerator);
+    pmf_denominator = select(active, pmf_denominator * (sum * scale), pmf_denominator);
+    const U position = child_position<L>(node, index, child);
+    active = active & ((position & U(kLightLeaf)) == U(0u)) & (pmf_numerator > F(0.0f));
     trail = trail >> 2;
-    index = select(active, place, U(0u));
+    index = select(active, position, U(0u));
   }
-  return select(chosen > F(0.0f), chosen / offered, F(0.0f));
+  return select(pmf_numerator > F(0.0f), pmf_numerator / pmf_denominator, F(0.0f));
 }
 
 }  // namespace sheaf

@@ -1,5 +1,6 @@
-// Stage: light candidates. Samples one light and a point on it for every non-specular vertex. The resample stage
-// evaluates the BSDF.
+// Stage: light candidates. Samples one light and a point on it for every non-specular vertex: candidate x_i of
+// resampled importance sampling with pdf p = p(light) p(point | light) (PBR 12.6, 13.2). The resample stage evaluates
+// the BSDF.
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_sample.h"
 #include "kernels/photons/photon_maps.h"
@@ -16,8 +17,8 @@ namespace sheaf {
 
 namespace {
 
-/// Number of registers of vertices that select their lights together.
-constexpr int kTogether = 2;
+/// Registers of vertices whose lights are selected in one call, to hide the latency of the light tree.
+constexpr int kTilesPerGroup = 2;
 
 /// Inputs of a register of vertices for one candidate each.
 template <class L> struct CandidateTile {
@@ -39,13 +40,13 @@ SHEAF_INLINE LightSampleContext<L> receivers(const SceneView& scene, const Wave&
 /// Selects the lights of adjacent tiles. The first candidate of a vertex stores its cut of the light tree for the
 /// others.
 template <class L>
-SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTogether],
-                             const LightSampleContext<L> (&at)[kTogether], bool is_first,
-                             LightChoice<L> (&choices)[kTogether]) {
-  LightTreeCut<L> tops[kTogether];
-  Float<L> u[kTogether];
+SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTilesPerGroup],
+                             const LightSampleContext<L> (&at)[kTilesPerGroup], bool is_first,
+                             LightChoice<L> (&choices)[kTilesPerGroup]) {
+  LightTreeCut<L> tops[kTilesPerGroup];
+  Float<L> u[kTilesPerGroup];
   const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
-  for (int i = 0; i < kTogether; ++i) {
+  for (int i = 0; i < kTilesPerGroup; ++i) {
     u[i] = tiles[i].u.x;
     if (!shares_tops) continue;
     const int column = tiles[i].column;
@@ -59,7 +60,8 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
   choose_lights<L>(context.scene, at, u, shares_tops ? tops : nullptr, choices);
 }
 
-/// `in_medium`: the vertices lie in media. `drawn`: see LightQuery.
+/// Samples a point on the chosen light of each vertex and stores the candidate. `in_medium`: the vertices lie in media.
+/// `drawn`: see LightQuery.
 template <class L, ColorMode kMode>
 SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const CandidateTile<L>& tile,
                                  const LightSampleContext<L>& at, const LightChoice<L>& choice, bool in_medium,
@@ -73,6 +75,7 @@ SHEAF_INLINE void candidate_tile(const StageContext& context, Wave& wave, const 
   out.target = light.target;
   out.radiance = light.radiance;
   out.pdf_solid_angle = select(light.valid & (choice.probability > F(0.0f)), light.pdf_solid_angle, F(0.0f));
+  // Drop candidates whose light photon maps or the path itself contribute
   if (context.gathers_photons()) {
     const auto ends = context.photon_maps().ends_at<L>(wave.rays.gather<L>(tile.slots).flags, in_medium);
     out.pdf_solid_angle = select(ends, F(0.0f), out.pdf_solid_angle);
@@ -93,55 +96,94 @@ SHEAF_INLINE Random4<L> numbers_of(const StageContext& context, Wave& wave, cons
                  context.scene.lights.count > 1 ? kAllNumbers : kAllNumbers & ~kNumberX);
 }
 
-/// Pipeline steps from tiles to candidates, in groups of kTogether tiles. While one group is at the last step, the
-/// following ones are at earlier steps, so that no step waits for memory that the previous one has prefetched.
-enum CandidateStep { kCandidates, kColumns, kRows, kNumbers };
+/// The steps from vertices to candidates. While one group of tiles is at the last step, the next groups are at earlier
+/// steps, so that no step waits for memory that the previous one has prefetched. Values: number of groups ahead.
+enum CandidateStep : int { kSampleLights, kSampleColumns, kSampleRows, kDrawNumbers };
 
-/// Not a template over the closure, so that all kinds share one copy of the code. `kDrawsMap`: the scene has an
-/// environment map and no bounded lights; the rows and columns of the map are sampled in separate steps.
+/// Runs the steps over the groups of a run. `kDrawsMap`: the scene has an environment map and no bounded lights; the
+/// rows and columns of the map are sampled in steps of their own.
+template <class L, bool kDrawsMap> class CandidatePipeline {
+ public:
+  CandidatePipeline(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
+                    bool mapped_parts)
+      : context_(context),
+        wave_(wave),
+        run_(run),
+        set_(set),
+        in_medium_(in_medium),
+        mapped_parts_(mapped_parts),
+        tile_count_((run.count + L::width - 1) / L::width) {}
+
+  template <ColorMode kMode> void execute() {
+    const int groups = (tile_count_ + kTilesPerGroup - 1) / kTilesPerGroup;
+    const auto has = [groups](int group) SHEAF_LAMBDA_INLINE { return group >= 0 && group < groups; };
+    for (int group = -kFirstStep; group < groups; ++group) {
+      if (has(group + kFirstStep)) draw_numbers(group + kFirstStep);
+      if constexpr (kDrawsMap) {
+        if (has(group + kSampleRows)) sample_rows(group + kSampleRows);
+        if (has(group + kSampleColumns)) sample_columns(group + kSampleColumns);
+      }
+      if (group >= 0) sample_lights<kMode>(group);
+    }
+  }
+
+ private:
+  static constexpr int kFirstStep = kDrawsMap ? kDrawNumbers : 1;
+  static constexpr int kRing = std::bit_ceil(kFirstStep + 1u);
+
+  SHEAF_INLINE void draw_numbers(int group) {
+    const Slot* const slots = wave_.sorted.data() + run_.slot_begin;
+    for (int i = 0; i < kTilesPerGroup; ++i) {
+      // With an odd number of tiles, the last group holds the last tile twice.
+      const int begin = std::min(group * kTilesPerGroup + i, tile_count_ - 1) * L::width;
+      tiles_[group % kRing][i] = {slots + begin, run_.column_begin + begin,
+                                  numbers_of<L>(context_, wave_, slots + begin, set_)};
+    }
+  }
+
+  SHEAF_INLINE void sample_rows(int group) {
+    for (int i = 0; i < kTilesPerGroup; ++i) {
+      const Random4<L>& u = tiles_[group % kRing][i].u;
+      drawn_[group % kRing][i] = draw_envmap_row<L>(context_.scene.lights.envmap, u.z);
+      prefetch_envmap_column<L>(context_.scene.lights.envmap, u.y, drawn_[group % kRing][i]);
+    }
+  }
+
+  SHEAF_INLINE void sample_columns(int group) {
+    for (int i = 0; i < kTilesPerGroup; ++i) {
+      draw_envmap_column<L>(context_.scene.lights.envmap, tiles_[group % kRing][i].u.y, drawn_[group % kRing][i]);
+      prefetch_envmap_nodes<L>(context_.scene.lights.envmap, drawn_[group % kRing][i]);
+    }
+  }
+
+  template <ColorMode kMode> SHEAF_INLINE void sample_lights(int group) {
+    const CandidateTile<L>(&tiles)[kTilesPerGroup] = tiles_[group % kRing];
+    LightSampleContext<L> at[kTilesPerGroup];
+    for (int i = 0; i < kTilesPerGroup; ++i)
+      at[i] = receivers<L>(context_.scene, wave_, tiles[i], in_medium_, mapped_parts_);
+    LightChoice<L> choices[kTilesPerGroup];
+    choose_for<L>(context_, wave_, tiles, at, set_.index == 0, choices);
+    for (int i = 0; i < kTilesPerGroup && group * kTilesPerGroup + i < tile_count_; ++i)
+      candidate_tile<L, kMode>(context_, wave_, tiles[i], at[i], choices[i], in_medium_,
+                               kDrawsMap ? &drawn_[group % kRing][i] : nullptr);
+  }
+
+  const StageContext& context_;
+  Wave& wave_;
+  const VertexRun& run_;
+  const SampleSet set_;
+  const bool in_medium_, mapped_parts_;
+  const int tile_count_;
+  CandidateTile<L> tiles_[kRing][kTilesPerGroup];
+  EnvmapDraw<L> drawn_[kDrawsMap ? kRing : 1][kTilesPerGroup];
+};
+
+/// Not a template over the closure, so that all kinds share one copy of the code.
 template <class L, bool kDrawsMap>
 void candidate_run(const StageContext& context, Wave& wave, const VertexRun& run, SampleSet set, bool in_medium,
                    bool mapped_parts) {
-  const SceneView& scene = context.scene;
-  constexpr int kAhead = kDrawsMap ? kNumbers : 1, kRing = std::bit_ceil(kAhead + 1u);
-  const Slot* const slots = wave.sorted.data() + run.slot_begin;
-  const int tiles = (run.count + L::width - 1) / L::width, groups = (tiles + kTogether - 1) / kTogether;
-  CandidateTile<L> ring[kRing][kTogether];
-  EnvmapDraw<L> drawn[kDrawsMap ? kRing : 1][kTogether];
-  LightChoice<L> choices[kTogether];
-  const auto has = [groups](int group) { return group >= 0 && group < groups; };
-  with_color_mode(scene, [&]<ColorMode kMode>() {
-    for (int group = -kAhead; group < groups; ++group) {
-      const int numbers = group + kAhead, rows = group + kRows, columns = group + kColumns;
-      // Draw random numbers
-      for (int i = 0; i < kTogether && has(numbers); ++i) {
-        // With an odd number of tiles, the last group holds the last tile twice.
-        const int begin = std::min(numbers * kTogether + i, tiles - 1) * L::width;
-        ring[numbers % kRing][i] = {slots + begin, run.column_begin + begin,
-                                    numbers_of<L>(context, wave, slots + begin, set)};
-      }
-      // Sample rows of the environment map
-      for (int i = 0; i < kTogether && kDrawsMap && has(rows); ++i) {
-        const Random4<L>& u = ring[rows % kRing][i].u;
-        drawn[rows % kRing][i] = draw_envmap_row<L>(scene.lights.envmap, u.z);
-        prefetch_envmap_column<L>(scene.lights.envmap, u.y, drawn[rows % kRing][i]);
-      }
-      // Sample columns of the environment map
-      for (int i = 0; i < kTogether && kDrawsMap && has(columns); ++i) {
-        draw_envmap_column<L>(scene.lights.envmap, ring[columns % kRing][i].u.y, drawn[columns % kRing][i]);
-        prefetch_envmap_nodes<L>(scene.lights.envmap, drawn[columns % kRing][i]);
-      }
-      if (group < 0) continue;
-      // Choose lights and sample them
-      const CandidateTile<L>(&now)[kTogether] = ring[group % kRing];
-      LightSampleContext<L> at[kTogether];
-      for (int i = 0; i < kTogether; ++i) at[i] = receivers<L>(scene, wave, now[i], in_medium, mapped_parts);
-      choose_for<L>(context, wave, now, at, set.index == 0, choices);
-      for (int i = 0; i < kTogether && group * kTogether + i < tiles; ++i)
-        candidate_tile<L, kMode>(context, wave, now[i], at[i], choices[i], in_medium,
-                                 kDrawsMap ? &drawn[group % kRing][i] : nullptr);
-    }
-  });
+  CandidatePipeline<L, kDrawsMap> pipeline(context, wave, run, set, in_medium, mapped_parts);
+  with_color_mode(context.scene, [&]<ColorMode kMode>() { pipeline.template execute<kMode>(); });
 }
 
 }  // namespace

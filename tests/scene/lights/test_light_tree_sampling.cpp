@@ -44,10 +44,10 @@ bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
 
 /// The draws of two traversals that end together.
 template <class L>
-std::array<LightTreeSample<L>, 2> ends(const LightTree& tree, LightTreeWalk<L> a, LightTreeWalk<L> b) {
-  LightTreeWalk<L> walks[2] = {a, b};
+std::array<LightTreeSample<L>, 2> ends(const LightTree& tree, LightTreeTraversal<L> a, LightTreeTraversal<L> b) {
+  LightTreeTraversal<L> walks[2] = {a, b};
   LightTreeSample<L> samples[2];
-  end_light_walks<L>(tree.view(), walks, samples);
+  finish_light_traversals<L>(tree.view(), walks, samples);
   return {samples[0], samples[1]};
 }
 
@@ -167,15 +167,15 @@ TEST_CASE("light tree: candidates that share the upper levels of a traversal dra
       const auto top = light_tree_top<Wide>(tree.view(), p, n, WideMask(true));
       // The other traversal reaches a part of the tree of another depth.
       const auto [shared, other_way] =
-          ends<Wide>(tree, begin_light_walk<Wide>(tree.view(), top, p, n, WideMask(true), u),
-                     begin_light_walk<Wide>(p, n, WideMask(true), WideFloat(kOneMinusEpsilon) - u));
+          ends<Wide>(tree, begin_light_traversal<Wide>(tree.view(), top, p, n, WideMask(true), u),
+                     begin_light_traversal<Wide>(p, n, WideMask(true), WideFloat(kOneMinusEpsilon) - u));
       const auto own = sample_light_tree<Wide>(tree.view(), p, n, WideMask(true), u);
       for (int k = 0; k < kWidth; ++k) {
         valid += lane_of(own.valid, k);
         const auto single_top = light_tree_top<Scalar>(tree.view(), p_of(k), n_of(k), true);
         const auto [single, again] =
-            ends<Scalar>(tree, begin_light_walk<Scalar>(tree.view(), single_top, p_of(k), n_of(k), true, u[k]),
-                         begin_light_walk<Scalar>(p_of(k), n_of(k), true, kOneMinusEpsilon - u[k]));
+            ends<Scalar>(tree, begin_light_traversal<Scalar>(tree.view(), single_top, p_of(k), n_of(k), true, u[k]),
+                         begin_light_traversal<Scalar>(p_of(k), n_of(k), true, kOneMinusEpsilon - u[k]));
         wrong += again.valid != lane_of(other_way.valid, k);
         if (again.light == other_way.light[k])
           wrong += std::fabs(again.probability - other_way.probability[k]) > 1e-5f * again.probability;
