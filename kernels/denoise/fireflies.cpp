@@ -12,10 +12,10 @@ namespace {
 
 /// Minimum ratio of a firefly's luminance to that of its second brightest neighbor.
 constexpr float kExcess = 4.0f;
-/// Share of the excess that the other samples must also show to confirm it.
-constexpr float kConfirmed = 0.4f;
-/// An excess is confirmed if its square exceeds the variance by this factor: three standard deviations.
-constexpr float kCertain = 9.0f;
+/// Two halves of the samples: minimum ratio of the other half's excess to that of this half for a pixel that is kept.
+constexpr float kMinSupport = 0.4f;
+/// One half: minimum ratio of the squared excess to the variance for a pixel that is kept; three standard deviations.
+constexpr float kMinDeviationSquared = 9.0f;
 
 /// Luminance of the second brightest neighbor; 0 if there are fewer than two.
 float second_brightest(const Plane& plane, int x, int y) {
@@ -30,7 +30,7 @@ float second_brightest(const Plane& plane, int x, int y) {
 }
 
 /// A pixel's neighbors, sorted by luminance.
-struct NeighbourPixels {
+struct NeighborPixels {
   struct Pixel {
     float luminance;
     int x, y;
@@ -38,7 +38,7 @@ struct NeighbourPixels {
   Pixel pixels[8];
   int count = 0;
 
-  NeighbourPixels(const Plane& plane, int x, int y) {
+  NeighborPixels(const Plane& plane, int x, int y) {
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j)
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i)
         if (i != x || j != y) pixels[count++] = {plane.at(i, j), i, j};
@@ -54,16 +54,16 @@ void remove_fireflies(Planes3& color, Planes3& variance, const Planes3* other) {
   const Plane& spread = variance_before[1];
   tbb::parallel_for(0, light.height(), [&](int y) {
     for (int x = 0; x < light.width(); ++x) {
-      // Find pixels that are much brighter than their second brightest neighbor.
+      // Find pixels that are much brighter than their second brightest neighbor
       if (!(light.at(x, y) > kExcess * second_brightest(light, x, y))) continue;
-      const NeighbourPixels near(light, x, y);
+      const NeighborPixels near(light, x, y);
       if (near.count < 2) continue;
-      const NeighbourPixels::Pixel& median = near.pixels[near.count / 2];
-      // Keep pixels whose excess is confirmed; replace the others by the median neighbor.
+      const NeighborPixels::Pixel& median = near.pixels[near.count / 2];
+      // Keep pixels whose excess is significant; replace the others by the median neighbor
       const float excess = light.at(x, y) - median.luminance;
-      const bool certain = other != nullptr ? other_light.at(x, y) - median.luminance > kConfirmed * excess
-                                            : excess * excess > kCertain * spread.at(x, y);
-      if (certain) continue;
+      const bool is_significant = other != nullptr ? other_light.at(x, y) - median.luminance > kMinSupport * excess
+                                                   : excess * excess > kMinDeviationSquared * spread.at(x, y);
+      if (is_significant) continue;
       for (std::size_t c = 0; c < 3; ++c) {
         color[c].at(x, y) = color_before[c].at(median.x, median.y);
         variance[c].at(x, y) = variance_before[c].at(median.x, median.y);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace sheaf {
 
@@ -22,16 +23,28 @@ constexpr int kRing = 8;
 constexpr int kRowStart = 16, kRowSize = kRowStart + kTileWidth + 48;
 /// Adjacent offsets along a row that are accumulated together, so that sums are loaded and stored once per group.
 constexpr int kGroup = 7;
-/// Sums per filter and half. A mean needs the weighted color and the weights. A plane fit also needs the weights'
-/// moments x, y, xx, xy and yy, and the moments x and y of each color.
-constexpr int kMeanSums = 4, kPlaneSums = 15;
+/// Sums per filter and half, over the pixels of the window with weights w, offsets (x, y) and colors c. A mean needs
+/// sums of w c and w; a plane fit also needs the moments of the weights and of the weighted color.
+enum Sum : int {
+  kColor,                 ///< w c, three channels
+  kWeight = kColor + 3,   ///< w
+  kWeightX,               ///< w x
+  kWeightY,               ///< w y
+  kWeightXX,              ///< w x^2
+  kWeightXY,              ///< w x y
+  kWeightYY,              ///< w y^2
+  kColorX,                ///< w c x, three channels
+  kColorY = kColorX + 3,  ///< w c y, three channels
+  kPlaneSums = kColorY + 3,
+  kMeanSums = kWeightX
+};
 /// Sums of weights times the noise correlation between a pixel and the one at the offset. A plane fit also needs their
-/// moments x and y.
-constexpr int kMeanShared = 1, kPlaneShared = 3;
+/// moments.
+enum SharedSum : int { kShared, kSharedX, kSharedY, kPlaneShared, kMeanShared = kSharedX };
 /// Ridge regularization of slopes, in weight times squared distance, so that few pixels do not tilt a plane.
-constexpr float kLevel = 3.0f;
-/// Factor on patch distances in the filter that relies on features.
-constexpr float kGently = 0.1f;
+constexpr float kRidge = 3.0f;
+/// Factor on the color distances of the feature filter.
+constexpr float kWeakColorFactor = 0.1f;
 
 /// Whether a filter fits planes. Plane fits improve no image in filters that use only colors or only features.
 constexpr bool fits_plane(int filter) { return filter == kSmallPatch || filter == kLargePatch; }
@@ -79,12 +92,12 @@ template <class L, int kHalves> class TileFilter {
   struct Offset {
     /// Ring buffers of rows of distances, summed over 3 and 7 pixels.
     SumRow small[kHalves][kRing], large[kHalves][kRing];
-    SumRow small_distance[kHalves], large_distance[kHalves], gentle;
+    SumRow small_distance[kHalves], large_distance[kHalves], weak_distance;
     SumRow feature, outside;  ///< distance by features; 0, or 1e30 if the other pixel is outside the image
   };
 
   /// Number of halves that a filter keeps apart.
-  static constexpr int halves_of(int filter) { return std::min(filter == kMostlyFeatures ? 1 : 2, kHalves); }
+  static constexpr int halves_of(int filter) { return std::min(filter == kFeatureFilter ? 1 : 2, kHalves); }
   /// Index of the first sum of a filter and half within a row, for sums_ or shared_.
   static constexpr int first_sum(int filter, int half, int mean_sums, int plane_sums) {
     int first = 0;
@@ -135,7 +148,7 @@ template <class L, int kHalves> class TileFilter {
       vp[c] = in_.variance[channel].row(y) + start;
       vq[c] = in_.variance[channel].row(y + dy) + start + dx;
     }
-    // Compute the distance of each pixel, the sum over the colour channels
+    // Compute the distance of each pixel, the sum over the color channels
     for (int x = 0; x < width() + 2 * kPatch; x += L::width) {
       F distance[kHalves];
       for (int h = 0; h < kHalves; ++h) distance[h] = F(0.0f);
@@ -229,16 +242,46 @@ template <class L, int kHalves> class TileFilter {
         add_weighted<kColorOnly>(y, other, dx, dy, count, [=](Offset& o) { return &o.large_distance[h]; });
     }
     if (!with_features_) return;
-    for (int i = 0; i < count; ++i) measure_gently(offsets_[i]);
-    add_weighted<kMostlyFeatures>(y, 0, dx, dy, count, [](Offset& o) { return &o.gentle; });
+    for (int i = 0; i < count; ++i) weaken_distances(offsets_[i]);
+    add_weighted<kFeatureFilter>(y, 0, dx, dy, count, [](Offset& o) { return &o.weak_distance; });
   }
 
-  /// Mean of both halves' distances, scaled down for the filter that relies on features.
-  void measure_gently(Offset& offset) const {
+  /// Computes the color distances of the feature filter: the mean of both halves, scaled down.
+  void weaken_distances(Offset& offset) const {
     for (int x = 0; x < width(); x += L::width) {
       F sum(0.0f);
       for (const SumRow& row : offset.large_distance) sum += load_at<L>(row.at(x));
-      store_at(offset.gentle.at(x), sum * F(kGently / kHalves));
+      store_at(offset.weak_distance.at(x), sum * F(kWeakColorFactor / kHalves));
+    }
+  }
+
+  /// Sums over the offsets of a group, which all have the same y.
+  struct GroupMean {
+    F color[3] = {F(0.0f), F(0.0f), F(0.0f)}, weight = F(0.0f);
+  };
+  struct GroupPlane : GroupMean {
+    F weight_x = F(0.0f), weight_xx = F(0.0f), color_x[3] = {F(0.0f), F(0.0f), F(0.0f)};
+  };
+
+  /// Adds the sums of a group to the sums of the filter. `sums`: those of a pixel.
+  template <class Group> SHEAF_INLINE static void add_group(const Group& group, F offset_y, float* sums) {
+    const auto add = [&](int k, F value) {
+      float* const at = sums + k * kTileWidth;
+      store_at(at, value + load_at<L>(at));
+    };
+    for (int c = 0; c < 3; ++c) add(kColor + c, group.color[c]);
+    add(kWeight, group.weight);
+    if constexpr (std::is_same_v<Group, GroupPlane>) {
+      const F weight_y = group.weight * offset_y;
+      add(kWeightX, group.weight_x);
+      add(kWeightY, weight_y);
+      add(kWeightXX, group.weight_xx);
+      add(kWeightXY, group.weight_x * offset_y);
+      add(kWeightYY, weight_y * offset_y);
+      for (int c = 0; c < 3; ++c) {
+        add(kColorX + c, group.color_x[c]);
+        add(kColorY + c, group.color[c] * offset_y);
+      }
     }
   }
 
@@ -250,7 +293,7 @@ template <class L, int kHalves> class TileFilter {
     for (int i = 0; i < count; ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         color[i][c] = in_.half[half][c].row(y + dy) + tile_.x0 + dx + i;
-        if constexpr (kFilter == kMostlyFeatures && kHalves == 2)
+        if constexpr (kFilter == kFeatureFilter && kHalves == 2)
           second[i][c] = in_.half[1][c].row(y + dy) + tile_.x0 + dx + i;
       }
       Offset& offset = offsets_[i];
@@ -260,43 +303,23 @@ template <class L, int kHalves> class TileFilter {
     const F offset_y(static_cast<float>(dy));
     float* const sums_row = sums(y, kFilter, half);
     for (int x = 0; x < width(); x += L::width) {
-      // Sums of this group: the weighted color and the weights; for planes also the moments x and xx, and x of the
-      // color.
-      F sum[kPlane ? 9 : 4];
-      for (F& value : sum) value = F(0.0f);
+      std::conditional_t<kPlane, GroupPlane, GroupMean> group;
       for (int i = 0; i < count; ++i) {
         const F weight = falloff(max(load_at<L>(distances[i] + x), load_at<L>(limits[i] + x)));
         const F offset_x(static_cast<float>(dx + i)), weight_x = weight * offset_x;
-        sum[3] += weight;
+        group.weight += weight;
         if constexpr (kPlane) {
-          sum[4] += weight_x;
-          sum[5] = fma(weight_x, offset_x, sum[5]);
+          group.weight_x += weight_x;
+          group.weight_xx = fma(weight_x, offset_x, group.weight_xx);
         }
         for (int c = 0; c < 3; ++c) {
           F value = load_at<L>(color[i][c] + x);
-          if constexpr (kFilter == kMostlyFeatures && kHalves == 2) value += load_at<L>(second[i][c] + x);
-          sum[c] = fma(weight, value, sum[c]);
-          if constexpr (kPlane) sum[6 + c] = fma(weight_x, value, sum[6 + c]);
+          if constexpr (kFilter == kFeatureFilter && kHalves == 2) value += load_at<L>(second[i][c] + x);
+          group.color[c] = fma(weight, value, group.color[c]);
+          if constexpr (kPlane) group.color_x[c] = fma(weight_x, value, group.color_x[c]);
         }
       }
-      // Add them to the sums of the filter; all offsets of the group have the same y.
-      const auto add = [&](int k, F value) {
-        float* const at = sums_row + k * kTileWidth + x;
-        store_at(at, value + load_at<L>(at));
-      };
-      for (int k = 0; k < kMeanSums; ++k) add(k, sum[k]);
-      if constexpr (kPlane) {
-        const F weight_y = sum[3] * offset_y;
-        add(4, sum[4]);
-        add(5, weight_y);
-        add(6, sum[5]);
-        add(7, sum[4] * offset_y);
-        add(8, weight_y * offset_y);
-        for (int c = 0; c < 3; ++c) {
-          add(9 + c, sum[6 + c]);
-          add(12 + c, sum[c] * offset_y);
-        }
-      }
+      add_group(group, offset_y, sums_row + x);
     }
     for (int i = 0; i < count; ++i)
       if (const float correlation = in_.correlation(dx + i, dy); correlation != 0)
@@ -306,7 +329,8 @@ template <class L, int kHalves> class TileFilter {
   /// Adds an offset to the sums of shared noise.
   template <int kFilter>
   void add_shared(float* sums_row, float correlation, int dx, int dy, const float* distances, const float* limits) {
-    const float factors[] = {correlation, correlation * static_cast<float>(dx), correlation * static_cast<float>(dy)};
+    const float factors[kPlaneShared] = {correlation, correlation * static_cast<float>(dx),
+                                         correlation * static_cast<float>(dy)};
     for (int x = 0; x < width(); x += L::width) {
       const F weight = falloff(max(load_at<L>(distances + x), load_at<L>(limits + x)));
       for (int k = 0; k < (fits_plane(kFilter) ? kPlaneShared : kMeanShared); ++k) {
@@ -341,26 +365,30 @@ template <class L, int kHalves> class TileFilter {
   /// is that step, multiplied by the inverse covariance of the weights. The step is clamped to the magnitude of the
   /// mean, because planes through few pixels are steep.
   void add_result(int y, int x, int filter, int half, Result& result) {
-    const float *const sum = sums(y, filter, half) + x, *const own = shared(y, filter, half) + x;
-    const auto at = [](const float* row, int k) { return row[k * kTileWidth]; };
-    const float share = 1 / at(sum, 3);
-    float color[3], self = at(own, 0) * share;
-    for (int c = 0; c < 3; ++c) color[c] = at(sum, c) * share;
+    const float *const sums_row = sums(y, filter, half) + x, *const shared_row = shared(y, filter, half) + x;
+    const auto sum = [&](int k) { return sums_row[k * kTileWidth]; };
+    const auto shared_sum = [&](int k) { return shared_row[k * kTileWidth]; };
+    // Divide by the weights
+    const float inverse_weight = 1 / sum(kWeight);
+    float color[3], self = shared_sum(kShared) * inverse_weight;
+    for (int c = 0; c < 3; ++c) color[c] = sum(kColor + c) * inverse_weight;
     if (fits_plane(filter)) {
-      // Fit the plane: moments of the weights about their centre
-      const float center_x = at(sum, 4) * share, center_y = at(sum, 5) * share;
-      const float xx = at(sum, 6) - center_x * at(sum, 4) + kLevel, xy = at(sum, 7) - center_x * at(sum, 5),
-                  yy = at(sum, 8) - center_y * at(sum, 5) + kLevel;
+      // Fit the plane: moments of the weights about their center
+      const float center_x = sum(kWeightX) * inverse_weight, center_y = sum(kWeightY) * inverse_weight;
+      const float xx = sum(kWeightXX) - center_x * sum(kWeightX) + kRidge,
+                  xy = sum(kWeightXY) - center_x * sum(kWeightY),
+                  yy = sum(kWeightYY) - center_y * sum(kWeightY) + kRidge;
       const float determinant = xx * yy - xy * xy;
       const float across_x = (yy * center_x - xy * center_y) / determinant,
                   across_y = (xx * center_y - xy * center_x) / determinant;
-      // Step along the slope of each colour from the centre to the pixel
+      // Step along the slope of each color from the center to the pixel
       for (int c = 0; c < 3; ++c) {
-        const float step =
-            across_x * (at(sum, 9 + c) - center_x * at(sum, c)) + across_y * (at(sum, 12 + c) - center_y * at(sum, c));
+        const float step = across_x * (sum(kColorX + c) - center_x * sum(kColor + c)) +
+                           across_y * (sum(kColorY + c) - center_y * sum(kColor + c));
         color[c] -= std::clamp(step, -std::abs(color[c]), std::abs(color[c]));
       }
-      self -= across_x * (at(own, 1) - center_x * at(own, 0)) + across_y * (at(own, 2) - center_y * at(own, 0));
+      self -= across_x * (shared_sum(kSharedX) - center_x * shared_sum(kShared)) +
+              across_y * (shared_sum(kSharedY) - center_y * shared_sum(kShared));
     }
     for (int c = 0; c < 3; ++c) result.color[c] += color[c];
     result.self += self;

@@ -48,9 +48,9 @@ enum NlMeansFilter : int {
   kSmallPatch,  ///< patches of 3 x 3 pixels and features; fits planes
   kLargePatch,  ///< patches of 7 x 7 pixels and features; fits planes
   kColorOnly,   ///< patches of 7 x 7 pixels only, for objects seen in mirrors and glass; runs only with features
-  /// Features, and patches of 7 x 7 pixels with a far larger tolerance, which suffices to keep lamps sharp. Runs only
-  /// with features.
-  kMostlyFeatures,
+  /// Features, and patches of 7 x 7 pixels with a larger tolerance (kWeakColorFactor), which suffices to keep lamps
+  /// sharp. Runs only with features.
+  kFeatureFilter,
   kMaxFilters
 };
 

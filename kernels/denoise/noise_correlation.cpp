@@ -12,8 +12,8 @@ namespace {
 
 /// Clamp of the noise, in standard deviations, so that rare bright samples do not dominate.
 constexpr float kMaxDeviations = 3.0f;
-/// Correlations within this many standard deviations of 0 are set to 0.
-constexpr double kSureDeviations = 3.0;
+/// Correlations that differ from 0 by fewer standard deviations are set to 0.
+constexpr double kSignificanceThreshold = 3.0;
 
 /// Difference of the halves in units of its standard deviation.
 Plane normalized_noise(const Plane& half, const Plane& other, const Plane& variance) {
@@ -59,7 +59,7 @@ NoiseCorrelation::NoiseCorrelation(const Planes3& half, const Planes3& other, co
   // The correlation of two sets of n independent numbers has the standard deviation 1 / sqrt(n). The color channels are
   // assumed to be fully correlated, so n is the number of pixels.
   const double pixels = static_cast<double>(noise[0].width()) * noise[0].height();
-  const double threshold = kSureDeviations / std::sqrt(pixels);
+  const double threshold = kSignificanceThreshold / std::sqrt(pixels);
   for (int dy = 0; dy <= kReach; ++dy)
     for (int dx = dy == 0 ? 1 : -kReach; dx <= kReach; ++dx) {
       double sum = 0;

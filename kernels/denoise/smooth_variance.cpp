@@ -12,8 +12,8 @@ namespace {
 
 /// Radius of the squares.
 constexpr int kRadius = 1;
-/// Minimum result, as a share of a pixel's own variance.
-constexpr float kOwnShare = 0.3f;
+/// Minimum ratio of the result to a pixel's own variance.
+constexpr float kMinVarianceRatio = 0.3f;
 /// Minimum brightness ratio of a pixel that shows another object.
 constexpr float kBrighter = 2.0f;
 
@@ -63,7 +63,8 @@ Planes3 smooth_variance(const Planes3& variance, const Planes3* halves) {
   }
   for (std::size_t c = 0; c < 3; ++c) {
     tbb::parallel_for(0, height, [&](int y) {
-      for (int x = 0; x < width; ++x) out[c].at(x, y) = std::max(out[c].at(x, y), kOwnShare * variance[c].at(x, y));
+      for (int x = 0; x < width; ++x)
+        out[c].at(x, y) = std::max(out[c].at(x, y), kMinVarianceRatio * variance[c].at(x, y));
     });
     out[c].extend();
   }

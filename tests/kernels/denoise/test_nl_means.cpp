@@ -100,7 +100,7 @@ double pair_weight(const NlMeansInput& in, NlMeansFilter filter, int half, const
   const auto distance = [&](int h) { return patch_distance(in, h, 0.5f, pair, filter == kSmallPatch ? 1 : 3); };
   const int by = in.halves == 2 ? 1 - half : 0;
   double most = std::max(0.0, distance(by));
-  if (filter == kMostlyFeatures)
+  if (filter == kFeatureFilter)
     most = std::max(0.0, 0.1 * (in.halves == 2 ? (distance(0) + distance(1)) / 2 : distance(0)));
   if (filter != kColorOnly) most = std::max(most, feature);
   return std::pow(std::max(1 - most / 16, 0.0), 16);
@@ -133,7 +133,7 @@ Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half,
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) m[i][j] += q.weight * terms[i] * terms[j];
   }
-  if (filter == kColorOnly || filter == kMostlyFeatures) m[0][1] = m[0][2] = m[1][0] = m[2][0] = 0;
+  if (filter == kColorOnly || filter == kFeatureFilter) m[0][1] = m[0][2] = m[1][0] = m[2][0] = 0;
   for (int i = 0; i < 3; ++i)
     for (int row = 0; row < 3; ++row) {
       if (row == i) continue;
@@ -159,7 +159,7 @@ TEST_CASE("NL-means matches its definition with each half weighted by the other"
       if (correlated) input.correlation = find_correlation(64, 64);
       const std::vector<FilteredPlanes> filtered = nl_means(input, settings);
       REQUIRE(filtered.size() == kMaxFilters);
-      for (const NlMeansFilter filter : {kSmallPatch, kLargePatch, kColorOnly, kMostlyFeatures})
+      for (const NlMeansFilter filter : {kSmallPatch, kLargePatch, kColorOnly, kFeatureFilter})
         for (const auto& [px, py] : {std::pair{0, 0}, {6, 5}, {7, 6}, {20, 12}}) {
           double value = 0, self = 0;
           for (int h = 0; h < halves; ++h) {
