@@ -70,7 +70,7 @@ Passage pass_homogeneous_medium(const MediumRay& ray, std::vector<NearPhoton>& n
   return {emitted, passed};
 }
 
-/// Passes a heterogeneous medium by ratio tracking against the majorants majorant of all lanes, with a weight per lane
+/// Passes a heterogeneous medium by ratio tracking against the largest majorant of all lanes, with a weight per lane
 /// (Novak, Selle and Jarosz, "Residual Ratio Tracking for Estimating Attenuation in Participating Media", 2014, section
 /// 3).
 Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingCounts& counts,
@@ -99,12 +99,12 @@ Passage pass_heterogeneous_medium(MediumRay ray, MediumRandom& random, TrackingC
   return {emitted, passed};
 }
 
-/// Where the grids of a medium are at the time of a ray.
-struct GridPlace {
-  std::optional<InstancePlacement<Scalar>> moved;  ///< from where the tables place them; nothing if they stand still
+/// Transform of the grids of a medium from their rest pose to their pose at the time of a ray.
+struct GridTransform {
+  std::optional<InstancePlacement<Scalar>> moved;  ///< nothing if they are static
   float stretch = 1;                               ///< length of the direction of the ray in the medium
 
-  GridPlace(const SceneView& scene, std::uint32_t medium, float time, const MediumRay& ray) {
+  GridTransform(const SceneView& scene, std::uint32_t medium, float time, const MediumRay& ray) {
     if (scene.motion.media == nullptr || scene.motion.media[medium].segment_count == 0) return;
     moved = medium_motion(scene, medium, time).placed;
     stretch = length(ray.direction);
@@ -113,8 +113,9 @@ struct GridPlace {
 
 /// Radiance due to the photons. `direction`: of the ray, in world space.
 template <class L>
-Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray, const GridPlace& place,
-                     Vec3f direction, bool single_wavelength, const std::vector<NearPhoton>& near) {
+Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const MediumRay& ray,
+                     const GridTransform& grids, Vec3f direction, bool single_wavelength,
+                     const std::vector<NearPhoton>& near) {
   using F = Float<L>;
   const Frame<L> frame = Frame<L>::from_normal(broadcast<L>(-direction));
   Float4 sum;
@@ -127,8 +128,8 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
       squared[i] = near[first + static_cast<std::size_t>(i)].point.squared;
     }
     Vec3<L> from = decode_octahedral<L>(directions.load());
-    if (place.moved) {
-      const Vec3f* const rows = place.moved->rows;
+    if (grids.moved) {
+      const Vec3f* const rows = grids.moved->rows;
       from = normalize(Vec3<L>{dot(broadcast<L>(rows[0]), from), dot(broadcast<L>(rows[1]), from),
                                dot(broadcast<L>(rows[2]), from)});
     }
@@ -143,7 +144,7 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
       sum = sum + Float4(photon.power) * Float4(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }
-  return sum * (kInvPi / (map.radius() * map.radius() * place.stretch));
+  return sum * (kInvPi / (map.radius() * map.radius() * grids.stretch));
 }
 
 /// Whether the path adds the emission of the medium along its ray.
@@ -163,34 +164,39 @@ template <class L> void gather_path(const StageContext& context, Wave& wave, Slo
   const RayState<Scalar> state = wave.rays.get(slot);
   const HitState<Scalar> hit = wave.hits.get(slot);
   PathState<Scalar>& path = wave.paths.row(slot);
+  // Find the segment of the ray in the medium
   const float end = hit.shape == kNone ? medium_end(scene, state.origin, state.direction) : kInfinity;
   const MediumRay ray = make_medium_ray(context, state.flags, lane_wavelengths(scene, wave, slot), state.origin,
                                         state.direction, min(hit.t, end), path_time(scene, wave, slot));
+  // Find the photons or beams near it
   const auto max_depth = static_cast<std::uint32_t>(context.max_depth);  // -1: larger than any depth
   const std::uint32_t depth = path.depth() + 1;
   const std::uint32_t edges_left =
       max_depth > depth && context.photon_maps().gathers_volume(state.flags) ? max_depth - depth : 0u;
   const PhotonMaps& maps = context.photon_maps();
   const std::uint32_t medium = state.flags >> kRayMediumShift;
-  const GridPlace place(scene, medium - 1, path_time(scene, wave, slot), ray);
+  const GridTransform grids(scene, medium - 1, path_time(scene, wave, slot), ray);
   const bool single = has_single_wavelength(context, wave, slot);
   const bool beams = keeps_beams(context.integrator.photons, ray.medium);
   wave.beam.photons.clear();
-  if (!beams) find_photons(maps.volume->points, ray, place.stretch, medium, edges_left, wave.beam);
+  if (!beams) find_photons(maps.volume->points, ray, grids.stretch, medium, edges_left, wave.beam);
+  // Track the medium for transmittance and emission
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kPath);
   const Passage passage = ray.has(kMediumHomogeneous)
                               ? pass_homogeneous_medium(ray, wave.beam.photons)
                               : pass_heterogeneous_medium(ray, random, counts, wave.beam.photons);
+  // Add the in-scattered and the emitted radiance
   const Float4 over = Float4(path.beta) * (1.0f / lane_mean<Scalar>(scene.color, wave.rescaled_pdfs.row(slot).r_u));
   const Float4 scattered =
       beams
           ? gather_beams<L>(context, maps.volume->beams, state.flags,
                             {ray, photon_wavelengths(context, wave, slot), single, medium, edges_left}, wave.beam.lines)
-          : gather_points<L>(scene, maps.volume->points, ray, place, state.direction, single, wave.beam.photons);
+          : gather_points<L>(scene, maps.volume->points, ray, grids, state.direction, single, wave.beam.photons);
   wave.stats.volume_gathering += {1, beams ? wave.beam.lines.size() : wave.beam.photons.size()};
   add_radiance(wave, slot, over * scattered, kNone);
   if (ray.has(kMediumEmits) && finds_emission(context, state.flags, wave.radiance.row(slot).scatter_pdf))
     add_radiance(wave, slot, over * passage.emitted, ray.medium.light);
+  // Continue the path behind the medium
   path.beta = path.beta * to_spectrum(passage.transmittance);
   if (!(max_component(path.beta) > 0.0f)) {
     wave.finished.push(slot);

@@ -1,7 +1,7 @@
-// Stage: transmittance. Shadow rays in scenes where surfaces let light pass and media attenuate it. Traces the nearest
-// hits of all rays, sixteen rays at a time, and repeats this for rays that continue behind a surface. Contributions
-// that arrive get the MIS weight against BSDF sampling, which depends on what the ray met (see
-// kernels/stages/resample.cpp and RescaledPdfs):
+// Stage: transmittance. Shadow rays in scenes where surfaces let light pass and media attenuate it (PBR 14.2.3). Traces
+// the nearest hits of all rays, sixteen rays at a time, and repeats this for rays that continue behind a surface.
+// Unoccluded contributions get the MIS weight against BSDF sampling, which depends on the media and surfaces along the
+// ray (see kernels/stages/resample.cpp and RescaledPdfs):
 //     w_l = P_l^2 / (P_l^2 + P_b^2)
 // P_l is the mean over the lanes of r_l, and P_b that of r_u times `pdf_ratio`.
 #include "kernels/bsdf/thin_dielectric_passage.h"
@@ -48,17 +48,17 @@ std::uint32_t dimension_of(const PathState<Scalar>& path, int round) {
 }
 
 /// The segment of the ray up to `t` in its medium; empty in vacuum. `to_end`: it is the last segment.
-std::optional<MediumRay> stretch_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, float t,
+std::optional<MediumRay> segment_of(const StageContext& context, const Wave& wave, const ShadowRay& ray, float t,
                                     bool to_end) {
   if (ray.state.flags >> kRayMediumShift == 0) return std::nullopt;
   const Vec3f d = ray.item.direction;
-  const float whole = length(d);
-  if (!(whole > 0.0f)) return std::nullopt;
+  const float distance = length(d);
+  if (!(distance > 0.0f)) return std::nullopt;
   const auto slot = static_cast<Slot>(ray.item.slot);
   const Spectrum4 lambda = lane_wavelengths(context.scene, wave, slot);
-  const Vec3f direction = d * (1.0f / whole);
+  const Vec3f direction = d * (1.0f / distance);
   const float end = to_end ? medium_end(context.scene, ray.item.origin, direction) : kInfinity;
-  return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(whole * t, end),
+  return make_medium_ray(context, ray.state.flags, lambda, ray.item.origin, direction, min(distance * t, end),
                          path_time(context.scene, wave, slot));
 }
 
@@ -73,19 +73,19 @@ void apply(PathWeights& weights, ShadowRay& ray) {
 }
 
 /// Attenuates the light by one segment of a medium. Returns false if nothing is left.
-bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& stretch, bool to_end, int round,
+bool pass_medium(const StageContext& context, Wave& wave, const MediumRay& segment, bool to_end, int round,
                  ShadowRay& ray) {
   PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
   const MediumEstimator estimator = context.integrator.medium_estimator;
   const auto path = wave.paths.get(static_cast<Slot>(ray.item.slot));
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, dimension_of(path, round), MediumStream::kShadow);
   bool open = true;
-  if (stretch.has(kMediumHomogeneous)) {
-    pass_homogeneous(stretch, to_end && ray.state.target_medium != kNone, weights);
+  if (segment.has(kMediumHomogeneous)) {
+    pass_homogeneous(segment, to_end && ray.state.target_medium != kNone, weights);
   } else if (estimator == MediumEstimator::kMarching) {
-    pass_by_marching(stretch, random, wave.stats.collisions, weights);
+    pass_by_marching(segment, random, wave.stats.collisions, weights);
   } else {
-    open = pass_null_collisions(stretch, random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
+    open = pass_null_collisions(segment, random, estimator == MediumEstimator::kDelta, wave.stats.collisions, weights);
   }
   apply(weights, ray);
   return open;
@@ -108,8 +108,8 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   const auto y =
       surface_point<Scalar, true>(scene, shape, packet.primitive[at], u, v, ray.item.origin + d * packet.t_far[at],
                                   packet.instance[at], packet.time[at]);
-  StraightTransmission<Scalar> passage;
   // Find the pass-through probability
+  StraightTransmission<Scalar> passage;
   if (hidden) {
     passage = {Spectrum4(1.0f), 1.0f};
     ray.state.flags |= kShadowPassedHiddenLight;
@@ -128,6 +128,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   ray.item.contribution = ray.item.contribution * passage.share;
   // BSDF sampling passes the surface with this probability, light sampling with certainty.
   ray.state.r_u = ray.state.r_u * passage.probability;
+  // Move the origin behind the surface
   const RayBehind<Scalar> behind_it =
       ray_behind<Scalar>(scene, y, {shape.boundary, packet.instance[at], packet.time[at]}, d, ray.state.flags);
   ray.state.flags = behind_it.flags;
@@ -136,7 +137,7 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   return true;
 }
 
-/// Adds the contribution of a ray that has reached its end to its path, with its MIS weight.
+/// Adds the contribution of a ray that has reached its end to its path, times w_l / P_l.
 void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ray) {
   if ((ray.state.flags & kShadowFromHiddenLight) != 0) return;
   Float4 r_u(ray.state.r_u);
@@ -150,6 +151,7 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
                                          {0, 0, 1}, 0.0f, path_time(context.scene, wave, slot));
     r_u = r_u * collision_density(at, at.origin);
   }
+  // Weight by MIS
   const float by_light = lane_mean(context.scene, Float4(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
@@ -158,11 +160,11 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 
-/// One round: moves each ray to the next surface, or to its end. Rays that continue are compacted to the front of the
-/// columns. Segments that are tracked several at a time wait in a queue.
-template <class L> class Round {
+/// Moves each ray to the next surface, or to its end. Rays that continue are compacted to the front of the columns.
+/// Segments for SIMD tracking are queued.
+template <class L> class SurfaceCrossing {
  public:
-  Round(const StageContext& context, Wave& wave, int round)
+  SurfaceCrossing(const StageContext& context, Wave& wave, int round)
       : context_(context), wave_(wave), round_(round), queue_(context.sampler, MediumStream::kShadow) {}
 
   /// Moves ray `i`, which was traced in lane `at` of the packet.
@@ -172,77 +174,79 @@ template <class L> class Round {
     ShadowRay behind = ray;
     // The surface is cheaper to evaluate than the medium, so it comes first.
     if (!to_end && !pass_surface(context_, wave_, packet, at, behind)) return;
-    const auto stretch = stretch_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
-    int place = kAlone;
-    if (stretch && is_tracked_by_density(*stretch, context_.integrator.medium_estimator)) {
-      place = queue_.size();
+    // Queue the segment for SIMD tracking, or attenuate the light by it now
+    const auto segment = segment_of(context_, wave_, ray, to_end ? 1.0f : packet.t_far[at], to_end);
+    int queue_index = kNotQueued;
+    if (segment && is_tracked_by_density(*segment, context_.integrator.medium_estimator)) {
+      queue_index = queue_.size();
       const auto path = wave_.paths.get(static_cast<Slot>(ray.item.slot));
-      queue_.add(*stretch, path.pixel, path.sample, dimension_of(path, round_));
+      queue_.add(*segment, path.pixel, path.sample, dimension_of(path, round_));
     } else {
-      if (stretch && !pass_medium(context_, wave_, *stretch, to_end, round_, behind)) return;
+      if (segment && !pass_medium(context_, wave_, *segment, to_end, round_, behind)) return;
       if (to_end) return add_unoccluded(context_, wave_, behind);
     }
     store_ray(wave_, i, behind);
-    waiting_[static_cast<std::size_t>(waiting_count_++)] = {i, place, to_end};
-    if (waiting_count_ == DensityQueue::kCapacity) finish();
+    segments_[static_cast<std::size_t>(segment_count_++)] = {i, queue_index, to_end};
+    if (segment_count_ == DensityQueue::kCapacity) finish();
   }
 
-  /// Tracks the queued segments and continues the waiting rays in order, so that no ray is stored over a waiting one.
+  /// Tracks the queued segments and continues their rays in order, so that no ray is stored over one that is still
+  /// needed.
   void finish() {
     const bool delta = context_.integrator.medium_estimator == MediumEstimator::kDelta;
     if (delta)
       queue_.track<L, DensityTracking::kScattering>();
     else
       queue_.track<L, DensityTracking::kTransmittance>();
-    for (int i = 0; i < waiting_count_; ++i) {
-      const Waiting& waiting = waiting_[static_cast<std::size_t>(i)];
-      ShadowRay ray = load_ray(wave_, waiting.ray);
-      if (waiting.place != kAlone && !pass_densities(waiting.place, delta, ray)) continue;
-      if (waiting.to_end)
+    for (int i = 0; i < segment_count_; ++i) {
+      const QueuedSegment& segment = segments_[static_cast<std::size_t>(i)];
+      ShadowRay ray = load_ray(wave_, segment.ray);
+      if (segment.queue_index != kNotQueued && !pass_densities(segment.queue_index, delta, ray)) continue;
+      if (segment.to_end)
         add_unoccluded(context_, wave_, ray);
       else if (is_finite(ray.item.direction))
-        store_ray(wave_, going_++, ray);
+        store_ray(wave_, active_count_++, ray);
     }
-    waiting_count_ = 0;
+    segment_count_ = 0;
     queue_.clear();
   }
 
   /// Number of rays that continue.
-  int going() const { return going_; }
+  int active_count() const { return active_count_; }
 
  private:
-  static constexpr int kAlone = -1;
+  static constexpr int kNotQueued = -1;
 
-  struct Waiting {
-    int ray;    ///< row of its ShadowItem
-    int place;  ///< in the queue; kAlone: already attenuated
-    bool to_end;
+  struct QueuedSegment {
+    int ray;          ///< row of its ShadowItem
+    int queue_index;  ///< kNotQueued: the light is already attenuated
+    bool to_end;      ///< the last segment of its ray
   };
 
-  /// Attenuates the light by the segment at a place of the queue. Returns false if nothing is left.
-  bool pass_densities(int place, bool delta, ShadowRay& ray) {
-    const TrackResult<Scalar>& end = queue_.end(place);
+  /// Attenuates the light by a segment of the queue. Returns false if nothing is left.
+  bool pass_densities(int queue_index, bool delta, ShadowRay& ray) {
+    const TrackResult<Scalar>& end = queue_.end(queue_index);
     const auto outcome = static_cast<DensityOutcome>(end.outcome);
     TrackingCounts& counts = wave_.stats.collisions;
     counts.shadow += end.nulls + (outcome == DensityOutcome::kScattered ? 1u : 0u);
     if (outcome == DensityOutcome::kAbandoned) ++counts.abandoned;
     if (outcome != DensityOutcome::kPassed) return false;
     PathWeights weights{Float4(1.0f), Float4(1.0f), Float4(1.0f)};
-    weigh_transmittance(queue_.ray(place), end, delta, weights);
+    weigh_transmittance(queue_.ray(queue_index), end, delta, weights);
     apply(weights, ray);
     return max_component(Float4(ray.item.contribution)) > 0.0f;
   }
 
   const StageContext& context_;
   Wave& wave_;
-  int round_, going_ = 0, waiting_count_ = 0;
+  int round_, active_count_ = 0, segment_count_ = 0;
   DensityQueue queue_;
-  std::array<Waiting, DensityQueue::kCapacity> waiting_;
+  std::array<QueuedSegment, DensityQueue::kCapacity> segments_;
 };
 
 /// Moves all rays to the next surface, or to their ends. Returns the number of rays that continue.
 template <class L> int follow(const StageContext& context, Wave& wave, int rays, int round) {
-  Round<L> all(context, wave, round);
+  SurfaceCrossing<L> all(context, wave, round);
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kNearest,
       [&](int first, int count, RayPacket& packet) {
@@ -255,7 +259,7 @@ template <class L> int follow(const StageContext& context, Wave& wave, int rays,
         for (int i = 0; i < count; ++i) all.follow(packet, i, first + i);
       });
   all.finish();
-  return all.going();
+  return all.active_count();
 }
 
 }  // namespace
