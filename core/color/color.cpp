@@ -3,6 +3,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <vector>
 
@@ -95,16 +97,16 @@ struct Table {
 
 void check(const Table& table) {
   if (table.wavelengths.size() != table.values.size()) {
-    throw SceneError("a spectrum has " + std::to_string(table.wavelengths.size()) + " wavelengths but " +
-                     std::to_string(table.values.size()) + " values");
+    throw SceneError(
+        fmt::format("a spectrum has {} wavelengths but {} values", table.wavelengths.size(), table.values.size()));
   }
   for (std::size_t i = 0; i < table.values.size(); ++i) {
     if (!std::isfinite(table.wavelengths[i]) || !std::isfinite(table.values[i])) {
-      throw SceneError("entry " + std::to_string(i) + " of a spectrum is not a finite number");
+      throw SceneError(fmt::format("entry {} of a spectrum is not a finite number", i));
     }
     if (i > 0 && !(table.wavelengths[i] > table.wavelengths[i - 1])) {
-      throw SceneError("wavelengths of a spectrum must increase, but " + std::to_string(table.wavelengths[i]) +
-                       " follows " + std::to_string(table.wavelengths[i - 1]));
+      throw SceneError(fmt::format("wavelengths of a spectrum must increase, but {} follows {}", table.wavelengths[i],
+                                   table.wavelengths[i - 1]));
     }
   }
 }

@@ -24,6 +24,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfTestFile.h>
 #include <ImfThreading.h>
+#include <fmt/format.h>
 #include <half.h>
 
 #include <algorithm>
@@ -196,9 +197,9 @@ Image prepare_image(const fs::path& path, const Imf::Header& header, std::vector
   if (is_deep(header)) throw SceneError(where, "deep images are not supported");
   for (const std::string& name : names) {
     const Imf::Channel* channel = header.channels().findChannel(name.c_str());
-    if (channel == nullptr) throw SceneError(where, "the image has no channel '" + name + "'");
+    if (channel == nullptr) throw SceneError(where, fmt::format("the image has no channel '{}'", name));
     if (channel->xSampling != 1 || channel->ySampling != 1) {
-      throw SceneError(where, "channel '" + name + "' is subsampled, which is not supported");
+      throw SceneError(where, fmt::format("channel '{}' is subsampled, which is not supported", name));
     }
   }
   // Check the windows
@@ -268,7 +269,7 @@ void write_exr(const fs::path& path, const Image& image, const ExrMetadata& meta
     write_pixels(stream, image, metadata);
   } catch (const std::exception& problem) {
     if (!file.stream()) file.commit();  // reports the actual reason
-    throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + problem.what());
+    throw Error(ExitCode::kOutput, fmt::format("cannot write '{}': {}", path.string(), problem.what()));
   }
   file.commit();
 }

@@ -6,6 +6,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -97,8 +99,8 @@ class HeaderReader {
   }
 
   [[noreturn]] void fail() const {
-    std::string shown = name_.substr(0, 60);
-    throw SceneError({file_, 0}, "the image's header is damaged (impossible size of the attribute '" + shown + "')");
+    throw SceneError({file_, 0}, fmt::format("the image's header is damaged (impossible size of the attribute '{}')",
+                                             name_.substr(0, 60)));
   }
 
   std::string file_;

@@ -10,6 +10,8 @@
 #include "core/io/error.h"
 #include "core/io/memory.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -44,9 +46,9 @@ void check_tiles(const fs::path& path, const ImageHeader& header) {
   const double covered = whole_tiles(width, header.tile_width) * whole_tiles(height, header.tile_height) * channels;
   const double max_covered = std::max(kFewValues, kMaxRatio * width * height * channels);
   if (header.tile_width > 0 && header.tile_height > 0 && covered <= max_covered) return;
-  const auto size = [](int x, int y) { return std::to_string(x) + " x " + std::to_string(y) + " pixels"; };
-  throw SceneError({path.string(), 0}, "the header claims tiles of " + size(header.tile_width, header.tile_height) +
-                                           " for an image of " + size(header.width, header.height));
+  throw SceneError({path.string(), 0},
+                   fmt::format("the header claims tiles of {} x {} pixels for an image of {} x {} pixels",
+                               header.tile_width, header.tile_height, header.width, header.height));
 }
 
 /// An open image file, other than OpenEXR, with a valid header.
@@ -133,8 +135,7 @@ void check_image_size(const fs::path& file, long long width, long long height, s
                       std::size_t file_bytes) {
   constexpr std::size_t kBestRatio = 2048, kSlack = std::size_t{1} << 20;
   const SourceLocation where{file.string(), 0};
-  const std::string size =
-      std::to_string(width) + " x " + std::to_string(height) + " pixels with " + std::to_string(channels) + " channels";
+  const std::string size = fmt::format("{} x {} pixels with {} channels", width, height, channels);
   if (width <= 0 || height <= 0 || channels == 0) throw SceneError(where, "the image is empty: " + size);
   if (width > kMaxImageSide || height > kMaxImageSide || channels > 4096) {
     throw SceneError(where, "the image is too large: " + size);
@@ -142,8 +143,7 @@ void check_image_size(const fs::path& file, long long width, long long height, s
   const std::size_t values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels;
   if (values > kMaxImageBytes / sizeof(float)) throw SceneError(where, "the image is too large: " + size);
   if (file_bytes < kMaxImageBytes / kBestRatio && values > file_bytes * kBestRatio + kSlack) {
-    throw SceneError(where,
-                     "the header claims " + size + ", but the file has only " + std::to_string(file_bytes) + " bytes");
+    throw SceneError(where, fmt::format("the header claims {}, but the file has only {} bytes", size, file_bytes));
   }
 }
 
@@ -151,8 +151,7 @@ void check_image_memory(const fs::path& file, long long width, long long height,
                         std::size_t value_bytes) {
   const double values = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels);
   const MemoryUse pixels{"its pixels", values * static_cast<double>(value_bytes), "use a smaller image"};
-  check_memory("the image '" + file.string() + "' of " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels with " + std::to_string(channels) + " channels",
+  check_memory(fmt::format("the image '{}' of {} x {} pixels with {} channels", file.string(), width, height, channels),
                {&pixels, 1});
 }
 

@@ -1,6 +1,8 @@
 // The search for colour channels by name.
 #include "core/image/image_channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -130,7 +132,7 @@ std::string list_of(std::span<const ImageChannels> parts) {
   std::string list;
   for (const ImageChannels& part : parts) {
     list += list.empty() ? "" : "; ";
-    if (parts.size() > 1) list += "part '" + part.part + "': ";
+    if (parts.size() > 1) list += fmt::format("part '{}': ", part.part);
     for (std::size_t c = 0; c < part.names.size(); ++c) {
       if (list.size() > kMaxLength) return list + " ...";
       list += (c == 0 ? "" : ", ") + part.names[c];
@@ -145,8 +147,9 @@ std::string list_of(std::span<const ImageChannels> parts) {
 
 ColorChannels find_color_channels(std::span<const ImageChannels> parts, const SourceLocation& where) {
   if (const auto found = Finder(parts).find()) return *found;
-  throw SceneError(where, "no colours among the channels " + list_of(parts) +
-                              " (expected R, G and B, or X, Y and Z, or one channel, optionally with A)");
+  throw SceneError(where, fmt::format("no colours among the channels {} (expected R, G and B, or X, Y and Z, or one "
+                                      "channel, optionally with A)",
+                                      list_of(parts)));
 }
 
 ColorChannels find_color_channels(const std::vector<std::string>& names, const SourceLocation& where) {

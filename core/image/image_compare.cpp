@@ -3,6 +3,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,10 +19,8 @@ struct Overlap {
 
 Overlap find_overlap(const Image& a, const Image& b) {
   if (a.frame_width != b.frame_width || a.frame_height != b.frame_height) {
-    const auto size = [](const Image& image) {
-      return std::to_string(image.frame_width) + " x " + std::to_string(image.frame_height);
-    };
-    throw Error(ExitCode::kUsage, "the images differ in size: " + size(a) + " and " + size(b));
+    throw Error(ExitCode::kUsage, fmt::format("the images differ in size: {} x {} and {} x {}", a.frame_width,
+                                              a.frame_height, b.frame_width, b.frame_height));
   }
   const Overlap overlap{std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x0 + a.width, b.x0 + b.width),
                         std::min(a.y0 + a.height, b.y0 + b.height)};
@@ -35,7 +35,7 @@ class ChannelView {
  public:
   ChannelView(const Image& image, const std::string& channel, const char* role)
       : image_(image), channel_(image.find_channel(channel)) {
-    if (channel_ < 0) throw Error(ExitCode::kUsage, std::string(role) + " has no channel '" + channel + "'");
+    if (channel_ < 0) throw Error(ExitCode::kUsage, fmt::format("{} has no channel '{}'", role, channel));
   }
   double operator()(int x, int y) const {
     return static_cast<double>(image_.at(x - image_.x0, y - image_.y0, channel_));
@@ -109,7 +109,7 @@ void require_cover(const std::optional<Image>& variance, const Image& image, con
   if (!variance) return;
   const bool same = variance->x0 == image.x0 && variance->y0 == image.y0 && variance->width == image.width &&
                     variance->height == image.height;
-  if (!same) throw Error(ExitCode::kUsage, std::string(role) + " image and its variance differ in size or crop");
+  if (!same) throw Error(ExitCode::kUsage, fmt::format("{} image and its variance differ in size or crop", role));
 }
 
 }  // namespace

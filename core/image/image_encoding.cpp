@@ -5,6 +5,8 @@
 #include "core/io/error.h"
 #include "core/io/output_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -61,7 +63,7 @@ std::vector<unsigned char> encode(const Image& image, const DisplayChannels& cha
 
 std::vector<unsigned char> encode_image(const Image& image, const IntegerEncoding& encoding) {
   const auto fail = [&](const std::string& why) {
-    return Error(ExitCode::kRuntime, std::string("cannot encode a ") + name_of(encoding.format) + " file: " + why);
+    return Error(ExitCode::kRuntime, fmt::format("cannot encode a {} file: {}", name_of(encoding.format), why));
   };
   if (image.pixel_count() == 0 || image.channels.empty()) throw fail("the image is empty");
   DisplayChannels channels = display_channels(image);
@@ -80,7 +82,7 @@ void write_encoded_image(const fs::path& path, const Image& image, const Integer
     try {
       return encode_image(image, encoding);
     } catch (const Error& error) {
-      throw Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + error.what());
+      throw Error(ExitCode::kOutput, fmt::format("cannot write '{}': {}", path.string(), error.what()));
     }
   }();
   file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

@@ -6,6 +6,8 @@
 #include "core/io/memory.h"
 #include "core/io/program_file.h"
 
+#include <fmt/format.h>
+
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -30,14 +32,17 @@ const ImageLibrary* load() {
   const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
   const fs::path& file = fs::exists(beside, error) ? beside : installed;
   const auto fail = [&](const std::string& why) {
-    return Error(ExitCode::kRuntime, "cannot read or write image formats other than OpenEXR: " + why +
-                                         " (expected sheaf_image_io.so next to the program or in ../lib/sheaf)");
+    return Error(ExitCode::kRuntime,
+                 fmt::format("cannot read or write image formats other than OpenEXR: {} (expected sheaf_image_io.so "
+                             "next to the program or in ../lib/sheaf)",
+                             why));
   };
-  if (!fs::exists(file, error)) throw fail("neither '" + beside.string() + "' nor '" + installed.string() + "' exists");
+  if (!fs::exists(file, error))
+    throw fail(fmt::format("neither '{}' nor '{}' exists", beside.string(), installed.string()));
   void* const handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
   if (handle == nullptr) throw fail(dlerror());
   void* const function = dlsym(handle, kImageLibraryFunction);
-  if (function == nullptr) throw fail("'" + file.string() + "' is not Sheaf's image library");
+  if (function == nullptr) throw fail(fmt::format("'{}' is not Sheaf's image library", file.string()));
   return reinterpret_cast<ImageLibraryFunction*>(function)();
 }
 
@@ -130,7 +135,7 @@ void check_webp(ImageSource& source) {
 void check_pnm(const ImageSource& source) {
   constexpr double kCopies = 3;
   const MemoryUse copies{"copies of the file", kCopies * static_cast<double>(source.size()), "use another format"};
-  check_memory("reading the image '" + source.path().string() + "'", {&copies, 1});
+  check_memory(fmt::format("reading the image '{}'", source.path().string()), {&copies, 1});
 }
 
 /// Checks the lengths of the chunks of a PNG file. The library allocates the length of a chunk, up to 2 GB, and libpng

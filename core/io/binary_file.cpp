@@ -4,6 +4,8 @@
 #include "core/io/error.h"
 #include "core/io/inflate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <system_error>
@@ -71,7 +73,7 @@ void BinaryInput::check(std::uint64_t size_of_rest) {
 
 std::string BinaryInput::get_text() {
   const auto size = get<std::uint32_t>();
-  if (size > kMaxText) fail("is damaged (a text of " + std::to_string(size) + " characters)");
+  if (size > kMaxText) fail(fmt::format("is damaged (a text of {} characters)", size));
   std::string text(std::min<std::uint64_t>(size, left_), '\0');
   if (text.size() < size) fail("is truncated");
   get_bytes(text.data(), text.size());

@@ -2,6 +2,8 @@
 // out-of-memory errors.
 #include "core/io/memory.h"
 
+#include <fmt/format.h>
+
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -143,12 +145,8 @@ std::uint64_t peak_private_bytes() {
 }
 
 std::string format_bytes(double bytes) {
-  char text[64];
-  if (bytes >= 1e8)
-    std::snprintf(text, sizeof(text), bytes < 1e10 ? "%.2f GB" : "%.1f GB", bytes * 1e-9);
-  else
-    std::snprintf(text, sizeof(text), "%.3g MB", bytes * 1e-6);
-  return text;
+  if (bytes < 1e8) return fmt::format("{:.3g} MB", bytes * 1e-6);
+  return fmt::format("{:.{}f} GB", bytes * 1e-9, bytes < 1e10 ? 2 : 1);
 }
 
 Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses) {
@@ -158,19 +156,20 @@ Error not_enough_memory(const std::string& task, std::span<const MemoryUse> uses
   const MemoryUse* largest = nullptr;
   for (const MemoryUse& use : uses) {
     sum += use.bytes;
-    if (use.bytes >= 1e6) list += (listed++ == 0 ? "" : ", ") + format_bytes(use.bytes) + " for " + use.what;
+    if (use.bytes >= 1e6)
+      list += fmt::format("{}{} for {}", listed++ == 0 ? "" : ", ", format_bytes(use.bytes), use.what);
     if (largest == nullptr || use.bytes > largest->bytes) largest = &use;
   }
-  std::string message = "not enough memory for " + task + ": it takes " + format_bytes(sum) +
-                        (listed > 1 ? " (" + list + ")" : "") + ", and " + format_bytes(available_memory()) +
-                        " are free";
-  if (largest != nullptr && !largest->advice.empty()) message += " (" + largest->advice + ")";
+  std::string message = fmt::format("not enough memory for {}: it takes {}{}, and {} are free", task, format_bytes(sum),
+                                    listed > 1 ? fmt::format(" ({})", list) : "", format_bytes(available_memory()));
+  if (largest != nullptr && !largest->advice.empty()) message += fmt::format(" ({})", largest->advice);
   return {ExitCode::kRuntime, message};
 }
 
 Error out_of_memory(const std::string& task, const std::string& advice) {
-  return {ExitCode::kRuntime, "not enough memory for " + task + ": the program has " + format_bytes(resident_memory()) +
-                                  " already, and " + format_bytes(available_memory()) + " are free (" + advice + ")"};
+  return {ExitCode::kRuntime,
+          fmt::format("not enough memory for {}: the program has {} already, and {} are free ({})", task,
+                      format_bytes(resident_memory()), format_bytes(available_memory()), advice)};
 }
 
 void check_memory(const std::string& task, std::span<const MemoryUse> uses) {

@@ -19,6 +19,9 @@ std::string known_names(const std::vector<std::string>& names);
 /// Formats a list of choices for messages: "a, b or c".
 std::string one_of(const std::vector<std::string>& names);
 
+/// The message about a name that is none of `known`: "unknown WHAT 'NAME'" with the nearest name and all names.
+std::string unknown_option(std::string_view what, std::string_view name, const std::vector<std::string>& known);
+
 /// A table of names and their values. Define it `constexpr` in a namespace or `static constexpr` in a function, because
 /// the rows live as long as that variable:
 ///   constexpr NameTable<Wrap> kWraps{{{"repeat", Wrap::kRepeat}, {"clamp", Wrap::kClamp}}};
@@ -36,7 +39,8 @@ template <class Value> struct NameTable {
     return nullptr;
   }
 
-  /// Returns the first name of a value: its own name, while the others are synonyms or stand-ins. Empty if it has none.
+  /// Returns the first name of a value: its own name, while the others are synonyms or substitutes. Empty if it has
+  /// none.
   constexpr const char* name_of(const Value& value) const {
     for (const Row& row : rows)
       if (value == row.value) return row.name;
@@ -54,8 +58,7 @@ template <class Value> struct NameTable {
   /// says `what` it should name, and lists the nearest name and all names.
   const Value& option(const char* what, std::string_view name) const {
     if (const Value* value = find(name)) return *value;
-    throw Error(ExitCode::kUsage, std::string("unknown ") + what + " '" + std::string(name) + "'" +
-                                      did_you_mean(name, names()) + known_names(names()));
+    throw Error(ExitCode::kUsage, unknown_option(what, name, names()));
   }
 };
 

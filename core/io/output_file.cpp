@@ -3,6 +3,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/file.h>
@@ -28,7 +30,7 @@ namespace {
 constexpr std::time_t kLeftOverSeconds = 10;
 
 Error cannot_write(const fs::path& path, const std::string& why) {
-  return Error(ExitCode::kOutput, "cannot write '" + path.string() + "': " + why);
+  return Error(ExitCode::kOutput, fmt::format("cannot write '{}': {}", path.string(), why));
 }
 
 /// Resolves symbolic links, so that the rename replaces the file and not the link. The file need not exist. Throws
@@ -56,7 +58,7 @@ int lock_file(const fs::path& path) {
 
 /// The process id in a name that temporary_name() made for `target`; 0 for other names.
 long writer_of(const std::string& name, const fs::path& target) {
-  const std::string before = "." + target.filename().string() + ".", after = ".tmp";
+  const std::string before = fmt::format(".{}.", target.filename().string()), after = ".tmp";
   if (!name.starts_with(before) || !name.ends_with(after) || name.size() < before.size() + after.size()) return 0;
   long process = 0;
   unsigned number = 0;
@@ -92,8 +94,7 @@ void remove_left_over(const fs::path& target) {
 
 fs::path temporary_name(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
-  const std::string suffix = "." + std::to_string(getpid()) + "." + std::to_string(counter++) + ".tmp";
-  return target.parent_path() / ("." + target.filename().string() + suffix);
+  return target.parent_path() / fmt::format(".{}.{}.{}.tmp", target.filename().string(), getpid(), counter++);
 }
 
 /// Waits until the file is on the disk, because some file systems report a full disk only then. Returns an errno, or 0.
@@ -144,7 +145,8 @@ OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {
   if (fs::exists(status) && faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0)
     throw cannot_write(path, std::strerror(errno));
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, error)) throw cannot_write(path, "there is no folder '" + folder.string() + "'");
+  if (!fs::is_directory(folder, error))
+    throw cannot_write(path, fmt::format("there is no folder '{}'", folder.string()));
   temporary_ = temporary_name(target_);
   errno = 0;
   stream_.open(temporary_, std::ios::binary);

@@ -3,6 +3,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -159,7 +161,7 @@ AnimatedTransform::AnimatedTransform(std::vector<Key> keys) {
   Track track{keys.front().value, {}};
   for (std::size_t i = 1; i < keys.size(); ++i)
     if (keys[i].time == keys[i - 1].time)
-      throw SceneError("two keys of an animated transform have the time " + std::to_string(keys[i].time));
+      throw SceneError(fmt::format("two keys of an animated transform have the time {}", keys[i].time));
   if (keys.size() > 1)
     for (const Key& key : keys) track.keys.push_back({key.time, decompose(key.value)});
   tracks_.push_back(std::move(track));

@@ -3,6 +3,8 @@
 
 #include "core/io/error.h"
 
+#include <fmt/format.h>
+
 namespace sheaf {
 
 namespace {
@@ -12,11 +14,11 @@ double checked_sum(std::span<const float> weights) {
   double sum = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (!(weights[i] >= 0.0f) || !std::isfinite(weights[i]))
-      throw SceneError("weight " + std::to_string(i) + " of a distribution is " + std::to_string(weights[i]) +
-                       ", expected a finite value of at least 0");
+      throw SceneError(
+          fmt::format("weight {} of a distribution is {}, expected a finite value of at least 0", i, weights[i]));
     sum += weights[i];
   }
-  if (!(sum > 0.0)) throw SceneError("all " + std::to_string(weights.size()) + " weights of a distribution are 0");
+  if (!(sum > 0.0)) throw SceneError(fmt::format("all {} weights of a distribution are 0", weights.size()));
   return sum;
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/denoise/select_filters.h"
 #include "kernels/denoise/smooth_variance.h"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -138,7 +139,7 @@ DenoiseResult denoise(const Image& image, Denoiser denoiser, int threads) {
   }
   for (const char* name : kColorNames)
     if (image.find_channel(name) < 0)
-      throw Error(ExitCode::kUsage, std::string("the image has no channel ") + name + " to denoise");
+      throw Error(ExitCode::kUsage, fmt::format("the image has no channel {} to denoise", name));
   DenoiseResult result;
   const Planes3 denoised = denoiser == Denoiser::kOidn ? denoise_oidn(image, result.description)
                                                        : denoise_nl_means(image, result.description);

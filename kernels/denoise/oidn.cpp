@@ -6,6 +6,8 @@
 #include "kernels/denoise/features.h"
 #include "kernels/denoise/find_oidn.h"
 
+#include <fmt/format.h>
+
 #include <dlfcn.h>
 
 #include <cstddef>
@@ -44,9 +46,11 @@ struct Library {
 };
 
 Error no_library(const std::string& why) {
-  return Error(ExitCode::kRuntime, "Open Image Denoise is not available: " + why +
-                                       "; install it (pip install oidn), put libOpenImageDenoise.so next to the "
-                                       "program, set LD_LIBRARY_PATH to its folder, or use the built-in denoiser nlm");
+  return Error(ExitCode::kRuntime,
+               fmt::format("Open Image Denoise is not available: {}; install it (pip install oidn), put "
+                           "libOpenImageDenoise.so next to the program, set LD_LIBRARY_PATH to its folder, or use the "
+                           "built-in denoiser nlm",
+                           why));
 }
 
 std::string environment_variable(const char* name) {
@@ -63,7 +67,7 @@ void* open_library() {
       looked += (looked.empty() ? "" : ", ") + folder.string();
       for (const fs::path& file : oidn_files(folder)) {
         if (void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
-        refused += "; " + std::string(dlerror());
+        refused += fmt::format("; {}", dlerror());
       }
     }
     return nullptr;
@@ -71,12 +75,10 @@ void* open_library() {
   // Search the folders next to the program
   if (void* const handle = try_folders(folders.before)) return handle;
   // Search with the dynamic linker
-  std::string names;
-  for (const std::string& name : oidn_names()) {
-    names += (names.empty() ? "" : ", ") + name;
+  const std::vector<std::string> names = oidn_names();
+  for (const std::string& name : names)
     if (void* const handle = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL)) return handle;
-  }
-  looked += (looked.empty() ? "" : ", ") + std::string("the dynamic linker's folders (") + names + ")";
+  looked += fmt::format("{}the dynamic linker's folders ({})", looked.empty() ? "" : ", ", fmt::join(names, ", "));
   // Search the folders of Python packages and of Blender
   if (void* const handle = try_folders(folders.behind)) return handle;
   throw no_library((refused.empty() ? "libOpenImageDenoise.so was not found in " : "looked in ") + looked + refused);

@@ -1,6 +1,9 @@
 #include "kernels/film/aovs.h"
 
 #include "core/io/error.h"
+#include "core/io/name_table.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <set>
@@ -26,11 +29,7 @@ void insert_named(std::string_view name, AovSet& aovs) {
     known = true;
   }
   if (known) return;
-  const std::vector<std::string> names = aov_names();
-  std::string list;
-  for (const std::string& each : names) list += (list.empty() ? "" : ", ") + each;
-  throw Error(ExitCode::kUsage,
-              "unknown layer '" + std::string(name) + "'" + did_you_mean(name, names) + " (known: " + list + ")");
+  throw Error(ExitCode::kUsage, unknown_option("layer", name, aov_names()));
 }
 
 /// Maximum bytes of a group's name, so that the layer's name plus number and channel stay within OpenEXR's 255.
@@ -53,7 +52,7 @@ std::string layer_name(std::string name) {
 std::string aov_descriptions() {
   std::string text;
   for (const AovEntry& entry : kAovList) {
-    text += (text.empty() ? "" : ";\n") + std::string(entry.name) + ": " + std::string(entry.description) + " (";
+    text += fmt::format("{}{}: {} (", text.empty() ? "" : ";\n", entry.name, entry.description);
     for (const std::string_view channel : entry.channels)
       if (!channel.empty()) text += (text.back() == '(' ? "" : " ") + std::string(channel);
     text += entry.type == PixelType::kHalf ? ", 16 bits)" : ", 32 bits)";
@@ -72,7 +71,7 @@ std::vector<std::string> light_group_layers(const std::vector<std::string>& ligh
   for (std::size_t i = 0; i < layers.size(); ++i) {
     if (done[i]) continue;
     const std::string base = layers[i];
-    for (int number = 2; !taken.insert(layers[i]).second; ++number) layers[i] = base + "_" + std::to_string(number);
+    for (int number = 2; !taken.insert(layers[i]).second; ++number) layers[i] = fmt::format("{}_{}", base, number);
   }
   return layers;
 }

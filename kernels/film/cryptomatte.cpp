@@ -3,6 +3,8 @@
 #include "core/simd/lanes.h"
 #include "kernels/film/more_channels.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <charconv>
@@ -28,20 +30,13 @@ constexpr NameLayers kNameLayers[] = {{aov_named("object_id"), aov_named("crypto
                                        "part.material.", &SceneNames::materials, &SceneNames::material_of_shape}};
 static_assert(std::size(kNameLayers) == kNameKinds);
 
-/// The highest `digits` hexadecimal digits of a 32-bit value.
-std::string hexadecimal(std::uint32_t value, int digits) {
-  std::string text;
-  for (int shift = 28; shift > 28 - 4 * digits; shift -= 4) text += "0123456789abcdef"[value >> shift & 15u];
-  return text;
-}
-
 /// Quotes and escapes a string as JSON.
 std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
     if (static_cast<unsigned char>(c) < 0x20)
-      out += "\\u" + hexadecimal(static_cast<std::uint32_t>(c) << 16, 4);
+      out += fmt::format("\\u{:04x}", static_cast<int>(c));
     else
       out += c;
   }
@@ -49,14 +44,14 @@ std::string json_string(std::string_view text) {
 }
 
 /// A name and its weight in a pixel.
-struct Covering {
+struct IdWeight {
   std::uint32_t index;  ///< of the name
   double weight;
 };
 
 /// The names that cover a pixel.
 struct PixelNames {
-  std::vector<Covering> ranked;  ///< by decreasing weight
+  std::vector<IdWeight> ranked;  ///< by decreasing weight
   double total = 0;              ///< weight of all samples
   double nothing = 0;            ///< weight of samples that hit no surface
 };
@@ -133,14 +128,14 @@ void fill(const NameLayers& kind, const SceneNames& names, const Film& film, con
 
 /// Cryptomatte channel i: even channels hold the ids and odd ones the coverage of rank i / 2.
 std::string rank_channel(const NameLayers& kind, int i) {
-  return kind.layer + ("0" + std::to_string(i / 4)) + "." + "rgba"[i % 4];
+  return fmt::format("{}0{}.{}", kind.layer, i / 4, "rgba"[i % 4]);
 }
 
 /// Channels of add_part_ids(): the weight on nothing, then for each rank a 1-based index and a weight.
 std::vector<std::string> part_channels(const NameLayers& kind) {
   std::vector<std::string> channels{kind.part + std::string("nothing")};
   for (int i = 0; i < kPartRanks; ++i)
-    for (const char* const what : {"number", "weight"}) channels.push_back(kind.part + (what + std::to_string(i)));
+    for (const char* const what : {"number", "weight"}) channels.push_back(fmt::format("{}{}{}", kind.part, what, i));
   return channels;
 }
 
@@ -173,12 +168,12 @@ std::vector<std::pair<std::string, std::string>> cryptomatte_attributes(AovSet a
   std::vector<std::pair<std::string, std::string>> attributes;
   for (const NameLayers& kind : kNameLayers) {
     if (!aovs.contains(kind.cryptomatte)) continue;
-    const std::string key = "cryptomatte/" + hexadecimal(murmur_hash3_32(kind.layer), 7) + "/";
+    const std::string key = fmt::format("cryptomatte/{:07x}/", murmur_hash3_32(kind.layer) >> 4);
     std::map<std::string, std::uint32_t> ids;
     for (const std::string& name : names.*kind.names) ids.emplace(name, cryptomatte_id(name));
     std::string manifest = "{";
     for (const auto& [name, id] : ids)
-      manifest += (manifest.size() > 1 ? "," : "") + json_string(name) + ":\"" + hexadecimal(id, 8) + '"';
+      manifest += fmt::format("{}{}:\"{:08x}\"", manifest.size() > 1 ? "," : "", json_string(name), id);
     attributes.emplace_back(key + "name", kind.layer);
     attributes.emplace_back(key + "hash", "MurmurHash3_32");
     attributes.emplace_back(key + "conversion", "uint32_to_float32");
@@ -224,12 +219,12 @@ void add_part_ids(AovSet aovs, const SceneNames& names, const Film& film, Image&
           entry.shape == IdCoverage::kNothing ? void(*out = static_cast<float>(entry.weight))
                                               : void(weights[of_shape.at(entry.shape)] += entry.weight);
         // Store the names with the largest weights
-        std::vector<Covering> ranked;
+        std::vector<IdWeight> ranked;
         for (const auto& [index, weight] : weights) ranked.push_back({index, weight});
         std::stable_sort(ranked.begin(), ranked.end(),
                          [](const auto& a, const auto& b) { return std::abs(a.weight) > std::abs(b.weight); });
         ranked.resize(std::min(ranked.size(), static_cast<std::size_t>(kPartRanks)));
-        for (const Covering& name : ranked) {
+        for (const IdWeight& name : ranked) {
           *++out = static_cast<float>(name.index + 1);
           *++out = static_cast<float>(name.weight);
         }
@@ -256,7 +251,7 @@ bool PartIds::add(const float* pixel, IdCoverage& names) const {
 
 bool put_ids(const IdCoverage& names, const IdChannels& channels, std::span<const float> ids, float* pixel) {
   const PixelNames ranked = names_of(names, [](std::uint32_t index) { return index; });
-  const auto is_known = [&](const Covering& name) { return name.index < ids.size(); };
+  const auto is_known = [&](const IdWeight& name) { return name.index < ids.size(); };
   if (channels.ranks[0] >= 0 && !std::all_of(ranked.ranked.begin(), ranked.ranked.end(), is_known)) return false;
   put_names(ranked, channels, ids, pixel);
   return true;
@@ -267,12 +262,12 @@ std::vector<std::pair<std::string, std::string>> part_id_attributes(AovSet aovs,
   for (std::size_t i = 0; i < kNameKinds; ++i) {
     if (!aovs.contains(kNameLayers[i].cryptomatte)) continue;
     std::string& ids = attributes.emplace_back(part_id_attribute(i), "").second;
-    for (const std::string& name : names.*kNameLayers[i].names) ids += hexadecimal(cryptomatte_id(name), 8);
+    for (const std::string& name : names.*kNameLayers[i].names) ids += fmt::format("{:08x}", cryptomatte_id(name));
   }
   return attributes;
 }
 
-std::string part_id_attribute(std::size_t kind) { return std::string("sheaf/ids/") + kNameLayers[kind].layer; }
+std::string part_id_attribute(std::size_t kind) { return fmt::format("sheaf/ids/{}", kNameLayers[kind].layer); }
 
 std::optional<std::vector<float>> ids_from_attribute(std::string_view text) {
   std::vector<float> ids;

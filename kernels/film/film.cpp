@@ -4,6 +4,7 @@
 #include "kernels/film/more_channels.h"
 #include "kernels/film/noise.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -20,9 +21,9 @@ double bin_width(int bins) { return static_cast<double>(kWavelengthMax - kWavele
 
 /// Name of a bin's channel: its center in nm, with six decimals after a comma.
 std::string bin_channel(int bin, int bins) {
-  std::string centre = std::to_string(static_cast<double>(kWavelengthMin) + (bin + 0.5) * bin_width(bins));
-  std::replace(centre.begin(), centre.end(), '.', ',');
-  return "S0." + centre + "nm";
+  std::string center = fmt::format("{:f}", static_cast<double>(kWavelengthMin) + (bin + 0.5) * bin_width(bins));
+  std::replace(center.begin(), center.end(), '.', ',');
+  return fmt::format("S0.{}nm", center);
 }
 
 /// Rows of pixels per parallel work item of adding borders.

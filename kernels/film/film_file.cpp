@@ -1,5 +1,7 @@
 #include "kernels/film/film_file.h"
 
+#include <fmt/format.h>
+
 namespace sheaf {
 
 namespace {
@@ -38,7 +40,7 @@ void put_layout(BinaryOutput& out, const FilmLayout& layout) {
 
 FilmLayout get_layout(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
-  if (count > kMaxChannels) in.fail("has " + std::to_string(count) + " channels: damaged");
+  if (count > kMaxChannels) in.fail(fmt::format("has {} channels: damaged", count));
   std::vector<FilmChannel> channels;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();

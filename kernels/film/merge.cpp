@@ -3,6 +3,8 @@
 #include "core/io/error.h"
 #include "kernels/film/noise.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -44,9 +46,8 @@ void check_overlaps(std::span<const ImagePart> parts) {
       const SampleRange& a = parts[i].samples;
       const SampleRange& b = parts[k].samples;
       const std::uint32_t first = std::max(a.first, b.first), end = std::min(a.end(), b.end());
-      throw SceneError({parts[i].name, 0}, "shares samples with '" + parts[k].name + "': " + std::to_string(first) +
-                                               ":" + std::to_string(end - first) + " of pixel " +
-                                               std::to_string(both.x0) + "," + std::to_string(both.y0));
+      throw SceneError({parts[i].name, 0}, fmt::format("shares samples with '{}': {}:{} of pixel {},{}", parts[k].name,
+                                                       first, end - first, both.x0, both.y0));
     }
 }
 
@@ -128,7 +129,7 @@ ImageMerger::ImageMerger(int frame_width, int frame_height, const PixelRect& who
                                                      : Rule::kMean;
     if (channel.rule == Rule::kVariance) {
       const int mean = image_.find_channel(name.substr(kVariancePrefix.size()));
-      if (mean < 0) throw SceneError("the layer '" + name + "' is a variance of a missing layer");
+      if (mean < 0) throw SceneError(fmt::format("the layer '{}' is a variance of a missing layer", name));
       channel.mean = static_cast<std::size_t>(mean);
     }
     row_size_ += channel.rule == Rule::kVariance ? 2 : channel.rule == Rule::kId ? 0 : 1;
@@ -154,13 +155,13 @@ void ImageMerger::add(const ImagePart& part, const Image& image) {
   std::vector<int> from;
   for (const std::string& name : image_.channels) {
     from.push_back(image.find_channel(name));
-    if (from.back() < 0) throw SceneError({part.name, 0}, "has no layer '" + name + "'");
+    if (from.back() < 0) throw SceneError({part.name, 0}, fmt::format("has no layer '{}'", name));
   }
   const PixelRect pixels = part.pixels.intersection(whole_);
   if (part.samples == SampleRange{0, samples_}) return copy(image, from, pixels);
   const std::string missing = missing_part_layer(image);
   if (!missing.empty())
-    throw SceneError({part.name, 0}, "has no layer '" + missing + "', which merging sample ranges requires");
+    throw SceneError({part.name, 0}, fmt::format("has no layer '{}', which merging sample ranges requires", missing));
   begin_sums();
   add_sums(part, image, from, pixels);
 }
