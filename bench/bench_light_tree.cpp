@@ -19,7 +19,7 @@ constexpr int kItems = 4096;
 
 Random4<Scalar> numbers(std::uint32_t stream, std::uint32_t i) { return random4<Scalar>(stream, i, 0, 0); }
 
-/// Small flat lights at random places in a room.
+/// Small flat lights at random positions in a room.
 std::vector<LightBounds> room_lights(std::uint32_t count) {
   std::vector<LightBounds> lights(count);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -97,8 +97,8 @@ template <class L> void sample(benchmark::State& state, std::uint32_t count) {
   report(state, tree, items.light);
 }
 
-/// Many candidates for each point, as for resampling. They share the upper levels of the tree and walk in pairs. The
-/// cost is per candidate.
+/// Many candidates for each point, as for resampling. They share the upper levels of the tree and are traversed in
+/// pairs. The cost is per candidate.
 template <class L> void candidates(benchmark::State& state, std::uint32_t count) {
   constexpr int kCandidates = 32;
   const LightTree tree = build_light_tree(room_lights(count));

@@ -65,7 +65,7 @@ const Quadrature& quadrature() {
   return instance;
 }
 
-/// A trial of Newton's method: coefficients, error of the colour, and its derivatives.
+/// An iterate of Newton's method: coefficients, error of the colour, and its derivatives.
 template <class L> struct Trial {
   using F = typename L::Float;
   F c[3];     ///< coefficients of 1, t, t^2
@@ -120,7 +120,7 @@ template <class L> SHEAF_INLINE void newton_step(const Trial<L>& a, typename L::
 constexpr float kTolerance = 2e-5f;
 constexpr float kLargestCoefficient = 1000.0f;
 
-/// Newton's method with damped steps. Starts from best.c and keeps the best trial.
+/// Newton's method with damped steps. Starts from best.c and keeps the best iterate.
 template <class L> void fit(const Quadrature& q, Vec3<L> target, Trial<L>& best, int iterations) {
   using F = typename L::Float;
   measure<L>(q, target, best);

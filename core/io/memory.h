@@ -21,12 +21,12 @@ struct MemoryUse {
 /// limits of its control groups, and available_addresses(). Infinite if all are unknown.
 double available_memory();
 
-/// Reduces what available_memory() returns to the calling thread to this share, while the object exists. Threads that
+/// Reduces the result of available_memory() on the calling thread to a fraction, while the object exists. Threads that
 /// read files at the same time check their memory independently of each other.
 class MemoryShare {
  public:
-  /// `share`: above 0, at most 1.
-  explicit MemoryShare(double share);
+  /// `fraction`: above 0, at most 1.
+  explicit MemoryShare(double fraction);
   ~MemoryShare();
   MemoryShare(const MemoryShare&) = delete;
   MemoryShare& operator=(const MemoryShare&) = delete;

@@ -25,7 +25,7 @@ std::size_t read_ahead_helpers(std::size_t jobs);
 
 /// Runs independent jobs by all threads of oneTBB. One thread takes the results and runs those jobs itself that no
 /// other thread has begun, so it never waits for a thread that has not started. What it sees does not depend on
-/// the number of threads: a job that fails ahead of its turn runs again when its result is taken, where its error
+/// the number of threads: a job that fails early runs again when its result is taken, where its error
 /// counts.
 template <class Result> class ReadAhead {
  public:
@@ -82,7 +82,7 @@ template <class Result> class ReadAhead {
   struct Slot {
     Job job;
     State state = State::kWaiting;
-    bool has_failed = false;  ///< ahead of its turn
+    bool has_failed = false;  ///< before its result was taken
     std::optional<Result> result;
   };
 

@@ -50,7 +50,7 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
       small.push_back(high);
     }
   }
-  // Rows left over due to rounding have a share of 1, unless their weight is 0.
+  // Rows left over due to rounding have a fraction of 1, unless their weight is 0.
   const auto heaviest = static_cast<std::uint32_t>(std::max_element(weights.begin(), weights.end()) - weights.begin());
   for (const std::uint32_t i : large) set(i, 1.0, i);
   for (const std::uint32_t i : small) set(i, weights[i] > 0.0f ? 1.0 : 0.0, weights[i] > 0.0f ? i : heaviest);

@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// A run of entries that share one quantile, or one entry with its quantiles.
+/// A run of entries of one quantile, or one entry with its quantiles.
 struct Span {
   std::uint32_t first, run, quantiles;
   double weight;
@@ -36,7 +36,7 @@ Span run_from(std::span<const double> weights, std::size_t first, double share) 
   return run;
 }
 
-/// Cuts the weights into spans, with about `share` of weight per quantile. Returns the number of quantiles.
+/// Cuts the weights into spans, with a weight of about `share` per quantile. Returns the number of quantiles.
 std::size_t cut(std::span<const double> weights, double share, std::vector<Span>& spans) {
   spans.clear();
   std::size_t quantiles = 0;
@@ -52,7 +52,7 @@ std::size_t cut(std::span<const double> weights, double share, std::vector<Span>
   return quantiles;
 }
 
-/// Finds the spans for the smallest share that fits into kQuantiles, by bisection.
+/// Finds the spans for the smallest weight per quantile that fits into kQuantiles, by bisection.
 std::vector<Span> cut_to_fit(std::span<const double> weights, double total) {
   std::vector<Span> spans, best;
   // For any weights, runs above some share end only at their maximum length, so doubling ends.

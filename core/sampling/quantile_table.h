@@ -12,15 +12,16 @@
 
 namespace sheaf {
 
-/// A quantile: a run of entries with equal shares, or one of the equal parts of an entry that has quantiles of its own.
-/// Bits: 17 for the first entry, 1 that is set for a run, 14 for the length of the run or the number of the part.
+/// A row of the table, with the probability 1 / kQuantiles: a run of entries of equal probability, or one of the equal
+/// parts of a likely entry. Bits: 17 for the first entry, 1 that is set for a run, 14 for the length of the run or the
+/// number of the part.
 struct Quantile {
   std::uint32_t bits;
 
   static Quantile of_run(std::uint32_t first, std::uint32_t length) { return {first << 15 | 1u << 14 | length}; }
   static Quantile of_part(std::uint32_t entry, std::uint32_t number) { return {entry << 15 | number}; }
   std::uint32_t first() const { return bits >> 15; }
-  /// Number of entries that share the quantile.
+  /// Number of entries of the run; 1 for a part.
   std::uint32_t length() const { return (bits >> 14 & 1u) != 0 ? bits & 0x3fffu : 1u; }
 };
 
@@ -40,8 +41,8 @@ bool build_quantiles(std::span<double> weights, Quantile* table);
 /// An entry sampled from a table of quantiles.
 template <class L> struct QuantileDraw {
   typename L::Uint index, quantile;
-  /// In a run: the position within the entry, minus 1, so it is negative. Otherwise: the position within the entry,
-  /// times its number of quantiles.
+  /// Position within the entry. In a run it is in [0, 1), and 1 is subtracted, so the sign tells the two cases apart.
+  /// Otherwise it is in [0, number of the entry's quantiles).
   typename L::Float place;
 
   /// A new uniform number in [0, 1) from the unused part of u. `probability`: that of the entry.

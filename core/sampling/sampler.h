@@ -1,5 +1,5 @@
 // Samplers: the random numbers of each decision of a path. Every decision has its own named block of four dimensions.
-// So no two decisions share numbers, and a new stage does not shift the numbers of others.
+// So no two decisions use the same numbers, and a new stage does not shift the numbers of others.
 #pragma once
 
 #include "core/sampling/stratified.h"

@@ -25,7 +25,7 @@ inline void bucket_sort(const Slot* slots, const std::uint8_t* keys, int count, 
   for (int i = 0; i < part; ++i)
     for (int p = 0; p < kParts; ++p) ++next[p][keys[p * part + i]];
   for (int i = kParts * part; i < count; ++i) ++next[kParts - 1][keys[i]];
-  // Turn the counts into the first index of each part of each bucket.
+  // Convert the counts to the first index of each part of each bucket
   int total = 0;
   for (int b = 0; b < buckets; ++b) {
     begin[b] = total;

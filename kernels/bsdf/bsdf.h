@@ -4,10 +4,10 @@
 //   Closure            its closure, which names it for the scene
 //   kIsSpecular        it has delta lobes only: it is neither evaluated nor lit by light sampling
 //   kIsAnisotropic     the x axis of the shading frame must be the surface's tangent; otherwise any frame will do
-//   kDisperses         optional, true if defined: transmitted light keeps the first wavelength only, unless the four
-//                      indices in the member `eta` are equal (a path with one wavelength left); see loses_wavelengths()
-//   squared_index(wo)  refractive, non-specular BSDFs only: squared relative index of refraction, of the side opposite
-//                      to wo over the side of wo
+//   kDisperses         optional: defined by dispersive BSDFs, whose transmission keeps one wavelength; their member
+//                      `eta` holds the index of each wavelength; see loses_wavelengths()
+//   squared_index(wo)  refractive, non-specular BSDFs only: squared relative index of refraction, of the far side over
+//                      the side of wo
 //   tables             only if the BSDF reads tables: the array that its parameter words refer to
 //   adjoint_f_cos(wo, wi)  non-reciprocal BSDFs only: f |cos(wi)| for a photon that comes from wo and leaves along wi
 //   evaluate(wo, wi)   f |cos(wi)| and the pdf with which sample() returns wi, both without delta lobes
@@ -45,10 +45,11 @@ template <class L> SHEAF_INLINE Mask<L> is_same_in_all(const Spectrum<L>& s) {
   return (s.c1 == s.c0) & (s.c2 == s.c0) & (s.c3 == s.c0);
 }
 
-/// Whether a dispersive BSDF keeps only the first of four wavelengths, which then counts for all four. This is the case
-/// if wi lies across the surface from wo and the four indices differ (they are equal once the path has one wavelength
-/// left). Where a camera path and a light path connect at such a vertex, the factor of four must be applied once, not
-/// by both.
+/// Whether a dispersive BSDF keeps only the first of four wavelengths: it transmits from wo to wi, and the four indices
+/// differ. They are equal once the path has a single wavelength.
+///
+/// The remaining wavelength is weighted by 4. Where a camera path and a light path connect at such a vertex, only one
+/// of them applies this factor.
 template <class L, class Bsdf> SHEAF_INLINE Mask<L> loses_wavelengths(const Bsdf& bsdf, Vec3<L> wo, Vec3<L> wi) {
   if constexpr (kDisperses<Bsdf>)
     return (wo.z * wi.z < Float<L>(0.0f)) & !is_same_in_all<L>(bsdf.eta);

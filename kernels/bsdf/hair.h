@@ -7,7 +7,7 @@
 //   f |cos(wi)| = sum over p < 3 of A_p(wo) M_p(theta_o, theta_i) N_p(gamma_i - gamma_o)  +  A_3 M_3 / (2 pi)
 //
 // where p counts path segments inside the fibre: 0 is reflection (R), 1 transmission (TT), 2 one internal reflection
-// (TRT), and 3 stands for all longer paths.
+// (TRT), and 3 all longer paths.
 //   A  attenuation: Fresnel terms and absorption along the segments inside (d'Eon, section 5); the A_p sum to 1 without
 //      absorption
 //   M  longitudinal lobe of variance v around -theta_o, rotated by the tilt of the cuticle scales (d'Eon, equation 7)
@@ -123,7 +123,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
   BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const;
 
  private:
-  static constexpr std::size_t kLobes = 4;  ///< the last one stands for all longer paths
+  static constexpr std::size_t kLobes = 4;  ///< the last one is for all longer paths
 
   /// Everything that depends only on the outgoing direction.
   struct Lobes {

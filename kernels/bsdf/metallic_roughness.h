@@ -77,7 +77,7 @@ template <class L> struct MetallicRoughnessBsdf : MetallicRoughnessParameters<L>
     FacetLobe lobe;
     Spectrum<L> normal_reflectance;  ///< of metal and dielectric at normal incidence
     F grazing_reflectance;
-    F passes, passes_slope;  ///< the share that enters the dielectric is passes - passes_slope * Schlick weight
+    F passes, passes_slope;  ///< the fraction that enters the dielectric is passes - passes_slope * Schlick weight
     F clear_o;               ///< transmittance of the clearcoat along wo
     F max_sheen;             ///< largest component of the sheen's colour
     SheenLobe<L> sheen;      ///< set only if there is sheen

@@ -32,7 +32,7 @@ template <class L> struct SpecularChoice {
     return Float<L>(0.5f) * (min(min(s.c0, s.c1), s.c2) + max(max(s.c0, s.c1), s.c2));
   }
 
-  /// The reflected or transmitted share over the probability of the choice.
+  /// Reflectance or transmittance over the probability of the choice.
   SHEAF_INLINE Spectrum<L> weight(Mask<L> reflected) const {
     using F = Float<L>;
     const F chosen = select(reflected, probability, F(1.0f) - probability);

@@ -27,7 +27,7 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
     const SpecularChoice<L> once = interface(wo.z);
     const F chosen = once.probability;
     const auto reflected = u.x * (F(1.0f) + chosen) < chosen + chosen;
-    // The share of reflection, or of transmission, over its probability
+    // Reflectance or transmittance of the pane, over its probability
     const auto share = [&](F r) SHEAF_LAMBDA_INLINE { return select(reflected, r + r, F(1.0f) - r) / (F(1.0f) + r); };
     const F probability = max(share(chosen), F(1e-20f));
     const auto weight = [&](F r) SHEAF_LAMBDA_INLINE { return share(r) / probability; };

@@ -11,7 +11,7 @@ namespace {
 
 /// Relative deviation of the distance at which the last ray hits the light from that of the sampled point.
 constexpr float kDistanceError = 1e-3f;
-/// Share of the distance to a light at a point that must be free.
+/// Fraction of the distance to a light at a point that must be unoccluded.
 constexpr float kOpenShare = 0.9999f;
 /// Assumed probability with which a walk finds a chain.
 constexpr float kWalkProbability = 0.1f;

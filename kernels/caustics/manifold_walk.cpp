@@ -12,7 +12,7 @@ namespace {
 
 /// Iterations of a walk.
 constexpr int kMaxIterations = 20;
-/// Smallest share of a Newton step that is tried.
+/// Minimum fraction of a Newton step.
 constexpr float kMinStep = 1.0f / 32;
 /// Largest change of the first direction in one iteration, as a tangent.
 constexpr float kMaxTurn = 0.5f;

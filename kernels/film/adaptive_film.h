@@ -85,7 +85,7 @@ class AdaptiveFilm {
     bool converged[2] = {};  ///< [h]: half h has converged, so the image needs no more samples of the other half
 
     bool is_converged() const { return converged[0] && converged[1]; }
-    /// Pixels whose noise decides: the own pixels, or those within reach if the tile has none of its own.
+    /// Pixels whose variance is tested: the tile's, or those within reach if the tile has none inside the crop window.
     const PixelRect& judged() const { return own.area() > 0 ? own : outer; }
   };
 

@@ -43,7 +43,7 @@ void check_overlaps(std::span<const ImagePart> parts);
 /// First gap that non-overlapping parts leave in the pixels `whole` with `samples` samples each; nothing if complete.
 std::optional<PartGap> find_gap(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
-/// Share, 0 to 1, of all samples of the pixels `whole` that non-overlapping parts hold.
+/// Fraction, 0 to 1, of all samples of the pixels `whole` that non-overlapping parts hold.
 double covered_share(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
 /// Whether the merged image omits a channel, because it only serves merging or cannot be merged.

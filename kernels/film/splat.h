@@ -17,7 +17,7 @@ class BinaryOutput;
 /// Contribution of one photon vertex to the camera.
 struct Splat {
   float x = 0, y = 0;       ///< film position, pixels from the upper left corner of the frame
-  float rgb[3] = {};        ///< linear Rec.709; divided by the number of photons: a share of radiance times film area
+  float rgb[3] = {};        ///< linear Rec.709; divided by the number of photons: radiance times film area
   std::uint64_t order = 0;  ///< photon of the task in the upper bits, vertex of the photon in the lower 16
 };
 
@@ -31,12 +31,12 @@ struct Splat {
 class SplatFilter {
  public:
   /// `sampled`: the pixels of camera samples, that is the frame and its border, regardless of the crop window. `turn`:
-  /// width of a full turn in pixels for cameras that see 360 degrees, where positions one turn apart are equal;
+  /// width of 360 degrees in pixels for panoramic cameras, where positions this far apart are equal;
   /// otherwise 0. Throws SceneError for a filter that make_filter_table() rejects.
   SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float turn = 0);
 
   float turn() const { return turn_; }
-  /// Maximum number of turns between a film position and the pixels that it can reach.
+  /// Maximum number of panorama widths between a film position and the pixels that it can reach.
   int turns() const { return turn_ > 0 ? 1 + static_cast<int>(static_cast<float>(weights_.reach()) / turn_) : 0; }
 
   /// Film positions that can reach the crop window.

@@ -1,5 +1,5 @@
-// Trial of light candidates: a pass with kTrialCandidates light candidates per vertex estimates the variance of paths
-// with fewer.
+// Moments of paths by the number of light candidates: a pass with kTrialCandidates light candidates per vertex
+// estimates the variance of paths with fewer.
 //
 // Next-event estimation with M candidates of resampling weight W_i = q(x_i) / p(x_i) contributes I = V(y) 1/M sum W_i,
 // where y is kept in proportion to W and V is visibility. With the law of total variance, over y and then over the x_i,
@@ -13,7 +13,7 @@
 
 namespace sheaf {
 
-/// Numbers of candidates that a trial compares. Values for each of them are the lanes of a Spectrum or Float4.
+/// Numbers of candidates that a pass compares. Values for each of them are the lanes of a Spectrum or Float4.
 inline constexpr int kCandidateCounts[] = {1, 2, 4, 8};
 inline constexpr int kTrialCandidates = 8;
 
@@ -29,7 +29,7 @@ template <class L> struct CandidateWeights {
 template <class L> struct PathMoments {
   Spectrum<L> radiance;        ///< estimates of the radiance
   Spectrum<L> excess;          ///< estimates of the squared radiance, less the square of `radiance`
-  Spectrum<L> pending;         ///< what `radiance` grows by if the shadow ray of the last vertex is unoccluded
+  Spectrum<L> pending;         ///< added to `radiance` if the shadow ray of the last vertex is unoccluded
   Spectrum<L> pending_excess;  ///< the same of `excess`
   static constexpr auto fields(auto& s) { return std::tie(s.radiance, s.excess, s.pending, s.pending_excess); }
 };

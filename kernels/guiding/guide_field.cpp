@@ -121,7 +121,7 @@ std::size_t GuideField::partition(std::size_t cell, const Span& span) {
 
 /// Splits a cell whose records are partitioned. Appends the second half to the cells.
 void GuideField::split(std::size_t cell) {
-  // Share the statistics between the halves.
+  // Divide the statistics between the halves.
   halve(cells_[cell].sums);
   cells_[cell].found *= 0.5, cells_[cell].vertices *= 0.5;
   const int depth = ++cells_[cell].depth;

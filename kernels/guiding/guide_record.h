@@ -55,12 +55,12 @@ class TrainingSamples {
   /// Ends a path, with its final radiance.
   void finish(std::uint32_t path, float radiance) { radiance_[path] = radiance; }
 
-  /// In a trial of light candidates: ends a path, with PathMoments::radiance and `excess`.
+  /// If the pass compares light candidates: ends a path, with PathMoments::radiance and `excess`.
   void finish_trial(std::uint32_t path, const Spectrum4& radiance, const Spectrum4& excess) {
     trial_.resize(radiance_.size());
     trial_[path] = to_spectrum(Float4(radiance) * Float4(radiance) + Float4(excess));
   }
-  /// In a trial: counts vertices that sample lights, and those that would have a shadow ray with kCandidateCounts[i]
+  /// Likewise counts vertices that sample lights, and those that would have a shadow ray with kCandidateCounts[i]
   /// candidates.
   void count_vertices(int i, int vertices, int with_shadow_rays) {
     vertices_.sampled += i == 0 ? static_cast<std::uint64_t>(vertices) : 0u;
@@ -73,7 +73,7 @@ class TrainingSamples {
     std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};
   };
   const Vertices& vertices() const { return vertices_; }
-  /// Estimates of the squared radiance of each path, for each of kCandidateCounts; empty without a trial.
+  /// Estimates of the squared radiance of each path, for each of kCandidateCounts; empty unless they are compared.
   const std::vector<Spectrum4>& squared_radiance() const { return trial_; }
   /// Radiance of each path, lanes added up.
   const std::vector<float>& radiance() const { return radiance_; }

@@ -257,7 +257,7 @@ SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(Vec3<L> p, Vec3<L> n, M
 }
 
 /// Samples a light for the point `p` by `u` in [0, 1). `n`: unit shading normal; light on either side of it counts. A
-/// zero `n`, or `has_normal` false, stands for a point in a medium. Every light that can reach `p` has a positive
+/// zero `n`, or `has_normal` false, means a point in a medium. Every light that can reach `p` has a positive
 /// probability. About 24 - log2(1 / probability) random bits of u remain. Lights far less likely than 2^-24 use the
 /// same values of u.
 template <class L>

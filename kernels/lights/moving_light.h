@@ -1,6 +1,5 @@
-// Moving lights. Their tables place them at one time; where they are at another time follows by an affine transform.
-// So reference points are transformed to where the tables place the light, and what was sampled there is transformed
-// back.
+// Moving lights. Lights are stored in their rest pose; an affine transform maps them to time t. Reference points are
+// transformed to the rest pose by its inverse, and samples back to time t.
 //
 // A linear map M takes a solid angle around the unit vector d to |det M| / |M d|^3 times that solid angle, and a pencil
 // of rays of throughput dA cos dw to (det M)^2 / |M d|^4 times that throughput. Both factors are 1 for rotations.
@@ -17,7 +16,7 @@ SHEAF_INLINE MotionSample<L> light_motion(const SceneView& scene, Uint<L> light,
   return sample_motion<L>(scene.motion, load_motion<L>(scene.motion.lights, light, active), time);
 }
 
-/// Where a reference point would be if the light stood still.
+/// Transforms a reference point to the rest pose of the light.
 template <class L> SHEAF_INLINE Vec3<L> rest_point(const MotionSample<L>& motion, Vec3<L> p) {
   return select<L>(motion.moves, motion.placed.object_point(p), p);
 }
@@ -28,7 +27,7 @@ template <class L> SHEAF_INLINE Float<L> solid_angle_factor(const InstancePlacem
   return stretched * stretched * stretched / abs(placed.determinant);
 }
 
-/// Moves a sample of lights at rest to where the lights are. `light`: rows.
+/// Transforms samples from the rest pose of lights to their pose at the time. `light`: rows.
 template <class L>
 SHEAF_INLINE void move_light_sample(const SceneView& scene, const MotionSample<L>& motion, Uint<L> light,
                                     LightSample<L>& s) {

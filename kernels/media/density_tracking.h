@@ -51,7 +51,7 @@ template <class L> struct DensityRay {
 
 /// State or outcome of a ray.
 enum class DensityOutcome : std::uint32_t {
-  kWalking,    ///< not ended: on the way to the next collision
+  kWalking,    ///< still tracking: before the next collision
   kColliding,  ///< not ended: at a collision
   kIdle,
   kPassed,

@@ -34,7 +34,7 @@ struct PathWeights {
 inline constexpr float kLongestStretch = 1e18f;
 
 /// A segment of a ray within one medium. Points are relative to the grids of the medium: if these move, to where the
-/// tables place them (kernels/media/moving_medium.h).
+/// tables have them (kernels/media/moving_medium.h).
 struct MediumRay {
   const SceneView& scene;
   const MediumRow& medium;

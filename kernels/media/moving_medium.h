@@ -1,5 +1,5 @@
-// Media whose grids move. Their tables place the grids at one time; where they are at another time follows by an affine
-// transform. So rays and points are transformed to where the tables place the grids. Distances along rays stay those of
+// Media whose grids move. Grids are stored in their rest pose; an affine transform maps them to time t. Rays and points
+// are transformed to the rest pose by its inverse. Distances along rays stay those of
 // the world, because coefficients are per metre there: transformed directions are not of unit length if the motion
 // stretches the grid.
 #pragma once
@@ -14,7 +14,7 @@ inline MotionSample<Scalar> medium_motion(const SceneView& scene, std::uint32_t 
   return sample_motion<Scalar>(scene.motion, scene.motion.media[row], time);
 }
 
-/// Moves a ray to where it would be relative to the grids of medium `row` if these stood still.
+/// Transforms a ray to the rest pose of the grids of medium `row`.
 [[gnu::noinline]] inline void rest_ray(const SceneView& scene, std::uint32_t row, float time, Vec3f& origin,
                                        Vec3f& direction) {
   if (scene.motion.media[row].segment_count == 0) return;

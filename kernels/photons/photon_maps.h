@@ -1,4 +1,4 @@
-// Selects the photon map for each vertex of a camera path, and the light that is left to the path itself.
+// Selects the photon map for each vertex of a camera path, and decides which light is path traced.
 //
 // A camera path reaches its first non-specular surface vertex x by E S* x:
 //     PhotonGathering::kAll       the global map at x holds all light that x scatters, except caustics if there is a

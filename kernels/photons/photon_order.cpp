@@ -100,7 +100,7 @@ void sort_by_digit(const std::uint64_t* from, std::uint64_t* to, std::size_t cou
     std::size_t* counts = &places[chunk * digits];
     for (std::size_t i = begin; i < end; ++i) ++counts[from[i] >> shift & mask];
   });
-  // Turn the counts into the first place of each chunk for each digit
+  // Convert the counts to the first index of each chunk for each digit
   std::size_t total = 0;
   for (std::size_t d = 0; d < digits; ++d)
     for (std::size_t c = 0; c < chunks; ++c) {

@@ -24,7 +24,7 @@ SHEAF_INLINE Float<L> adjoint_cosines(const VertexItem<L>& item, Vec3<L> arrivin
 /// normals is chosen at random, and photons that leave to the side that sees the other one are terminated.
 /// TexturedItem::normal_choice: 1 the normal, -1 its mirror image, 0 no choice.
 template <class F> SHEAF_INLINE F mirrored_probability(F cos_turn) {
-  // Approximates the share of directions above the unmapped normal from which the mapped one faces away.
+  // Approximates the fraction of directions above the unmapped normal from which the mapped one faces away.
   return min(F(0.64f) * sqrt(max(F(0.5f) - F(0.5f) * cos_turn, F(0.0f))), F(0.5f));
 }
 

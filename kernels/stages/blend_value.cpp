@@ -1,4 +1,4 @@
-// Evaluates the parts of blends one material row at a time for a whole register of vertices, and sums them by share.
+// Evaluates the parts of blends one material row at a time for a whole register of vertices, and sums them by weight.
 #include "kernels/stages/blend_value.h"
 
 #include "core/soa/lane_array.h"
@@ -96,7 +96,7 @@ template <class L> struct BlendSum {
   Mask<L> lanes;
   bool behind;
   BlendValue<L> sum{Spectrum<L>(F(0.0f)), F(0.0f), Spectrum<L>(F(0.0f)), F(0.0f), F(0.0f)};
-  /// Share of all parts except "nothing".
+  /// Sum of the weights of all parts except "nothing".
   F there = F(0.0f);
 
   void add(std::uint32_t row, F share) {
@@ -130,7 +130,7 @@ template <class L> struct BlendSum {
           words[word - 1] = words[word - 1] * frame.handedness;
         const auto bsdf = bsdf_of_words<Bsdf<L>>(scene.materials.closure_tables,
                                                  [&words](int k, F& word) SHEAF_LAMBDA_INLINE { word = words[k]; });
-        // Add its value, weighted by its share
+        // Add its value times its weight
         BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
         value.f_cos = value.f_cos * frame.softened;
         sum.f_cos = sum.f_cos + value.f_cos * share;

@@ -2,10 +2,10 @@
 // continues. Light sampling and scattering use the value of the whole blend, so that the selection adds noise only
 // through the sampled direction.
 //
-// Parts have shares s_j, values f_j and pdfs p_j; f = sum s_j f_j and p = sum s_j p_j. Light sampling uses a BSDF of
+// Parts have weights s_j, values f_j and pdfs p_j; f = sum s_j f_j and p = sum s_j p_j. Light sampling uses a BSDF of
 // value f and pdf p. A direction sampled from part i, which was selected with probability s_i, has the weight f / p
 // instead of f_i / p_i (Veach 1997, section 9.2.4: one-sample model, balance heuristic). Delta lobes are not part of f
-// and p. Shares are relative to the parts that exist: a part that is "nothing" does not count.
+// and p. Weights are relative to the parts that exist: a part that is "nothing" does not count.
 #pragma once
 
 #include "kernels/wave/context.h"
@@ -21,7 +21,7 @@ template <class L> struct BlendValue {
   /// The same without dispersive parts. Selecting one of those loses wavelengths, so it keeps its own weight.
   Spectrum<L> mixed_f_cos;
   typename L::Float mixed_pdf;
-  typename L::Float guided_share;  ///< share of the parts that are neither specular nor dispersive
+  typename L::Float guided_share;  ///< sum of the weights of parts that are neither specular nor dispersive
 };
 
 /// Whether vertices of a kind may be on parts of blends.

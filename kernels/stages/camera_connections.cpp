@@ -38,7 +38,7 @@ SHEAF_INLINE void connect_tile(const StageContext& context, Wave& wave, const Sl
   const SplatFilter::Bounds& film = context.light_task().film_bounds;
   auto seen = view.valid & (view.film_x > F(film.x0)) & (view.film_x < F(film.x1)) & (view.film_y > F(film.y0)) &
               (view.film_y < F(film.y1)) & L::first(count);
-  // The camera sees hidden lights only through thin dielectrics, which the shadow ray may meet.
+  // The camera sees hidden lights only through thin dielectrics, which the shadow ray may cross.
   Uint<L> shadow_flags(0u);
   if (!kIsPhaseFunction<Bsdf<L>> && context.integrator.hide_emitters) {
     const auto on_light = wave.hits.gather<L>(slots).light != Uint<L>(kNone);

@@ -1,5 +1,5 @@
-// Stage: camera rays. Importance-samples positions in the pixel by the pixel filter (scene/tables/filter.h) and
-// generates camera rays.
+// Stage: camera rays. Importance-samples positions in the pixel by the pixel filter (PBR 8.8; scene/tables/filter.h)
+// and generates camera rays of throughput beta = 1 (times CameraView::weight) and rescaled pdfs r_u = r_l = 1.
 #include "core/sampling/sampler.h"
 #include "core/soa/lane_array.h"
 #include "kernels/film/camera_task.h"

@@ -1,4 +1,4 @@
-// What stages record in a trial of light candidates; see kernels/guiding/candidate_trial.h.
+// Moments of next-event estimation by the number of light candidates; see kernels/guiding/candidate_trial.h.
 #pragma once
 
 #include "core/color/float4.h"
@@ -28,7 +28,7 @@ template <class L> SHEAF_INLINE Spectrum<L> weights_by_count(typename L::Float w
 template <class L> SHEAF_INLINE void moments_of(const CandidateWeights<L>& w, Spectrum<L>& mean, Spectrum<L>& excess) {
   using F = Float<L>;
   constexpr auto kAll = static_cast<float>(kTrialCandidates);
-  // 1 / kAll over the probability by which the candidate was kept
+  // (1 / kAll) / P(the candidate was kept)
   const F factor = w.sum.c3 / (max(w.kept.c3, F(1e-37f)) * F(kAll));
   mean = w.kept * factor;
   const F minus(-1.0f);
@@ -59,7 +59,7 @@ SHEAF_INLINE void try_candidate(const StageContext& context, Wave& wave, const S
     context.training_samples().count_vertices(std::countr_zero(static_cast<unsigned>(index + 1)), count,
                                               std::popcount(mask_bits((w.sum.c3 > F(0.0f)) & L::first(count))));
   if (index + 1 < kTrialCandidates) return;
-  // Keep the moments until the shadow ray arrives
+  // Keep the moments until the shadow ray is traced
   Spectrum<L> mean, excess;
   moments_of<L>(w, mean, excess);
   const LaneRows<L, Spectrum> means(mean), excesses(excess);
@@ -70,7 +70,8 @@ SHEAF_INLINE void try_candidate(const StageContext& context, Wave& wave, const S
   }
 }
 
-/// Records that the shadow ray of a path's last vertex has arrived. `found`: its contribution, spectral lanes added up.
+/// Adds the pending moments of a path whose last shadow ray is unoccluded. `found`: the ray's contribution, spectral
+/// lanes added up.
 inline void arrive_in_trial(Wave& wave, Slot slot, float found) {
   PathMoments<Scalar>& row = wave.moments.row(slot);
   if (!(row.pending.c3 > 0.0f)) return;
@@ -79,7 +80,7 @@ inline void arrive_in_trial(Wave& wave, Slot slot, float found) {
   row.excess = row.excess + row.pending_excess * (share * share);
 }
 
-/// Records emission that a path has found, spectral lanes added up, for each number of candidates.
+/// Adds emission that a path has hit, spectral lanes added up, for each number of candidates.
 template <class L> void find_in_trial(Wave& wave, const Slot* slots, std::uint32_t lanes, const Spectrum<L>& found) {
   const LaneRows<L, Spectrum> rows(found);
   for_each_lane(lanes, [&](int lane) {

@@ -1,5 +1,7 @@
 // Stage: emission. Adds the radiance of the environment to rays that left the scene, and of area lights to rays that
-// hit them. Both have the MIS weight of BSDF sampling against next-event estimation (light_candidates).
+// hit them: beta L_e w_b, with the MIS weight of BSDF sampling against M light candidates of pdf p each,
+//     w_b = b^2 / (b^2 + (M p)^2)
+// for solid-angle pdf b of BSDF sampling (kernels/stages/resample.cpp).
 #include "core/soa/lane_array.h"
 #include "kernels/caustics/chain_light.h"
 #include "kernels/lights/light_sample.h"

@@ -8,8 +8,8 @@
 //
 // A beam reaches s with probability T(s), which already accounts for the loss of power, so Phi remains the power at the
 // start. If the lanes differ in extinction, any of them could have sampled the flight. Then Phi(s) is Phi T(s) over the
-// mean over the lanes of odds T(s), as r_u would be for a photon scattered at s. This holds for each lane alone, and so
-// also for rays that have lost the other wavelengths.
+// mean over the lanes of the pdf ratios times T(s), as r_u would be for a photon scattered at s. This holds for each
+// lane alone, and so also for rays that have lost the other wavelengths.
 #pragma once
 
 #include "core/color/wavelengths.h"

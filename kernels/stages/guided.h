@@ -7,8 +7,8 @@
 // delta lobes: if the BSDF samples one, its weight is divided by a. Specular closures are not guided. Dispersive
 // closures are not guided either, as the sampled direction splits their wavelengths.
 //
-// On blends p_b is the pdf of all guided parts, and p_g is weighted by their share, as any of them may have used the
-// guide.
+// On blends p_b is the pdf of all guided parts, and p_g is multiplied by the sum of their weights, because each of them
+// may have sampled the guide.
 #pragma once
 
 #include "core/sampling/octahedral.h"

@@ -25,8 +25,8 @@ namespace sheaf {
 
 namespace {
 
-/// Limit on the walks that estimate the probability of one chain. Chains that are found less often are darker than they
-/// should be; Stats::Chains::capped counts them.
+/// Maximum number of walks (Bernoulli trials) that estimate the probability of one chain. Chains of lower probability
+/// are too dark; Stats::Chains::capped counts them.
 constexpr std::uint64_t kMaxTrials = 1u << 16;
 /// Probability of an attempt at vertices that are not the first non-specular one of their path.
 constexpr float kLaterAttempts = 0.25f;
@@ -110,7 +110,7 @@ void connect_vertex(const StageContext& context, Wave& wave, ChainTracer& tracer
   const PathState<Scalar>& path = wave.paths.row(slot);
   const int max_length = max_length_of(context, path);
   if (max_length < 1) return;
-  // Decide whether to try
+  // Attempt a connection with a probability
   MediumRandom random(context.sampler.seed, path.pixel, path.sample, path.dimension(), MediumStream::kCaustics);
   const float probability = chain_state<Scalar>(wave.rays.row(slot).flags) == 0 ? 1.0f : kLaterAttempts;
   if (random.next() >= probability) return;

@@ -1,6 +1,6 @@
-// Stage: medium. Samples whether paths scatter in media or reach the surface hit, and adds the emission of media on the
-// way. A path that scatters becomes a vertex whose closure is the phase function, and passes the same stages as
-// surfaces. Photons store their beams here.
+// Stage: medium. Samples whether paths scatter in media or reach the surface hit (PBR 14.2.2), and adds the emission of
+// media along the ray. A path that scatters becomes a vertex whose closure is the phase function, and passes the same
+// stages as surfaces. Photons store their beams here.
 //
 // Paths diverge here, so each is processed individually, with its four spectral lanes in one register
 // (kernels/media/medium_tracking.h).
@@ -71,7 +71,7 @@ class MediumEmission {
     radiance_ = radiance_ + found * (weight(path, t, p, passed, by_path, pdf) / by_path);
   }
 
-  /// Adds the emission of one step of ray marching, for which light sampling does not compete. `passed`: transmittance
+  /// Adds the emission of one step of ray marching, without MIS. `passed`: transmittance
   /// up to the step. `length`: of the step, m.
   void add_step(const PathWeights& path, Float4 passed, const MediumCoefficients& c, Vec3f p, float length) {
     if (hidden_) return;
@@ -113,7 +113,7 @@ class MediumEmission {
   Float4 radiance_;
 };
 
-/// Emission along a homogeneous ray: in closed form if light sampling does not compete, otherwise at one sampled point.
+/// Emission along a homogeneous ray: in closed form if it needs no MIS, otherwise at one sampled point.
 void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeights& weights,
                       MediumEmission& emission) {
   if (!emission.contested()) return emission.add_line(weights);
@@ -126,7 +126,8 @@ void emit_homogeneous(const MediumRay& ray, MediumRandom& random, const PathWeig
   emission.add(weights, t, ray.at(t), passed, sigma_t, sigma * passed[ray.hero]);
 }
 
-/// Returns the distance at which the path scatters, or the ray's length.
+/// Samples the distance at which the path scatters: by inversion of the transmittance in homogeneous media, otherwise
+/// by ray marching or null collisions. Returns the ray's length if the path reaches its end.
 float track(const StageContext& context, const MediumRay& ray, float u, MediumRandom& random, TrackingCounts& counts,
             PathWeights& weights, MediumEmission& emission) {
   const bool emits = ray.has(kMediumEmits);

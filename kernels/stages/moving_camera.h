@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-/// The transforms of camera `index`, from where the table of cameras places it, at times in [0, 1]. Requires
+/// The transforms of camera `index` from its pose in the table of cameras to its pose at times in [0, 1]. Requires
 /// MotionView::cameras.
 template <class L>
 SHEAF_INLINE MotionSample<L> camera_motion(const SceneView& scene, std::uint32_t index, Float<L> time) {
@@ -14,7 +14,7 @@ SHEAF_INLINE MotionSample<L> camera_motion(const SceneView& scene, std::uint32_t
   return sample_motion<L>(scene.motion, {U(row.first_step), U(row.segment_count)}, time);
 }
 
-/// Where points would be relative to camera `index` if it stood still.
+/// Transforms points from the pose of camera `index` at the time to its pose in the table.
 template <class L>
 SHEAF_INLINE Vec3<L> camera_rest_point(const SceneView& scene, std::uint32_t index, Vec3<L> p, Float<L> time) {
   if (scene.motion.cameras == nullptr) return p;

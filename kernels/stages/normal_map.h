@@ -7,11 +7,11 @@
 
 namespace sheaf {
 
-/// Share of the light from `wi` that a mapped normal lets through. It is 0 where the mapped and the unmapped normal
-/// disagree on the side of `wi`; `cos_wi` is the cosine to the mapped one. It falls off smoothly where `wi` is near the
-/// horizon of the unmapped normal. The fall-off is the shadowing function of a microfacet surface of squared roughness
-/// `terminator` (Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to Solve the Bump Terminator
-/// Problem").
+/// Fraction of the light from `wi` that the shadow terminator of a mapped normal keeps. It is 0 where the mapped and
+/// the unmapped normal disagree on the side of `wi`; `cos_wi` is the cosine to the mapped one. It falls off smoothly
+/// where `wi` is near the horizon of the unmapped normal. The fall-off is the shadowing function of a microfacet
+/// surface of squared roughness `terminator` (Estevez, Lecocq and Stein 2019, "A Microfacet-Based Shadowing Function to
+/// Solve the Bump Terminator Problem").
 template <class L>
 SHEAF_INLINE Float<L> shadow_terminator(Vec3<L> ns_unmapped, Float<L> terminator, Vec3<L> wi, Float<L> cos_wi) {
   using F = Float<L>;

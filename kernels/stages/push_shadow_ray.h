@@ -9,8 +9,8 @@
 
 namespace sheaf {
 
-/// Bits of TransmittanceItem::flags for rays to the camera if lights are hidden, in place of two bits that shadow rays
-/// do not use. Camera rays pass hidden lights until they meet a thin dielectric; they see lights behind it.
+/// Bits of TransmittanceItem::flags for rays to the camera if lights are hidden. They reuse two bits that shadow rays
+/// do not need. Camera rays pass hidden lights until they hit a thin dielectric; they see lights behind it.
 enum ShadowFlags : std::uint32_t {
   kShadowFromHiddenLight = kRayFromCamera,  ///< starts on a hidden light and has passed no thin dielectric
   kShadowPassedHiddenLight = kRayLast,

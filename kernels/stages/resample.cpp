@@ -12,8 +12,8 @@
 // q is the unoccluded part w_l f, lanes added up. Lights that BSDF sampling cannot find have w_l = 1. For M = 1 the
 // factor is exactly 1, which is plain next-event estimation, bit by bit.
 //
-// If shadow rays pass media or surfaces, w_l also depends on what they meet. Then q is unchanged, but the transmittance
-// stage receives f and applies w_l.
+// If shadow rays pass media or surfaces, w_l also depends on them. Then q is unchanged, but the transmittance stage
+// receives f and applies w_l.
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/blend_value.h"
@@ -84,13 +84,13 @@ SHEAF_INLINE WeighedCandidate<L> weigh(const StageContext& context, const Wave& 
       }
     }
   }
-  // Compute the MIS weight
+  // Compute the MIS weight w_l, and w_l f / p
   const F pdf = select(usable, light.pdf_solid_angle, F(1.0f));
-  const auto no_contest = (light.delta > F(0.0f)) | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
-  const F mis_weight = select(no_contest, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
+  const auto only_light = (light.delta > F(0.0f)) | Mask<L>(context.integrator.strategy == LightStrategy::kLightOnly);
+  const F mis_weight = select(only_light, F(1.0f), light_weight(pdf, value.pdf_solid_angle, candidates));
   const bool shared = !context.scene.needs_transmittance;
   const Spectrum<L> out = beta * value.f_cos * light.radiance * ((shared ? mis_weight : F(1.0f)) / pdf);
-  const F pdf_ratio = select(no_contest, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
+  const F pdf_ratio = select(only_light, F(0.0f), value.pdf_solid_angle / (pdf * F(static_cast<float>(candidates))));
   // A point in a medium competes with collisions of the path, whose pdf is not known yet.
   const auto in_volume = light.target_medium != Uint<L>(kNone);
   return {select<L>(usable & is_finite(total(out)), out, Spectrum<L>(F(0.0f))),
@@ -125,7 +125,7 @@ SHEAF_INLINE Reservoir<L> keep_one(const StageContext& context, Wave& wave, int 
     r.single = single;
     return {r, Mask<L>(true)};
   }
-  // Choose between the kept candidate and this one
+  // Choose between the kept candidate and this one: P(x_i) = W_i / sum_j<=i W_j
   r = wave.reservoirs.load<L>(column);
   r.sum = r.sum + weight;
   const F share = weight / max(r.sum, F(1e-37f));
@@ -164,6 +164,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
     try_candidate<L>(context, wave, slots, column, count, total(weighed.contribution) * weighed.mis_weight,
                      weighed.pdf_ratio, kept.taken, candidate.index);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);
+  // Push the shadow ray with f(y) / q(y) * 1/M sum_i W_i
   const F factor = r.sum / (max(r.weight, F(1e-37f)) * F(static_cast<float>(candidate.count)));
   push_shadow_ray<L>(context.scene, wave, slots, count, item, {r.target, r.pdf_ratio, r.light, r.target_medium},
                      r.contribution * factor, kInMedium, r.single != Uint<L>(0u));

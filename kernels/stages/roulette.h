@@ -10,7 +10,8 @@
 
 namespace sheaf {
 
-/// Throughput, relative to the start of the path, below which Russian roulette applies to camera paths.
+/// Throughput, relative to the start of the path, below which Russian roulette terminates camera paths. Shadow rays in
+/// media have a threshold of their own (kernels/media/density_tracking.h).
 inline constexpr float kPlayedBelow = 0.5f;
 /// Maximum survival probability, so that paths between perfect mirrors end.
 inline constexpr float kLargestSurvival = 0.99f;

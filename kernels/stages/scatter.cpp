@@ -1,4 +1,5 @@
-// Stage: scatter. Samples the BSDF or the guide, applies Russian roulette and spawns the continuation ray.
+// Stage: scatter. Samples the BSDF or the guide, updates the throughput, beta *= f |cos| / p (PBR 13.4), applies
+// Russian roulette and spawns the continuation ray.
 #include "core/sampling/octahedral.h"
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
@@ -29,7 +30,7 @@ struct ScatterTile {
   bool has_parts;     ///< some materials of the kind are parts of blends
 };
 
-/// Stores the data that the emission stage needs for the MIS weight of light that the new ray finds.
+/// Stores the pdf and the normal, which the emission stage needs for the MIS weight of light that the new ray hits.
 template <class L>
 SHEAF_INLINE void remember_scattering(Wave& wave, const Slot* slots, std::uint32_t lanes, Float<L> pdf_solid_angle,
                                       Vec3<L> ns) {

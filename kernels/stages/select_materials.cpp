@@ -1,5 +1,5 @@
 // Stage: select materials. Selects a mask's material or "nothing", and one of the two materials of a blend, in
-// proportion to their shares. The selected part determines where the path continues; kernels/stages/blend_value.h adds
+// proportion to their weights. The selected part determines where the path continues; kernels/stages/blend_value.h adds
 // the contribution of the other parts. If "nothing" is selected, the ray continues behind the surface.
 #include "core/sampling/sampler.h"
 #include "core/soa/lane_array.h"
@@ -15,7 +15,7 @@ namespace sheaf {
 
 namespace {
 
-/// Share of the second choice for lanes of different materials, one material at a time.
+/// Weights of the second choice for lanes of different materials, one material at a time.
 template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;

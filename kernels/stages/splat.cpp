@@ -1,4 +1,4 @@
-// Stage: splat. Turns the visible camera connections of photons' vertices into splats of the task.
+// Stage: splat. Converts the unoccluded camera connections of photons' vertices to splats of the task.
 #include "core/color/color.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/light_task.h"
@@ -13,7 +13,7 @@ namespace sheaf {
 namespace {
 
 /// Converts the radiance of a path to linear Rec.709. Returns false if a lane is negative or the colour is not finite.
-bool sense(const SceneView& scene, const Wave& wave, Slot slot, const Spectrum4& radiance, float (&rgb)[3]) {
+bool spectrum_to_rgb(const SceneView& scene, const Wave& wave, Slot slot, const Spectrum4& radiance, float (&rgb)[3]) {
   const float lowest = std::min(std::min(radiance.c0, radiance.c1), std::min(radiance.c2, radiance.c3));
   Vec3f color{radiance.c0, radiance.c1, radiance.c2};
   if (scene.color == ColorMode::kSpectral) {
@@ -30,7 +30,7 @@ void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) 
   const RasterPosition<Scalar> place = wave.raster_positions.load<Scalar>(column);
   const PathState<Scalar> path = wave.paths.get(slot);
   Splat splat{place.x, place.y, {}, std::uint64_t{wave.radiance.row(slot).task_sample} << 16 | path.dimension()};
-  const bool good = sense(context.scene, wave, slot, radiance, splat.rgb);
+  const bool good = spectrum_to_rgb(context.scene, wave, slot, radiance, splat.rgb);
   radiance = Spectrum4(0.0f);
   if (good) {
     context.light_task().splats.push_back(splat);

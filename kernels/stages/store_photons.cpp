@@ -38,8 +38,8 @@ float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const R
                              });
 }
 
-/// Moves a photon to where it would be relative to the grids of its medium if these stood still. Its power per volume
-/// stays that of the world. `direction`: of travel.
+/// Transforms a photon to the rest pose of the grids of its medium. Its power per volume stays that of the world.
+/// `direction`: of travel.
 void rest_photon(const SceneView& scene, std::uint32_t medium, float time, Vec3f& direction, Photon& photon) {
   if (scene.motion.media[medium].segment_count == 0) return;
   const InstancePlacement<Scalar> placed = medium_motion(scene, medium, time).placed;

@@ -1,4 +1,4 @@
-// Albedo of a surface for AOVs: the share of uniform illumination that it scatters towards the viewer
+// Albedo of a surface for AOVs: the fraction of uniform illumination that it scatters towards the viewer
 // (directional-hemispherical reflectance and transmittance).
 #pragma once
 

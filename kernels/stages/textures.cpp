@@ -67,7 +67,7 @@ void texture_words(const SceneView& scene, Wave& wave, const MaterialRow& materi
   }
 }
 
-/// Turns an angle from the tangent the other way where the shading frame is mirrored.
+/// Negates an angle from the tangent where the shading frame is mirrored.
 template <class L> void orient_rotation(Wave& wave, std::uint32_t word, const TextureTile<L>& tile) {
   float* const angles = wave.closures.columns().words[word] + tile.column;
   const TexturedItem<L> t = wave.textured.load<L>(tile.column);

@@ -27,7 +27,7 @@ struct PixelError {
   float per_brightness;  ///< 1 / squared brightness of its task
   std::uint32_t group;
 
-  /// The largest error with any number, for the choice of those that are left out.
+  /// The largest error with any number of candidates, by which pixels are excluded.
   float largest() const {
     return std::max(std::abs(squared.front()), std::abs(squared.back())) * std::sqrt(per_brightness);
   }
@@ -41,7 +41,7 @@ std::vector<PixelError> pixel_errors(const TrialPass& pass, const TrialBrightnes
   for (std::size_t task = 0; task < pass.tasks.size(); ++task) {
     const auto& [radiance, squared] = pass.tasks[task];
     for (std::size_t i = 0; i < radiance[0].size(); ++i) {
-      // The variance with kTrialCandidates, and what the squared radiance differs by with other numbers
+      // The variance with kTrialCandidates, plus the difference of the squared radiance with other numbers
       PixelError error;
       const float difference = radiance[0][i] - radiance[1][i];
       for (std::size_t k = 0; k < kCounts; ++k) {

@@ -1,4 +1,4 @@
-// Chooses the number of light candidates per vertex from a trial; see kernels/guiding/candidate_trial.h.
+// Chooses the number of light candidates per vertex from a training pass; see kernels/guiding/candidate_trial.h.
 #pragma once
 
 #include "kernels/training/trial_pass.h"
@@ -6,11 +6,10 @@
 
 namespace sheaf {
 
-/// Whether more light candidates pay.
+/// The most efficient number of light candidates.
 struct CandidateChoice {
-  int count = 1;  ///< the number that pays best
-  /// How many times the cost of a render with each of kCandidateCounts one with one candidate needs for the same error:
-  /// the ratio of the products of error and cost.
+  int count = 1;  ///< of kCandidateCounts, the one with the lowest product of error and cost
+  /// Efficiency of each of kCandidateCounts relative to one candidate: (error x cost of 1) / (error x cost of M).
   std::array<double, std::size(kCandidateCounts)> gains{1, 1, 1, 1};
 };
 

@@ -13,10 +13,10 @@ constexpr double kGuidedRay = 1.2;
 /// Minimum gain of a guide that is used. The gain of more samples is smaller than that of a set, because stratification
 /// reduces the error of unguided paths more.
 constexpr double kMinGain = 1.25;
-/// Shares of the worst pixels that estimates leave out. Where a few paths carry most of the error, estimates from two
-/// sets of samples depend on this share, and only a gain with each of them is believed.
+/// Fractions of the worst pixels that estimates exclude. Where a few paths carry most of the error, estimates from two
+/// sets of samples depend on this fraction, so the gain must be significant with each of them.
 constexpr std::array kLeftOut{kTrialLeftOut, 5 * kTrialLeftOut};
-/// Minimum gain after one pass of training for which training goes on. Gains grow with training: from 1.6 to 2.1 in an
+/// Minimum gain after one training pass for which training continues. Gains grow with training: from 1.6 to 2.1 in an
 /// interior under a sky.
 constexpr double kPromisingGain = 1;
 

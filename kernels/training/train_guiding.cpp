@@ -18,16 +18,16 @@ namespace sheaf {
 namespace {
 
 /// Camera samples of training: three per pixel of the frame, within these bounds. With kAuto it does not depend on the
-/// number of samples, so that a longer render of the same frame has the same guide; otherwise training takes a larger
-/// share of the samples, if that is more.
+/// number of samples, so that a longer render of the same frame has the same guide. Otherwise training takes at least
+/// the fraction kShare of the samples.
 constexpr double kPerPixel = 3, kShare = 0.0625, kMinTraining = 1 << 15, kMaxTraining = 1 << 19;
 /// Samples of the first pass: one per four pixels, within these bounds. The second is equally large, and every further
 /// one twice as large as the one before, except for the last, which takes the rest.
 constexpr double kMinPass = 1 << 12, kMaxPass = 1 << 16;
-/// Maximum share of training in the samples of a render.
+/// Maximum fraction of the samples of a render that training takes.
 constexpr double kMaxShare = 3.0 / 16;
-/// Samples per pixel below which no render trains, or none with kAuto. With kAuto, neither do frames of fewer pixels
-/// than kMinAutoPixels, whose gain two passes would tell badly.
+/// Minimum samples per pixel of renders that train, and of those with kAuto. kAuto also requires kMinAutoPixels,
+/// because two passes of fewer pixels give no reliable estimate of the gain.
 constexpr std::uint32_t kMinTrained = 8, kMinAutoTrained = 16;
 constexpr double kMinAutoPixels = 1 << 14;
 /// Camera samples per task.
@@ -207,7 +207,7 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     report.fit_seconds += seconds_since(start);
     ++report.passes;
     if (trials.size() < 2 || trials.size() > trial_passes || training.stopped()) continue;
-    // Decide whether guiding pays, and how many light candidates do
+    // Decide about guiding and about the number of light candidates
     const bool is_last = trials.size() == trial_passes;
     if (mode == GuidingMode::kAuto) {
       const GuidingGain gain = guiding_gain(trials.front(), trials.back());

@@ -1,6 +1,6 @@
 // Training passes of path guiding: camera samples of the whole frame that only train the guide. Each pass is guided by
 // what the previous ones have learned. Their images are discarded, because the guide must not depend on the samples of
-// the final image that it guides. The first kTrialPasses passes also show whether guiding pays (guiding_gain()) and
+// the final image that it guides. The first kTrialPasses passes also estimate the gain of guiding (guiding_gain()) and
 // how many light candidates do (choose_candidates()).
 #pragma once
 
@@ -20,15 +20,15 @@ struct GuideTraining {
   std::function<bool()> stopped;                  ///< true ends training
   std::function<void(std::uint64_t)> on_samples;  ///< progress: more camera samples were taken
   RenderReport::Guiding report = {};              ///< out
-  CandidateChoice candidates = {};                ///< out, with a trial of light candidates
+  CandidateChoice candidates = {};                ///< out, if passes compare light candidates
 };
 
 /// One training pass. The pixels of a pass are evenly distributed over the frame.
 struct TrainingPass {
   /// Each participating pixel takes the pairs [first_pair, first_pair + pairs) of sets of samples.
   std::uint32_t first_pair = 0, pairs = 0;
-  /// kTrialSet in the passes of the trial. Later passes take single samples of more pixels, from which the guide learns
-  /// more.
+  /// kTrialSet in the passes that are compared. Later passes take single samples of more pixels, from which the guide
+  /// learns more.
   std::uint32_t set_samples = 1;
   /// Every `column_stride`-th pixel of every `row_stride`-th row participates.
   int column_stride = 1, row_stride = 1;
@@ -43,7 +43,7 @@ struct TrainingPass {
 /// in frames of few pixels.
 std::vector<TrainingPass> training_passes(int width, int height, std::uint32_t samples, GuidingMode mode);
 
-/// Whether a render with training passes is long and large enough for GuidingMode::kAuto and for a trial of light
+/// Whether a render with training passes is long and large enough for GuidingMode::kAuto and for a comparison of light
 /// candidates.
 bool is_trial_worthwhile(int width, int height, std::uint32_t samples);
 

@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Lower bound on the brightness that errors are relative to, as a share of that of the frame, squared.
+/// Lower bound on the squared brightness that errors are relative to, as a fraction of that of the frame.
 constexpr double kDarkest = 0.01;
 
 }  // namespace

@@ -18,8 +18,8 @@ inline constexpr std::uint32_t kTrialSet = 4;
 struct TrialTask {
   /// Radiance of the samples of each set, all components added up: those of a pixel, then those of the next.
   std::array<std::vector<float>, 2> radiance;
-  /// In a trial of light candidates: estimates of the squared radiance of the same samples, for each of
-  /// kCandidateCounts. Otherwise empty.
+  /// Estimates of the squared radiance of the same samples, for each of kCandidateCounts; empty unless the pass
+  /// compares them.
   std::array<std::vector<Spectrum4>, 2> squared_radiance;
 };
 
@@ -28,13 +28,13 @@ struct TrialPass {
   std::vector<TrialTask> tasks;
   std::uint64_t rays = 0;  ///< traced for these samples, of all kinds
 
-  // In a trial of light candidates:
+  // If the pass compares numbers of light candidates:
   std::uint64_t light_vertices = 0;                                      ///< that sample lights
   std::array<std::uint64_t, std::size(kCandidateCounts)> shadow_rays{};  ///< for each of kCandidateCounts
 };
 
-/// Errors of a trial are in relation to the brightness of the frame: of each task, squared, but not below a share of
-/// that of the frame. Fireflies must not hide the error around them, so the brightest samples do not count.
+/// Errors are relative to the squared mean radiance of their task, which counts as at least a fraction of that of the
+/// frame. Means exclude the brightest samples, so that fireflies do not hide the error around them.
 struct TrialBrightness {
   double of_frame = 0;          ///< squared; 0: the pass holds no light
   std::vector<double> of_task;  ///< squared
@@ -42,13 +42,14 @@ struct TrialBrightness {
   explicit TrialBrightness(const TrialPass& pass);
 };
 
-/// Share of the pixels whose error is left out: the error of a few bright pixels is known too badly.
+/// Fraction of the pixels with the largest errors that estimates exclude: the error of a few bright pixels cannot be
+/// estimated reliably.
 inline constexpr double kTrialLeftOut = 0.001;
 
-/// Mean without the largest values. `left_out`: their share. Reorders `values`.
+/// Mean without the largest values. `left_out`: the fraction that is excluded. Reorders `values`.
 double trimmed_mean(std::vector<float>& values, double left_out = kTrialLeftOut);
 
-/// Number of groups of pixels, each of which the jackknife leaves out once.
+/// Number of groups of pixels, each of which the jackknife excludes once.
 inline constexpr std::size_t kTrialGroups = 16;
 
 /// Standard error of an estimate by the jackknife (Efron and Stein 1981). `without`: the estimates without each group.

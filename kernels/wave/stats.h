@@ -34,7 +34,7 @@ struct StageStats {
   double seconds() const { return static_cast<double>(ticks) * seconds_per_tick(); }
   /// Nanoseconds per item; 0 without items.
   double ns_per_item() const;
-  /// Share of the SIMD lanes that did useful work, in [0, 1]; 0 without batches.
+  /// Fraction of the SIMD lanes that did useful work, in [0, 1]; 0 without batches.
   double lane_fill() const;
 };
 

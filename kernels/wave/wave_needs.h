@@ -15,7 +15,7 @@ struct WaveNeeds {
   bool candidates = true;                ///< light candidates
   bool reservoirs = true;                ///< resampling of several light candidates
   bool light_tops = true;                ///< cuts of the light tree, shared by the candidates of a vertex
-  bool candidate_trial = true;           ///< moments of trials of light candidates
+  bool candidate_trial = true;           ///< moments by the number of light candidates
   bool raster_positions = true;          ///< film positions of photons' vertices
   std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
   bool guides = true;                    ///< guide cells
@@ -23,7 +23,7 @@ struct WaveNeeds {
   int closure_words = kMaxClosureWords;  ///< words of the longest closure
 
   static WaveNeeds of(const StageContext& context);
-  /// Also for passes of the same context that try numbers of light candidates, and for those with the number found.
+  /// Union of the needs of passes that compare numbers of light candidates and of the final passes.
   static WaveNeeds with_candidate_trial(const StageContext& context);
 };
 
