@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sheaf {
@@ -24,62 +25,68 @@ struct SceneInfo {
   BvhLayout bvh = BvhLayout::kFast;
 };
 
-/// Owns the tables. Not copyable or movable: Embree holds pointers to them.
+/// All tables of a scene. Moving them does not move their rows, to which the acceleration structure refers.
+struct SceneTables {
+  GeometryTables geometry;
+  MaterialTables materials;
+  TextureTables textures;
+  LightTables lights;
+  MediumTables media;
+  MotionTables motion;
+  SensorTables sensor;
+  SpectrumTables spectra;        ///< empty in RGB mode
+  std::unique_ptr<Accel> accel;  ///< null while the scene is being compiled
+  Vec3d origin{};                ///< see Scene::origin()
+  Vec3f center{};                ///< see SceneView
+  float radius = 0;
+  bool needs_transmittance = false, shadow_rays_pass_thin_dielectrics = false;
+  FilmSettings film;
+  SamplerSettings sampler;
+  IntegratorSettings integrator;
+  ColorMode color = ColorMode::kRgb;
+  SceneNames names;
+  SceneInfo info;  ///< without sizes in bytes
+  std::vector<std::string> warnings;
+
+  /// The kernels' view of the tables as they are; valid until they are changed or moved.
+  SceneView view() const;
+};
+
+/// An immutable scene. Not copyable or movable: its view refers to it.
 class Scene {
  public:
-  Scene() = default;
+  explicit Scene(SceneTables tables) : tables_(std::move(tables)), view_(tables_.view()) {}
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
+  /// Moves the tables out of a scene and destroys it.
+  static SceneTables release(std::unique_ptr<Scene> scene) { return std::move(scene->tables_); }
 
   /// The kernels' view; valid during the scene's lifetime.
   const SceneView& view() const { return view_; }
   SceneInfo info() const;
   /// The memory of the tables and of the acceleration structure by cause. Without advice.
   std::vector<MemoryUse> memory() const;
-  const FilmSettings& film() const { return film_; }
-  const SamplerSettings& sampler() const { return sampler_; }
+  const FilmSettings& film() const { return tables_.film; }
+  const SamplerSettings& sampler() const { return tables_.sampler; }
   /// The sampler that the scene specifies, with its seed and number of samples.
   SamplerView sampler_view() const {
-    return make_sampler(sampler_.kind, sampler_.seed, sampler_.sample_count, static_cast<std::uint32_t>(film_.width));
+    return make_sampler(sampler().kind, sampler().seed, sampler().sample_count,
+                        static_cast<std::uint32_t>(film().width));
   }
-  const IntegratorSettings& integrator() const { return integrator_; }
+  const IntegratorSettings& integrator() const { return tables_.integrator; }
   /// Locations of the lights in scene files, by row; only for the first kMaxReportedLights.
-  const std::vector<SourceLocation>& light_source_locations() const { return lights_.source_locations; }
+  const std::vector<SourceLocation>& light_source_locations() const { return tables_.lights.source_locations; }
   /// Names from files.
-  const SceneNames& names() const { return names_; }
+  const SceneNames& names() const { return tables_.names; }
   /// Remarks on repaired or dropped elements.
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  ColorMode color() const { return color_; }
+  const std::vector<std::string>& warnings() const { return tables_.warnings; }
+  ColorMode color() const { return tables_.color; }
   /// All tables are relative to this point of world space; see scene/compile/render_origin.h.
-  Vec3d origin() const { return origin_; }
+  Vec3d origin() const { return tables_.origin; }
 
  private:
-  friend class SceneCompiler;
-
-  /// The view of the tables as they are.
-  SceneView make_view() const;
-
-  GeometryTables geometry_;
-  MaterialTables materials_;
-  TextureTables textures_;
-  LightTables lights_;
-  MediumTables media_;
-  MotionTables motion_;
-  SensorTables sensor_;
-  SpectrumTables spectra_;
-  std::unique_ptr<Accel> accel_;
-  Vec3d origin_;
-  Vec3f center_{};
-  float radius_ = 0;
-  bool needs_transmittance_ = false, shadow_rays_pass_thin_dielectrics_ = false;
-  FilmSettings film_;
-  SamplerSettings sampler_;
-  IntegratorSettings integrator_;
-  ColorMode color_ = ColorMode::kRgb;
-  SceneNames names_;
-  SceneInfo counts_;
-  std::vector<std::string> warnings_;
-  SceneView view_;  ///< of the finished tables
+  SceneTables tables_;
+  SceneView view_;
 };
 
 }  // namespace sheaf

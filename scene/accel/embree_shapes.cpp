@@ -8,8 +8,8 @@ namespace sheaf {
 
 namespace {
 
-void write_bounds(const RTCBoundsFunctionArguments* args, const QuadricBounds& b) {
-  *args->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
+void write_bounds(const RTCBoundsFunctionArguments* args, const Bounds3f& b) {
+  *args->bounds_o = {b.min.x, b.min.y, b.min.z, 0, b.max.x, b.max.y, b.max.z, 0};
 }
 void bounds_callback(const RTCBoundsFunctionArguments* args) {
   write_bounds(args, quadric_bounds(*static_cast<const QuadricRow*>(args->geometryUserPtr)));

@@ -161,7 +161,7 @@ QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_nor
   return row;
 }
 
-QuadricBounds quadric_bounds(const QuadricRow& row) {
+Bounds3f quadric_bounds(const QuadricRow& row) {
   double lower[3], upper[3];
   for (std::size_t i = 0; i < 3; ++i) {
     const float* r = row.to_world + 4 * i;

@@ -1,6 +1,7 @@
 // Spheres, disks and cylinders as affine images of canonical shapes, with ray intersection in double precision.
 #pragma once
 
+#include "core/math/bounds.h"
 #include "core/math/transform.h"
 #include "scene/tables/shape_rows.h"
 
@@ -11,12 +12,8 @@ namespace sheaf {
 /// Makes the row for a canonical shape under `to_world`. Throws SceneError if the transform is not affine.
 QuadricRow make_quadric(ShapeKind kind, const Transform& to_world, bool flip_normals);
 
-struct QuadricBounds {
-  Vec3f lower, upper;
-};
-
 /// World-space bounds, rounded outwards.
-QuadricBounds quadric_bounds(const QuadricRow& row);
+Bounds3f quadric_bounds(const QuadricRow& row);
 
 /// Intersection of a ray with a quadric.
 struct QuadricHit {

@@ -152,7 +152,7 @@ bool holds_surface(const SdfGridRow& grid, const float* values, std::uint32_t x,
   return *smallest <= 0 && *largest >= 0 && *smallest < *largest;
 }
 
-QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
+Bounds3f sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell) {
   const Triple corner = to_double(corner_of(view, cell));
   constexpr double kMargin = 1.0 / 256;  // in cells
   float lower[3], upper[3];

@@ -23,7 +23,7 @@ SdfGridView sdf_grid_view(const QuadricRow* quadrics, const SdfGridRow& grid, co
 bool holds_surface(const SdfGridRow& grid, const float* values, std::uint32_t x, std::uint32_t y, std::uint32_t z);
 
 /// World-space bounds of a cell, enlarged by more than Embree's rounding errors.
-QuadricBounds sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell);
+Bounds3f sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell);
 
 /// Nearest intersection with the surface inside one cell, with t in (t_near, t_far). Solves a cubic polynomial along
 /// the ray (Marmitt et al. 2004; Hansson-Soederlund, Evans and Akenine-Moeller 2022). There are no gaps between

@@ -1,15 +1,19 @@
-// The steps of scene compilation in order, with cameras, materials, bounds and the final tables.
+// The steps of scene compilation in order. Each subject has a compiler of its own.
 #include "scene/compile/compile.h"
 
 #include "core/io/memory.h"
 #include "scene/compile/compile_camera.h"
+#include "scene/compile/compile_lights.h"
 #include "scene/compile/compile_materials.h"
-#include "scene/compile/media/load_volume.h"
+#include "scene/compile/geometry/compile_geometry.h"
+#include "scene/compile/media/compile_media.h"
 #include "scene/compile/render_origin.h"
-#include "scene/compile/scene_compiler.h"
+#include "scene/compile/scene_naming.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
+#include <span>
 
 namespace sheaf {
 
@@ -24,143 +28,26 @@ template <class Step> void with_memory_for(const char* what, const char* advice,
   } catch (const std::bad_alloc&) { throw out_of_memory("the scene's " + std::string(what), advice); }
 }
 
-/// Compiles a scene relative to a point in world space.
-std::unique_ptr<Scene> compile_from(Vec3d origin, const Description& description, const CompileOptions& options) {
-  if (origin == Vec3d()) return SceneCompiler(description, origin, options).run();
-  const Description moved = moved_to(description, origin);
-  return SceneCompiler(moved, origin, options).run();
+/// Adds the time until its destruction, in seconds.
+class SecondsTimer {
+ public:
+  explicit SecondsTimer(double& seconds) : seconds_(seconds) {}
+  ~SecondsTimer() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  SecondsTimer(const SecondsTimer&) = delete;
+  SecondsTimer& operator=(const SecondsTimer&) = delete;
+
+ private:
+  double& seconds_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Appends warnings.
+void append(std::vector<std::string>& warnings, const std::vector<std::string>& more) {
+  warnings.insert(warnings.end(), more.begin(), more.end());
 }
 
-}  // namespace
-
-std::unique_ptr<Scene> SceneCompiler::run() {
-  // Copy the settings
-  out_->color_ = options_.color;
-  if (options_.color == ColorMode::kSpectral) spectra_.emplace();
-  out_->film_ = in_.film;
-  out_->sampler_ = in_.sampler;
-  out_->integrator_ = in_.integrator;
-  // Prepare cameras and pixel filter
-  add_cameras();
-  const bool weighted = in_.film.filter_mode == FilterMode::kWeighted;
-  out_->sensor_.filter = weighted ? make_placement_table(in_.film.filter) : make_filter_table(in_.film.filter);
-  if (weighted) out_->sensor_.filter_weights.emplace(in_.film.filter);
-  // Read meshes and textures by all threads; compile textures and materials
-  read_meshes_ahead();
-  with_memory_for("textures", "use smaller images", [&] {
-    const SecondsTimer timer(times_.texture_seconds);
-    out_->textures_ = compile_textures(in_.textures, &places_of_texture_grids_);
-  });
-  out_->warnings_ = in_.warnings;
-  out_->warnings_.insert(out_->warnings_.end(), out_->textures_.warnings.begin(), out_->textures_.warnings.end());
-  attributes_.emplace(out_->textures_.attribute_names);
-  add_materials();
-  for (std::string& warning : clamped_texel_warnings(in_.textures, out_->textures_, out_->materials_.bindings))
-    out_->warnings_.push_back(std::move(warning));
-  // Add shapes, those of groups last, and instances
-  with_memory_for("meshes and instances", kFewerTriangles, [&] {
-    const SecondsTimer timer(times_.mesh_seconds);
-    for (const ShapeDescription& shape : in_.shapes)
-      if (!is_placed_by_motion(shape)) add_shape(shape);
-    ungrouped_shapes_ = static_cast<std::uint32_t>(out_->geometry_.shapes.size());
-    std::vector<GroupContents> groups;
-    for (const ShapeGroup& group : in_.groups) groups.push_back(add_group(group.shapes, group.id));
-    add_instances(groups);
-    meshes_.reset();
-  });
-  if (const Vec3d origin = origin_of_mesh_files(); origin != Vec3d()) return compile_from(origin, in_, options_);
-  for (const OpenBoundaries::Gap& gap : open_boundaries_.gaps())
-    out_->warnings_.push_back(
-        SceneError(gap.where,
-                   "the mesh bounds a medium and has " + std::to_string(gap.edges) +
-                       " open edges: unless other shapes close it, paths enter and leave the medium unnoticed")
-            .what());
-  check_attributes();
-  set_bounds();
-  // Compile media, and lights, which depend on the bounds and on emitting media
-  with_memory_for("grids of media", "use coarser grids", [&] { add_media(); });
-  with_memory_for("lights and environment map", "use a smaller environment map", [&] { add_lights(); });
-  end_media();
-  // Pad the tables and build the acceleration structure
-  with_memory_for("acceleration structure", kFewerTriangles, [&] { finish_tables(); });
-  out_->view_ = out_->make_view();
-  if (options_.report != nullptr) *options_.report = report();
-  return std::move(out_);
-}
-
-CompileReport SceneCompiler::report() const {
-  CompileReport report = times_;
-  report.grids = places_of_grids_;
-  report.grids.insert(report.grids.end(), places_of_texture_grids_.begin(), places_of_texture_grids_.end());
-  for (PlacedGrid& grid : report.grids) {
-    const auto in_world = [&](Vec3f p) { return (Vec3d(p) + out_->origin_).rounded(); };
-    grid.box = {in_world(grid.box.min), in_world(grid.box.max)};
-  }
-  report.envmap_width = out_->lights_.envmap.width;
-  report.envmap_height = out_->lights_.envmap.height;
-  report.envmap_bytes = out_->lights_.envmap.bytes();
-  report.texture_bytes = out_->textures_.tile_count * sizeof(TexelTile);
-  return report;
-}
-
-void SceneCompiler::add_cameras() {
-  const auto count = static_cast<int>(in_.more_cameras.size()) + 1;
-  if (in_.film.width % count != 0)
-    throw SceneError(in_.camera.where, "the film's width of " + std::to_string(in_.film.width) +
-                                           " pixels is not a multiple of the number of cameras, " +
-                                           std::to_string(count));
-  cameras_.push_back(place_camera(in_.camera, 0));
-  for (const CameraDescription& camera : in_.more_cameras) cameras_.push_back(place_camera(camera, cameras_.size()));
-  for (const CameraDescription& camera : cameras_) {
-    const Camera made = make_camera(camera, in_.film.width / count, in_.film.height);
-    if (&camera == cameras_.data())
-      out_->sensor_.camera = made;
-    else
-      out_->sensor_.more_cameras.push_back(made);
-  }
-  if (in_.integrator.traits().connects_photons() && (count > 1 || !out_->sensor_.camera.sees_points))
-    throw SceneError(
-        in_.camera.where,
-        "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
-}
-
-void SceneCompiler::add_materials() {
-  // Reject bump maps without slopes over uv
-  for (const MaterialDescription& m : in_.materials) {
-    const auto* bump = std::get_if<BumpMapDescription>(&m.model);
-    if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in_.textures.size()) continue;
-    if (domain_of(in_.textures[static_cast<std::size_t>(bump->displacement)].model) == TextureDomain::kPoint)
-      throw SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)");
-  }
-  // Flatten materials and phase functions into rows
-  std::vector<PhaseDescription> phases = in_.phases;
-  if (!in_.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
-  naming_.add_materials(in_.materials);
-  CompiledMaterials materials = compile_materials(in_.materials, spectra(), phases);
-  row_of_phase_ = std::move(materials.row_of_phase);
-  out_->warnings_.insert(out_->warnings_.end(), materials.warnings.begin(), materials.warnings.end());
-  for (const MaterialSpectra& rows : materials.spectra)
-    out_->spectra_.materials.insert(out_->spectra_.materials.end(), rows.begin(), rows.end());
-  out_->materials_ = std::move(materials.tables);
-  row_of_material_ = std::move(materials.row_of);
-  default_material_ = materials.default_row;
-  // Find out whether shadow rays may pass through surfaces
-  const auto lets_pass = [](const MaterialRow& row) {
-    return (row.flags & kComposite) != 0 &&
-           (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
-  };
-  out_->needs_transmittance_ =
-      !in_.media.empty() || std::any_of(out_->materials_.rows.begin(), out_->materials_.rows.end(), lets_pass);
-  out_->shadow_rays_pass_thin_dielectrics_ =
-      in_.integrator.thin_dielectrics_are_free && shadow_rays_can_pass_thin_dielectrics();
-  // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
-  const bool passes_lights = in_.integrator.traits().connects_photons() && in_.integrator.hide_emitters;
-  out_->needs_transmittance_ = out_->needs_transmittance_ || out_->shadow_rays_pass_thin_dielectrics_ || passes_lights;
-  out_->counts_.materials = in_.materials.size();
-}
-
-bool SceneCompiler::shadow_rays_can_pass_thin_dielectrics() const {
-  const std::vector<MaterialRow>& rows = out_->materials_.rows;
+/// Whether shadow rays may pass through the thin dielectrics among materials.
+bool can_pass_thin_dielectrics(const std::vector<MaterialRow>& rows) {
   const auto is_thin_dielectric = [&](std::uint32_t row) {
     return row != MaterialRow::kNothing && closure_info(rows[row].kind).is_thin_dielectric;
   };
@@ -175,78 +62,194 @@ bool SceneCompiler::shadow_rays_can_pass_thin_dielectrics() const {
   return any;
 }
 
-void SceneCompiler::set_bounds() {
-  if (!(lower_.x <= upper_.x)) lower_ = upper_ = {0, 0, 0};
-  // Bound the shapes by a sphere
-  out_->counts_.bounds_min = Vec3d(lower_) + out_->origin_;
-  out_->counts_.bounds_max = Vec3d(upper_) + out_->origin_;
-  out_->center_ = lower_ * 0.5f + upper_ * 0.5f;
-  out_->radius_ = length(upper_ * 0.5f - lower_ * 0.5f);
-  // Place distant sensors outside of the sphere
-  const float sphere = std::max(out_->radius_, 1e-3f);
-  place_distant(out_->sensor_.camera, cameras_[0], out_->center_, sphere);
-  for (std::size_t i = 0; i < out_->sensor_.more_cameras.size(); ++i)
-    place_distant(out_->sensor_.more_cameras[i], cameras_[i + 1], out_->center_, sphere);
-  // Shadow rays to the environment end outside of everything, including the cameras.
-  for (std::size_t i = 0; i < cameras_.size(); ++i) {
-    const Camera& camera = i == 0 ? out_->sensor_.camera : out_->sensor_.more_cameras[i - 1];
-    const MotionRow motion = i < out_->motion_.cameras.size() ? out_->motion_.cameras[i] : MotionRow{};
-    for (const Vec3f p : places_along(motion, camera.origin))
-      out_->radius_ = std::max(out_->radius_, length(p - out_->center_));
+/// Adds materials and phase functions, the last of which is isotropic if there are media.
+CompiledMaterials add_materials(const Description& in, SpectrumSet* spectra, SceneTables& scene) {
+  // Reject bump maps without slopes over uv
+  for (const MaterialDescription& m : in.materials) {
+    const auto* bump = std::get_if<BumpMapDescription>(&m.model);
+    if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in.textures.size()) continue;
+    if (domain_of(in.textures[static_cast<std::size_t>(bump->displacement)].model) == TextureDomain::kPoint)
+      throw SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)");
   }
-  out_->radius_ = std::max(out_->radius_, 1e-3f);
+  // Flatten materials and phase functions into rows
+  std::vector<PhaseDescription> phases = in.phases;
+  if (!in.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
+  CompiledMaterials materials = compile_materials(in.materials, spectra, phases);
+  append(scene.warnings, materials.warnings);
+  for (const MaterialSpectra& rows : materials.spectra)
+    scene.spectra.materials.insert(scene.spectra.materials.end(), rows.begin(), rows.end());
+  scene.materials = std::move(materials.tables);
+  append(scene.warnings, clamped_texel_warnings(in.textures, scene.textures, scene.materials.bindings));
+  return materials;
 }
 
-Vec3d SceneCompiler::origin_of_mesh_files() const {
+/// Finds out whether shadow rays may pass through surfaces.
+void set_transmittance(const Description& in, SceneTables& scene) {
+  const std::vector<MaterialRow>& rows = scene.materials.rows;
+  const auto lets_pass = [](const MaterialRow& row) {
+    return (row.flags & kComposite) != 0 &&
+           (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
+  };
+  scene.shadow_rays_pass_thin_dielectrics = in.integrator.thin_dielectrics_are_free && can_pass_thin_dielectrics(rows);
+  // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
+  const bool passes_lights = in.integrator.traits().connects_photons() && in.integrator.hide_emitters;
+  scene.needs_transmittance = !in.media.empty() || std::any_of(rows.begin(), rows.end(), lets_pass) ||
+                              scene.shadow_rays_pass_thin_dielectrics || passes_lights;
+}
+
+/// The origin that suits the vertices of mesh files; zero if the present one does.
+Vec3d origin_of_mesh_files(const Description& in, const CompiledGeometry& geometry, Vec3d origin) {
   const auto is_file = [](const ShapeDescription& s) { return std::holds_alternative<MeshFileShape>(s.geometry); };
-  if (out_->origin_ != Vec3d() || std::none_of(in_.shapes.begin(), in_.shapes.end(), is_file)) return {};
+  if (origin != Vec3d() || std::none_of(in.shapes.begin(), in.shapes.end(), is_file)) return {};
   std::vector<Vec3d> points;
-  for (std::size_t i = 0; i < ungrouped_shapes_; ++i) {
-    const ShapeRow& shape = out_->geometry_.shapes[i];
+  for (std::size_t i = 0; i < geometry.ungrouped_shapes; ++i) {
+    const ShapeRow& shape = geometry.tables.shapes[i];
     if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh)
-      points.push_back(out_->geometry_.vertices[shape.first_vertex].position);
+      points.push_back(geometry.tables.vertices[shape.first_vertex].position);
   }
-  return render_origin(in_.camera.to_world.translation(), points);
+  return render_origin(in.camera.to_world.translation(), points);
 }
 
-void SceneCompiler::finish_tables() {
-  GeometryTables& geometry = out_->geometry_;
-  LightTables& lights = out_->lights_;
-  out_->counts_.shapes = geometry.shapes.size();
-  // Pad the tables of geometry: triangles are loaded four words at a time, and inactive lanes read row zero
-  if (geometry.vertices.empty()) geometry.vertices.emplace_back();
-  geometry.vertices.shrink_to_fit();
-  if (!geometry.tangents.empty()) geometry.tangents.resize(geometry.vertices.size());
-  geometry.triangles.insert(geometry.triangles.end(), kTrianglePadding, 0u);
-  geometry.triangles.shrink_to_fit();
-  if (geometry.quadrics.empty()) geometry.quadrics.emplace_back();
-  if (geometry.shapes.empty()) geometry.shapes.emplace_back();
-  // Lay out mesh attributes
-  attributes_->finish(static_cast<std::uint32_t>(geometry.shapes.size()));
-  out_->textures_.attributes = attributes_->entries();
-  out_->textures_.attribute_values = attributes_->values();
-  // Pad the tables of lights
-  if (lights.triangle_alias.empty()) lights.triangle_alias.emplace_back();
-  if (lights.triangles.empty()) lights.triangles.emplace_back();
-  if (lights.frames.empty()) lights.frames.emplace_back();
-  if (lights.uvs.empty()) lights.uvs.emplace_back();
-  if (out_->spectra_.lights.empty()) out_->spectra_.lights.emplace_back();
-  for (const MediumRow& medium : out_->media_.rows)
-    if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) out_->names_.has_other_light = true;
-  // Build the tables for light selection and the acceleration structure
-  if (spectra_) out_->spectra_.samples = spectra_->samples();
-  finish_motion();
-  select_lights();
-  build_accel();
-  probe_media();
+/// Moves the tables of geometry to the scene, and names their shapes.
+void set_geometry(CompiledGeometry& geometry, SceneNaming& naming, SceneTables& scene) {
+  scene.info = geometry.info;
+  scene.geometry = std::move(geometry.tables);
+  scene.textures.attributes = geometry.attributes.entries();
+  scene.textures.attribute_values = geometry.attributes.values();
+  for (const auto& [shape, group] : geometry.sources) naming.add_shape(*shape, group);
+  append(scene.warnings, geometry.warnings);
 }
 
-void SceneCompiler::warn(const ShapeDescription& shape, const std::string& message) {
-  out_->warnings_.push_back(SceneError(shape.where, message).what());
+/// Bounds the shapes and the cameras by a sphere, and places distant sensors outside of the shapes.
+void set_bounds(const Bounds3f& shapes, std::span<const CameraDescription> cameras, const MotionCompiler& motion,
+                SceneTables& scene) {
+  scene.info.bounds_min = Vec3d(shapes.min) + scene.origin;
+  scene.info.bounds_max = Vec3d(shapes.max) + scene.origin;
+  scene.center = shapes.min * 0.5f + shapes.max * 0.5f;
+  scene.radius = length(shapes.max * 0.5f - shapes.min * 0.5f);
+  const float sphere = std::max(scene.radius, 1e-3f);
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    place_distant(scene.sensor.camera_of(i), cameras[i], scene.center, sphere);
+  // Shadow rays to the environment end outside of everything, including the cameras.
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    for (const Vec3f p :
+         motion.positions(MotionCompiler::of(scene.motion.cameras, i), scene.sensor.camera_of(i).origin))
+      scene.radius = std::max(scene.radius, length(p - scene.center));
+  scene.radius = std::max(scene.radius, 1e-3f);
 }
+
+/// Adds media, whose grids it describes, and lights, which depend on the bounds and on emitting media.
+std::vector<PlacedGrid> add_media_and_lights(const Description& in, const CompiledGeometry& geometry,
+                                             const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* spectra,
+                                             MotionCompiler& motion, SceneNaming& naming, SceneTables& scene) {
+  const auto store_samples = [&] {
+    if (spectra != nullptr) scene.spectra.samples = spectra->samples();
+  };
+  CompiledMedia media;
+  with_memory_for("grids of media", "use coarser grids", [&] {
+    media = compile_media(in, geometry, row_of_phase, spectra, motion, scene.geometry.shapes);
+    scene.media = std::move(media.tables);
+    scene.spectra.media = std::move(media.spectra);
+    append(scene.warnings, media.warnings);
+    store_samples();
+    check_media(scene.view(), in.media, scene.media);
+  });
+  with_memory_for("lights and environment map", "use a smaller environment map", [&] {
+    CompiledLights lights = compile_lights(in, geometry, media, spectra, motion, naming, scene);
+    scene.info.lights = lights.tables.rows.size();
+    scene.lights = std::move(lights.tables);
+    scene.spectra.lights = std::move(lights.spectra);
+    append(scene.warnings, lights.warnings);
+    store_samples();
+  });
+  for (const MediumRow& medium : scene.media.rows)
+    if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) scene.names.has_other_light = true;
+  end_media(motion, scene);
+  // Extend the tables of motions to all rows
+  const auto extend = [](std::vector<MotionRow>& rows, std::size_t count) {
+    if (!rows.empty()) rows.resize(count);
+  };
+  extend(scene.motion.instances, scene.geometry.instances.size());
+  extend(scene.motion.lights, scene.lights.rows.size());
+  extend(scene.motion.cameras, scene.sensor.more_cameras.size() + 1);
+  extend(scene.motion.media, scene.media.rows.size());
+  select_lights(motion, scene);
+  return media.grids;
+}
+
+/// Adds to the report what is known of the finished tables. `grids`: relative to the scene's origin.
+void complete(CompileReport& report, std::vector<PlacedGrid> grids, const SceneTables& scene) {
+  for (PlacedGrid& grid : grids) {
+    const auto in_world = [&](Vec3f p) { return (Vec3d(p) + scene.origin).rounded(); };
+    grid.box = {in_world(grid.box.min), in_world(grid.box.max)};
+  }
+  report.grids = std::move(grids);
+  report.envmap_width = scene.lights.envmap.width;
+  report.envmap_height = scene.lights.envmap.height;
+  report.envmap_bytes = scene.lights.envmap.bytes();
+  report.texture_bytes = scene.textures.tile_count * sizeof(TexelTile);
+}
+
+/// Compiles a description relative to a point in world space; see moved_to().
+std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const CompileOptions& options) {
+  CompileReport report;
+  SceneTables scene;
+  scene.origin = origin;
+  scene.color = options.color;
+  scene.film = in.film;
+  scene.sampler = in.sampler;
+  scene.integrator = in.integrator;
+  scene.warnings = in.warnings;
+  std::optional<SpectrumSet> set;
+  if (options.color == ColorMode::kSpectral) set.emplace();
+  SpectrumSet* const spectra = set ? &*set : nullptr;
+  SceneNaming naming(scene.names);
+  MotionCompiler motion(in, scene.motion);
+  CompiledCameras cameras = compile_cameras(in, motion);
+  scene.sensor = std::move(cameras.tables);
+  // Read meshes and textures by all threads; compile textures, materials, shapes and instances
+  MeshReader meshes(in);
+  std::vector<PlacedGrid> texture_grids;
+  with_memory_for("textures", "use smaller images", [&] {
+    const SecondsTimer timer(report.texture_seconds);
+    scene.textures = compile_textures(in.textures, &texture_grids);
+  });
+  append(scene.warnings, scene.textures.warnings);
+  naming.add_materials(in.materials);
+  const CompiledMaterials materials = add_materials(in, spectra, scene);
+  set_transmittance(in, scene);
+  CompiledGeometry geometry(scene.textures.attribute_names);
+  with_memory_for("meshes and instances", kFewerTriangles, [&] {
+    const SecondsTimer timer(report.mesh_seconds);
+    geometry = compile_geometry(in, meshes, scene.textures, materials, motion);
+  });
+  // Start again with another origin if mesh files lie far from the present one
+  if (const Vec3d better = origin_of_mesh_files(in, geometry, origin); better != Vec3d())
+    return compile_moved(moved_to(in, better), better, options);
+  set_geometry(geometry, naming, scene);
+  scene.info.materials = in.materials.size();
+  append(scene.warnings, check_attributes(in, scene, geometry));
+  set_bounds(geometry.bounds, cameras.at_open, motion, scene);
+  // Compile media and lights, build the acceleration structure, and trace probe rays
+  std::vector<PlacedGrid> grids =
+      add_media_and_lights(in, geometry, materials.row_of_phase, spectra, motion, naming, scene);
+  with_memory_for("acceleration structure", kFewerTriangles, [&] {
+    const SecondsTimer timer(report.accel_seconds);
+    build_accel(geometry, options, scene);
+  });
+  probe_media(in, geometry, cameras.at_open, scene);
+  grids.insert(grids.end(), texture_grids.begin(), texture_grids.end());
+  complete(report, std::move(grids), scene);
+  if (options.report != nullptr) *options.report = std::move(report);
+  return std::make_unique<Scene>(std::move(scene));
+}
+
+}  // namespace
 
 std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options) {
-  return compile_from(render_origin(description), description, options);
+  const Vec3d origin = render_origin(description);
+  if (origin == Vec3d()) return compile_moved(description, origin, options);
+  return compile_moved(moved_to(description, origin), origin, options);
 }
 
 }  // namespace sheaf

@@ -13,7 +13,7 @@ namespace sheaf {
 struct PlacedGrid {
   std::string name;           ///< the file, and the grid's name in it, if any
   SourceLocation where;       ///< location of its owner in the scene file
-  GridBox box{};              ///< around its voxels; world space, metres
+  Bounds3f box{};             ///< around its voxels; world space, metres
   std::array<int, 3> size{};  ///< voxels along each axis, without background; 0: the grid is empty
   int channels = 1;
   std::size_t bytes = 0;

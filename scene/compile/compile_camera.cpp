@@ -95,7 +95,49 @@ Vec3f z_axis_of(const Camera& camera) {
   return across * (1.0f / dot(across, camera.corner));
 }
 
+/// The camera when the shutter opens. Adds its motion from there.
+CameraDescription at_open(CameraDescription camera, std::size_t index, MotionCompiler& motion) {
+  const AnimatedTransform* transform = motion.transform(camera.motion);
+  if (transform == nullptr) return camera;
+  try {
+    camera.to_world = transform->at(motion.shutter().open);
+    // Directions must be accurate to a fraction of a pixel
+    constexpr double kMaxDirectionError = 2e-5;
+    MotionProbes probes = MotionProbes::of_directions(kMaxDirectionError);
+    probes.add_point(camera.to_world.point({0, 0, 0}));
+    const auto steps = tabulate_motion({*transform, camera.to_world.inverse()}, probes, motion.shutter());
+    if (steps.size() > 1) MotionCompiler::set(motion.tables().cameras, index, motion.add(steps));
+  } catch (const SceneError& error) { throw at_place(camera.where, error); }
+  return camera;
+}
+
 }  // namespace
+
+CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion) {
+  CompiledCameras out;
+  SensorTables& sensor = out.tables;
+  const auto count = static_cast<int>(in.more_cameras.size()) + 1;
+  if (in.film.width % count != 0)
+    throw SceneError(in.camera.where, "the film's width of " + std::to_string(in.film.width) +
+                                          " pixels is not a multiple of the number of cameras, " +
+                                          std::to_string(count));
+  // Place the cameras
+  out.at_open.push_back(at_open(in.camera, 0, motion));
+  for (const CameraDescription& camera : in.more_cameras)
+    out.at_open.push_back(at_open(camera, out.at_open.size(), motion));
+  sensor.more_cameras.resize(in.more_cameras.size());
+  for (std::size_t i = 0; i < out.at_open.size(); ++i)
+    sensor.camera_of(i) = make_camera(out.at_open[i], in.film.width / count, in.film.height);
+  if (in.integrator.traits().connects_photons() && (count > 1 || !sensor.camera.sees_points))
+    throw SceneError(
+        in.camera.where,
+        "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
+  // Tabulate the pixel filter
+  const bool weighted = in.film.filter_mode == FilterMode::kWeighted;
+  sensor.filter = weighted ? make_placement_table(in.film.filter) : make_filter_table(in.film.filter);
+  if (weighted) sensor.filter_weights.emplace(in.film.filter);
+  return out;
+}
 
 Camera make_camera(const CameraDescription& description, int width, int height) {
   check(description);

@@ -1,10 +1,19 @@
 // Compiles cameras.
 #pragma once
 
-#include "scene/description/camera.h"
-#include "scene/tables/camera.h"
+#include "scene/compile/compile_motion.h"
+#include "scene/tables/sensor_tables.h"
 
 namespace sheaf {
+
+struct CompiledCameras {
+  SensorTables tables;
+  std::vector<CameraDescription> at_open;  ///< the cameras when the shutter opens
+};
+
+/// Compiles the cameras of a scene, with their motions, and the pixel filter. Throws SceneError like make_camera(), for
+/// a film that is not divisible by the number of cameras, and for cameras that the integrator does not support.
+CompiledCameras compile_cameras(const Description& description, MotionCompiler& motion);
 
 /// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
 /// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not

@@ -158,14 +158,10 @@ std::vector<AffineRows> fewest_steps(const ShutterMotion& motion, int with_keys)
 
 }  // namespace
 
-MotionProbes MotionProbes::of_box(const GridBox& box) {
+MotionProbes MotionProbes::of_box(const Bounds3f& box) {
   MotionProbes out;
   const Vec3f size = box.max - box.min;
-  const auto corner = [&](int i) {
-    return Vec3f{(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-                 (i & 4) != 0 ? box.max.z : box.min.z};
-  };
-  for (int i = 0; i < 8; ++i) out.add_point(corner(i));
+  for (int i = 0; i < 8; ++i) out.add_point(box.corner(i));
   out.add_point(box.min + size * 0.5f);
   for (int i = 0; i < 4; ++i)
     out.diagonals_.push_back({(i & 1) != 0 ? -size.x : size.x, (i & 2) != 0 ? -size.y : size.y, size.z, 0});
@@ -183,11 +179,6 @@ MotionProbes MotionProbes::of_directions(double max_relative_error) {
 }
 
 void MotionProbes::add_point(Vec3f p) { probes_.push_back({{p.x, p.y, p.z, 1}}); }
-
-void MotionProbes::add(const MotionProbes& other) {
-  probes_.insert(probes_.end(), other.probes_.begin(), other.probes_.end());
-  diagonals_.insert(diagonals_.end(), other.diagonals_.begin(), other.diagonals_.end());
-}
 
 double MotionProbes::size_under(const std::array<double, 12>& matrix) const {
   double largest = diagonals_.empty() ? double(kInfinity) : 0;

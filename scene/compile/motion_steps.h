@@ -33,12 +33,11 @@ class MotionProbes {
 
   /// The corners and the centre of a box. Their error is also bounded by a fraction of the size of the box in world
   /// space.
-  static MotionProbes of_box(const GridBox& box);
+  static MotionProbes of_box(const Bounds3f& box);
   /// The three axes, with errors of at most `max_relative_error` of their lengths.
   static MotionProbes of_directions(double max_relative_error = kMaxError);
   /// Adds a point whose error is bounded by the length of its motion alone.
   void add_point(Vec3f p);
-  void add(const MotionProbes& other);
 
   const std::vector<Probe>& probes() const { return probes_; }
   /// The size of the box under a transform; infinite without a box.

@@ -1,6 +1,6 @@
 #include "scene/compile/scene_naming.h"
 
-#include "scene/compile/scene_compiler.h"
+#include "scene/compile/overloaded.h"
 
 namespace sheaf {
 
@@ -40,8 +40,8 @@ void SceneNaming::add_materials(const std::vector<MaterialDescription>& material
   names_.materials.emplace_back("default");
 }
 
-void SceneNaming::add_shape(const ShapeDescription& shape, const std::string& group) {
-  const std::string& given = shape.id.empty() ? group : shape.id;
+void SceneNaming::add_shape(const ShapeDescription& shape, const ShapeGroup* group) {
+  const std::string& given = shape.id.empty() && group != nullptr ? group->id : shape.id;
   const std::string name = given.empty() ? kind_of(shape) + "_" + std::to_string(names_.objects.size() + 1) : given;
   names_.object_of_shape.push_back(index_of(name, objects_, names_.objects));
   const std::size_t no_material = names_.materials.size() - 1;

@@ -15,8 +15,8 @@ class SceneNaming {
 
   /// Names all materials of a description.
   void add_materials(const std::vector<MaterialDescription>& materials);
-  /// Names the next row of shapes. `group`: name of its group; may be empty.
-  void add_shape(const ShapeDescription& shape, const std::string& group);
+  /// Names the next row of shapes. `group`: its group; null: none.
+  void add_shape(const ShapeDescription& shape, const ShapeGroup* group);
   /// Names the next row of lights; lights without a `name` share that of `label`, which names their kind.
   void add_light(const std::string& label, const std::string& name);
 

@@ -118,10 +118,10 @@ void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32
 }
 
 LightBounds quadric_light_bounds(const QuadricRow& row, float radiance) {
-  const QuadricBounds box = quadric_bounds(row);
+  const Bounds3f box = quadric_bounds(row);
   LightBounds out;
-  out.lower = box.lower;
-  out.upper = box.upper;
+  out.lower = box.min;
+  out.upper = box.max;
   const double area = quadric_area(row);
   if (row.kind == ShapeKind::kDisk) {
     // The inverse transpose maps (0, 0, 1) to the third row of the inverse.

@@ -19,11 +19,6 @@ constexpr int kPoints = 2;
 /// Wavelengths (nm) in spectral mode, in place of red, green and blue.
 const Spectrum4 kSeen{600, 550, 450, 500};
 
-bool overlap(const GridBox& a, const GridBox& b) {
-  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
-         b.min.z <= a.max.z;
-}
-
 /// Emission at a point, W / (m^3 sr).
 Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSpectra& spectra, Vec3f p) {
   const Float4 emitted =
@@ -33,11 +28,11 @@ Vec3f emitted_at(const SceneView& scene, const MediumRow& medium, const MediumSp
 
 /// A box divided into cells of about the same size along all axes.
 struct Cells {
-  GridBox box;
+  Bounds3f box;
   int count[3];
   Vec3f size;
 
-  Cells(const GridBox& all, bool one) : box(all) {
+  Cells(const Bounds3f& all, bool one) : box(all) {
     const Vec3f extent = all.max - all.min;
     const float longest = std::max(max_component(extent), 1e-30f);
     const auto along = [&](float side) {
@@ -49,7 +44,7 @@ struct Cells {
     size = {extent.x / static_cast<float>(count[0]), extent.y / static_cast<float>(count[1]),
             extent.z / static_cast<float>(count[2])};
   }
-  GridBox cell(int x, int y, int z) const {
+  Bounds3f cell(int x, int y, int z) const {
     const Vec3f low{box.min.x + size.x * static_cast<float>(x), box.min.y + size.y * static_cast<float>(y),
                     box.min.z + size.z * static_cast<float>(z)};
     return {low, low + size};
@@ -69,13 +64,11 @@ LightBounds VolumeLightKind::bounds(const SceneView&, const LightRow& light, dou
 }
 
 std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t index,
-                                             std::span<const GridBox> boxes, std::uint32_t first_cell) {
+                                             std::span<const Bounds3f> boxes, std::uint32_t first_cell) {
   const MediumRow& medium = scene.media.rows[index];
   if ((medium.flags & kMediumEmits) == 0 || boxes.empty()) return std::nullopt;
-  GridBox all = boxes.front();
-  for (const GridBox& box : boxes)
-    all = {{std::min(all.min.x, box.min.x), std::min(all.min.y, box.min.y), std::min(all.min.z, box.min.z)},
-           {std::max(all.max.x, box.max.x), std::max(all.max.y, box.max.y), std::max(all.max.z, box.max.z)}};
+  Bounds3f all = boxes.front();
+  for (const Bounds3f& box : boxes) all.grow(box);
   const MediumSpectra spectra = medium_spectra(scene, medium, kSeen);
   const Cells cells(all, (medium.flags & kMediumHomogeneous) != 0 && boxes.size() == 1);
   std::vector<float> weights;
@@ -83,9 +76,10 @@ std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32
   for (int z = 0; z < cells.count[2]; ++z)
     for (int y = 0; y < cells.count[1]; ++y)
       for (int x = 0; x < cells.count[0]; ++x) {
-        const GridBox cell = cells.cell(x, y, z);
+        const Bounds3f cell = cells.cell(x, y, z);
         Vec3f sum{0, 0, 0};
-        if (std::any_of(boxes.begin(), boxes.end(), [&](const GridBox& box) { return overlap(box, cell); }))
+        if (std::any_of(boxes.begin(), boxes.end(),
+                        [&](const Bounds3f& box) { return !intersection(box, cell).is_empty(); }))
           for (int k = 0; k < kPoints * kPoints * kPoints; ++k) {
             const auto at = [](int i) { return (static_cast<float>(i % kPoints) + 0.5f) / kPoints; };
             sum = sum + emitted_at(scene, medium, spectra,

@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-struct GridBox;
+struct Bounds3f;
 
 /// Resolution of a volume light's box: cells along the axes, each in [1, 1023].
 struct VolumeCells {
@@ -49,6 +49,6 @@ struct MediumLight {
 /// Makes the light of the medium in row `medium`; empty if it does not emit. `boxes`: bounding boxes of the shapes that
 /// contain it. The alias table will start at `first_cell`.
 std::optional<MediumLight> make_volume_light(const SceneView& scene, std::uint32_t medium,
-                                             std::span<const GridBox> boxes, std::uint32_t first_cell);
+                                             std::span<const Bounds3f> boxes, std::uint32_t first_cell);
 
 }  // namespace sheaf

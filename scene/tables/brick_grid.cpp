@@ -11,9 +11,9 @@ namespace sheaf {
 namespace {
 
 /// Bounding box of the transformed corners of the box [lo, hi].
-GridBox image_of(const Transform& transform, const std::array<double, 3>& lo, const std::array<double, 3>& hi) {
+Bounds3f image_of(const Transform& transform, const std::array<double, 3>& lo, const std::array<double, 3>& hi) {
   const auto& m = transform.matrix().m;
-  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  Bounds3f box = Bounds3f::empty();
   float* const mins[3] = {&box.min.x, &box.min.y, &box.min.z};
   float* const maxs[3] = {&box.max.x, &box.max.y, &box.max.z};
   for (unsigned corner = 0; corner < 8; ++corner) {
@@ -33,8 +33,8 @@ double margin_of(const BrickGrid& grid, GridFilter filter) {
   return grid.border == GridBorder::kBackground && filter == GridFilter::kTrilinear ? 1.0 : 0.5;
 }
 
-GridBox box_with_margin(const BrickGrid& grid, double margin) {
-  if (grid.is_empty()) return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+Bounds3f box_with_margin(const BrickGrid& grid, double margin) {
+  if (grid.is_empty()) return Bounds3f::empty();
   std::array<double, 3> lo{}, hi{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     lo[axis] = grid.voxel_min[axis] - margin;
@@ -45,12 +45,12 @@ GridBox box_with_margin(const BrickGrid& grid, double margin) {
 
 }  // namespace
 
-GridBox BrickGrid::voxel_box() const { return box_with_margin(*this, 0.5); }
+Bounds3f BrickGrid::voxel_box() const { return box_with_margin(*this, 0.5); }
 
-GridBox BrickGrid::local_box(GridFilter filter) const { return box_with_margin(*this, margin_of(*this, filter)); }
+Bounds3f BrickGrid::local_box(GridFilter filter) const { return box_with_margin(*this, margin_of(*this, filter)); }
 
-GridBox row_box(const BrickGrid& grid, GridFilter filter) {
-  if (grid.is_empty()) return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+Bounds3f row_box(const BrickGrid& grid, GridFilter filter) {
+  if (grid.is_empty()) return Bounds3f::empty();
   const double margin = margin_of(grid, filter), shift = filter == GridFilter::kNearest ? 0.5 : 0.0;
   float lo[3], hi[3];
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -5,6 +5,7 @@
 // brick. Constant bricks are stored once per value.
 #pragma once
 
+#include "core/math/bounds.h"
 #include "core/math/transform.h"
 #include "scene/tables/interpolation.h"
 
@@ -54,11 +55,6 @@ struct BrickGridView {
   const BrickGridRow* rows = nullptr;
 };
 
-/// An axis-aligned box. Empty if a minimum exceeds its maximum.
-struct GridBox {
-  Vec3f min{}, max{};
-};
-
 /// Owns a grid.
 struct BrickGrid {
   int channels = 1;  ///< 1 or 3
@@ -88,16 +84,16 @@ struct BrickGrid {
   std::size_t brick_size() const { return std::size_t{kBrickVoxels} * (channels == 1 ? 1 : kColorVoxel); }
   /// Bounding box in local space of the unit cubes around the voxels. For Mitsuba's .vol files this is the unit cube or
   /// the file's box. Empty for an empty grid.
-  GridBox voxel_box() const;
+  Bounds3f voxel_box() const;
   /// Bounding box in local space of all points whose value differs from the background; without background,
   /// voxel_box().
-  GridBox local_box(GridFilter filter = GridFilter::kTrilinear) const;
+  Bounds3f local_box(GridFilter filter = GridFilter::kTrilinear) const;
 };
 
 /// Makes the kernels' row of a grid, which must outlive it. Throws SceneError if the transform is singular.
 BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_to_world, GridFilter filter);
 
 /// local_box() in the target space of BrickGridRow::world_to_grid.
-GridBox row_box(const BrickGrid& grid, GridFilter filter);
+Bounds3f row_box(const BrickGrid& grid, GridFilter filter);
 
 }  // namespace sheaf

@@ -24,7 +24,7 @@ struct GeometryView {
   std::uint32_t shape_count = 0;
 };
 
-/// Owns the tables of geometry. Read with padding: see SceneCompiler::finish_tables().
+/// Owns the tables of geometry. Padded at the end for kernels, which load triangles four words at a time.
 struct GeometryTables {
   std::vector<ShapeRow> shapes;
   std::vector<VertexRow> vertices;

@@ -17,8 +17,8 @@ InstanceRow make_instance(const std::array<float, 12>& to_world, std::uint32_t f
   return row;
 }
 
-InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper) {
-  const double low[3] = {lower.x, lower.y, lower.z}, high[3] = {upper.x, upper.y, upper.z};
+Bounds3f instance_bounds(const InstanceRow& row, const Bounds3f& box) {
+  const double low[3] = {box.min.x, box.min.y, box.min.z}, high[3] = {box.max.x, box.max.y, box.max.z};
   double out[2][3];
   for (int i = 0; i < 3; ++i) {
     const float* m = row.to_world + 4 * i;

@@ -1,7 +1,7 @@
 // Instances of shape groups: their rows, bounds and transforms. Transforms are generic in the lane policy.
 #pragma once
 
-#include "core/math/vec.h"
+#include "core/math/bounds.h"
 #include "scene/tables/instance_transform.h"
 #include "scene/tables/shape_rows.h"
 
@@ -10,12 +10,8 @@ namespace sheaf {
 /// Makes the row for an instance of a group. Throws SceneError if the transform is unusable; see is_usable_instance().
 InstanceRow make_instance(const std::array<float, 12>& to_world, std::uint32_t first_shape, std::uint32_t group);
 
-struct InstanceBounds {
-  Vec3f lower, upper;
-};
-
-/// World-space bounds of the box [lower, upper] of the group's space.
-InstanceBounds instance_bounds(const InstanceRow& row, Vec3f lower, Vec3f upper);
+/// World-space bounds of a box of the group's space.
+Bounds3f instance_bounds(const InstanceRow& row, const Bounds3f& box);
 
 /// An instance's transform M with the cofactors of its linear part. The inverse is not stored: its columns are the rows
 /// of cofactors over the determinant.

@@ -45,7 +45,7 @@ static_assert(sizeof(MajorantGridRow) == 128);
 struct MajorantGrid {
   std::array<int, 3> cells{};  ///< number of base cells; all 0: the volume is empty
   int base_log2 = 3;           ///< log2 of a base cell's side in voxels; at least that of a brick
-  GridBox box;                 ///< in voxels
+  Bounds3f box;                ///< in voxels
   std::vector<std::uint32_t> entries;
   std::vector<MajorantBounds> bounds;
   float outside = 0;

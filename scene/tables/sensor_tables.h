@@ -27,6 +27,10 @@ struct SensorTables {
   FilterTable filter;
   std::optional<FilterWeights> filter_weights;
 
+  /// The camera of a column of the film.
+  Camera& camera_of(std::size_t column) { return column == 0 ? camera : more_cameras[column - 1]; }
+  const Camera& camera_of(std::size_t column) const { return column == 0 ? camera : more_cameras[column - 1]; }
+
   /// `film_width`: pixels of all columns.
   SensorView view(int film_width) const {
     return {camera,

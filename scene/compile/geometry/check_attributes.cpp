@@ -1,5 +1,6 @@
 // Checks that meshes have the attributes that their textures use.
-#include "scene/compile/scene_compiler.h"
+#include "scene/compile/compile_lights.h"
+#include "scene/compile/geometry/compile_geometry.h"
 
 #include <set>
 
@@ -60,14 +61,16 @@ std::string title(const TextureDescription& texture) {
 
 }  // namespace
 
-void SceneCompiler::check_attributes() {
-  if (out_->textures_.required_attributes.empty()) return;
-  const std::map<std::uint32_t, std::uint32_t> required(out_->textures_.required_attributes.begin(),
-                                                        out_->textures_.required_attributes.end());
-  const AttributeFinder finder(out_->materials_.rows, out_->materials_.bindings, out_->materials_.normal_maps,
-                               out_->textures_.rows, required);
+std::vector<std::string> check_attributes(const Description& description, const SceneTables& scene,
+                                          const CompiledGeometry& geometry) {
+  std::vector<std::string> warnings;
+  if (scene.textures.required_attributes.empty()) return warnings;
+  const std::map<std::uint32_t, std::uint32_t> required(scene.textures.required_attributes.begin(),
+                                                        scene.textures.required_attributes.end());
+  const AttributeFinder finder(scene.materials.rows, scene.materials.bindings, scene.materials.normal_maps,
+                               scene.textures.rows, required);
   const auto name_of = [&](std::uint32_t texture) -> const std::string& {
-    return out_->textures_.attribute_names[required.at(texture)];
+    return scene.textures.attribute_names[required.at(texture)];
   };
   // Count the shapes with and without the attribute, by material and texture
   struct Use {
@@ -76,10 +79,10 @@ void SceneCompiler::check_attributes() {
   std::map<std::pair<std::uint32_t, std::uint32_t>, Use> uses;
   std::map<std::uint32_t, std::set<std::uint32_t>> shown_by;
   const auto has = [&](std::uint32_t shape, std::uint32_t texture) {
-    return attributes_->has(shape, required.at(texture));
+    return geometry.attributes.has(shape, required.at(texture));
   };
-  for (std::uint32_t shape = 0; shape < out_->geometry_.shapes.size(); ++shape) {
-    const std::uint32_t material = out_->geometry_.shapes[shape].material;
+  for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape) {
+    const std::uint32_t material = scene.geometry.shapes[shape].material;
     const auto [shown, is_new] = shown_by.try_emplace(material);
     if (is_new) shown->second = finder.of_material(material);
     for (const std::uint32_t texture : shown->second) {
@@ -90,27 +93,29 @@ void SceneCompiler::check_attributes() {
   const auto missing = [&](std::uint32_t texture, const char* what) {
     const std::string& name = name_of(texture);
     std::string known;
-    for (const std::string& other : known_attributes_) known += (known.empty() ? "" : ", ") + other;
-    return SceneError(in_.textures[texture].where,
-                      title(in_.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
+    for (const std::string& other : geometry.known_attributes) known += (known.empty() ? "" : ", ") + other;
+    return SceneError(description.textures[texture].where,
+                      title(description.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
                           (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) + ")" +
-                          did_you_mean(name, {known_attributes_.begin(), known_attributes_.end()}));
+                          did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()}));
   };
   // Reject materials without any mesh that has the attribute, and warn if only some lack it
   for (const auto& [key, use] : uses) {
     if (use.without == 0) continue;
     if (use.with == 0) throw missing(key.second, "no mesh with this material has");
-    const TextureDescription& texture = in_.textures[key.second];
-    out_->warnings_.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
-                                                            std::to_string(use.with + use.without) +
-                                                            " shapes with this material lack the attribute '" +
-                                                            name_of(key.second) + "', which is 0 there")
-                                  .what());
+    const TextureDescription& texture = description.textures[key.second];
+    warnings.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
+                                                     std::to_string(use.with + use.without) +
+                                                     " shapes with this material lack the attribute '" +
+                                                     name_of(key.second) + "', which is 0 there")
+                           .what());
   }
   // Reject emitters that lack it
-  for (const auto& [shape, texture] : emission_textures_)
-    for (const std::uint32_t shown : finder.of_texture(texture))
-      if (!has(shape, shown)) throw missing(shown, "the shape that emits it lacks");
+  for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape)
+    for (const TextureId texture : emission_textures(*geometry.sources[shape].shape))
+      for (const std::uint32_t shown : finder.of_texture(static_cast<std::uint32_t>(texture)))
+        if (!has(shape, shown)) throw missing(shown, "the shape that emits it lacks");
+  return warnings;
 }
 
 }  // namespace sheaf

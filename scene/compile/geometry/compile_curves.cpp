@@ -1,6 +1,6 @@
-// Compiles curves.
+// Adds curves to the geometry of a scene.
+#include "scene/compile/geometry/compiled_geometry.h"
 #include "scene/compile/key_times.h"
-#include "scene/compile/scene_compiler.h"
 
 #include <cmath>
 
@@ -77,13 +77,11 @@ CurveStep transformed(const Curves& curves, const Transform& to_world) {
   return points;
 }
 
-GridBox empty_box() { return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}}; }
-
 /// A segment at one time.
 struct SegmentBounds {
-  GridBox box = empty_box();  ///< of the control points
-  float radius = 0;           ///< the largest one
-  bool is_finite = true;      ///< else it cannot be traced
+  Bounds3f box = Bounds3f::empty();  ///< of the control points
+  float radius = 0;                  ///< the largest one
+  bool is_finite = true;             ///< else it cannot be traced
 
   bool has_surface() const { return radius > 0.0f && box.min != box.max; }
 };
@@ -94,7 +92,7 @@ SegmentBounds bounds_of(const CurvePointRow* points, std::uint32_t order) {
     out.is_finite = out.is_finite && is_finite(point->position) &&
                     max_component(abs(point->position)) + std::fabs(point->radius) <= kMaxCurveCoordinate;
     out.radius = std::max(out.radius, point->radius);
-    grow_box(out.box.min, out.box.max, point->position, point->position);
+    out.box.grow(point->position);
   }
   return out;
 }
@@ -133,13 +131,13 @@ UsableSegments usable_segments(const Curves& curves, const std::vector<CurveStep
 }
 
 /// Bounds of the segments at all steps; in between they are in their convex hull.
-GridBox bounds_of(const UsableSegments& segments, const std::vector<CurveStep>& steps, std::uint32_t order) {
-  GridBox box = empty_box();
+Bounds3f bounds_of(const UsableSegments& segments, const std::vector<CurveStep>& steps, std::uint32_t order) {
+  Bounds3f box = Bounds3f::empty();
   for (const CurveStep& points : steps)
     for (const std::uint32_t first : segments.first) {
       const SegmentBounds bounds = bounds_of(points.data() + first, order);
       const Vec3f margin{bounds.radius, bounds.radius, bounds.radius};
-      grow_box(box.min, box.max, bounds.box.min - margin, bounds.box.max + margin);
+      box.grow({bounds.box.min - margin, bounds.box.max + margin});
     }
   return box;
 }
@@ -161,16 +159,54 @@ bool differ(const CurveStep& a, const CurveStep& b) {
   });
 }
 
+/// Adds curves at equidistant times over the shutter. `keys`: the same at all times at which they are given.
+std::optional<AddedShape> add_curve_steps(const ShapeDescription& shape, const Curves& curves,
+                                          const std::vector<CurveStep>& keys, const std::vector<CurveStep>& steps,
+                                          MotionCompiler& motion, CompiledGeometry& out) {
+  std::vector<CurvePointRow>& all = out.tables.curve_points;
+  if (4 * (all.size() + steps.size() * curves.points.size()) > kMaxTableWords)
+    throw SceneError("more than " + std::to_string(kMaxTableWords / 4) + " points of curves in all");
+  // Find the usable segments, and report the others
+  const UsableSegments segments = usable_segments(curves, keys);
+  if (segments.left_out > 0)
+    out.warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
+  if (segments.short_lines > 0)
+    out.warn(
+        shape,
+        std::to_string(segments.short_lines) +
+            " line segments are shorter than 0.005 units, too short for exact intersections (expected a larger scale)");
+  if (segments.first.empty()) {
+    out.warn(shape, "the curves have no surface: left out");
+    return std::nullopt;
+  }
+  // Append points and segments
+  AddedShape added{{}, bounds_of(segments, steps, curves.order()), static_cast<std::uint32_t>(curves.points.size())};
+  ShapeRow& row = added.row;
+  std::vector<std::uint32_t>& all_segments = out.tables.curve_segments;
+  row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
+                                                                               : ShapeKind::kBsplineCurves);
+  row.first_vertex = static_cast<std::uint32_t>(all.size());
+  row.first_triangle = static_cast<std::uint32_t>(all_segments.size());
+  row.triangle_count = static_cast<std::uint32_t>(segments.first.size());
+  for (const CurveStep& step : steps) all.insert(all.end(), step.begin(), step.end());
+  if (steps.size() > 1) row.flags |= motion.add_deformation(steps.size() - 1, curves.points.size());
+  all_segments.insert(all_segments.end(), segments.first.begin(), segments.first.end());
+  out.info.curve_segments += segments.first.size();
+  return added;
+}
+
 }  // namespace
 
-void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const Curves& curves) {
+std::optional<AddedShape> add_curves(const ShapeDescription& shape, const Curves& curves, MotionCompiler& motion,
+                                     CompiledGeometry& out) {
   check_shape(shape);
   check_curves(curves);
   const std::vector<CurveStep> steps{transformed(curves, shape.to_world)};
-  add_curve_steps(row, shape, curves, steps, steps);
+  return add_curve_steps(shape, curves, steps, steps, motion, out);
 }
 
-void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, const DeformingCurves& from) {
+std::optional<AddedShape> add_curves(const ShapeDescription& shape, const DeformingCurves& from, MotionCompiler& motion,
+                                     CompiledGeometry& out) {
   check_shape(shape);
   // Transform the keys
   std::vector<CurveStep> keys;
@@ -184,47 +220,12 @@ void SceneCompiler::add_curves(ShapeRow row, const ShapeDescription& shape, cons
   // Tabulate the control points over the shutter
   std::vector<CurveStep> steps;
   bool changes = false;
-  for (const double time : step_times(times, in_.shutter)) {
+  for (const double time : step_times(times, motion.shutter())) {
     steps.push_back(points_at(keys, interval_at(times, time)));
     changes = changes || differ(steps[0], steps.back());
   }
   if (!changes) steps.resize(1);
-  add_curve_steps(row, shape, from.keys[0].curves, keys, steps);
-}
-
-void SceneCompiler::add_curve_steps(ShapeRow row, const ShapeDescription& shape, const Curves& curves,
-                                    const std::vector<CurveStep>& keys, const std::vector<CurveStep>& steps) {
-  std::vector<CurvePointRow>& all = out_->geometry_.curve_points;
-  if (4 * (all.size() + steps.size() * curves.points.size()) > kMaxWords)
-    throw SceneError("more than " + std::to_string(kMaxWords / 4) + " points of curves in all");
-  // Find the usable segments, and report the others
-  const UsableSegments segments = usable_segments(curves, keys);
-  if (segments.left_out > 0)
-    warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
-  if (segments.short_lines > 0)
-    warn(
-        shape,
-        std::to_string(segments.short_lines) +
-            " line segments are shorter than 0.005 units, too short for exact intersections (expected a larger scale)");
-  if (segments.first.empty()) {
-    warn(shape, "the curves have no surface: left out");
-    return;
-  }
-  // Append points, segments and shape
-  const GridBox box = bounds_of(segments, steps, curves.order());
-  grow(box.min, box.max);
-  row.kind = static_cast<std::uint32_t>(curves.basis == Curves::Basis::kLinear ? ShapeKind::kLinearCurves
-                                                                               : ShapeKind::kBsplineCurves);
-  row.first_vertex = static_cast<std::uint32_t>(all.size());
-  row.first_triangle = static_cast<std::uint32_t>(out_->geometry_.curve_segments.size());
-  row.triangle_count = static_cast<std::uint32_t>(segments.first.size());
-  for (const CurveStep& step : steps) all.insert(all.end(), step.begin(), step.end());
-  if (steps.size() > 1) add_deformation(row, steps.size() - 1, curves.points.size());
-  out_->geometry_.curve_segments.insert(out_->geometry_.curve_segments.end(), segments.first.begin(),
-                                        segments.first.end());
-  vertex_counts_.push_back(static_cast<std::uint32_t>(curves.points.size()));
-  out_->counts_.curve_segments += segments.first.size();
-  push_shape(row, shape, box);
+  return add_curve_steps(shape, from.keys[0].curves, keys, steps, motion, out);
 }
 
 }  // namespace sheaf

@@ -1,6 +1,6 @@
-// Compiles grids of signed distances.
+// Adds grids of signed distances to the geometry of a scene.
 #include "scene/accel/sdf_grid.h"
-#include "scene/compile/scene_compiler.h"
+#include "scene/compile/geometry/compiled_geometry.h"
 #include "scene/description/voxels.h"
 
 #include <cmath>
@@ -34,9 +34,9 @@ Transform grid_to_world(const ShapeDescription& shape, const SdfGrid& grid) {
 
 }  // namespace
 
-void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, const SdfGrid& grid) {
+std::optional<AddedShape> add_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid, CompiledGeometry& out) {
   check_sdf_grid(shape, grid);
-  GeometryTables& geometry = out_->geometry_;
+  GeometryTables& geometry = out.tables;
   constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
   if (geometry.sdf_values.size() + grid.values.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax) + " values of SDF grids in all");
@@ -56,25 +56,22 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
       for (std::uint32_t x = 0; x + 1 < rows.size_x; ++x)
         if (holds_surface(rows, grid.values.data(), x, y, z)) cells.insert(cells.end(), {x | y << 16, z});
   rows.cell_count = static_cast<std::uint32_t>(cells.size() / 2);
-  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  AddedShape added{{}, Bounds3f::empty()};
   const SdfGridView view{&placement, &rows, grid.values.data(), cells.data()};
-  for (std::uint32_t cell = 0; cell < rows.cell_count; ++cell) {
-    const QuadricBounds bounds = sdf_cell_bounds(view, cell);
-    grow_box(box.min, box.max, bounds.lower, bounds.upper);
-  }
+  for (std::uint32_t cell = 0; cell < rows.cell_count; ++cell) added.box.grow(sdf_cell_bounds(view, cell));
   // Drop grids without a usable surface
   if (cells.empty()) {
-    warn(shape, "the SDF grid has no surface, because its values never change sign: left out");
-    return;
+    out.warn(shape, "the SDF grid has no surface, because its values never change sign: left out");
+    return std::nullopt;
   }
   if (geometry.sdf_cells.size() + cells.size() > kMax)
     throw SceneError("more than " + std::to_string(kMax / 2) + " cells with a surface in all");
-  if (!is_traceable(box.min, box.max) || !(placement.determinant > 0.0f)) {
-    warn(shape, "shape is degenerate or too large for single precision: left out");
-    return;
+  if (!is_traceable(added.box) || !(placement.determinant > 0.0f)) {
+    out.warn(shape, "shape is degenerate or too large for single precision: left out");
+    return std::nullopt;
   }
-  grow(box.min, box.max);
-  // Append the grid and the shape
+  // Append the grid
+  ShapeRow& row = added.row;
   row.kind = static_cast<std::uint32_t>(ShapeKind::kSdfGrid);
   row.first_triangle = static_cast<std::uint32_t>(geometry.quadrics.size());
   row.first_vertex = static_cast<std::uint32_t>(geometry.sdf_grids.size());
@@ -83,9 +80,8 @@ void SceneCompiler::add_sdf_grid(ShapeRow row, const ShapeDescription& shape, co
   geometry.sdf_grids.push_back(rows);
   geometry.sdf_values.insert(geometry.sdf_values.end(), grid.values.begin(), grid.values.end());
   geometry.sdf_cells.insert(geometry.sdf_cells.end(), cells.begin(), cells.end());
-  vertex_counts_.push_back(0);
-  out_->counts_.sdf_cells += rows.cell_count;
-  push_shape(row, shape, box);
+  out.info.sdf_cells += rows.cell_count;
+  return added;
 }
 
 }  // namespace sheaf

@@ -1,7 +1,5 @@
 #include "scene/compile/geometry/kept_geometry.h"
 
-#include "scene/compile/scene_compiler.h"
-
 #include <algorithm>
 #include <cstring>
 
@@ -45,70 +43,14 @@ bool KeptGeometry::matches(const GeometryTables& other, const AccelInput& input)
          same_bytes(tables.instances, other.instances);
 }
 
-BvhLayout SceneCompiler::choose_layout() {
-  if (options_.bvh != BvhChoice::kAuto)
-    return options_.bvh == BvhChoice::kCompact ? BvhLayout::kCompact : BvhLayout::kFast;
-  // Upper estimate of the builder's peak per triangle: 90 bytes on 2 million triangles, more with spatial splits
-  constexpr double kFastBytes = 150;
-  double bytes = kFastBytes * static_cast<double>(out_->counts_.triangles);
-  if (options_.render_bytes) {
-    out_->view_ = out_->make_view();
-    bytes += options_.render_bytes(*out_);
-  }
-  return bytes > available_memory() ? BvhLayout::kCompact : BvhLayout::kFast;
-}
-
-void SceneCompiler::build_accel() {
-  const SecondsTimer timer(times_.accel_seconds);
-  const BvhLayout layout = choose_layout();
-  out_->counts_.bvh = layout;
-  GeometryTables& geometry = out_->geometry_;
-  const AccelInput input{geometry.shapes.data(),
-                         ungrouped_shapes_,
-                         geometry.vertices.data(),
-                         geometry.triangles.data(),
-                         geometry.quadrics.data(),
-                         geometry.curve_points.data(),
-                         geometry.curve_segments.data(),
-                         geometry.sdf_grids.data(),
-                         geometry.sdf_values.data(),
-                         geometry.sdf_cells.data(),
-                         vertex_counts_.data(),
-                         options_.watertight,
-                         layout,
-                         group_ranges_.data(),
-                         static_cast<std::uint32_t>(group_ranges_.size()),
-                         geometry.instances.data(),
-                         static_cast<std::uint32_t>(geometry.instances.size()),
-                         out_->motion_.view()};
-  KeptGeometry* const kept = options_.kept;
-  if (kept != nullptr && kept->vertex_counts.size() == vertex_counts_.size() && kept->matches(geometry, input)) {
-    // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
-    kept->tables.shapes = std::move(geometry.shapes);
-    kept->tables.tangents = std::move(geometry.tangents);
-    geometry = std::move(kept->tables);
-    out_->accel_ = std::move(kept->accel);
-    return;
-  }
-  if (kept != nullptr) *kept = {};  // free its memory before building
-  out_->accel_ = std::make_unique<Accel>(input);
-  if (kept == nullptr) return;
-  kept->vertex_counts = vertex_counts_;
-  kept->groups = group_ranges_;
-  kept->ungrouped_shapes = ungrouped_shapes_;
-  kept->watertight = options_.watertight;
-  kept->layout = layout;
-}
-
-void SceneCompiler::keep_geometry(Scene& scene, KeptGeometry& kept) {
-  if (!scene.motion_.instances.empty() || !scene.motion_.deformations.empty()) {
+void keep_geometry(std::unique_ptr<Scene> scene, KeptGeometry& kept) {
+  SceneTables tables = Scene::release(std::move(scene));
+  if (!tables.motion.instances.empty() || !tables.motion.deformations.empty()) {
     kept = {};
     return;
   }
-  kept.accel = std::move(scene.accel_);
-  kept.tables = std::move(scene.geometry_);
+  kept.accel = std::move(tables.accel);
+  kept.tables = std::move(tables.geometry);
 }
-
-void keep_geometry(std::unique_ptr<Scene> scene, KeptGeometry& kept) { SceneCompiler::keep_geometry(*scene, kept); }
 
 }  // namespace sheaf

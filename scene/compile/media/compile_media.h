@@ -2,37 +2,63 @@
 #pragma once
 
 #include "scene/compile/compile.h"
+#include "scene/compile/compile_motion.h"
+#include "scene/compile/geometry/compiled_geometry.h"
 #include "scene/spectra/spectrum_set.h"
-#include "scene/tables/scene_view.h"
 
 #include <span>
 
 namespace sheaf {
 
-/// A medium with its position.
-struct PlacedMedium {
-  const MediumDescription* description;
-  std::uint32_t phase = 0;                  ///< row of its phase function's material
-  const SggxDescription* flakes = nullptr;  ///< the phase function, if it is SGGX
-  std::vector<GridBox> boxes;               ///< of all shapes that contain it, at the first key; world space, metres
-  GridBox scene;                            ///< of the whole scene, for media that no shape contains
+/// A shape that contains a medium.
+struct MediumShape {
+  Bounds3f box;                     ///< world space, metres; of a shape that moves: at the first key
+  const AnimatedTransform* motion;  ///< null: the shape stands still
 };
 
-/// Results of compile_media() besides MediumTables.
+/// A medium and the shapes that contain it.
+struct MediumInput {
+  const MediumDescription* description;
+  const PhaseDescription* phase = nullptr;  ///< null: isotropic
+  std::uint32_t phase_row = 0;              ///< row of its phase function's material
+  std::vector<MediumShape> shapes;
+};
+
+/// Tables of media, and what the compilers of other subjects need to know about them.
 struct CompiledMedia {
-  std::vector<SpectrumRow> spectra;  ///< kMediumSpectra per medium; empty in RGB mode
-  std::vector<PlacedGrid> places;    ///< per grid
+  MediumTables tables;
+  std::vector<SpectrumRow> spectra;          ///< kMediumSpectra per medium; empty in RGB mode
+  std::vector<PlacedGrid> grids;             ///< grids of `tables`, with their positions at the first key
+  std::vector<std::vector<Bounds3f>> boxes;  ///< of the shapes that contain each medium, relative to its grids
+  std::vector<MotionRow> motions;            ///< of each medium, with or without grids
   std::vector<std::string> warnings;
 };
 
-/// Reads grids and adds the rows of media, grids and majorants to `tables`. `set` makes rows of spectra in spectral
-/// mode. `step_size` is that of ray marching, metres; 0: 1/100 of each medium's diagonal. Throws SceneError for
-/// unreadable files, grids with a wrong number of channels, and singular transforms.
-CompiledMedia compile_media(std::span<const PlacedMedium> media, SpectrumSet* set, float step_size,
-                            MediumTables& tables);
+/// Reads grids, makes the tables of media, majorants and boundaries, and refers to boundaries from `shapes`. `set`
+/// makes rows of spectra in spectral mode. Throws SceneError for unreadable files, grids with a wrong number of
+/// channels or different motions, singular transforms, and media that groups of shapes or photons do not support.
+CompiledMedia compile_media(const Description& description, const CompiledGeometry& geometry,
+                            const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
+                            std::vector<ShapeRow>& shapes);
+
+/// Adds the rows of media, grids and majorants, and describes the grids. `step_size` is that of ray marching, metres;
+/// 0: 1/100 of each medium's diagonal. `scene`: bounds of the scene, for media that no shape contains.
+void add_medium_rows(std::span<const MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
+                     CompiledMedia& out);
+
+/// Adds the motions of media, whose rows have been added, and the boxes of the shapes relative to them.
+void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, CompiledMedia& out);
 
 /// Throws SceneError at the first medium whose coefficients or emission are not finite somewhere, because tracking
 /// would then take steps of length zero. `tables` are those of `scene`.
 void check_media(const SceneView& scene, std::span<const MediumDescription> media, const MediumTables& tables);
+
+/// Ends unbounded media at a radius that contains the whole scene with its lights, if a light is at infinity.
+void end_media(const MotionCompiler& motion, SceneTables& scene);
+
+/// Finds the media around shapes and around `cameras`, when the shutter opens, by probe rays. `scene` is complete, with
+/// its acceleration structure.
+void probe_media(const Description& description, const CompiledGeometry& geometry,
+                 std::span<const CameraDescription> cameras, SceneTables& scene);
 
 }  // namespace sheaf

@@ -113,17 +113,9 @@ PlacedGrid describe_grid(const BrickGrid& grid, const Transform& to_world, const
   placed.bytes = grid.bytes();
   if (grid.is_empty()) return placed;
   for (std::size_t axis = 0; axis < 3; ++axis) placed.size[axis] = grid.voxel_max[axis] - grid.voxel_min[axis] + 1;
-  const GridBox local = grid.voxel_box();
-  placed.box = {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3f p =
-        to_world.point({(corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
-                        (corner & 4) != 0 ? local.max.z : local.min.z});
-    placed.box.min = {std::min(placed.box.min.x, p.x), std::min(placed.box.min.y, p.y),
-                      std::min(placed.box.min.z, p.z)};
-    placed.box.max = {std::max(placed.box.max.x, p.x), std::max(placed.box.max.y, p.y),
-                      std::max(placed.box.max.z, p.z)};
-  }
+  const Bounds3f local = grid.voxel_box();
+  placed.box = Bounds3f::empty();
+  for (int i = 0; i < 8; ++i) placed.box.grow(to_world.point(local.corner(i)));
   return placed;
 }
 

@@ -166,7 +166,7 @@ TEST_CASE("quadric: a small distant sphere is hit at its position") {
 TEST_CASE("quadric: bounds contain the shape tightly") {
   for (const ShapeKind kind : kKinds)
     for (const Transform& to_world : test_transforms()) {
-      const QuadricBounds bounds = quadric_bounds(make_quadric(kind, to_world, false));
+      const Bounds3f bounds = quadric_bounds(make_quadric(kind, to_world, false));
       Vec3f lower{kInfinity, kInfinity, kInfinity}, upper = -lower;
       for (std::uint32_t i = 0; i < 20000; ++i) {
         const Vec3f p = to_world.point(canonical_point(kind, i));
@@ -174,9 +174,9 @@ TEST_CASE("quadric: bounds contain the shape tightly") {
         upper = {max(upper.x, p.x), max(upper.y, p.y), max(upper.z, p.z)};
       }
       const float slack = 0.03f * max_component(upper - lower);
-      for (const auto& [low, least, most, high] : {std::array{bounds.lower.x, lower.x, upper.x, bounds.upper.x},
-                                                   std::array{bounds.lower.y, lower.y, upper.y, bounds.upper.y},
-                                                   std::array{bounds.lower.z, lower.z, upper.z, bounds.upper.z}}) {
+      for (const auto& [low, least, most, high] : {std::array{bounds.min.x, lower.x, upper.x, bounds.max.x},
+                                                   std::array{bounds.min.y, lower.y, upper.y, bounds.max.y},
+                                                   std::array{bounds.min.z, lower.z, upper.z, bounds.max.z}}) {
         CHECK(low <= least);
         CHECK(high >= most);
         CHECK(low >= least - slack);

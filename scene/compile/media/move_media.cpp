@@ -1,8 +1,10 @@
-// Compiles the motions of media: checks that the grids of each medium move alike, tabulates the motion, and bounds the
+// Adds the motions of media: checks that the grids of each medium move alike, tabulates the motion, and bounds the
 // shapes around a medium relative to its grids.
-#include "scene/compile/scene_compiler.h"
+#include "scene/compile/media/compile_media.h"
+#include "scene/compile/overloaded.h"
 #include "scene/tables/instance.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sheaf {
@@ -106,30 +108,14 @@ bool is_rigid(const AnimatedTransform& motion) {
   });
 }
 
-GridBox intersection(const GridBox& a, const GridBox& b) {
-  return {{std::max(a.min.x, b.min.x), std::max(a.min.y, b.min.y), std::max(a.min.z, b.min.z)},
-          {std::min(a.max.x, b.max.x), std::min(a.max.y, b.max.y), std::min(a.max.z, b.max.z)}};
-}
-
-bool is_empty(const GridBox& box) {
-  return !(box.min.x <= box.max.x && box.min.y <= box.max.y && box.min.z <= box.max.z);
-}
-
-std::array<float, 12> matrix_rows(const Transform& transform) {
-  std::array<float, 12> out;
-  for (std::size_t i = 0; i < 12; ++i) out[i] = static_cast<float>(transform.matrix().m[i / 4][i % 4]);
-  return out;
-}
-
-}  // namespace
-
-const AnimatedTransform* SceneCompiler::motion_of_medium(std::size_t medium) const {
-  const MediumDescription& m = in_.media[medium];
-  const PhaseDescription* phase = m.phase ? &in_.phases.at(static_cast<std::size_t>(*m.phase)) : nullptr;
-  const auto motion_if = [&](const std::optional<MotionId>& id) { return id ? &motion_of(*id) : nullptr; };
+/// The motion of the grids of a medium; null: they stand still. A medium without grids that emits moves with its shapes
+/// if all of them move alike. Throws SceneError if grids move in different ways.
+const AnimatedTransform* motion_of(const MediumInput& medium, const MotionCompiler& motions) {
+  const MediumDescription& m = *medium.description;
+  const PhaseDescription* phase = medium.phase;
   // Without grids, only the emission has a place: the shapes
   const std::vector<NamedGrid> grids = grids_of(m, phase);
-  const std::vector<MediumShape>& shapes = medium_shapes_[medium];
+  const std::vector<MediumShape>& shapes = medium.shapes;
   if (grids.empty()) {
     if (!m.emission || shapes.empty()) return nullptr;
     const AnimatedTransform* motion = shapes[0].motion;
@@ -137,9 +123,9 @@ const AnimatedTransform* SceneCompiler::motion_of_medium(std::size_t medium) con
     return std::all_of(shapes.begin(), shapes.end(), moves_alike) ? motion : nullptr;
   }
   // All grids must move alike
-  const AnimatedTransform* motion = motion_if(grids[0].grid->motion);
+  const AnimatedTransform* motion = motions.transform(grids[0].grid->motion);
   for (const NamedGrid& other : grids)
-    if (!move_alike(motion_if(other.grid->motion), motion))
+    if (!move_alike(motions.transform(other.grid->motion), motion))
       throw SceneError(m.where, "the grids of a medium move together, but '" + std::string(other.name) +
                                     "' moves differently from '" + grids[0].name +
                                     "' (expected the same <animation> for both)");
@@ -150,76 +136,77 @@ const AnimatedTransform* SceneCompiler::motion_of_medium(std::size_t medium) con
   return motion;
 }
 
-GridBox SceneCompiler::box_of_grids(std::size_t medium) const {
-  const MediumRow& row = out_->media_.rows[medium];
-  GridBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+/// World bounds of a medium's grids at the first key; without grids, of its shapes or of the scene.
+Bounds3f box_of_grids(const MediumInput& medium, const MediumRow& row, const std::vector<PlacedGrid>& grids,
+                      const Bounds3f& scene) {
+  Bounds3f box = Bounds3f::empty();
   for (const std::uint32_t grid : {row.density, row.first_grid, row.second_grid, row.emission_grid, row.temperature,
                                    row.emission_factor, row.flake_grids})
-    if (grid != kNone && places_of_grids_[grid].size[0] > 0)
-      grow_box(box.min, box.max, places_of_grids_[grid].box.min, places_of_grids_[grid].box.max);
-  if (box.min.x <= box.max.x) return box;
-  for (const MediumShape& shape : medium_shapes_[medium]) grow_box(box.min, box.max, shape.box.min, shape.box.max);
-  return box.min.x <= box.max.x ? box : GridBox{lower_, upper_};
+    if (grid != kNone && grids[grid].size[0] > 0) box.grow(grids[grid].box);
+  if (!box.is_empty()) return box;
+  for (const MediumShape& shape : medium.shapes) box.grow(shape.box);
+  return box.is_empty() ? scene : box;
 }
 
-std::optional<GridBox> SceneCompiler::box_of_extinction(std::size_t medium) const {
-  const MediumRow& row = out_->media_.rows[medium];
+/// World bounds of the extinction at the first key; nullopt if it has none.
+std::optional<Bounds3f> box_of_extinction(const MediumRow& row, const std::vector<PlacedGrid>& grids) {
   const std::uint32_t grid = row.density != kNone ? row.density : row.first_grid;
-  if (grid == kNone || places_of_grids_[grid].size[0] == 0) return std::nullopt;
-  const PlacedGrid& place = places_of_grids_[grid];
-  if ((row.flags & kMediumBoxed) != 0) return place.box;
+  if (grid == kNone || grids[grid].size[0] == 0) return std::nullopt;
+  const Bounds3f& box = grids[grid].box;
+  if ((row.flags & kMediumBoxed) != 0) return box;
   // Towards a background the outermost voxels are interpolated over less than the diagonal of a voxel
-  const auto& size = place.size;
-  const float margin =
-      length(place.box.max - place.box.min) / static_cast<float>(std::min({size[0], size[1], size[2]}));
+  const auto& size = grids[grid].size;
+  const float margin = length(box.max - box.min) / static_cast<float>(std::min({size[0], size[1], size[2]}));
   const Vec3f around{margin, margin, margin};
-  return GridBox{place.box.min - around, place.box.max + around};
+  return Bounds3f{box.min - around, box.max + around};
 }
 
-std::vector<GridBox> SceneCompiler::boxes_at_rest(std::size_t medium, const AnimatedTransform* motion) const {
+/// Bounds of a shape relative to the grids of a medium with another motion, at any time while the shutter is open.
+Bounds3f relative_box(const MediumShape& shape, const AnimatedTransform* motion, const ShutterDescription& shutter) {
   constexpr int kSteps = 64;
-  std::vector<GridBox> out;
-  const double open = in_.shutter.open, duration = moves() ? in_.shutter.close - open : 0;
-  for (const MediumShape& shape : medium_shapes_[medium]) {
-    if (move_alike(shape.motion, motion)) {
-      out.push_back(shape.box);
-      continue;
-    }
-    GridBox all{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-    std::vector<double> times{open};
-    for (int i = 1; i <= kSteps && duration > 0; ++i) times.push_back(open + duration * i / kSteps);
-    for (const AnimatedTransform* moving : {motion, shape.motion})
-      for (const double key : moving != nullptr ? moving->key_times() : std::vector<double>{})
-        if (key > open && key < open + duration) times.push_back(key);
-    for (const double time : times) {
-      const Transform relative = moved(motion, time).inverse() * moved(shape.motion, time);
-      const InstanceBounds box =
-          instance_bounds(make_instance(matrix_rows(relative), 0, 0), shape.box.min, shape.box.max);
-      grow_box(all.min, all.max, box.lower, box.upper);
-    }
-    out.push_back(all);
+  const double open = shutter.open, duration = std::max(shutter.close - open, 0.0);
+  std::vector<double> times{open};
+  for (int i = 1; i <= kSteps && duration > 0; ++i) times.push_back(open + duration * i / kSteps);
+  for (const AnimatedTransform* moving : {motion, shape.motion})
+    for (const double key : moving != nullptr ? moving->key_times() : std::vector<double>{})
+      if (key > open && key < open + duration) times.push_back(key);
+  Bounds3f all = Bounds3f::empty();
+  for (const double time : times) {
+    const Transform relative = moved(motion, time).inverse() * moved(shape.motion, time);
+    all.grow(instance_bounds(make_instance(single_rows(relative), 0, 0), shape.box));
   }
+  return all;
+}
+
+/// The boxes of a medium's shapes relative to its grids. `extinction`: see box_of_extinction().
+std::vector<Bounds3f> boxes_at_rest(const MediumInput& medium, const AnimatedTransform* motion,
+                                    const ShutterDescription& shutter, const std::optional<Bounds3f>& extinction) {
+  std::vector<Bounds3f> out;
+  for (const MediumShape& shape : medium.shapes)
+    out.push_back(move_alike(shape.motion, motion) ? shape.box : relative_box(shape, motion, shutter));
   // A grid that moves is often much smaller than the shape in which it does
-  const std::optional<GridBox> extent = motion != nullptr ? box_of_extinction(medium) : std::nullopt;
-  if (extent) {
-    for (GridBox& box : out) box = intersection(box, *extent);
-    std::erase_if(out, is_empty);
+  if (motion != nullptr && extinction) {
+    for (Bounds3f& box : out) box = intersection(box, *extinction);
+    std::erase_if(out, [](const Bounds3f& box) { return box.is_empty(); });
   }
   return out;
 }
 
-void SceneCompiler::move_media() {
-  medium_motions_.resize(in_.media.size());
-  for (std::size_t i = 0; i < in_.media.size(); ++i) {
+}  // namespace
+
+void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, CompiledMedia& out) {
+  out.motions.resize(media.size());
+  for (std::size_t i = 0; i < media.size(); ++i) {
+    const MediumInput& medium = media[i];
+    const MediumRow& row = out.tables.rows[i];
     try {
-      const AnimatedTransform* motion = motion_of_medium(i);
-      medium_boxes_.push_back(boxes_at_rest(i, motion));
-      if (motion == nullptr) continue;
-      medium_motions_[i] = add_motion_from_rest(*motion, MotionProbes::of_box(box_of_grids(i)));
-      if (medium_motions_[i].segment_count == 0 || (out_->media_.rows[i].flags & kMediumHomogeneous) != 0) continue;
-      out_->motion_.media.resize(i);
-      out_->motion_.media.push_back(medium_motions_[i]);
-    } catch (const Error& error) { throw at_place(in_.media[i].where, SceneError(error.what())); }
+      const AnimatedTransform* moves = motion_of(medium, motion);
+      out.boxes.push_back(boxes_at_rest(medium, moves, motion.shutter(), box_of_extinction(row, out.grids)));
+      if (moves == nullptr) continue;
+      out.motions[i] = motion.add_from_rest(*moves, MotionProbes::of_box(box_of_grids(medium, row, out.grids, scene)));
+      if (out.motions[i].segment_count > 0 && (row.flags & kMediumHomogeneous) == 0)
+        MotionCompiler::set(motion.tables().media, i, out.motions[i]);
+    } catch (const Error& error) { throw at_place(medium.description->where, SceneError(error.what())); }
   }
 }
 

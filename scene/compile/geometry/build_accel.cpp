@@ -1,0 +1,67 @@
+// Builds the acceleration structure of a scene, or takes a kept one.
+#include "core/io/memory.h"
+#include "scene/compile/geometry/compile_geometry.h"
+#include "scene/compile/geometry/kept_geometry.h"
+
+namespace sheaf {
+
+namespace {
+
+BvhLayout choose_layout(const CompileOptions& options, SceneTables& scene) {
+  if (options.bvh != BvhChoice::kAuto)
+    return options.bvh == BvhChoice::kCompact ? BvhLayout::kCompact : BvhLayout::kFast;
+  // Upper estimate of the builder's peak per triangle: 90 bytes on 2 million triangles, more with spatial splits
+  constexpr double kFastBytes = 150;
+  double bytes = kFastBytes * static_cast<double>(scene.info.triangles);
+  if (options.render_bytes) {
+    auto unbuilt = std::make_unique<Scene>(std::move(scene));
+    bytes += options.render_bytes(*unbuilt);
+    scene = Scene::release(std::move(unbuilt));
+  }
+  return bytes > available_memory() ? BvhLayout::kCompact : BvhLayout::kFast;
+}
+
+}  // namespace
+
+void build_accel(const CompiledGeometry& geometry, const CompileOptions& options, SceneTables& scene) {
+  const BvhLayout layout = choose_layout(options, scene);
+  scene.info.bvh = layout;
+  GeometryTables& tables = scene.geometry;
+  const AccelInput input{tables.shapes.data(),
+                         geometry.ungrouped_shapes,
+                         tables.vertices.data(),
+                         tables.triangles.data(),
+                         tables.quadrics.data(),
+                         tables.curve_points.data(),
+                         tables.curve_segments.data(),
+                         tables.sdf_grids.data(),
+                         tables.sdf_values.data(),
+                         tables.sdf_cells.data(),
+                         geometry.vertex_counts.data(),
+                         options.watertight,
+                         layout,
+                         geometry.groups.data(),
+                         static_cast<std::uint32_t>(geometry.groups.size()),
+                         tables.instances.data(),
+                         static_cast<std::uint32_t>(tables.instances.size()),
+                         scene.motion.view()};
+  KeptGeometry* const kept = options.kept;
+  if (kept != nullptr && kept->vertex_counts.size() == geometry.vertex_counts.size() && kept->matches(tables, input)) {
+    // Embree refers to the kept tables. Shapes may have other materials and lights, and vertices other tangents.
+    kept->tables.shapes = std::move(tables.shapes);
+    kept->tables.tangents = std::move(tables.tangents);
+    tables = std::move(kept->tables);
+    scene.accel = std::move(kept->accel);
+    return;
+  }
+  if (kept != nullptr) *kept = {};  // free its memory before building
+  scene.accel = std::make_unique<Accel>(input);
+  if (kept == nullptr) return;
+  kept->vertex_counts = geometry.vertex_counts;
+  kept->groups = geometry.groups;
+  kept->ungrouped_shapes = geometry.ungrouped_shapes;
+  kept->watertight = options.watertight;
+  kept->layout = layout;
+}
+
+}  // namespace sheaf

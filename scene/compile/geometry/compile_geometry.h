@@ -1,0 +1,36 @@
+// Compiles shapes, shape groups and instances.
+#pragma once
+
+#include "scene/compile/compile_materials.h"
+#include "scene/compile/geometry/compiled_geometry.h"
+
+namespace sheaf {
+
+/// Reads the meshes of all shapes by all threads, from its construction on.
+class MeshReader {
+ public:
+  /// `description` must outlive the object.
+  explicit MeshReader(const Description& description);
+  /// The mesh of the next shape that has_prepared_mesh(): of shapes without motion, of groups, of shapes with motion.
+  PreparedMesh next() { return meshes_->take(taken_++); }
+  /// Frees the memory of the reader. Call after the last mesh.
+  void finish() { meshes_.reset(); }
+
+ private:
+  std::optional<ReadAhead<PreparedMesh>> meshes_;
+  std::size_t taken_ = 0;
+};
+
+/// Adds all shapes, those of groups last, and instances. Shapes with a motion become groups with one instance.
+CompiledGeometry compile_geometry(const Description& description, MeshReader& meshes, const TextureTables& textures,
+                                  const CompiledMaterials& materials, MotionCompiler& motion);
+
+/// Throws if a texture uses an attribute that no mesh with its material has. Returns warnings about meshes that lack
+/// one. `scene`: with textures, materials and geometry.
+std::vector<std::string> check_attributes(const Description& description, const SceneTables& scene,
+                                          const CompiledGeometry& geometry);
+
+/// Builds the acceleration structure, or takes that of CompileOptions::kept. `scene` has all other tables.
+void build_accel(const CompiledGeometry& geometry, const CompileOptions& options, SceneTables& scene);
+
+}  // namespace sheaf
