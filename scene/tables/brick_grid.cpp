@@ -10,44 +10,29 @@ namespace sheaf {
 
 namespace {
 
-/// Bounding box of the transformed corners of the box [lo, hi].
-Bounds3f image_of(const Transform& transform, const std::array<double, 3>& lo, const std::array<double, 3>& hi) {
-  const auto& m = transform.matrix().m;
-  Bounds3f box = Bounds3f::empty();
-  float* const mins[3] = {&box.min.x, &box.min.y, &box.min.z};
-  float* const maxs[3] = {&box.max.x, &box.max.y, &box.max.z};
-  for (unsigned corner = 0; corner < 8; ++corner) {
-    for (std::size_t row = 0; row < 3; ++row) {
-      double sum = m[row][3];
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        sum += m[row][axis] * ((corner >> axis & 1u) != 0 ? hi[axis] : lo[axis]);
-      *mins[row] = std::min(*mins[row], static_cast<float>(sum));
-      *maxs[row] = std::max(*maxs[row], static_cast<float>(sum));
-    }
-  }
-  return box;
-}
-
 /// Distance in voxels by which the outermost values extend beyond their positions.
 double margin_of(const BrickGrid& grid, GridFilter filter) {
   return grid.border == GridBorder::kBackground && filter == GridFilter::kTrilinear ? 1.0 : 0.5;
 }
 
-Bounds3f box_with_margin(const BrickGrid& grid, double margin) {
-  if (grid.is_empty()) return Bounds3f::empty();
-  std::array<double, 3> lo{}, hi{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    lo[axis] = grid.voxel_min[axis] - margin;
-    hi[axis] = grid.voxel_max[axis] + margin;
-  }
-  return image_of(grid.grid_to_local, lo, hi);
-}
-
 }  // namespace
 
-Bounds3f BrickGrid::voxel_box() const { return box_with_margin(*this, 0.5); }
-
-Bounds3f BrickGrid::local_box(GridFilter filter) const { return box_with_margin(*this, margin_of(*this, filter)); }
+Bounds3f BrickGrid::voxel_box() const {
+  Bounds3f box = Bounds3f::empty();
+  if (is_empty()) return box;
+  const auto& m = grid_to_local.matrix().m;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    float p[3];
+    for (std::size_t row = 0; row < 3; ++row) {
+      double sum = m[row][3];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        sum += m[row][axis] * ((corner >> axis & 1u) != 0 ? voxel_max[axis] + 0.5 : voxel_min[axis] - 0.5);
+      p[row] = static_cast<float>(sum);
+    }
+    box.grow({p[0], p[1], p[2]});
+  }
+  return box;
+}
 
 Bounds3f row_box(const BrickGrid& grid, GridFilter filter) {
   if (grid.is_empty()) return Bounds3f::empty();

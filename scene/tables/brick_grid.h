@@ -76,8 +76,6 @@ struct BrickGrid {
   bool is_empty() const { return voxel_max[0] < voxel_min[0]; }
   /// Upper bound on the interpolated values of all channels.
   float max_value() const { return maximum; }
-  /// Lower bound on the interpolated values of all channels.
-  float min_value() const { return minimum; }
   /// Memory in bytes.
   std::size_t bytes() const { return entries.capacity() * sizeof(std::uint32_t) + values.capacity() * sizeof(float); }
   /// Floats per brick.
@@ -85,15 +83,13 @@ struct BrickGrid {
   /// Bounding box in local space of the unit cubes around the voxels. For Mitsuba's .vol files this is the unit cube or
   /// the file's box. Empty for an empty grid.
   Bounds3f voxel_box() const;
-  /// Bounding box in local space of all points whose value differs from the background; without background,
-  /// voxel_box().
-  Bounds3f local_box(GridFilter filter = GridFilter::kTrilinear) const;
 };
 
 /// Makes the kernels' row of a grid, which must outlive it. Throws SceneError if the transform is singular.
 BrickGridRow make_brick_grid_row(const BrickGrid& grid, const Transform& local_to_world, GridFilter filter);
 
-/// local_box() in the target space of BrickGridRow::world_to_grid.
+/// Bounding box, in the target space of BrickGridRow::world_to_grid, of all points whose value differs from the
+/// background; without background, of the voxels.
 Bounds3f row_box(const BrickGrid& grid, GridFilter filter);
 
 }  // namespace sheaf

@@ -35,7 +35,7 @@ void check_lookups(const TestGrid& t, GridFilter filter, float beyond, std::uint
       differences += !(std::fabs(static_cast<double>(found[c]) - expected) < 2e-4);
     }
     differences += !(std::fabs(lookup_grid(row, world) - found[0]) < 1e-6f);
-    differences += !(found[0] <= t.grid.max_value() * 1.000001f + 1e-6f && found[0] >= t.grid.min_value() - 1e-5f);
+    differences += !(found[0] <= t.grid.max_value() * 1.000001f + 1e-6f && found[0] >= t.grid.minimum - 1e-5f);
   }
   CHECK(differences == 0);
 }
@@ -77,7 +77,7 @@ TEST_CASE("brick grid: constant bricks are stored once") {
   CHECK(grid.voxel_min == std::array<int, 3>{0, 0, 0});
   CHECK(grid.voxel_max == std::array<int, 3>{159, 159, 159});
   CHECK(grid.max_value() == 2.0f);
-  CHECK(grid.min_value() == 0.0f);
+  CHECK(grid.minimum == 0.0f);
   // Two inside bricks, and those of the border and of the middle plane, which vary.
   const std::size_t bricks = grid.values.size() / grid.brick_size();
   CHECK(bricks == 21 * 21 * 21 - (9 + 9) * 19 * 19 + 2);
@@ -86,15 +86,20 @@ TEST_CASE("brick grid: constant bricks are stored once") {
   CHECK(dense.values.size() == dense.brick_size());
 }
 
-TEST_CASE("brick grid: grids have the right bounds in local space") {
+TEST_CASE("brick grid: grids have the right bounds in local space and in that of lookups") {
   TestGrid t = make_sparse_test_grid(1, {{1, 2, 3}});
   t.grid.grid_to_local = Transform::scale({0.5f, 0.5f, -0.5f});
   const auto& lo = t.grid.voxel_min;
   const auto& hi = t.grid.voxel_max;
   CHECK(t.grid.voxel_box().min.x == 0.5f * (static_cast<float>(lo[0]) - 0.5f));
   CHECK(t.grid.voxel_box().max.z == -0.5f * (static_cast<float>(lo[2]) - 0.5f));
-  CHECK(t.grid.local_box().max.y == 0.5f * (static_cast<float>(hi[1]) + 1));
-  CHECK(t.grid.local_box(GridFilter::kNearest).max.y == 0.5f * (static_cast<float>(hi[1]) + 0.5f));
+  // Values towards the background are interpolated over one voxel; nearest lookups are shifted by half a voxel
+  const auto end = static_cast<float>(hi[1] - t.grid.first[1]);
+  CHECK(row_box(t.grid, GridFilter::kTrilinear).max.y == end + 1);
+  CHECK(row_box(t.grid, GridFilter::kNearest).max.y == end + 0.5f + 0.5f);
+  const auto begin = static_cast<float>(lo[1] - t.grid.first[1]);
+  CHECK(row_box(t.grid, GridFilter::kTrilinear).min.y == begin - 1);
+  CHECK(row_box(t.grid, GridFilter::kNearest).min.y == begin);
 }
 
 TEST_CASE("brick grid: empty grids have the background value everywhere") {
