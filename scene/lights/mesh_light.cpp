@@ -1,5 +1,6 @@
 #include "scene/lights/mesh_light.h"
 
+#include "core/math/direction_cone.h"
 #include "core/math/frame.h"
 #include "core/sampling/alias_table.h"
 #include "core/sampling/warp.h"
@@ -7,7 +8,6 @@
 #include "scene/lights/light_bounds.h"
 #include "scene/lights/texture_mean.h"
 #include "scene/surfaces/shape.h"
-#include "scene/tables/light_cone.h"
 
 #include <algorithm>
 #include <cmath>

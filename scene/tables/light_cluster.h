@@ -1,7 +1,7 @@
 // Bounds of a set of lights in double precision, used to build light trees.
 #pragma once
 
-#include "scene/tables/light_cone.h"
+#include "core/math/direction_cone.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "scene/tables/light_cone.h"
+#include "core/math/direction_cone.h"
 
 #include "core/simd/lanes.h"
 

@@ -1,4 +1,4 @@
-// Cones of directions around the normals of lights, in double precision, for building light trees.
+// Cones of directions in double precision, for building light trees.
 #pragma once
 
 #include "core/math/vec3d.h"
