@@ -29,7 +29,7 @@ Bounds3f BrickGrid::voxel_box() const {
         sum += m[row][axis] * ((corner >> axis & 1u) != 0 ? voxel_max[axis] + 0.5 : voxel_min[axis] - 0.5);
       p[row] = static_cast<float>(sum);
     }
-    box.grow({p[0], p[1], p[2]});
+    box.grow(Vec3f{p[0], p[1], p[2]});
   }
   return box;
 }
