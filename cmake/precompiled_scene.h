@@ -4,4 +4,4 @@
 #include "cmake/precompiled.h"
 
 #include "core/io/error.h"
-#include "scene/content/description.h"
+#include "scene/description.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/io/name_table.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/scene.h"
 
 #include <functional>

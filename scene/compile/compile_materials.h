@@ -1,7 +1,7 @@
 // Flattens the materials of a description into rows.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/materials/row_builder.h"
 #include "scene/tables/material_tables.h"
 

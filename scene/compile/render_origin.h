@@ -3,7 +3,7 @@
 // in double precision (Pharr et al. 2023, "Physically Based Rendering", 4th ed., section 5.1.1: camera-world space).
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <span>
 

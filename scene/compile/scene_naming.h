@@ -1,7 +1,7 @@
 // Builds the SceneNames of a scene.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/tables/scene_names.h"
 
 #include <unordered_map>

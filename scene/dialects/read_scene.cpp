@@ -138,7 +138,9 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     rename_old_plugins(scene);
   }
   // Read the elements
-  ReadContext context{scene, description, options.lenient};
+  ReadContext context{
+      scene,          description, description, description.textures, description.materials, description.phases,
+      options.lenient};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
   context.camera = options.camera;
   context.readers.spectrum = read_property_spectrum;

@@ -1,7 +1,7 @@
 // Reads a scene file of any dialect.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/dialects/model/model_view.h"
 #include "scene/xml/xml_expand.h"
 

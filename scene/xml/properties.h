@@ -46,20 +46,9 @@ struct ElementReaders {
 
 /// State that is shared by all readers of a scene.
 struct ReadContext {
-  /// `target` is a Description, whose header comes after those of the readers.
-  template <class Target>
-  ReadContext(const ExpandedScene& from, Target& target, bool is_lenient = false)
-      : scene(from),
-        description(target),
-        remarks(target),
-        texture_list(target.textures),
-        material_list(target.materials),
-        phase_list(target.phases),
-        lenient(is_lenient) {}
-
   const ExpandedScene& scene;
   Description& description;
-  // Parts of the description
+  // Parts of the description, for readers that know no more of it
   Remarks& remarks;
   std::vector<TextureDescription>& texture_list;
   std::vector<MaterialDescription>& material_list;

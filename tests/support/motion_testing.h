@@ -1,7 +1,7 @@
 // Moving objects for tests.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Scenes of a few shapes, built in memory, for tests of kernels and estimators.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <optional>
 

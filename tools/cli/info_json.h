@@ -3,7 +3,7 @@
 
 #include "core/image/exr.h"
 #include "scene/compile/compile.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/image/pixel_rect.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <string>
 #include <utility>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/render/render.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "tools/job/render_arguments.h"
 
 namespace sheaf {

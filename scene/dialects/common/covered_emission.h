@@ -1,7 +1,7 @@
 // Emission of surfaces with an opacity, for dialects in which opacity covers emission as it covers reflection.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 namespace sheaf {
 

@@ -1,7 +1,7 @@
 // Integrators as scene files and the command line name them; see scene/tables/integrator_list.h.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/xml/properties.h"
 
 #include <string_view>

@@ -1,7 +1,7 @@
 // Placement of instances, and shapes that move inside of shape groups.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/description/placement.h"
 
 namespace sheaf {

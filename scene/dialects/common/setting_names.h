@@ -2,7 +2,7 @@
 // integrator properties that select them.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/xml/named_values.h"
 
 #include <string>

@@ -1,7 +1,7 @@
 // Entry point of the glTF dialect.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/dialects/model/model_view.h"
 
 #include <filesystem>

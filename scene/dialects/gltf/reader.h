@@ -1,7 +1,7 @@
 // The parts of the glTF dialect, which scene.cpp puts together.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/formats/gltf.h"
 
 #include <map>

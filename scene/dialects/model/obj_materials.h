@@ -1,7 +1,7 @@
 // Conversion of OBJ/MTL materials to materials of the description.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/formats/mtl.h"
 
 namespace sheaf {

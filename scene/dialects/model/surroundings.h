@@ -1,7 +1,7 @@
 // What surrounds a model that comes without a scene: a floor, a sky, and default settings.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/dialects/model/model_view.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // Entry point of the pbrt dialect.
 #pragma once
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <filesystem>
 #include <string>

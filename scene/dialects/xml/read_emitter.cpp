@@ -1,7 +1,7 @@
 // Emitters of the Nori and Mitsuba dialects.
 #include "scene/dialects/xml/read_emitter.h"
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 #include <algorithm>
 

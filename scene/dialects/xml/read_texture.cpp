@@ -1,7 +1,7 @@
 // Textures shared by the Nori and Mitsuba dialects.
 #include "scene/dialects/xml/read_texture.h"
 
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/xml/read_declared.h"
 
 #include <algorithm>

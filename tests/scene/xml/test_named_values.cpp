@@ -45,7 +45,7 @@ std::string read_xml_values(const std::string& properties, Values* values) {
   const ExpandedScene scene(
       write_below(folder, "scene.xml", "<scene>\n<shape type='ball'>\n" + properties + "</shape>\n</scene>\n"), {});
   Description description;
-  ReadContext context{scene, description};
+  ReadContext context{scene, description, description, description.textures, description.materials, description.phases};
   try {
     Properties p(scene.root().children.at(0), context);
     const Values read = read_values(p);

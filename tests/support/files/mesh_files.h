@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/io/error.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "tests/support/contains.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "scene/content/description.h"
+#include "scene/description.h"
 
 namespace sheaf {
 
