@@ -126,7 +126,8 @@ function(sheaf_embed_tables target file)
 endfunction()
 
 # sheaf_list_headers(<folder> <template>): writes <folder>/all_headers.h below the build folder. It includes every header
-# of the folder that specialises the template. New headers are found automatically.
+# of the folder that specialises the template. New headers are found automatically. A specialization must begin a line;
+# the list of the folder (list.h) does not compile without it.
 function(sheaf_list_headers folder template)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/${folder}/*.h")
   set(includes "")

@@ -41,7 +41,9 @@ concept Implemented = requires {
 
 template <class List> struct BsdfList;
 template <class... Closures> struct BsdfList<ClosureList<Closures...>> {
-  static_assert((Implemented<Closures> && ...), "a closure in scene/materials/list.h has no BSDF");
+  static_assert(
+      (Implemented<Closures> && ...),
+      "a closure in scene/materials/list.h has no BSDF: no header begins a line with 'template <> struct BsdfOf<'");
   static_assert((fits<Closures>(BsdfOf<Closures>{}) && ...), "a BSDF differs from its closure in scene/materials/");
   static_assert(((!Closures::kInfo.is_coatable || fits_below_coat(BsdfOf<Closures>{})) && ...),
                 "a coatable closure has more parameters than a coat can hold");
@@ -51,7 +53,7 @@ template <class... Closures> struct BsdfList<ClosureList<Closures...>> {
 
 }  // namespace bsdf_detail
 
-/// All BSDFs, by closure. If a closure is not Implemented although its BsdfOf exists, run CMake again.
+/// All BSDFs, by closure.
 using AllBsdfs = bsdf_detail::BsdfList<AllClosures>;
 
 /// Calls f(kind, BsdfTag<...>) for every BSDF and phase function.

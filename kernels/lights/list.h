@@ -17,7 +17,9 @@ concept Implemented =
 
 template <class List> struct LightList;
 template <class... Kinds> struct LightList<LightKindList<Kinds...>> {
-  static_assert((Implemented<Kinds> && ...), "a kind in scene/lights/list.h has no kernel");
+  static_assert(
+      (Implemented<Kinds> && ...),
+      "a kind in scene/lights/list.h has no kernel: no header begins a line with 'template <> struct LightOf<'");
 
   /// Calls f(kernel) for each kind, with a value of the kernel's type.
   template <class F> static SHEAF_INLINE void for_each(F&& f) { (f(typename LightOf<Kinds>::Type{}), ...); }

@@ -16,7 +16,9 @@ concept Implemented = TextureLookups<typename LookupOf<Description>::Type> &&
 
 template <class List> struct TextureList;
 template <class... Descriptions> struct TextureList<TextureKindList<Descriptions...>> {
-  static_assert((Implemented<Descriptions> && ...), "a kind in scene/textures/list.h has no lookups");
+  static_assert(
+      (Implemented<Descriptions> && ...),
+      "a kind in scene/textures/list.h has no lookups: no header begins a line with 'template <> struct LookupOf<'");
 
   /// Calls f.operator()<Texture>() for the kind.
   template <class F> static SHEAF_INLINE auto with(TextureKind kind, F&& f) {
