@@ -1,6 +1,8 @@
 // The table of all names of materials in files, from the list of models.
 #include "scene/materials/plugins.h"
 
+#include "scene/xml/find_plugin.h"
+
 #include <algorithm>
 #include <cstring>
 
@@ -32,12 +34,6 @@ template <class... Models> std::vector<BsdfPlugin> plugins_of(const std::variant
   return table;
 }
 
-const BsdfPlugin* find_plugin(std::span<const BsdfPlugin> table, const std::string& name) {
-  const auto found =
-      std::find_if(table.begin(), table.end(), [&](const BsdfPlugin& each) { return name == each.name; });
-  return found != table.end() ? &*found : nullptr;
-}
-
 }  // namespace
 
 std::span<const BsdfPlugin> bsdf_plugins() {
@@ -46,14 +42,7 @@ std::span<const BsdfPlugin> bsdf_plugins() {
 }
 
 MaterialModel read_bsdf_plugin(Properties& p, const BsdfDialect& dialect, std::span<const BsdfPlugin> own) {
-  if (const BsdfPlugin* plugin = find_plugin(own, p.type())) return plugin->read(p, dialect);
-  if (const BsdfPlugin* plugin = find_plugin(bsdf_plugins(), p.type())) return plugin->read(p, dialect);
-  std::vector<std::string> known;
-  for (const std::span<const BsdfPlugin> table : {bsdf_plugins(), own})
-    for (const BsdfPlugin& plugin : table) known.emplace_back(plugin.name);
-  std::sort(known.begin(), known.end());
-  known.erase(std::unique(known.begin(), known.end()), known.end());
-  p.fail_plugin(known);
+  return find_plugin<BsdfPlugin>(p, {own, bsdf_plugins()}).read(p, dialect);
 }
 
 }  // namespace sheaf

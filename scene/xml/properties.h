@@ -63,7 +63,7 @@ struct ReadContext {
   /// shape groups already read: index into Description::groups
   std::map<const XmlElement*, std::uint32_t> groups = {};
   bool mirrors_nori_camera = true;                      ///< convention of ETH's course; see docs/scene-format/nori.md
-  std::string camera;                                   ///< name or number of the camera; empty: the first
+  std::string camera = {};                              ///< name or number of the camera; empty: the first
   bool frames_scene = false;                            ///< an automatic camera must be placed
   bool in_group = false;                                ///< shapes of a group are being read
   std::set<const XmlElement*> left_out = {};            ///< elements that are ignored

@@ -78,7 +78,7 @@ void read_emitter(const XmlElement& element, Reader& reader) {
   } else {
     std::vector<std::string> others = daylight_names();
     others.insert(others.end(), {"area", "directionalarea"});
-    light_reader(p, kReaders, std::move(others)).read(p, light);
+    find_plugin<LightReader>(p, {kReaders, light_readers()}, std::move(others)).read(p, light);
     read_light_motion(p, "to_world", light);
   }
   // Reject unknown properties, and append the lights

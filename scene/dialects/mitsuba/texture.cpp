@@ -59,7 +59,7 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   TextureDescription texture;
   std::vector<std::string> others = kSpectrumPlugins.names();
   for (const std::string& name : kInputs.names()) others.push_back(name);
-  texture_reader(p, std::move(others))(p, ImageOrigin::kUpperLeft, texture);
+  find_plugin<TexturePlugin>(p, {texture_plugins()}, std::move(others)).read(p, ImageOrigin::kUpperLeft, texture);
   return add_texture(p, std::move(texture));
 }
 

@@ -125,7 +125,7 @@ void read_emitter(const XmlElement& element, ReadContext& context) {
   light.where = element.where;
   if (const std::string* id = element.find_attribute("id")) light.id = *id;
   if (p.type() == "area") p.fail("must be nested in a <mesh>");
-  light_reader(p, kReaders, {"area"}).read(p, light);
+  find_plugin<LightReader>(p, {kReaders, light_readers()}, {"area"}).read(p, light);
   read_light_motion(p, "toWorld", light);
   p.reject_unused();
   context.description.lights.push_back(std::move(light));

@@ -69,7 +69,8 @@ SpectrumInput texture_of(const XmlElement& element, ReadContext& context) {
   std::vector<std::string> others = kSpectrumPlugins.names();
   for (const std::vector<std::string>& names : {kConstants.names(), kTextures.names()})
     others.insert(others.end(), names.begin(), names.end());
-  const TexturePluginReader read = own != nullptr ? *own : texture_reader(p, std::move(others));
+  const TexturePluginReader read =
+      own != nullptr ? *own : find_plugin<TexturePlugin>(p, {texture_plugins()}, std::move(others)).read;
   read(p, ImageOrigin::kLowerLeft, texture);
   return add_texture(p, std::move(texture));
 }

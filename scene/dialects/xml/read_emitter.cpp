@@ -3,21 +3,7 @@
 
 #include "scene/description.h"
 
-#include <algorithm>
-
 namespace sheaf {
-
-const LightReader& light_reader(const Properties& p, std::span<const LightReader> own,
-                                std::vector<std::string> others) {
-  for (const std::span<const LightReader> readers : {own, light_readers()})
-    for (const LightReader& reader : readers) {
-      if (reader.name == p.type()) return reader;
-      others.emplace_back(reader.name);
-    }
-  std::sort(others.begin(), others.end());
-  others.erase(std::unique(others.begin(), others.end()), others.end());
-  p.fail_plugin(others);
-}
 
 void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
                        std::initializer_list<const char*> ignored) {

@@ -2,15 +2,9 @@
 #pragma once
 
 #include "scene/lights/list.h"
-#include "scene/xml/properties.h"
-
-#include <span>
+#include "scene/xml/find_plugin.h"
 
 namespace sheaf {
-
-/// The reader of an emitter that is not attached to a shape: one of the dialect's `own`, or else of light_readers().
-/// For unknown types, throws SceneError with the nearest of all their names and `others`.
-const LightReader& light_reader(const Properties& p, std::span<const LightReader> own, std::vector<std::string> others);
 
 /// Reads an <emitter> inside a shape: `area` (also named after the shape, as `parallelogram_emitter`) or
 /// `directionalarea`, with `radiance` (default 1). `ignored`: properties that are accepted without effect. Throws

@@ -59,16 +59,6 @@ std::span<const TexturePlugin> texture_plugins() {
   return kTable;
 }
 
-TexturePluginReader texture_reader(const Properties& p, std::vector<std::string> others) {
-  std::vector<std::string> known;
-  for (const TexturePlugin& plugin : texture_plugins()) {
-    if (p.type() == plugin.name) return plugin.read;
-    known.emplace_back(plugin.name);
-  }
-  known.insert(known.end(), others.begin(), others.end());
-  p.fail_plugin(std::move(known));
-}
-
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context) {
   const auto it = context.textures.find(&element);
   return it != context.textures.end() ? &it->second : nullptr;

@@ -2,9 +2,7 @@
 #pragma once
 
 #include "scene/textures/constant_map.h"
-#include "scene/xml/properties.h"
-
-#include <span>
+#include "scene/xml/find_plugin.h"
 
 namespace sheaf {
 
@@ -22,9 +20,6 @@ struct TexturePlugin {
 
 /// The names of all kinds of textures in files (kPlugins), in alphabetical order.
 std::span<const TexturePlugin> texture_plugins();
-
-/// The reader of the object's plugin. Throws SceneError for unknown plugins; the message lists `others`, too.
-TexturePluginReader texture_reader(const Properties& p, std::vector<std::string> others);
 
 /// Returns the texture read earlier from this element, or null.
 const SpectrumInput* find_read_texture(const XmlElement& element, const ReadContext& context);
