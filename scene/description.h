@@ -18,7 +18,7 @@
 namespace sheaf {
 
 /// A whole scene.
-struct Description : Remarks {
+struct Description : Remarks, SceneSettings {
   // Defined in description.cpp: these functions take long to compile.
   Description();
   Description(const Description& other);
@@ -29,9 +29,6 @@ struct Description : Remarks {
 
   CameraDescription camera;
   std::vector<CameraDescription> more_cameras;  ///< the film is divided into one column of equal width per camera
-  FilmSettings film;
-  SamplerSettings sampler;
-  IntegratorSettings integrator;
   std::vector<TextureDescription> textures;
   std::vector<MaterialDescription> materials;
   std::vector<PhaseDescription> phases;

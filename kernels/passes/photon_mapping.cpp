@@ -1,13 +1,11 @@
 // Builds the photon maps of a render set by set, and shrinks their radii for progressive photon mapping.
 #include "kernels/passes/photon_mapping.h"
 
-#include "core/io/error.h"
 #include "core/sampling/rng.h"
 #include "scene/materials/list.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 namespace sheaf {
 
@@ -53,9 +51,6 @@ PhotonMapping::PhotonMapping(const StageContext& context, std::uint32_t samples,
       scene_radius_(context.scene.radius),
       pixel_(context.scene.radius / static_cast<float>(film_side)),
       sets_(photon_map_sets(settings_, context.scene.color, samples)) {
-  if (settings_.progressive && samples > kMaxPhotonSets)
-    throw Error(ExitCode::kUsage, "progressive photon mapping has a pass for each sample per pixel, at most " +
-                                      std::to_string(kMaxPhotonSets));
   if (!has_phase_functions(context.scene)) settings_.volume.count = 0;
   if (context.scene.color != ColorMode::kSpectral) return;
   std::uint32_t x = context.sampler.seed, y = 0, z = 0, w = 0;

@@ -22,8 +22,8 @@ std::uint32_t photon_map_sets(const PhotonMappingSettings& settings, ColorMode c
 
 class PhotonMapping {
  public:
-  /// For a render of `samples` samples per pixel (camera samples times gather rays). `context`: of the camera pass.
-  /// `film_side`: longer side of the frame, pixels. Throws Error (usage) if there are too many passes.
+  /// For a render of `samples` samples per pixel (camera samples times gather rays), at most kMaxPhotonSets with
+  /// progressive maps. `context`: of the camera pass. `film_side`: longer side of the frame, pixels.
   PhotonMapping(const StageContext& context, std::uint32_t samples, int film_side);
 
   /// Builds the maps of sample `sample` if they do not exist yet, and makes `context` gather from them. The maps remain

@@ -1,7 +1,8 @@
 // Continuing a checkpoint with more samples per pixel than it was planned for.
 #pragma once
 
-#include "kernels/render/render.h"
+#include "kernels/render/render_settings.h"
+#include "kernels/render/render_state.h"
 
 #include <string>
 
@@ -9,14 +10,12 @@ namespace sheaf {
 
 /// How a render continues from a checkpoint.
 struct Continuation {
-  std::uint32_t samples = 0;  ///< per pixel, of the render
-  int replicates = 0;         ///< RenderOptions::replicates that keeps the size of the sample sets
+  RenderSettings settings;  ///< of the render
   std::string problem;  ///< why the render would not have the same bits as one without interruption; empty: it has them
 };
 
-/// The continuation of `state` by a render with `options`, whose RenderOptions::resume is ignored. If the options leave
-/// the number of replicates open, chooses the default or, if the checkpoint has sets of another size, one that
-/// continues these sets. Throws the errors of make_sample_layout().
-Continuation continue_from(const Scene& scene, const RenderOptions& options, const RenderState& state);
+/// The continuation of `state` by a render with `settings`. If the number of replicates was not requested, chooses the
+/// default or, if the checkpoint has sets of another size, one that continues these sets.
+Continuation continue_from(const RenderSettings& settings, const RenderState& state);
 
 }  // namespace sheaf

@@ -9,12 +9,12 @@ namespace sheaf {
 
 class PrecomputedLight {
  public:
-  /// For the camera passes of `context`. Throws Error (usage) if the photon maps would need too many passes.
-  PrecomputedLight(StageContext& context, const SamplePlan& plan, GuidingMode guiding, ProgressReporter& reporter);
+  /// For the camera passes of `context`.
+  PrecomputedLight(StageContext& context, const RenderSettings& settings, ProgressReporter& reporter);
 
-  /// Trains the guide by the plan's training passes, for the following samples of `context`. With GuidingMode::kAuto,
-  /// these sample it only if it pays. Sets their number of light candidates, if the passes are a trial.
-  void train(const SamplePlan& plan, Workers& workers, StageContext& context);
+  /// Trains the guide for the following samples of `context`. With GuidingMode::kAuto, these sample it only if it pays.
+  /// Sets their number of light candidates, if the passes are a trial.
+  void train(const RenderSettings& settings, Workers& workers, StageContext& context);
   /// Builds the photon maps for the next samples of `context`, if the integrator uses photon maps. `sample`: the first.
   void prepare(std::uint32_t sample, Workers& workers, StageContext& context);
 
@@ -29,7 +29,6 @@ class PrecomputedLight {
  private:
   std::optional<PhotonMapping> photon_mapping_;
   PhotonTracing photon_tracing_;
-  GuidingMode guiding_;
   RenderReport::Candidates candidates_;
   GuideField guide_;
   GuideTraining guide_training_;

@@ -1,4 +1,4 @@
-// Calls the callbacks of RenderOptions, and collects the report.
+// Calls the callbacks of RenderControl, and collects the report.
 #include "kernels/render/progress_reporter.h"
 
 #include "core/simd/saturate.h"
@@ -23,7 +23,7 @@ Stats::Dropped dropped_so_far(const SamplePlan& plan, const Workers& workers) {
 /// Sets the sample counts of the report to the samples taken so far.
 void add_samples(const SamplePlan& plan, RenderReport& report) {
   const RenderState& state = plan.state();
-  report.spp = plan.layout().spp;
+  report.spp = plan.settings().spp;
   report.mean_samples = state.film.mean_samples();
   if (state.adaptive) {
     report.adaptive = state.adaptive->summary();
@@ -38,32 +38,32 @@ void add_samples(const SamplePlan& plan, RenderReport& report) {
 }  // namespace
 
 bool ProgressReporter::wants_pause() {
-  if (!pausing_ && options_.wants_pause && options_.wants_pause()) pausing_ = true;
+  if (!pausing_ && control_.wants_pause && control_.wants_pause()) pausing_ = true;
   return pausing_;
 }
 
 void ProgressReporter::add_done(std::uint64_t more) {
   const std::uint64_t done = done_.fetch_add(more, std::memory_order_relaxed) + more;
-  if (options_.on_progress) options_.on_progress(done, total_);
+  if (control_.on_progress) control_.on_progress(done, total_);
 }
 
 void ProgressReporter::pause(SamplePlan& plan, const TaskStatistics& tasks) {
   pausing_ = false;
-  if (options_.on_report) {
+  if (control_.on_report) {
     std::vector<std::string> warnings;
-    options_.on_report(report(plan, tasks, warnings));
+    control_.on_report(report(plan, tasks, warnings));
   }
-  if (options_.on_pause) options_.on_pause(plan.checkpoint(dropped_so_far(plan, tasks.workers)));
+  if (control_.on_pause) control_.on_pause(plan.checkpoint(dropped_so_far(plan, tasks.workers)));
 }
 
 RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatistics& tasks,
                                       std::vector<std::string>& warnings) const {
   RenderReport report;
-  report.integrator = scene_.integrator().name();
+  report.integrator = settings_.integrator.name();
   report.isa = kIsaName;
   report.width = plan.state().film.width();
   report.height = plan.state().film.height();
-  report.seed = options_.seed.value_or(scene_.sampler().seed);
+  report.seed = settings_.sampler.seed;
   report.threads = tasks.threads;
   report.wave_size = tasks.wave_size;
   report.render_seconds = seconds();
@@ -71,7 +71,7 @@ RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatisti
   report.photons = tasks.photons;
   report.guiding = tasks.guiding;
   report.candidates = tasks.candidates;
-  add_workers(tasks.workers, plan.layout().frame, dropped_so_far(plan, tasks.workers), report, warnings);
+  add_workers(tasks.workers, plan.settings().frame, dropped_so_far(plan, tasks.workers), report, warnings);
   for (const SourceLocation& place : scene_.light_source_locations())
     report.light_source_locations.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line)
                                                            : std::string());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/passes/render_report.h"
+#include "kernels/passes/worker.h"
 #include "kernels/render/render.h"
 #include "kernels/render/sample_plan.h"
 
@@ -22,15 +23,15 @@ struct TaskStatistics {
 
 class ProgressReporter {
  public:
-  /// Starts the clock. `samples_before`: number of samples and photons taken before the render was resumed.
-  ProgressReporter(const Scene& scene, const RenderOptions& options, std::uint64_t samples_before)
-      : scene_(scene), options_(options), done_(samples_before) {}
+  /// Starts the clock. All arguments must outlive the reporter.
+  ProgressReporter(const Scene& scene, const RenderControl& control, const SamplePlan& plan)
+      : scene_(scene), settings_(plan.settings()), control_(control), done_(plan.samples_before()) {}
 
-  /// Whether RenderOptions::stop ends the render.
-  bool is_stopped() const { return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed); }
+  /// Whether RenderControl::stop ends the render.
+  bool is_stopped() const { return control_.stop != nullptr && control_.stop->load(std::memory_order_relaxed); }
   /// Whether the time limit is reached.
-  bool is_late() const { return options_.time_limit > 0 && seconds() >= options_.time_limit; }
-  /// Polls RenderOptions::wants_pause. Once it is true, workers must not start tasks until the pause.
+  bool is_late() const { return settings_.time_limit > 0 && seconds() >= settings_.time_limit; }
+  /// Polls RenderControl::wants_pause. Once it is true, workers must not start tasks until the pause.
   bool wants_pause();
   /// Result of the last wants_pause().
   bool is_pausing() const { return pausing_; }
@@ -48,7 +49,8 @@ class ProgressReporter {
   double seconds() const;
 
   const Scene& scene_;
-  const RenderOptions& options_;
+  const RenderSettings& settings_;
+  const RenderControl& control_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::atomic<bool> pausing_{false};
   std::uint64_t total_ = 0;

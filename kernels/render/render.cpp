@@ -7,6 +7,8 @@
 #include "kernels/render/render_memory.h"
 #include "kernels/render/task_runner.h"
 
+#include <fmt/format.h>
+
 #include <new>
 
 namespace sheaf {
@@ -14,8 +16,8 @@ namespace sheaf {
 namespace {
 
 /// The result of a render that has ended.
-RenderResult result_of(const Scene& scene, const RenderOptions& options, SamplePlan& plan,
-                       const ProgressReporter& reporter, const TaskRunner& runner) {
+RenderResult result_of(const Scene& scene, SamplePlan& plan, const ProgressReporter& reporter,
+                       const TaskRunner& runner) {
   plan.complete_film();
   RenderResult result;
   result.interrupted = plan.is_incomplete();
@@ -25,11 +27,11 @@ RenderResult result_of(const Scene& scene, const RenderOptions& options, SampleP
   result.report.interrupted = result.interrupted;
   result.report.noise = noise_of(state.film, state.splats, state.photons);
   result.film = std::move(state.film);
-  result.aovs = options.aovs;
+  result.aovs = plan.settings().aovs;
   if (result.film.has_surface_ids()) result.names = scene.names();
   result.splats = std::move(state.splats);
   result.photons = state.photons;
-  if (options.samples) result.samples = plan.layout().range;
+  if (plan.settings().is_part) result.samples = plan.settings().range;
   return result;
 }
 
@@ -52,21 +54,26 @@ Image RenderResult::to_image() const {
   return image;
 }
 
-RenderResult render(const Scene& scene, const RenderOptions& options) {
-  const SampleLayout layout = make_sample_layout(scene, options);
-  const std::vector<MemoryUse> memory = render_memory(scene, options, layout);
-  const std::string task =
-      "an image of " + std::to_string(layout.crop.width()) + " x " + std::to_string(layout.crop.height()) + " pixels";
+RenderResult render(const Scene& scene, const RenderSettings& settings, const RenderControl& control) {
+  check_scene(scene, settings);
+  if (control.wave_size > kMaxWaveSize)
+    throw Error(ExitCode::kUsage, fmt::format("the wave size must not exceed {}", kMaxWaveSize));
+  const std::vector<MemoryUse> memory = render_memory(scene, settings, control);
+  const std::string task = fmt::format("an image of {} x {} pixels", settings.crop.width(), settings.crop.height());
   check_memory(task, memory);
   try {
-    SamplePlan plan(scene, options, layout);
-    ProgressReporter reporter(scene, options, plan.samples_before());
-    TaskRunner runner(scene, options, plan, reporter);
+    SamplePlan plan(scene, settings, control.resume);
+    ProgressReporter reporter(scene, control, plan);
+    TaskRunner runner(scene, control, plan, reporter);
     runner.run();
-    RenderResult result = result_of(scene, options, plan, reporter, runner);
+    RenderResult result = result_of(scene, plan, reporter, runner);
     result.report.memory = memory;
     return result;
   } catch (const std::bad_alloc&) { throw not_enough_memory(task, memory); }
+}
+
+RenderResult render(const Scene& scene, const RenderOptions& options) {
+  return render(scene, resolve_settings(scene, options), options);
 }
 
 }  // namespace sheaf

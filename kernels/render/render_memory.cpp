@@ -6,9 +6,7 @@
 #include "kernels/photons/photon.h"
 #include "kernels/photons/photon_beam.h"
 #include "kernels/photons/photon_map.h"
-#include "kernels/render/sample_layout.h"
 #include "kernels/render/tiles.h"
-#include "kernels/training/train_guiding.h"
 #include "kernels/wave/wave.h"
 
 #include <algorithm>
@@ -32,41 +30,41 @@ struct FilmSize {
   double coverage;         ///< bytes per pixel
 };
 
-FilmSize film_size(const SampleLayout& layout, const RenderOptions& options) {
-  const FilmLayout channels = film_layout(options.aovs, layout.has_variances, layout.light_groups);
-  const FilmRow row(channels, options.spectral_bins, layout.unit == VarianceUnit::kSample);
+FilmSize film_size(const RenderSettings& settings, const LightGroupLayers& groups) {
+  const FilmLayout channels = film_layout(settings.aovs, settings.has_variances, groups.names);
+  const FilmRow row(channels, settings.spectral_bins, settings.unit == VarianceUnit::kSample);
   const auto variances = static_cast<double>(row.variances);
   double numbers = 1 + static_cast<double>(row.film_size());
-  if (layout.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;
+  if (settings.unit == VarianceUnit::kReplicate && variances > 0) numbers += 1 + variances;
   if (channels.half_count() > 0) numbers += 1 + channels.half_count();
-  const double coverage = options.aovs.contains(AovSource::kSurfaceId) ? kCoverageBytes : 0;
-  return {channels, row, area_of(layout.crop), numbers, coverage};
+  const double coverage = settings.aovs.contains(AovSource::kSurfaceId) ? kCoverageBytes : 0;
+  return {channels, row, area_of(settings.crop), numbers, coverage};
 }
 
 /// Area of a square of `side` pixels grown by `reach` on each side, over the area of the square.
 double spread_of(int side, int reach) { return std::pow(1 + 2.0 * reach / side, 2); }
 
 /// Bytes per pixel of the borders that tiles add to each other. All of them are kept until the pass ends.
-double border_bytes(const FilmSize& film, const SampleLayout& layout) {
-  if (layout.reach == 0) return 0;
-  const int side = tile_side(std::min({kPassSamples, layout.range.count, layout.replicate_samples}));
-  return (spread_of(side, layout.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+double border_bytes(const FilmSize& film, const RenderSettings& settings) {
+  if (settings.reach == 0) return 0;
+  const int side = tile_side(std::min({kPassSamples, settings.range.count, settings.replicate_samples}));
+  return (spread_of(side, settings.reach) - 1) * (8 * static_cast<double>(film.row.size()) + film.coverage);
 }
 
 /// Bytes per pixel of the sums of adaptive sampling.
-double adaptive_bytes(const FilmSize& film, const SampleLayout& layout) {
+double adaptive_bytes(const FilmSize& film, const RenderSettings& settings) {
   const double sums = 8 * static_cast<double>(1 + film.row.channels + film.row.bins) + film.coverage;
-  return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, layout.reach) + 8 + 16);
+  return AdaptiveFilm::kSets * (sums * spread_of(kAdaptiveSide, settings.reach) + 8 + 16);
 }
 
 /// Bytes per pixel of the final image, and of its copy from before the id layers were added.
-double image_bytes(const FilmSize& film, const RenderOptions& options) {
+double image_bytes(const FilmSize& film, const RenderSettings& settings) {
   const double channels =
       film.channels.size() + static_cast<double>(film.row.variances + film.row.bins) + film.channels.half_count() + 1;
   double ids = 0;
-  for (const Aov aov : {aov_named("object_id"), aov_named("material_id")}) ids += options.aovs.contains(aov) ? 1 : 0;
+  for (const Aov aov : {aov_named("object_id"), aov_named("material_id")}) ids += settings.aovs.contains(aov) ? 1 : 0;
   for (const Aov aov : {aov_named("cryptomatte_object"), aov_named("cryptomatte_material")})
-    ids += options.aovs.contains(aov) ? 2 * kCryptomatteRanks : 0;
+    ids += settings.aovs.contains(aov) ? 2 * kCryptomatteRanks : 0;
   return 4 * (ids > 0 ? 2 * channels + ids : channels);
 }
 
@@ -94,51 +92,51 @@ double photon_bytes(const StageContext& context) {
 }
 
 /// Bytes per thread: its wave, the samples of its task, and its tile.
-double worker_bytes(const FilmSize& film, const SampleLayout& layout, const WaveNeeds& needs, int wave_size) {
+double worker_bytes(const FilmSize& film, const RenderSettings& settings, const WaveSetup& wave) {
   const double sample = 4.0 * film.channels.size() + sizeof(SampleOffset) +
                         (film.row.bins > 0 ? sizeof(SpectralSample) : 0) +
                         (film.coverage > 0 ? sizeof(SurfaceSample) : 0);
-  const double side = layout.adapts ? kAdaptiveSide : 64;
+  const double side = settings.adapts ? kAdaptiveSide : 64;
   const double tile =
-      std::pow(side + 2.0 * layout.reach, 2) * (8 * static_cast<double>(film.row.size()) + film.coverage);
-  return static_cast<double>(Wave::bytes_per_path(needs)) * wave_size + kTaskSamples * sample + tile;
+      std::pow(side + 2.0 * settings.reach, 2) * (8 * static_cast<double>(film.row.size()) + film.coverage);
+  return static_cast<double>(Wave::bytes_per_path(wave.needs)) * wave.size + kTaskSamples * sample + tile;
 }
 
 }  // namespace
 
-int threads_of(const RenderOptions& options) {
-  return options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+int threads_of(const RenderControl& control) {
+  return control.threads > 0 ? control.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-int wave_size_of(const RenderOptions& options, const WaveNeeds& needs) {
-  return options.wave_size > 0 ? options.wave_size : Wave::default_capacity(needs);
+WaveSetup wave_setup(const Scene& scene, const RenderSettings& settings, const RenderControl& control) {
+  const StageContext context(scene, settings.integrator);
+  const auto needs_of = [&](WaveNeeds needs) {
+    needs.chains = settings.caustics == CausticMode::kManifold;
+    needs.guides = !settings.training.empty();
+    return needs;
+  };
+  // The trial is short, so waves have the size that suits the passes of the image
+  const WaveNeeds needs = needs_of(WaveNeeds::of(context));
+  const int size = control.wave_size > 0 ? control.wave_size : Wave::default_capacity(needs);
+  return {settings.has_candidate_trial ? needs_of(WaveNeeds::with_candidate_trial(context)) : needs, size};
 }
 
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options) {
-  return render_memory(scene, options, make_sample_layout(scene, options));
-}
-
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout) {
-  const StageContext context(scene);
-  const bool has_trial = trains_guide(options.guiding, context.integrator) &&
-                         wants_candidate_trial(context.integrator, scene.film().width, scene.film().height, layout.spp);
-  WaveNeeds needs = has_trial ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context);
-  needs.chains = options.caustics == CausticMode::kManifold;
-  needs.guides = trains_guide(options.guiding, context.integrator);
-  const FilmSize film = film_size(layout, options);
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderSettings& settings, const RenderControl& control) {
+  const StageContext context(scene, settings.integrator);
+  const FilmSize film = film_size(settings, light_group_layers(scene, settings));
   const bool connects_photons = context.integrator.traits().connects_photons();
   const std::string parts = "render it in parts with --crop and merge them with 'sheaf merge'";
   std::vector<MemoryUse> uses{{"the film",
                                film.pixels * (8 * film.numbers + film.coverage + (connects_photons ? 48 : 0)),
                                parts + ", or write fewer layers"}};
   // The image is created after all tiles, but the heap does not release blocks as small as the borders of tiles.
-  const double edges = layout.adapts ? adaptive_bytes(film, layout) : border_bytes(film, layout);
-  uses.push_back({layout.adapts ? "the sums of adaptive sampling" : "the borders of tiles", film.pixels * edges,
+  const double edges = settings.adapts ? adaptive_bytes(film, settings) : border_bytes(film, settings);
+  uses.push_back({settings.adapts ? "the sums of adaptive sampling" : "the borders of tiles", film.pixels * edges,
                   parts + ", or write fewer layers"});
-  uses.push_back({"the image", film.pixels * image_bytes(film, options), parts + ", or write fewer layers"});
+  uses.push_back({"the image", film.pixels * image_bytes(film, settings), parts + ", or write fewer layers"});
   if (const double photons = photon_bytes(context); photons > 0)
     uses.push_back({"photon maps", photons, "use fewer photons"});
-  uses.push_back({"rays", threads_of(options) * worker_bytes(film, layout, needs, wave_size_of(options, needs)),
+  uses.push_back({"rays", threads_of(control) * worker_bytes(film, settings, wave_setup(scene, settings, control)),
                   "use fewer --threads or smaller waves (--wave-size)"});
   return uses;
 }

@@ -9,17 +9,18 @@
 
 namespace sheaf {
 
-struct SampleLayout;
+/// Number of threads of the render.
+int threads_of(const RenderControl& control);
 
-/// Number of threads, and of paths in flight per worker, for these options.
-int threads_of(const RenderOptions& options);
-int wave_size_of(const RenderOptions& options, const WaveNeeds& needs);
+/// The waves of the workers.
+struct WaveSetup {
+  WaveNeeds needs;  ///< of all passes of the render
+  int size;         ///< paths in flight per worker
+};
+WaveSetup wave_setup(const Scene& scene, const RenderSettings& settings, const RenderControl& control);
 
 /// Peak memory of a render without the scene, part by part. Stored photons and surfaces behind a pixel are not known
-/// before rendering and are estimated. Throws as render() does for invalid options.
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options);
-
-/// The same with the sample layout of these options.
-std::vector<MemoryUse> render_memory(const Scene& scene, const RenderOptions& options, const SampleLayout& layout);
+/// before rendering and are estimated. Throws the errors of light_group_layers().
+std::vector<MemoryUse> render_memory(const Scene& scene, const RenderSettings& settings, const RenderControl& control);
 
 }  // namespace sheaf

@@ -15,10 +15,10 @@ constexpr std::uint32_t kMaxSettings = 100'000;
 /// Maximum number of differences that a message lists.
 constexpr std::size_t kMaxReported = 5;
 
-RenderSettings get_settings(BinaryInput& in) {
+RecordedSettings get_settings(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
   if (count > kMaxSettings) in.fail("is damaged (it lists " + std::to_string(count) + " settings)");
-  RenderSettings settings;
+  RecordedSettings settings;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
     settings.emplace_back(std::move(name), in.get_text());
@@ -26,14 +26,14 @@ RenderSettings get_settings(BinaryInput& in) {
   return settings;
 }
 
-const std::string* find(const RenderSettings& settings, const std::string& name) {
+const std::string* find(const RecordedSettings& settings, const std::string& name) {
   for (const auto& [each, value] : settings)
     if (each == name) return &value;
   return nullptr;
 }
 
 /// One line for each difference, at most kMaxReported.
-std::vector<std::string> differences(const RenderSettings& here, const RenderSettings& there) {
+std::vector<std::string> differences(const RecordedSettings& here, const RecordedSettings& there) {
   std::vector<std::string> found;
   // Another number of samples continues the render, perhaps with another number of sets
   const std::string *spp = find(here, "--spp"), *spp_there = find(there, "--spp");
@@ -59,7 +59,7 @@ std::vector<std::string> differences(const RenderSettings& here, const RenderSet
   return found;
 }
 
-void check_settings(const BinaryInput& in, const RenderSettings& here, const RenderSettings& there) {
+void check_settings(const BinaryInput& in, const RecordedSettings& here, const RecordedSettings& there) {
   std::string text;
   for (const std::string& difference : differences(here, there)) text += (text.empty() ? "" : "; ") + difference;
   if (!text.empty()) in.fail("is a checkpoint of another render: " + text);
@@ -81,7 +81,7 @@ SampleDivision get_division(BinaryInput& in) {
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state) {
+void write_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings, const RenderState& state) {
   BinaryOutput out(file, kFirstLine);
   out.put(static_cast<std::uint32_t>(settings.size()));
   for (const auto& [name, value] : settings) {
@@ -104,7 +104,7 @@ void write_checkpoint(const std::filesystem::path& file, const RenderSettings& s
   out.commit();
 }
 
-RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings) {
+RenderState read_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings) {
   BinaryInput in(file, kFirstLine);
   check_settings(in, settings, get_settings(in));
   RenderState state;

@@ -29,14 +29,14 @@ struct RenderState {
 };
 
 /// Settings on which a render depends, as readable names and values.
-using RenderSettings = std::vector<std::pair<std::string, std::string>>;
+using RecordedSettings = std::vector<std::pair<std::string, std::string>>;
 
 /// Writes a checkpoint atomically. Throws Error (exit code 4).
-void write_checkpoint(const std::filesystem::path& file, const RenderSettings& settings, const RenderState& state);
+void write_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings, const RenderState& state);
 
 /// Reads a checkpoint. Throws Error (exit code 5) if the file cannot be read, is damaged, was written by another
 /// version of Sheaf, or belongs to other settings, which the message names. --spp may differ, and then
 /// --replicates, too; continue_from() judges them.
-RenderState read_checkpoint(const std::filesystem::path& file, const RenderSettings& settings);
+RenderState read_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings);
 
 }  // namespace sheaf

@@ -2,6 +2,7 @@
 #include "kernels/render/sample_plan.h"
 
 #include "core/io/error.h"
+#include "scene/scene.h"
 
 #include <algorithm>
 
@@ -10,10 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Samples per pixel that adaptive sampling takes at once.
-constexpr std::uint32_t kAdaptiveSamples = 16;
-
-/// Samples per pixel for which adaptive sampling trains the guide.
-constexpr std::uint32_t kTypicalSamples = 64;
+constexpr std::uint32_t kAdaptiveBatch = 16;
 
 /// Photons per task, and tasks per round. The splats of a round are kept until it ends.
 constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
@@ -24,45 +22,43 @@ constexpr int kTaskPhotons = 16384, kRoundTasks = 64;
 
 }  // namespace
 
-SamplePlan::SamplePlan(const Scene& scene, const RenderOptions& options, SampleLayout layout)
-    : layout_(std::move(layout)) {
-  state_.film = layout_.make_film(scene, options);
-  state_.division = layout_;
-  state_.first_sample = layout_.range.first;
-  if (layout_.adapts) set_adaptive({options.noise_target, layout_.spp});
-  if (trains_guide(options.guiding, scene.integrator())) {
-    const int width = state_.film.width(), height = state_.film.height();
-    const std::uint32_t samples = layout_.adapts ? std::min(layout_.spp, kTypicalSamples) : layout_.spp;
-    training_ = training_passes(width, height, samples, options.guiding);
-    has_candidate_trial_ = wants_candidate_trial(scene.integrator(), width, height, samples);
-  }
-  if (scene.integrator().traits().connects_photons()) set_photons(scene);
-  if (options.resume != nullptr) resume(*options.resume);
-  is_trained_ = training_.empty() || state_.first_sample == layout_.range.end();
+SamplePlan::SamplePlan(const Scene& scene, const RenderSettings& settings, RenderState* resume)
+    : settings_(settings),
+      light_groups_(light_group_layers(scene, settings)),
+      filter_weights_(scene.view().sensor.filter_weights) {
+  state_.film = Film(settings.film.width, settings.film.height, settings.crop,
+                     film_layout(settings.aovs, settings.has_variances, light_groups_.names), settings.spectral_bins,
+                     settings.unit, settings.aovs.contains(AovSource::kSurfaceId));
+  state_.division = settings;
+  state_.first_sample = settings.range.first;
+  if (settings.adapts) set_adaptive({settings.noise_target, settings.spp});
+  if (settings.integrator.traits().connects_photons()) set_photons(scene);
+  if (resume != nullptr) resume_from(*resume);
+  is_trained_ = settings.training.empty() || state_.first_sample == settings.range.end();
 }
 
 void SamplePlan::set_adaptive(const AdaptiveGoal& goal) {
-  tiles_ = make_tiles(layout_.sampled, kAdaptiveSide);
+  tiles_ = make_tiles(settings_.sampled, kAdaptiveSide);
   std::vector<PixelRect> squares;
   for (const Tile& tile : tiles_) squares.push_back(tile.pixels);
-  state_.adaptive.emplace(state_.film, squares, layout_.reach, goal);
+  state_.adaptive.emplace(state_.film, squares, settings_.reach, goal);
 }
 
 /// Sets the number of photons, and allocates the film of their splats.
 void SamplePlan::set_photons(const Scene& scene) {
   const int width = state_.film.width(), height = state_.film.height();
   // One photon per sample of the whole frame, so that a crop gets the same photons.
-  const auto count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * layout_.spp;
-  const bool splats = scene.integrator().max_depth != 1 && scene.view().lights.count > 0;
+  const auto count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * settings_.spp;
+  const bool splats = settings_.integrator.max_depth != 1 && scene.view().lights.count > 0;
   const bool turns = scene.view().sensor.camera.rays == CameraRays::kSpherical;
   const PixelRect frame{0, 0, width, height};
   photons_.emplace(PhotonRounds{
-      splats ? count : 0, SplatFilter(scene.film().filter, scene.film().filter_mode, frame.grown(layout_.frame.border),
-                                      turns ? static_cast<float>(width) : 0.0f)});
-  state_.splats.emplace(layout_.crop);
+      splats ? count : 0, SplatFilter(settings_.film.filter, settings_.film.filter_mode,
+                                      frame.grown(settings_.frame.border), turns ? static_cast<float>(width) : 0.0f)});
+  state_.splats.emplace(settings_.crop);
 }
 
-void SamplePlan::resume(RenderState& from) {
+void SamplePlan::resume_from(RenderState& from) {
   const bool same = from.film.width() == state_.film.width() && from.film.height() == state_.film.height() &&
                     from.film.crop() == state_.film.crop() && from.film.layout() == state_.film.layout() &&
                     from.film.spectral_bins() == state_.film.spectral_bins() &&
@@ -70,22 +66,24 @@ void SamplePlan::resume(RenderState& from) {
                     from.film.has_surface_ids() == state_.film.has_surface_ids() &&
                     from.splats.has_value() == state_.splats.has_value() &&
                     from.adaptive.has_value() == state_.adaptive.has_value() &&
-                    from.first_sample >= layout_.range.first && from.first_sample <= layout_.range.end() &&
+                    from.first_sample >= settings_.range.first && from.first_sample <= settings_.range.end() &&
                     from.photons <= photon_count();
   if (!same) refuse_checkpoint();
   const std::uint32_t taken = from.tiles.empty() ? from.first_sample : from.first_sample + 1;
-  if (from.adaptive ? !(layout_ == from.division) : !begins_with(layout_, from.division, taken)) refuse_checkpoint();
+  if (from.adaptive ? !(settings_ == from.division) : !begins_with(settings_, from.division, taken))
+    refuse_checkpoint();
   state_ = std::move(from);
-  state_.division = layout_;
+  state_.division = settings_;
   dropped_before_ = state_.dropped;
   if (state_.tiles.empty()) return;
-  if (state_.adaptive || state_.first_sample == layout_.range.end()) refuse_checkpoint();
+  if (state_.adaptive || state_.first_sample == settings_.range.end()) refuse_checkpoint();
   begin_pass();
 }
 
 std::uint64_t SamplePlan::sample_total() const {
-  const std::uint64_t others = training_samples(state_.film.width(), state_.film.height(), training_) + photon_count();
-  if (!state_.adaptive) return others + layout_.sampled.area() * layout_.range.count;
+  const std::uint64_t others =
+      training_samples(state_.film.width(), state_.film.height(), settings_.training) + photon_count();
+  if (!state_.adaptive) return others + settings_.sampled.area() * settings_.range.count;
   double samples = 0;
   for (std::size_t i = 0; i < tiles_.size(); ++i)
     samples += state_.adaptive->expected_samples(i) * static_cast<double>(tiles_[i].sampled.area());
@@ -93,11 +91,11 @@ std::uint64_t SamplePlan::sample_total() const {
 }
 
 std::uint64_t SamplePlan::samples_before() const {
-  std::uint64_t samples = layout_.sampled.area() * (state_.first_sample - layout_.range.first) + state_.photons;
+  std::uint64_t samples = settings_.sampled.area() * (state_.first_sample - settings_.range.first) + state_.photons;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     if (state_.adaptive) samples += tiles_[i].sampled.area() * state_.adaptive->taken_samples(i);
     if (!state_.tiles.empty() && state_.tiles[i] != 0)
-      samples += tiles_[i].sampled.area() * layout_.pass_samples(state_.first_sample);
+      samples += tiles_[i].sampled.area() * settings_.pass_samples(state_.first_sample);
   }
   return samples;
 }
@@ -109,7 +107,7 @@ bool SamplePlan::begin_round() {
   }
   round_ = RoundKind::kCamera;
   if (state_.adaptive) return state_.adaptive->begin_round();
-  if (state_.first_sample < layout_.range.end()) {
+  if (state_.first_sample < settings_.range.end()) {
     begin_pass();
     return true;
   }
@@ -123,9 +121,9 @@ bool SamplePlan::begin_round() {
 
 /// Begins the next pass, or continues the one of a checkpoint.
 void SamplePlan::begin_pass() {
-  tiles_ = make_tiles(layout_.sampled, tile_side(layout_.pass_samples(state_.first_sample)));
+  tiles_ = make_tiles(settings_.sampled, tile_side(settings_.pass_samples(state_.first_sample)));
   // Without filter weights, tiles add nothing to each other.
-  const std::size_t borders = layout_.filter_weights != nullptr ? tiles_.size() : 0;
+  const std::size_t borders = filter_weights_ != nullptr ? tiles_.size() : 0;
   if (state_.tiles.empty()) {
     state_.tiles.assign(tiles_.size(), 0);
     state_.borders.assign(borders, {});
@@ -134,12 +132,12 @@ void SamplePlan::begin_pass() {
 }
 
 void SamplePlan::end_pass() {
-  const std::uint32_t end = state_.first_sample + layout_.pass_samples(state_.first_sample);
+  const std::uint32_t end = state_.first_sample + settings_.pass_samples(state_.first_sample);
   state_.film.add(state_.borders);
   state_.tiles.clear();
   state_.borders.clear();
-  if (end % layout_.replicate_samples == 0) state_.film.end_replicate();
-  if (end == layout_.half_samples || (end == layout_.range.end() && end < layout_.half_samples))
+  if (end % settings_.replicate_samples == 0) state_.film.end_replicate();
+  if (end == settings_.half_samples || (end == settings_.range.end() && end < settings_.half_samples))
     state_.film.end_first_half();
   state_.first_sample = end;
 }
@@ -158,9 +156,10 @@ bool SamplePlan::is_done(std::size_t task) const {
 TileTask SamplePlan::tile_task(std::size_t task) const {
   if (state_.adaptive) {
     const AdaptiveUnit& unit = state_.adaptive->units()[task];
-    return {tiles_[unit.tile], unit.first_sample, unit.samples, kAdaptiveSamples, unit.set, 0};
+    return {tiles_[unit.tile], unit.first_sample, unit.samples, kAdaptiveBatch, unit.set, 0};
   }
-  const std::uint32_t first = state_.first_sample, count = layout_.pass_samples(first), set = layout_.replicate_samples;
+  const std::uint32_t first = state_.first_sample, count = settings_.pass_samples(first),
+                      set = settings_.replicate_samples;
   return {tiles_[task], first, count, count, first / set, set};
 }
 
@@ -170,7 +169,7 @@ PhotonTask SamplePlan::photon_task(std::size_t task) const {
 }
 
 void SamplePlan::begin_tile(const TileTask& task, FilmTile& tile) const {
-  state_.film.begin(tile, task.tile.pixels, layout_.filter_weights);
+  state_.film.begin(tile, task.tile.pixels, filter_weights_);
 }
 
 void SamplePlan::finish_tile(std::size_t task, const FilmTile& samples) {
@@ -214,7 +213,7 @@ void SamplePlan::end(bool stopped) {
     is_incomplete_ = stopped && state_.adaptive->begin_round();
     state_.adaptive->assemble(state_.film);
   } else {
-    is_incomplete_ = state_.first_sample < layout_.range.end() || state_.photons < photon_count();
+    is_incomplete_ = state_.first_sample < settings_.range.end() || state_.photons < photon_count();
   }
 }
 

@@ -6,10 +6,10 @@
 // photons that light tracing connects to the camera. Checkpoints are the state of the plan.
 #pragma once
 
+#include "kernels/render/light_group_layers.h"
+#include "kernels/render/render_settings.h"
 #include "kernels/render/render_state.h"
-#include "kernels/render/sample_layout.h"
 #include "kernels/render/tiles.h"
-#include "kernels/training/train_guiding.h"
 
 namespace sheaf {
 
@@ -31,16 +31,13 @@ struct PhotonTask {
 
 class SamplePlan {
  public:
-  /// The plan of a new render, or of the rest of RenderOptions::resume. Throws Error (checkpoint) if that state belongs
-  /// to another render.
-  SamplePlan(const Scene& scene, const RenderOptions& options, SampleLayout layout);
+  /// The plan of a new render, or of the rest of `resume`, which is moved from; null: a new one. Throws Error
+  /// (checkpoint) if that state belongs to another render.
+  SamplePlan(const Scene& scene, const RenderSettings& settings, RenderState* resume = nullptr);
 
-  const SampleLayout& layout() const { return layout_; }
+  const RenderSettings& settings() const { return settings_; }
+  const LightGroupLayers& light_groups() const { return light_groups_; }
   const RenderState& state() const { return state_; }
-  /// All training passes of the render.
-  const std::vector<TrainingPass>& training() const { return training_; }
-  /// Whether the first training passes are a trial of light candidates.
-  bool has_candidate_trial() const { return has_candidate_trial_; }
   /// Number of samples and photons of the whole render; an estimate in adaptive sampling.
   std::uint64_t sample_total() const;
   /// Number of samples and photons taken before the render was resumed.
@@ -60,7 +57,7 @@ class SamplePlan {
   /// Begins the worker's tile for the samples of a task.
   void begin_tile(const TileTask& task, FilmTile& tile) const;
   /// Film positions that splats may have.
-  SplatFilter::Bounds splat_bounds() const { return photons_->filter.bounds(layout_.crop); }
+  SplatFilter::Bounds splat_bounds() const { return photons_->filter.bounds(settings_.crop); }
   /// Finishes a task with its samples, or with its splats.
   void finish_tile(std::size_t task, const FilmTile& samples);
   void finish_photons(std::size_t task, std::vector<Splat> splats);
@@ -71,7 +68,7 @@ class SamplePlan {
   const RenderState& checkpoint(const Stats::Dropped& dropped);
   /// Dropped rays and samples before the render was resumed.
   const Stats::Dropped& dropped_before() const { return dropped_before_; }
-  /// Ends sampling: no rounds follow. `stopped`: by RenderOptions::stop.
+  /// Ends sampling: no rounds follow. `stopped`: by RenderControl::stop.
   void end(bool stopped);
   /// After end(): whether the render was stopped before all samples were taken.
   bool is_incomplete() const { return is_incomplete_; }
@@ -91,18 +88,18 @@ class SamplePlan {
   std::uint64_t photon_count() const { return photons_ ? photons_->count : 0; }
   void set_photons(const Scene& scene);
   void set_adaptive(const AdaptiveGoal& goal);
-  void resume(RenderState& from);
+  void resume_from(RenderState& from);
   void begin_pass();
   void end_pass();
   void end_photons();
 
-  SampleLayout layout_;
+  const RenderSettings settings_;
+  LightGroupLayers light_groups_;
+  const FilterWeights* filter_weights_;  ///< optional: see SensorView::filter_weights
   RenderState state_;
   Stats::Dropped dropped_before_;
   RoundKind round_ = RoundKind::kCamera;
   bool is_incomplete_ = false;
-  std::vector<TrainingPass> training_;
-  bool has_candidate_trial_ = false;
   bool is_trained_ = false;  ///< or training is not needed
   std::vector<Tile> tiles_;  ///< of the pass, or of adaptive sampling
   std::optional<PhotonRounds> photons_;

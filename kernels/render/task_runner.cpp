@@ -3,7 +3,6 @@
 
 #include "core/simd/flush_denormals.h"
 #include "kernels/passes/passes.h"
-#include "kernels/render/render_memory.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -17,19 +16,19 @@ namespace sheaf {
 namespace {
 
 /// The surfaces that cast caustics, if paths are connected to lights by them.
-std::optional<CausticCasters> casters_of(const Scene& scene, const RenderOptions& options) {
-  if (options.caustics != CausticMode::kManifold) return std::nullopt;
+std::optional<CausticCasters> casters_of(const Scene& scene, const RenderSettings& settings) {
+  if (settings.caustics != CausticMode::kManifold) return std::nullopt;
   CausticCasters casters(scene.view());
   if (casters.empty()) return std::nullopt;
   return casters;
 }
 
 /// The context of camera rounds.
-StageContext camera_context(const Scene& scene, const RenderOptions& options, const SampleLayout& layout,
+StageContext camera_context(const Scene& scene, const RenderSettings& settings,
                             const std::optional<CausticCasters>& casters) {
-  StageContext context(scene);
-  context.sampler = make_sampler(scene.sampler().kind, options.seed.value_or(scene.sampler().seed),
-                                 layout.replicate_samples, static_cast<std::uint32_t>(layout.frame.row_length()));
+  StageContext context(scene, settings.integrator);
+  context.sampler = make_sampler(settings.sampler.kind, settings.sampler.seed, settings.replicate_samples,
+                                 static_cast<std::uint32_t>(settings.frame.row_length()));
   // Photons do not find light that reaches the camera unscattered, so the camera takes only that.
   if (context.integrator.traits().connects_photons()) context.max_depth = 1;
   if (casters) context.connect_caustics(*casters);
@@ -48,18 +47,17 @@ void reduce(const CameraTask& task, FilmTile& tile) {
 
 }  // namespace
 
-TaskRunner::TaskRunner(const Scene& scene, const RenderOptions& options, SamplePlan& plan, ProgressReporter& reporter)
-    : options_(options),
+TaskRunner::TaskRunner(const Scene& scene, const RenderControl& control, SamplePlan& plan, ProgressReporter& reporter)
+    : control_(control),
       plan_(plan),
       reporter_(reporter),
-      casters_(casters_of(scene, options)),
-      context_(camera_context(scene, options, plan.layout(), casters_)),
-      light_(context_, plan, options.guiding, reporter),
-      threads_(threads_of(options)),
-      wave_size_(wave_size_of(options, WaveNeeds::of(context_))),
-      workers_([this, needs = plan.has_candidate_trial() ? WaveNeeds::with_candidate_trial(context_)
-                                                         : WaveNeeds::of(context_)] {
-        return Worker(wave_size_, needs, options_.make_recorder ? options_.make_recorder() : nullptr);
+      casters_(casters_of(scene, plan.settings())),
+      context_(camera_context(scene, plan.settings(), casters_)),
+      light_(context_, plan.settings(), reporter),
+      threads_(threads_of(control)),
+      wave_(wave_setup(scene, plan.settings(), control)),
+      workers_([this] {
+        return Worker(wave_.size, wave_.needs, control_.make_recorder ? control_.make_recorder() : nullptr);
       }) {}
 
 void TaskRunner::run() {
@@ -75,7 +73,7 @@ void TaskRunner::run() {
 /// Runs a round to its end, unless the render is stopped.
 void TaskRunner::run_round() {
   reporter_.set_total(plan_.sample_total() + light_.photon_total());
-  if (plan_.round() == RoundKind::kTraining) light_.train(plan_, workers_, context_);
+  if (plan_.round() == RoundKind::kTraining) light_.train(plan_.settings(), workers_, context_);
   if (plan_.round() == RoundKind::kCamera) light_.prepare(plan_.state().first_sample, workers_, context_);
   for (bool is_done = false; !is_done && !ends();) {
     run_tasks();
@@ -119,11 +117,11 @@ void TaskRunner::take_samples(const TileTask& task, Worker& worker) const {
 void TaskRunner::take_samples(const TileTask& task, std::uint32_t first_sample, std::uint32_t sample_count,
                               Worker& worker) const {
   const FlushDenormals flush;
-  const SampleLayout& layout = plan_.layout();
+  const RenderSettings& settings = plan_.settings();
   const Film& film = plan_.state().film;
-  const std::vector<PixelSamples> pixels = samples_of(task.tile.sampled, layout.frame, first_sample, sample_count);
-  worker.camera.begin(pixels, layout.frame, film.layout().size(), film.spectral_bins(),
-                      AovChannels(film.layout(), options_.aovs));
+  const std::vector<PixelSamples> pixels = samples_of(task.tile.sampled, settings.frame, first_sample, sample_count);
+  worker.camera.begin(pixels, settings.frame, film.layout().size(), film.spectral_bins(),
+                      AovChannels(film.layout(), settings.aovs));
   worker.wave.light_groups = group_sink(worker.camera);
   StageContext context = context_;
   context.set_camera_task(worker.camera);
@@ -149,13 +147,13 @@ void TaskRunner::trace_photons(const PhotonTask& task, Worker& worker) const {
 
 /// Channels of the light groups in the samples of the worker's task.
 std::optional<LightGroupSink> TaskRunner::group_sink(CameraTask& task) const {
-  const SampleLayout& layout = plan_.layout();
-  if (layout.light_groups.empty()) return std::nullopt;
+  const LightGroupLayers& groups = plan_.light_groups();
+  if (groups.names.empty()) return std::nullopt;
   const auto channels = static_cast<std::size_t>(plan_.state().film.layout().size());
-  return LightGroupSink{task.samples[0] + channels - 3 * layout.light_groups.size(),
+  return LightGroupSink{task.samples[0] + channels - 3 * groups.names.size(),
                         channels,
-                        layout.group_of_light.data(),
-                        static_cast<std::uint16_t>(layout.light_groups.size() - 1),
+                        groups.group_of_light.data(),
+                        static_cast<std::uint16_t>(groups.names.size() - 1),
                         context_.scene.color,
                         context_.scene.spectral.sensor};
 }

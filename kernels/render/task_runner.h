@@ -5,6 +5,7 @@
 #include "kernels/passes/worker.h"
 #include "kernels/render/precomputed_light.h"
 #include "kernels/render/progress_reporter.h"
+#include "kernels/render/render_memory.h"
 #include "kernels/render/sample_plan.h"
 
 namespace sheaf {
@@ -12,13 +13,13 @@ namespace sheaf {
 class TaskRunner {
  public:
   /// All arguments must outlive the runner.
-  TaskRunner(const Scene& scene, const RenderOptions& options, SamplePlan& plan, ProgressReporter& reporter);
+  TaskRunner(const Scene& scene, const RenderControl& control, SamplePlan& plan, ProgressReporter& reporter);
 
   /// Runs rounds of tasks until no samples remain, the render is stopped or the time limit is reached.
   void run();
   /// Statistics of the tasks so far. Must not be called while workers run.
   TaskStatistics statistics() const {
-    return {workers_, threads_, wave_size_, light_.photons(), light_.guiding(), light_.candidates()};
+    return {workers_, threads_, wave_.size, light_.photons(), light_.guiding(), light_.candidates()};
   }
   /// Warnings of the tasks so far.
   const std::vector<std::string>& warnings() const { return light_.warnings(); }
@@ -33,13 +34,14 @@ class TaskRunner {
   void trace_photons(const PhotonTask& task, Worker& worker) const;
   std::optional<LightGroupSink> group_sink(CameraTask& task) const;
 
-  const RenderOptions& options_;
+  const RenderControl& control_;
   SamplePlan& plan_;
   ProgressReporter& reporter_;
   std::optional<CausticCasters> casters_;  ///< CausticMode::kManifold, if there are any
   StageContext context_;                   ///< of camera rounds
   PrecomputedLight light_;
-  int threads_, wave_size_;
+  int threads_;
+  WaveSetup wave_;
   Workers workers_;
 };
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "scene/compile/motion_steps.h"
-#include "scene/content/description.h"
+#include "scene/description.h"
 #include "scene/tables/instance.h"
 
 #include <vector>

@@ -116,10 +116,14 @@ FilterTable make_placement_table(const PixelFilter& filter) {
   return make_filter_table(box);
 }
 
+int filter_reach(const PixelFilter& filter) {
+  return std::max(0, static_cast<int>(std::ceil(checked_radius(filter) - 0.5)));
+}
+
 FilterWeights::FilterWeights(const PixelFilter& filter) {
   const double radius = checked_radius(filter), middle = evaluate_filter(filter, 0);
   radius_ = static_cast<float>(radius);
-  reach_ = std::max(0, static_cast<int>(std::ceil(radius - 0.5)));
+  reach_ = filter_reach(filter);
   length_ = (2 * reach_ + kRegister) / kRegister * kRegister;
   for (int step = 0; step <= kSteps; ++step)
     for (int k = 0; k < length_; ++k) {

@@ -41,6 +41,10 @@ double evaluate_filter(const PixelFilter& filter, double x);
 /// The filter's radius in pixels.
 double filter_radius(const PixelFilter& filter);
 
+/// Number of pixels on each side of a sample's own in which it may count with FilterMode::kWeighted, along each axis.
+/// Throws SceneError if the radius is not positive and finite.
+int filter_reach(const PixelFilter& filter);
+
 /// Inverse cdf of |f| along one axis, as bins of equal probability; not needed for boxes.
 struct FilterTable {
   static constexpr int kBins = 2048;

@@ -72,4 +72,11 @@ struct IntegratorSettings {
   int roulette_depth() const { return rr_depth.value_or(traits().roulette_depth); }
 };
 
+/// The settings that scenes have.
+struct SceneSettings {
+  FilmSettings film;
+  SamplerSettings sampler;
+  IntegratorSettings integrator;
+};
+
 }  // namespace sheaf

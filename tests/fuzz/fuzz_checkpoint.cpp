@@ -9,7 +9,7 @@ namespace sheaf::fuzz {
 
 namespace {
 
-const RenderSettings kSettings = {{"spp", "16"}};
+const RecordedSettings kSettings = {{"spp", "16"}};
 
 /// The first line of all checkpoints of this version.
 std::string first_line() {

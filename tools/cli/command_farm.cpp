@@ -44,25 +44,26 @@ constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"time-limit", "parts are rendered independently"}};
 
 /// Number of sets of samples that can be distributed to `parts` parts; at most one set per sample.
-std::uint32_t choose_sets(const RenderPlan& plan, std::uint32_t parts) {
-  if (plan.sets == 1 || plan.sets_given) return plan.sets;
-  const std::uint32_t sets = (plan.sets + parts - 1) / parts * parts;
+std::uint32_t choose_sets(const RenderSettings& settings, std::uint32_t parts) {
+  if (settings.replicates == 1 || settings.requests_replicates) return settings.replicates;
+  const std::uint32_t samples = settings.camera_samples();
+  const std::uint32_t sets = (settings.replicates + parts - 1) / parts * parts;
   const auto made = [&](std::uint32_t wanted) {
-    const std::uint32_t size = (plan.samples + wanted - 1) / wanted;
-    return (plan.samples + size - 1) / size;
+    const std::uint32_t size = (samples + wanted - 1) / wanted;
+    return (samples + size - 1) / size;
   };
-  if (sets <= plan.samples && made(sets) >= parts) return sets;
+  if (sets <= samples && made(sets) >= parts) return sets;
   // Use smaller sets.
-  const std::uint32_t size = plan.samples / parts;
-  return (plan.samples + size - 1) / size;
+  const std::uint32_t size = samples / parts;
+  return (samples + size - 1) / size;
 }
 
 /// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be divided into that many parts.
-std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t sets, std::uint32_t parts) {
+std::vector<std::string> sample_ranges(const RenderSettings& settings, std::uint32_t sets, std::uint32_t parts) {
   const std::string tiles = "; use --tiles to split the frame instead";
-  const std::uint64_t total = std::uint64_t{plan.samples} * plan.gather_rays;
+  const std::uint64_t total = settings.spp, rays = settings.rays;
   // As in renders, all sets but the last have the same number of samples.
-  const std::uint64_t size = sets == 1 ? plan.gather_rays : (total + sets - 1) / sets;
+  const std::uint64_t size = sets == 1 ? rays : (total + sets - 1) / sets;
   const std::uint64_t made = (total + size - 1) / size;
   if (made < parts)
     throw Error(ExitCode::kUsage,
@@ -71,12 +72,12 @@ std::vector<std::string> sample_ranges(const RenderPlan& plan, std::uint32_t set
   std::uint64_t first = 0;
   for (std::uint64_t part = 1; part <= parts; ++part) {
     const std::uint64_t end = std::min(part * made / parts * size, total);
-    if (end % plan.gather_rays != 0)
+    if (end % rays != 0)
       throw Error(ExitCode::kUsage, fmt::format("a sample set of {} gather rays does not consist of whole samples of "
                                                 "{} rays: choose another --replicates or --spp",
-                                                size, plan.gather_rays) +
+                                                size, rays) +
                                         tiles);
-    ranges.push_back(fmt::format("{}:{}", first / plan.gather_rays, (end - first) / plan.gather_rays));
+    ranges.push_back(fmt::format("{}:{}", first / rays, (end - first) / rays));
     first = end;
   }
   return ranges;
@@ -95,7 +96,8 @@ std::vector<std::string> strips(const PixelRect& crop, int parts) {
 
 /// Defines the parts and the options for merging them.
 void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
-  const PixelRect& crop = plan.crop;
+  const RenderSettings& settings = plan.settings;
+  const PixelRect& crop = settings.crop;
   const std::string rect = fmt::format("{},{},{},{}", crop.x0, crop.y0, crop.x1, crop.y1);
   farm.merge_options = {"--crop", rect};
   const auto is_given = [&](const char* name) {
@@ -113,26 +115,26 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
     farm.part_values = strips(crop, arguments.parts);
     return;
   }
-  if (traits_of(plan.integrator).connects_photons())
+  if (settings.integrator.traits().connects_photons())
     throw Error(ExitCode::kUsage,
                 "the samples of ptracer cannot be split, and each of its tiles takes as long as the whole frame: "
                 "distribute frames instead, with --parts 1 --tiles");
   // Split the samples into ranges
   const auto parts = static_cast<std::uint32_t>(arguments.parts);
-  if (plan.samples < parts)
+  if (settings.camera_samples() < parts)
     throw Error(
         ExitCode::kUsage,
         fmt::format("{} samples per pixel cannot be split into {} parts; use --tiles to split the frame instead",
-                    plan.samples, parts));
-  const std::uint32_t sets = choose_sets(plan, parts);
+                    settings.camera_samples(), parts));
+  const std::uint32_t sets = choose_sets(settings, parts);
   constexpr std::uint32_t kMaxSets = 1024;  // limit of --replicates
   if (sets > kMaxSets)
     throw Error(ExitCode::kUsage, fmt::format("{} samples in {} parts require {} sample sets (--replicates), expected "
                                               "at most {}; --replicates 1 disables them, without variance layers",
-                                              plan.samples, parts, sets, kMaxSets));
+                                              settings.camera_samples(), parts, sets, kMaxSets));
   farm.part_option = "--samples";
-  farm.part_values = sample_ranges(plan, sets, parts);
-  if (!plan.sets_given) {
+  farm.part_values = sample_ranges(settings, sets, parts);
+  if (!settings.requests_replicates) {
     farm.options.emplace_back("--replicates");
     farm.options.push_back(std::to_string(sets));
   }

@@ -92,7 +92,7 @@ std::string describe_peaks(const Scene& scene) {
   const std::string loading = format_bytes(static_cast<double>(peak_rss_bytes()));
   std::vector<MemoryUse> uses;
   try {
-    uses = render_memory(scene, {});
+    uses = render_memory(scene, resolve_settings(scene), {});
   } catch (const Error& error) {
     return fmt::format("peak        {} while loading; the scene cannot be rendered: {}\n", loading, error.what());
   }

@@ -15,7 +15,6 @@
 #include "tools/console/standard_streams.h"
 #include "tools/console/terminal.h"
 #include "tools/farm/frames.h"
-#include "tools/job/apply_arguments.h"
 #include "tools/job/image_files.h"
 #include "tools/job/interrupted_image.h"
 #include "tools/job/parts.h"
@@ -74,11 +73,9 @@ void check_layers(const RenderArguments& arguments, const std::vector<fs::path>&
 
 /// A scene with the options of the command line.
 struct RenderJob : LoadedScene {
-  explicit RenderJob(const RenderArguments& given)
-      : arguments(given), aovs(wanted_aovs(given)), output(output_settings(given.output)) {}
+  explicit RenderJob(const RenderArguments& given) : arguments(given), output(output_settings(given.output)) {}
 
   const RenderArguments& arguments;
-  AovSet aovs;
   std::vector<fs::path> outputs;  ///< images
   OutputSettings output;
   std::string part;  ///< see part_settings(); empty: all pixels and samples are rendered
@@ -106,28 +103,26 @@ RenderResult preview_of(const Scene& scene, const RenderState& state, AovSet aov
 
 /// Renders with signal handling, progress display and checkpoints. `show` receives the current state whenever the user
 /// requests a preview by signal.
-RenderResult render_with_progress(const Scene& scene, RenderOptions options, Checkpointer& checkpointer,
-                                  Preview& preview,
+RenderResult render_with_progress(const Scene& scene, const RenderSettings& settings, RenderControl control,
+                                  Checkpointer& checkpointer, Preview& preview,
                                   const std::function<void(const RenderState&, const RenderReport&)>& show) {
   RenderReport report;
-  const std::uint64_t pixels =
-      static_cast<std::uint64_t>(options.crop->width()) * static_cast<std::uint64_t>(options.crop->height());
   const auto write = [](std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); };
-  Progress progress(progress_mode(), pixels * scene.sampler().sample_count, write, Progress::steady_seconds,
+  Progress progress(progress_mode(), settings.crop.area() * settings.camera_samples(), write, Progress::steady_seconds,
                     [] { return terminal_columns(STDERR_FILENO); });
-  options.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
-  options.stop = &InterruptGuard::stop();
-  options.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
-  options.on_report = [&](const RenderReport& now) { report = now; };
-  options.on_pause = [&](const RenderState& state) {
+  control.on_progress = [&progress](std::uint64_t done, std::uint64_t total) { progress.update(done, total); };
+  control.stop = &InterruptGuard::stop();
+  control.wants_pause = [&checkpointer] { return InterruptGuard::wants_preview() || checkpointer.is_due(); };
+  control.on_report = [&](const RenderReport& now) { report = now; };
+  control.on_pause = [&](const RenderState& state) {
     checkpointer.save(state);
     if (!InterruptGuard::wants_preview()) return;
     InterruptGuard::end_preview();
     show(state, report);
   };
-  preview.watch(options);
-  preview.show_first_passes(scene, options);
-  RenderResult result = render(scene, options);
+  preview.watch(control);
+  preview.show_first_passes(scene, settings, control);
+  RenderResult result = render(scene, settings, control);
   progress.finish();
   return result;
 }
@@ -137,12 +132,12 @@ void print_start(const RenderJob& job, FrameRun* frames) {
   const auto print = [&](void (*kind)(std::string_view), const std::string& message) {
     if (frames == nullptr || frames->is_new(message)) kind(message);
   };
-  for (const std::string& detail : job.details) print(print_detail, detail);
+  for (const std::string& detail : job.remarks.details) print(print_detail, detail);
   const bool all = verbosity() == Verbosity::kVerbose;
   const auto print_each = [&](void (*kind)(std::string_view), const std::vector<std::string>& messages) {
     for (const std::string& message : all ? messages : without_similar(messages)) print(kind, message);
   };
-  print_each(print_note, job.description.notes);
+  print_each(print_note, job.remarks.notes);
   print_each(print_warning, scene_warnings(job));
 }
 
@@ -170,11 +165,11 @@ std::vector<fs::path> image_outputs(const RenderArguments& arguments, const std:
 void write_so_far(const RenderJob& job, const RenderState& state, RenderReport report) {
   report.color = job.color_name();
   report.interrupted = true;
-  const RenderResult so_far = preview_of(*job.scene, state, job.aovs);
+  const RenderResult so_far = preview_of(*job.scene, state, job.settings.aovs);
   report.noise = noise_of(so_far.film, so_far.splats, so_far.photons);
   const Image image = so_far.to_image();
   for (const fs::path& file :
-       write_images(job.outputs, image, make_metadata(job.arguments, job, job.aovs, report, image), job.output).files)
+       write_images(job.outputs, image, make_metadata(job.arguments, job, report, image), job.output).files)
     print_note("wrote the unfinished image to " + file.string());
 }
 
@@ -189,7 +184,7 @@ struct WrittenImage {
 WrittenImage write_result(const RenderJob& job, RenderResult& result) {
   WrittenImage out{result.to_image(), true, {}};
   result.film = Film();  // free its memory before writing
-  ExrMetadata metadata = make_metadata(job.arguments, job, job.aovs, result.report, out.image);
+  ExrMetadata metadata = make_metadata(job.arguments, job, result.report, out.image);
   if (result.samples) result.report.spp = result.samples->count;  // the header keeps the count of the whole render
   if (!job.part.empty()) add_part_attributes(metadata, job.part, result.samples);
   // If denoising fails, the noisy image can still be written
@@ -224,31 +219,33 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   // Read the scene and apply the options
   const double load_start = Progress::steady_seconds();
   job.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  const PixelRect crop = prepare(arguments, job);
+  prepare(arguments, job);
   if (repeated != nullptr) repeated->files = job.description.files;
   check_sources(all_outputs, job.description.files);
 
   // Read the checkpoint
   Checkpointer checkpointer(arguments.checkpoint, arguments.checkpoint.file.empty()
-                                                      ? RenderSettings{}
-                                                      : render_settings(given, job.description.files));
+                                                      ? RecordedSettings{}
+                                                      : recorded_settings(given, job.description.files));
   if (!arguments.samples.empty() || !arguments.crop.empty())
-    job.part = part_settings(render_settings(given, job.description.files));
+    job.part = part_settings(recorded_settings(given, job.description.files));
   std::optional<RenderState> resumed = checkpointer.resumed();
 
   // Compile the scene
   const double build_start = Progress::steady_seconds();
-  RenderOptions options = render_options(arguments, job.description.sampler, job.aovs, crop);
-  compile(arguments, options, job, frames != nullptr ? &frames->geometry : nullptr);
+  compile(arguments, job, frames != nullptr ? &frames->geometry : nullptr);
   const double build_end = Progress::steady_seconds();
   print_start(job, frames);
 
   // Render
-  if (const std::string note = apply_continuation(*job.scene, options, resumed); !note.empty()) print_note(note);
-  options.resume = resumed ? &*resumed : nullptr;
+  std::string note;
+  const RenderSettings settings = continued_settings(job.settings, resumed, note);
+  if (!note.empty()) print_note(note);
+  RenderControl control = control_of(arguments);
+  control.resume = resumed ? &*resumed : nullptr;
   const InterruptGuard guard;
   const auto show = [&](const RenderState& state, const RenderReport& report) { write_so_far(job, state, report); };
-  RenderResult result = render_with_progress(*job.scene, std::move(options), checkpointer, preview, show);
+  RenderResult result = render_with_progress(*job.scene, settings, std::move(control), checkpointer, preview, show);
   if (repeated != nullptr && result.interrupted && InterruptGuard::signal() == 0) return 0;  // the scene has changed
   preview.begin_writing();
   result.report.scene = arguments.scene;

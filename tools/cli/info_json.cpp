@@ -39,7 +39,7 @@ InfoJson grids_json(const CompileReport& report) {
 InfoJson rendering_json(const Scene& scene) {
   InfoJson json;
   try {
-    for (const MemoryUse& use : render_memory(scene, {})) json[use.what] = use.bytes;
+    for (const MemoryUse& use : render_memory(scene, resolve_settings(scene), {})) json[use.what] = use.bytes;
   } catch (const Error&) { return {}; }
   return json;
 }

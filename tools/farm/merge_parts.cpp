@@ -3,6 +3,7 @@
 #include "core/io/error.h"
 #include "core/simd/saturate.h"
 #include "kernels/film/noise.h"
+#include "kernels/render/render_settings.h"
 #include "tools/job/interrupted_image.h"
 
 #include <fmt/format.h>
@@ -29,12 +30,8 @@ PixelRect choose_whole(const MergeOptions& options, const std::vector<PartFile>&
     }
     return around;
   }
-  const PixelRect crop{options.crop[0], options.crop[1], options.crop[2], options.crop[3]};
-  if (crop.is_empty() || !(crop.intersection(frame) == crop))
-    throw Error(ExitCode::kUsage, fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} "
-                                              "pixels",
-                                              crop.x0, crop.y0, crop.x1, crop.y1, frame.x1, frame.y1));
-  return crop;
+  const std::vector<int>& crop = options.crop;
+  return checked_crop({crop[0], crop[1], crop[2], crop[3]}, frame.x1, frame.y1);
 }
 
 /// Throws SceneError if parts or samples are missing.

@@ -2,7 +2,7 @@
 
 #include "core/io/error.h"
 #include "scene/dialects/read_scene.h"
-#include "tools/job/apply_arguments.h"
+#include "tools/job/render_job.h"
 
 #include <algorithm>
 #include <iterator>
@@ -30,23 +30,10 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
   if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
     throw Error(ExitCode::kUsage, "not an option of 'sheaf render'");
   // Read the scene and apply the options
-  const AovSet aovs = wanted_aovs(arguments);
-  Description scene = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
-  std::vector<std::string> details;
-  plan.crop = apply_arguments(arguments, scene, details);
-  // Fill in the plan
-  plan.integrator = scene.integrator.kind;
-  const PhotonMappingSettings& photons = scene.integrator.photons;
-  const bool maps = scene.integrator.traits().has_photon_maps();
-  plan.samples = maps && photons.progressive && photons.max_passes > 0
-                     ? rounded_sample_count(scene.sampler.kind, static_cast<std::uint32_t>(photons.max_passes))
-                     : scene.sampler.sample_count;
-  if (maps && photons.gathering == PhotonGathering::kFinal)
-    plan.gather_rays = static_cast<std::uint32_t>(photons.gather_rays);
-  plan.sets_given = arguments.replicates > 0;
-  plan.sets = plan.sets_given ? static_cast<std::uint32_t>(arguments.replicates)
-                              : default_replicates(scene.sampler.kind, std::uint64_t{plan.samples} * plan.gather_rays);
-  if (aovs.contains(aov_named("variance")) || aovs.contains(aov_named("half"))) plan.sets = std::max(plan.sets, 2u);
+  LoadedScene loaded;
+  loaded.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));
+  prepare(arguments, loaded);
+  plan.settings = loaded.settings;
   return plan;
 }
 

@@ -2,7 +2,6 @@
 
 #include "core/io/error.h"
 #include "core/simd/saturate.h"
-#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
 #include "scene/dialects/native_color.h"
 #include "tools/job/parts.h"
@@ -35,10 +34,7 @@ std::optional<int> parse_candidates(const std::string& text) {
   return count;
 }
 
-void apply_integrator(const RenderArguments& arguments, Description& scene) {
-  if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, scene);
-  IntegratorSettings& integrator = scene.integrator;
-  if (arguments.spp) integrator.photons.max_passes = 0;
+void apply_transport(const RenderArguments& arguments, IntegratorSettings& integrator) {
   if (arguments.max_depth) integrator.max_depth = *arguments.max_depth;
   if (arguments.rr_depth) integrator.rr_depth = *arguments.rr_depth;
   if (!arguments.candidates.empty()) integrator.candidates = parse_candidates(arguments.candidates);
@@ -49,28 +45,30 @@ void apply_integrator(const RenderArguments& arguments, Description& scene) {
   if (arguments.step_size) integrator.step_size = *arguments.step_size;
 }
 
-/// Default maximum samples per pixel if a noise target or a time limit decides.
-constexpr std::uint32_t kAdaptiveSamples = 1 << 16;
+/// Default maximum of samples per pixel if a noise target or a time limit decides.
+constexpr std::uint32_t kMaxAdaptiveSamples = 1 << 16;
 
-bool is_adaptive(const RenderArguments& arguments) { return arguments.noise_target || arguments.time_limit; }
+/// The requested samples per pixel; empty: those of the scene.
+std::optional<std::uint32_t> requested_samples(const RenderArguments& arguments) {
+  const bool is_adaptive = arguments.noise_target || arguments.time_limit;
+  return arguments.spp || !is_adaptive ? arguments.spp : kMaxAdaptiveSamples;
+}
 
-/// Sets the sampler and the samples per pixel. Adds a note if they differ from the user's, and a detail if the sampler
-/// differs from the scene's.
-void apply_sampler(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
-  SamplerSettings& sampler = scene.sampler;
-  const auto note = [&](std::string text) {
-    if (!text.empty()) scene.notes.push_back(std::move(text));
+/// Sets the kind of sampler and the samples per pixel.
+void apply_sampler(const RenderArguments& arguments, SamplerSettings& sampler, SettingsRemarks& remarks) {
+  const auto add = [](std::vector<std::string>& list, std::string text) {
+    if (!text.empty()) list.push_back(std::move(text));
   };
   if (arguments.sampler.empty()) {
-    if (std::string text = rendered_sampler_note(sampler.kind); !text.empty()) details.push_back(std::move(text));
+    add(remarks.details, rendered_sampler_note(sampler.kind));
     sampler.kind = rendered_sampler(sampler.kind);
   } else {
     sampler.kind = kSamplers.option("sampler", arguments.sampler);
-    note(stand_in_sampler_note(arguments.sampler));
+    add(remarks.notes, stand_in_sampler_note(arguments.sampler));
   }
-  const std::uint32_t wanted = arguments.spp.value_or(is_adaptive(arguments) ? kAdaptiveSamples : sampler.sample_count);
+  const std::uint32_t wanted = requested_samples(arguments).value_or(sampler.sample_count);
   sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
-  note(rounding_note(sampler.kind, wanted));
+  add(remarks.notes, rounding_note(sampler.kind, wanted));
 }
 
 /// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
@@ -106,19 +104,6 @@ void apply_filter_mode(const RenderArguments& arguments, FilmSettings& film) {
     film.filter_mode = FilterMode::kImportance;
 }
 
-/// The rectangle to render. Throws Error (exit code 2) if the given one does not lie inside the frame.
-PixelRect choose_crop(const RenderArguments& arguments, const FilmSettings& film) {
-  if (arguments.crop.empty()) return film.crop.value_or(PixelRect{0, 0, film.width, film.height});
-  const PixelRect crop{arguments.crop[0], arguments.crop[1], arguments.crop[2], arguments.crop[3]};
-  if (crop.x0 < 0 || crop.y0 < 0 || crop.x1 > film.width || crop.y1 > film.height || crop.x0 >= crop.x1 ||
-      crop.y0 >= crop.y1) {
-    throw Error(ExitCode::kUsage,
-                fmt::format("--crop {},{},{},{} is empty or reaches beyond the frame of {} x {} pixels", crop.x0,
-                            crop.y0, crop.x1, crop.y1, film.width, film.height));
-  }
-  return crop;
-}
-
 /// Number of sets of samples: as requested. By default several if non-local means need variances and the sampler's
 /// samples are not independent. Throws Error (exit code 2) if there would be a single set.
 int choose_replicates(const RenderArguments& arguments, const SamplerSettings& sampler) {
@@ -129,8 +114,7 @@ int choose_replicates(const RenderArguments& arguments, const SamplerSettings& s
   return sampler.sample_count < kDenoisedSamples ? 2 : 4;
 }
 
-}  // namespace
-
+/// The requested AOVs plus those that the denoiser uses.
 AovSet wanted_aovs(const RenderArguments& arguments) {
   AovSet aovs = aovs_from_names(arguments.aovs);
   if (arguments.denoiser.empty()) return aovs;
@@ -140,42 +124,44 @@ AovSet wanted_aovs(const RenderArguments& arguments) {
   return aovs;
 }
 
-ColorMode choose_color(const RenderArguments& arguments, std::vector<std::string>& details) {
+/// The requested color mode; otherwise that of the scene's dialect.
+ColorMode choose_color(const RenderArguments& arguments, SettingsRemarks& remarks) {
   const ColorMode native = native_color(arguments.scene);
   if (arguments.color.empty() && native == ColorMode::kSpectral)
-    details.push_back(arguments.scene + ": rendered with --color spectral, as pbrt does; --color rgb is faster");
-  const ColorMode color = arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
-  if (arguments.spectral_bins > 0 && color != ColorMode::kSpectral)
-    throw Error(ExitCode::kUsage, "--spectral-bins needs --color spectral");
-  return color;
+    remarks.details.push_back(arguments.scene +
+                              ": rendered with --color spectral, as pbrt does; --color rgb is faster");
+  return arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
 }
 
-PixelRect apply_arguments(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details) {
-  apply_integrator(arguments, scene);
-  apply_sampler(arguments, scene, details);
-  apply_size(arguments, scene.film);
-  apply_filter_mode(arguments, scene.film);
-  return choose_crop(arguments, scene.film);
-}
-
-RenderOptions render_options(const RenderArguments& arguments, const SamplerSettings& sampler, AovSet aovs,
-                             const PixelRect& crop) {
-  RenderOptions options;
-  options.seed = arguments.seed;
-  options.threads = arguments.threads;
-  options.wave_size = arguments.wave_size;
-  options.spectral_bins = arguments.spectral_bins;
-  options.replicates = choose_replicates(arguments, sampler);
-  options.guiding =
+/// The request for a render of a scene with these settings.
+RenderRequest request_of(const RenderArguments& arguments, const SamplerSettings& sampler) {
+  RenderRequest request;
+  request.samples_per_pixel = requested_samples(arguments);
+  request.seed = arguments.seed;
+  request.replicates = choose_replicates(arguments, sampler);
+  request.spectral_bins = arguments.spectral_bins;
+  request.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
+  request.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
+  request.aovs = wanted_aovs(arguments);
+  request.light_groups = arguments.light_groups;
+  request.guiding =
       arguments.guiding.empty() ? GuidingMode::kAuto : kGuidingModes.option("guiding mode", arguments.guiding);
-  if (!arguments.caustics.empty()) options.caustics = kCausticModes.option("caustics", arguments.caustics);
-  options.noise_target = static_cast<double>(arguments.noise_target.value_or(0.0f));
-  options.time_limit = static_cast<double>(arguments.time_limit.value_or(0.0f));
-  options.aovs = aovs;
-  options.light_groups = arguments.light_groups;
-  options.crop = crop;
-  if (!arguments.samples.empty()) options.samples = parse_samples(arguments.samples);
-  return options;
+  if (!arguments.caustics.empty()) request.caustics = kCausticModes.option("caustics", arguments.caustics);
+  if (!arguments.samples.empty()) request.samples = parse_samples(arguments.samples);
+  if (const std::vector<int>& crop = arguments.crop; !crop.empty())
+    request.crop = PixelRect{crop[0], crop[1], crop[2], crop[3]};
+  return request;
+}
+
+}  // namespace
+
+RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks) {
+  SceneSettings settings = scene;
+  apply_transport(arguments, settings.integrator);
+  apply_sampler(arguments, settings.sampler, remarks);
+  apply_size(arguments, settings.film);
+  apply_filter_mode(arguments, settings.film);
+  return resolve_settings(settings, choose_color(arguments, remarks), request_of(arguments, settings.sampler));
 }
 
 }  // namespace sheaf

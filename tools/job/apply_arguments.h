@@ -1,27 +1,20 @@
-// Applies the options of `sheaf render` to a scene.
+// Applies the options of `sheaf render` to the settings of a scene.
 #pragma once
 
-#include "kernels/render/render.h"
+#include "kernels/render/render_settings.h"
 #include "scene/description.h"
 #include "tools/job/render_arguments.h"
 
 namespace sheaf {
 
-/// The requested AOVs plus those that the denoiser uses.
-AovSet wanted_aovs(const RenderArguments& arguments);
+/// Remarks on the settings of a render, for the user.
+struct SettingsRemarks {
+  std::vector<std::string> notes;    ///< options that cannot be met exactly
+  std::vector<std::string> details;  ///< differences from the scene file that do not affect the expectation, for -v
+};
 
-/// The requested color mode; otherwise that of the scene's dialect. Appends to `details` if that is not the default.
-/// Throws Error (exit code 2) if another option needs another mode.
-ColorMode choose_color(const RenderArguments& arguments, std::vector<std::string>& details);
-
-/// Replaces the scene's settings by the given ones, with notes where they cannot be met exactly. Appends to `details`
-/// what differs from the scene without affecting the expectation. Returns the pixels to render. Throws Error (exit code
-/// 2) for sizes and crop windows that are not possible.
-PixelRect apply_arguments(const RenderArguments& arguments, Description& scene, std::vector<std::string>& details);
-
-/// The options of the render. `sampler`: of the scene after apply_arguments(). Throws Error (exit code 2) if the
-/// denoiser needs more samples.
-RenderOptions render_options(const RenderArguments& arguments, const SamplerSettings& sampler, AovSet aovs,
-                             const PixelRect& crop);
+/// The settings of a render of the scene. Throws Error (exit code 2) for options that are malformed, out of range, or
+/// not possible for the scene.
+RenderSettings resolve_settings(const RenderArguments& arguments, const Description& scene, SettingsRemarks& remarks);
 
 }  // namespace sheaf

@@ -64,36 +64,38 @@ void check_checkpoint(const CheckpointArguments& arguments) {
                 "the checkpoint '" + arguments.file + "' already exists: continue from it with --resume, or delete it");
 }
 
-RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
-  RenderSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
+RecordedSettings recorded_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
+  RecordedSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
   for (const GivenOption& option : given)
     if (option.affects_image) settings.emplace_back("--" + option.name, option.values);
   for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
   return settings;
 }
 
-std::string apply_continuation(const Scene& scene, RenderOptions& options, std::optional<RenderState>& resumed) {
+RenderSettings continued_settings(const RenderSettings& settings, std::optional<RenderState>& resumed,
+                                  std::string& note) {
   /// Below this number of samples per pixel, a checkpoint is not worth an error.
   constexpr std::uint32_t kFewSamples = 32;
-  if (!resumed) return "";
+  note.clear();
+  if (!resumed) return settings;
   const std::uint32_t before = resumed->division.spp;
-  const Continuation continuation = continue_from(scene, options, *resumed);
+  const Continuation continuation = continue_from(settings, *resumed);
   if (continuation.problem.empty()) {
-    const bool keeps_sets = continuation.replicates != options.replicates;
-    options.replicates = continuation.replicates;
-    if (!keeps_sets) return "";
-    return fmt::format(
-        "the render continues {} samples per pixel with sample sets of {}: the image is that of --replicates {}",
-        before, resumed->division.replicate_samples, continuation.replicates);
+    if (continuation.settings.replicates != settings.replicates)
+      note = fmt::format(
+          "the render continues {} samples per pixel with sample sets of {}: the image is that of --replicates {}",
+          before, resumed->division.replicate_samples, continuation.settings.replicates);
+    return continuation.settings;
   }
   const std::string reason = fmt::format("{} samples per pixel: {}", before, continuation.problem);
-  if (before >= kFewSamples || continuation.samples <= before)
+  if (before >= kFewSamples || settings.spp <= before)
     throw Error(ExitCode::kCheckpoint, "the checkpoint cannot be continued from " + reason);
   resumed.reset();
-  return "the render begins again, because the checkpoint cannot be continued from " + reason;
+  note = "the render begins again, because the checkpoint cannot be continued from " + reason;
+  return settings;
 }
 
-Checkpointer::Checkpointer(const CheckpointArguments& arguments, RenderSettings settings)
+Checkpointer::Checkpointer(const CheckpointArguments& arguments, RecordedSettings settings)
     : arguments_(arguments), settings_(std::move(settings)), last_(Progress::steady_seconds()) {}
 
 std::optional<RenderState> Checkpointer::resumed() const {

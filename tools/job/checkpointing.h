@@ -22,17 +22,19 @@ void check_checkpoint(const CheckpointArguments& arguments);
 
 /// All settings that determine the image's bits: the options given, except those that are only_for_run(); the files of
 /// the scene; Sheaf's version; and the instruction set.
-RenderSettings render_settings(const std::vector<GivenOption>& given, const std::vector<std::filesystem::path>& files);
+RecordedSettings recorded_settings(const std::vector<GivenOption>& given,
+                                   const std::vector<std::filesystem::path>& files);
 
-/// Prepares the continuation of `resumed`: sets the number of replicates in `options`. Returns a note for the user, or
-/// an empty string. A checkpoint of few samples that do not begin the new render is dropped. Throws Error (exit code 5)
-/// if a checkpoint of more samples does not.
-std::string apply_continuation(const Scene& scene, RenderOptions& options, std::optional<RenderState>& resumed);
+/// The settings with which `resumed` continues, if there is a checkpoint: with the number of replicates that it needs.
+/// `note`: receives a note for the user, or an empty string. A checkpoint of few samples that do not begin the new
+/// render is dropped. Throws Error (exit code 5) if a checkpoint of more samples does not.
+RenderSettings continued_settings(const RenderSettings& settings, std::optional<RenderState>& resumed,
+                                  std::string& note);
 
 /// Writes the checkpoints of one render.
 class Checkpointer {
  public:
-  Checkpointer(const CheckpointArguments& arguments, RenderSettings settings);
+  Checkpointer(const CheckpointArguments& arguments, RecordedSettings settings);
 
   /// State to resume from; nothing if the render starts anew. Throws Error (exit code 5).
   std::optional<RenderState> resumed() const;
@@ -45,7 +47,7 @@ class Checkpointer {
 
  private:
   CheckpointArguments arguments_;
-  RenderSettings settings_;
+  RecordedSettings settings_;
   std::atomic<double> last_;  ///< time of the last checkpoint, s on the steady clock
   bool is_saved_ = true;
 };

@@ -82,7 +82,7 @@ SampleRange parse_samples(const std::string& text) {
   throw Error(ExitCode::kUsage, "--samples '" + text + "': expected FIRST:COUNT, such as 64:32");
 }
 
-std::string part_settings(const RenderSettings& settings) {
+std::string part_settings(const RecordedSettings& settings) {
   /// Maximum number of files listed individually.
   constexpr std::size_t kMaxFiles = 16;
   std::string options, files;

@@ -13,9 +13,9 @@ namespace sheaf {
 /// Parses "FIRST:COUNT". Throws Error (exit code 2) for malformed text.
 SampleRange parse_samples(const std::string& text);
 
-/// The settings (see render_settings()) that all parts of an image share, as lines of text. Omits the version, the
+/// The settings (see recorded_settings()) that all parts of an image share, as lines of text. Omits the version, the
 /// instruction set, --samples and --crop. Replaces a long list of files by one checksum.
-std::string part_settings(const RenderSettings& settings);
+std::string part_settings(const RecordedSettings& settings);
 
 /// Adds the attributes of a part to a file's header. `samples`: set if the part holds a range of samples; then all
 /// layers are stored as 32-bit floats.

@@ -7,9 +7,8 @@
 #include "kernels/denoise/denoise.h"
 #include "kernels/film/cryptomatte.h"
 #include "kernels/render/render_memory.h"
+#include "scene/dialects/common/integrators.h"
 #include "scene/dialects/common/setting_names.h"
-#include "scene/dialects/native_color.h"
-#include "tools/job/apply_arguments.h"
 #include "tools/job/interrupted_image.h"
 #include "tools/options/process_command_line.h"
 
@@ -38,28 +37,27 @@ int taken_samples(const RenderReport& report) {
   return report.interrupted ? saturate<int>(std::round(report.mean_samples)) : saturate<int>(report.spp);
 }
 
-/// Estimated memory of the render without the scene, in bytes; 0 for options that render() will reject.
-double bytes_of_render(const Scene& scene, const RenderOptions& options) {
-  try {
-    double bytes = 0;
-    for (const MemoryUse& use : render_memory(scene, options)) bytes += use.bytes;
-    return bytes;
-  } catch (const Error&) { return 0; }
-}
-
 }  // namespace
 
-PixelRect prepare(const RenderArguments& arguments, LoadedScene& loaded) {
-  loaded.details.clear();
-  loaded.color = choose_color(arguments, loaded.details);
-  return apply_arguments(arguments, loaded.description, loaded.details);
+void prepare(const RenderArguments& arguments, LoadedScene& loaded) {
+  if (!arguments.integrator.empty()) apply_integrator_name(arguments.integrator, loaded.description);
+  loaded.remarks = {loaded.description.notes, {}};
+  loaded.settings = resolve_settings(arguments, loaded.description, loaded.remarks);
 }
 
-void compile(const RenderArguments& arguments, const RenderOptions& render, LoadedScene& loaded, KeptGeometry* kept) {
+RenderControl control_of(const RenderArguments& arguments) { return {arguments.threads, arguments.wave_size}; }
+
+void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry* kept) {
+  // The compiler reads the settings in the description
+  static_cast<SceneSettings&>(loaded.description) = loaded.settings;
   loaded.compiled = {};
-  CompileOptions options{arguments.watertight, loaded.color, &loaded.compiled};
+  CompileOptions options{arguments.watertight, loaded.settings.color, &loaded.compiled};
   options.bvh = kBvhChoices.option("bvh", arguments.bvh);
-  options.render_bytes = [&render](const Scene& scene) { return bytes_of_render(scene, render); };
+  options.render_bytes = [&](const Scene& scene) {
+    double bytes = 0;
+    for (const MemoryUse& use : render_memory(scene, loaded.settings, control_of(arguments))) bytes += use.bytes;
+    return bytes;
+  };
   options.kept = kept;
   loaded.scene = arguments.read.lenient ? compile_leniently(loaded.description, options)
                                         : compile_scene(loaded.description, options);
@@ -89,19 +87,19 @@ void add_loading(RenderReport& report, const LoadedScene& loaded, double load_se
   report.bvh = info.bvh == BvhLayout::kCompact ? "compact" : "fast";
 }
 
-ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, AovSet aovs,
-                          const RenderReport& report, const Image& image) {
-  const Description& scene = loaded.description;
+ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, const RenderReport& report,
+                          const Image& image) {
+  const RenderSettings& settings = loaded.settings;
   const SceneNames& names = loaded.scene->names();
   ExrMetadata metadata;
   // Set the standard attributes
   metadata.software = "Sheaf " SHEAF_VERSION;
-  metadata.world_to_camera = world_to_camera(scene.camera);
+  metadata.world_to_camera = world_to_camera(loaded.description.camera);
   metadata.attributes = {{"sheaf/version", std::string(SHEAF_VERSION)},
                          {"sheaf/isa", report.isa},
                          {"sheaf/integrator", report.integrator},
                          {"sheaf/color", report.color},
-                         {"sheaf/sampler", std::string(kSamplers.name_of(scene.sampler.kind))},
+                         {"sheaf/sampler", std::string(kSamplers.name_of(settings.sampler.kind))},
                          {"sheaf/scene", fs::path(arguments.scene).filename().string()},
                          integer_attribute("sheaf/seed", report.seed),
                          {"sheaf/samplesPerPixel", taken_samples(report)},
@@ -111,13 +109,13 @@ ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& l
   // Add attributes that depend on the options
   if (report.interrupted) add_interrupted_attributes(metadata, report.mean_samples, report.spp);
   if (arguments.noise_target) metadata.attributes.push_back({"sheaf/noiseTarget", *arguments.noise_target});
-  if (arguments.spectral_bins > 0) {
+  if (settings.spectral_bins > 0) {
     metadata.attributes.push_back({"spectralLayoutVersion", std::string("1.0")});
     metadata.attributes.push_back({"emissiveUnits", std::string("W.m^-2.sr^-1")});
   }
-  for (auto& [name, value] : cryptomatte_attributes(aovs, names)) metadata.attributes.push_back({name, value});
-  if (!arguments.samples.empty())
-    for (auto& [name, value] : part_id_attributes(aovs, names)) metadata.attributes.push_back({name, value});
+  for (auto& [name, value] : cryptomatte_attributes(settings.aovs, names)) metadata.attributes.push_back({name, value});
+  if (settings.is_part)
+    for (auto& [name, value] : part_id_attributes(settings.aovs, names)) metadata.attributes.push_back({name, value});
   if (!arguments.full_floats) metadata.half_channels = half_channels(image.channels);
   if (!arguments.no_timestamps) {
     metadata.capture_date = fmt::format("{:%Y:%m:%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));

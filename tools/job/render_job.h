@@ -3,10 +3,9 @@
 #pragma once
 
 #include "core/image/exr.h"
-#include "kernels/film/aovs.h"
 #include "kernels/render/render.h"
 #include "scene/compile/compile.h"
-#include "tools/job/render_arguments.h"
+#include "tools/job/apply_arguments.h"
 
 #include <memory>
 #include <string>
@@ -14,23 +13,26 @@
 
 namespace sheaf {
 
-/// A scene with the options of a render.
+/// A scene and the settings of its render.
 struct LoadedScene {
-  Description description;           ///< with the options applied
-  std::vector<std::string> details;  ///< what differs from the scene file, for -v
-  ColorMode color = ColorMode::kRgb;
+  Description description;       ///< from compile() on with `settings`
+  RenderSettings settings;       ///< of prepare()
+  SettingsRemarks remarks;       ///< also the notes of reading
   std::unique_ptr<Scene> scene;  ///< null until compile()
   CompileReport compiled = {};
 
-  const char* color_name() const { return kColorModes.name_of(color); }
+  const char* color_name() const { return kColorModes.name_of(settings.color); }
 };
 
-/// Sets the colour mode and applies the options to the description. Returns the pixels to render. Throws Error (exit
-/// code 2).
-PixelRect prepare(const RenderArguments& arguments, LoadedScene& loaded);
+/// Resolves the settings. An integrator by --integrator replaces that of the description; ao and av also replace its
+/// materials and lights. Throws Error (exit code 2).
+void prepare(const RenderArguments& arguments, LoadedScene& loaded);
 
-/// Compiles the scene for a render with `options`. `kept`: geometry of an earlier scene; null: none. Throws SceneError.
-void compile(const RenderArguments& arguments, const RenderOptions& options, LoadedScene& loaded, KeptGeometry* kept);
+/// Threads and waves of the render.
+RenderControl control_of(const RenderArguments& arguments);
+
+/// Compiles the scene. `kept`: geometry of an earlier scene; null: none. Throws SceneError.
+void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry* kept);
 
 /// Warnings about the scene, before it is rendered.
 std::vector<std::string> scene_warnings(const LoadedScene& loaded);
@@ -40,8 +42,8 @@ std::vector<std::string> scene_warnings(const LoadedScene& loaded);
 void add_loading(RenderReport& report, const LoadedScene& loaded, double load_seconds, double build_seconds);
 
 /// Metadata of the image.
-ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, AovSet aovs,
-                          const RenderReport& report, const Image& image);
+ExrMetadata make_metadata(const RenderArguments& arguments, const LoadedScene& loaded, const RenderReport& report,
+                          const Image& image);
 
 /// Adds the denoised image if requested. Throws Error.
 void add_denoised(const RenderArguments& arguments, Image& image, ExrMetadata& metadata);

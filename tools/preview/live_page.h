@@ -33,7 +33,7 @@ class LivePage {
   void begin_scene();
   /// Starts the clock of the render.
   void begin_render();
-  /// Sets the progress, in the units of RenderOptions::on_progress. Cheap.
+  /// Sets the progress, in the units of RenderControl::on_progress. Cheap.
   void update(std::uint64_t done, std::uint64_t total);
   /// Sets the state of the render: "reading", "rendering", "writing", "done" ...
   void set_state(const std::string& state);

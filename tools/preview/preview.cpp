@@ -60,6 +60,15 @@ void fill_gaps(Image& image, const Image& other) {
   }
 }
 
+/// The settings of a render of the same pixels with few samples, without further layers.
+RenderSettings first_pass(const RenderSettings& settings, std::uint32_t samples) {
+  RenderRequest request;
+  request.samples_per_pixel = samples;
+  request.replicates = 1;
+  request.crop = settings.crop;
+  return resolve_settings(settings, settings.color, request);
+}
+
 }  // namespace
 
 void add_preview_options(Command& command, PreviewArguments& arguments) {
@@ -98,42 +107,37 @@ void Preview::begin_scene() {
   if (page_) page_->begin_scene();
 }
 
-void Preview::watch(RenderOptions& options) {
+void Preview::watch(RenderControl& control) {
   if (!page_ && !tev_) return;
   first_ = nullptr;
   next_ = pause_requested_ = 0;
   if (page_) page_->begin_render();
-  options.on_progress = [this, before = std::move(options.on_progress)](std::uint64_t done, std::uint64_t total) {
+  control.on_progress = [this, before = std::move(control.on_progress)](std::uint64_t done, std::uint64_t total) {
     if (before) before(done, total);
     if (page_) page_->update(done, total);
   };
-  options.on_report = [this, before = std::move(options.on_report)](const RenderReport& report) {
+  control.on_report = [this, before = std::move(control.on_report)](const RenderReport& report) {
     if (before) before(report);
     if (page_) page_->set_report(to_json(report));
   };
-  options.wants_pause = [this, before = std::move(options.wants_pause)] { return (before && before()) || is_due(); };
-  options.on_pause = [this, before = std::move(options.on_pause)](const RenderState& state) {
+  control.wants_pause = [this, before = std::move(control.wants_pause)] { return (before && before()) || is_due(); };
+  control.on_pause = [this, before = std::move(control.on_pause)](const RenderState& state) {
     if (before) before(state);
     if (pause_requested_ > 0) show(state);
   };
 }
 
-void Preview::show_first_passes(const Scene& scene, const RenderOptions& options) {
-  const bool is_new = options.resume == nullptr && scene.integrator().traits().source == PathSource::kCamera;
+void Preview::show_first_passes(const Scene& scene, const RenderSettings& settings, const RenderControl& control) {
+  const bool is_new = control.resume == nullptr && settings.integrator.traits().source == PathSource::kCamera;
   if ((!page_ && !tev_) || !is_new) return;
-  const std::uint32_t samples = options.samples_per_pixel.value_or(scene.sampler().sample_count);
-  RenderOptions first;
-  first.seed = options.seed;
-  first.threads = options.threads;
-  first.wave_size = options.wave_size;
-  first.crop = options.crop;
-  first.stop = options.stop;
-  first.replicates = 1;
+  RenderControl first;
+  first.threads = control.threads;
+  first.wave_size = control.wave_size;
+  first.stop = control.stop;
+  const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / kFirstShare, 1u);
   std::uint32_t taken = 0;
-  const std::uint32_t most = std::max(samples / kFirstShare, 1u);
   for (std::uint32_t count = 1; samples > 1 && count <= kMaxFirst && taken + count <= most; count *= 2) {
-    first.samples_per_pixel = count;
-    const RenderResult result = render(scene, first);
+    const RenderResult result = render(scene, first_pass(settings, count), first);
     if (result.interrupted) return;
     taken += count;
     first_ = std::make_shared<const Image>(result.film.beauty_image());

@@ -14,7 +14,8 @@ namespace sheaf {
 class LivePage;
 class Scene;
 class TevViewer;
-struct RenderOptions;
+struct RenderControl;
+struct RenderSettings;
 struct RenderState;
 
 /// Command-line options for previews.
@@ -44,12 +45,12 @@ class Preview {
 
   /// Begins to read a scene, after another render.
   void begin_scene();
-  /// Begins the render. Wraps the callbacks of `options`, which must not outlive this object.
-  void watch(RenderOptions& options);
-  /// Shows renders with 1, 2 and 4 samples per pixel, while they take little of the time of the render that `options`
-  /// describe. Until that render has samples of a pixel, previews show the last of these images there. Does nothing for
+  /// Begins the render. Wraps the callbacks of `control`, which must not outlive this object.
+  void watch(RenderControl& control);
+  /// Shows renders with 1, 2 and 4 samples per pixel, while they take little of the time of the render with these
+  /// settings. Until that render has samples of a pixel, previews show the last of these images there. Does nothing for
   /// resumed renders and for integrators other than path tracing.
-  void show_first_passes(const Scene& scene, const RenderOptions& options);
+  void show_first_passes(const Scene& scene, const RenderSettings& settings, const RenderControl& control);
   /// Marks the end of rendering, before the outputs are written.
   void begin_writing();
   /// Reports that the scene could not be rendered.

@@ -175,7 +175,7 @@ TEST_CASE("photon mapping: small maps have the power of large ones") {
 
 TEST_CASE("photon mapping: sparse maps do not depend on threads or wave size or pauses or parts") {
   const TemporaryFolder folder;
-  const RenderSettings settings{{"--spp", "6"}, {"scene.xml", "1 bytes"}};
+  const RecordedSettings settings{{"--spp", "6"}, {"scene.xml", "1 bytes"}};
   Description d = empty_scene(8, 8);
   look_at(d, {0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 40);
   d.sampler.sample_count = 6;

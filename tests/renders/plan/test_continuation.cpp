@@ -1,7 +1,7 @@
 // Finished renders that continue with more samples have the same bits as renders of all samples at once.
 #include "core/io/error.h"
 #include "kernels/render/continuation.h"
-#include "kernels/render/sample_layout.h"
+#include "kernels/render/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/contains.h"
 #include "tests/support/render_testing.h"
@@ -49,21 +49,26 @@ bool same_images(const Image& a, const Image& b) {
          std::memcmp(a.data.data(), b.data.data(), a.data.size() * sizeof(float)) == 0;
 }
 
+/// RenderRequest::replicates of the settings.
+int replicates_of(const RenderSettings& settings) {
+  return settings.requests_replicates ? static_cast<int>(settings.replicates) : 0;
+}
+
 /// Continues from `before` to `after` samples, and compares with `after` samples at once in the same sets. Returns the
 /// number of replicates.
 int check_continued(const Scene& scene, std::uint32_t before, const RenderOptions& after) {
   RenderOptions first = after;
   first.samples_per_pixel = before;
   RenderState state = finished(scene, first);
-  const Continuation continuation = continue_from(scene, after, state);
+  const Continuation continuation = continue_from(resolve_settings(scene, after), state);
   CHECK_MESSAGE(continuation.problem.empty(), continuation.problem);
   RenderOptions options = after;
-  options.replicates = continuation.replicates;
+  options.replicates = replicates_of(continuation.settings);
   const Image whole = render(scene, options).to_image();
   options.resume = &state;
   options.threads = 1;
   CHECK(same_images(render(scene, options).to_image(), whole));
-  return continuation.replicates;
+  return options.replicates;
 }
 
 }  // namespace
@@ -115,7 +120,7 @@ TEST_CASE("continuations that would change bits are refused with the reason") {
     RenderOptions first = after;
     first.samples_per_pixel = before;
     RenderState state = finished(*scene, first);
-    const Continuation continuation = continue_from(*scene, after, state);
+    const Continuation continuation = continue_from(resolve_settings(*scene, after), state);
     // The renderer refuses such a state, too, unless it differs in precomputed data only.
     if (!contains(continuation.problem, "photons") && !contains(continuation.problem, "guiding")) {
       RenderOptions options = after;

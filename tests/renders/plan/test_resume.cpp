@@ -12,7 +12,7 @@ namespace sheaf::test_resume {
 
 namespace {
 
-const RenderSettings kSettings{{"--spp", "8"}, {"scene.xml", "1 bytes"}};
+const RecordedSettings kSettings{{"--spp", "8"}, {"scene.xml", "1 bytes"}};
 
 /// A lit box with a sphere, with a filter that is wider than a pixel.
 Description small_box(int samples, int width = 70, int height = 50) {
@@ -220,7 +220,7 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
   const auto file = folder / "render.checkpoint";
   const auto scene = compile_scene(small_box(8));
   REQUIRE(render_part(*scene, {}, 2, file));
-  const auto message_of = [&](const RenderSettings& settings) {
+  const auto message_of = [&](const RecordedSettings& settings) {
     try {
       read_checkpoint(file, settings);
     } catch (const Error& error) {

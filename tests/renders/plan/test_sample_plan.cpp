@@ -1,5 +1,6 @@
 // The plan of a render: rounds and tasks hand out every sample once, and a resumed plan hands out the others.
 #include "core/io/error.h"
+#include "kernels/render/render.h"
 #include "kernels/render/sample_plan.h"
 #include "scene/compile/compile.h"
 #include "tests/support/tiny_scenes.h"
@@ -27,7 +28,7 @@ std::unique_ptr<Scene> lit_scene(std::uint32_t samples, IntegratorKind kind = In
 }
 
 SamplePlan plan_of(const Scene& scene, const RenderOptions& options = {}) {
-  return SamplePlan(scene, options, make_sample_layout(scene, options));
+  return SamplePlan(scene, resolve_settings(scene, options), options.resume);
 }
 
 /// What tasks were asked to take.

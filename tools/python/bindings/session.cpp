@@ -6,7 +6,6 @@
 #include "core/io/memory.h"
 #include "scene/dialects/read_scene.h"
 #include "tools/console/progress.h"
-#include "tools/job/apply_arguments.h"
 #include "tools/job/parts.h"
 #include "tools/report/report_text.h"
 
@@ -84,8 +83,6 @@ struct Session::Job {
   RenderArguments arguments;
   Command command;
   std::vector<GivenOption> given;
-  AovSet aovs;
-  RenderOptions options;
   std::string compiled_for;
   double build_seconds = 0;
   bool kept_scene = false, kept_accel = false;
@@ -130,10 +127,8 @@ Session::~Session() { shared_files().close(); }
 
 void Session::take(Description description) {
   loaded_.description = std::move(description);
-  film_ = loaded_.description.film;
-  sampler_ = loaded_.description.sampler;
-  integrator_ = loaded_.description.integrator;
-  notes_ = loaded_.description.notes;
+  read_settings_ = loaded_.description;
+  replaced_.reset();
   compiled_for_.clear();
 }
 
@@ -171,14 +166,11 @@ void Session::prepare_job(const std::vector<std::string>& options, Job& job) {
       job.compiled_for += "--" + option.name + "=" + option.values + "\n";
   if (!job.arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", job.arguments.denoiser));
   // Apply them to the scene as it was read
-  Description& description = loaded_.description;
-  description.film = film_;
-  description.sampler = sampler_;
-  description.integrator = integrator_;
-  description.notes = notes_;
-  job.aovs = wanted_aovs(job.arguments);
-  const PixelRect crop = prepare(job.arguments, loaded_);
-  job.options = render_options(job.arguments, description.sampler, job.aovs, crop);
+  if (replaced_) loaded_.description = std::move(*replaced_);
+  replaced_.reset();
+  static_cast<SceneSettings&>(loaded_.description) = read_settings_;
+  if (!job.arguments.integrator.empty()) replaced_ = loaded_.description;
+  prepare(job.arguments, loaded_);
 }
 
 void Session::compile_job(Job& job) {
@@ -193,15 +185,15 @@ void Session::compile_job(Job& job) {
   compiled_for_.clear();
   if (loaded_.scene != nullptr) keep_geometry(std::move(loaded_.scene), kept_);
   const Accel* const before = kept_.accel.get();
-  sheaf::compile(job.arguments, job.options, loaded_, &kept_);
+  sheaf::compile(job.arguments, loaded_, &kept_);
   job.kept_accel = before != nullptr && loaded_.scene->view().accel == before;
   compiled_for_ = job.compiled_for;
   job.build_seconds = Progress::steady_seconds() - start;
 }
 
-RenderSettings Session::settings_of(const Job& job) const {
-  RenderSettings settings =
-      render_settings(job.given, expanded_ != nullptr ? expanded_->files() : loaded_.description.files);
+RecordedSettings Session::settings_of(const Job& job) const {
+  RecordedSettings settings =
+      recorded_settings(job.given, expanded_ != nullptr ? expanded_->files() : loaded_.description.files);
   if (is_changed_) settings.emplace_back("the scene of the program", fmt::format("{:08x}", check_sum_of(tree(), 0)));
   return settings;
 }
@@ -212,15 +204,15 @@ RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch
   prepare_job(words, job);
   compile_job(job);
   // Render
-  RenderOptions& options = job.options;
-  options.stop = &watch.stop;
-  options.on_progress = [&watch](std::uint64_t done, std::uint64_t total) {
+  RenderControl control = control_of(job.arguments);
+  control.stop = &watch.stop;
+  control.on_progress = [&watch](std::uint64_t done, std::uint64_t total) {
     watch.total.store(total, std::memory_order_relaxed);
     // Workers may report in any order
     std::uint64_t last = watch.done.load(std::memory_order_relaxed);
     while (last < done && !watch.done.compare_exchange_weak(last, done, std::memory_order_relaxed)) {}
   };
-  RenderResult result = sheaf::render(*loaded_.scene, options);
+  RenderResult result = sheaf::render(*loaded_.scene, loaded_.settings, control);
   RenderReport& report = result.report;
   report.scene = name_;
   report.color = loaded_.color_name();
@@ -231,7 +223,7 @@ RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch
   // Make the image with its metadata
   RenderedImage out;
   out.image = result.to_image();
-  out.metadata = make_metadata(job.arguments, loaded_, job.aovs, report, out.image);
+  out.metadata = make_metadata(job.arguments, loaded_, report, out.image);
   if (result.samples) report.spp = result.samples->count;
   if (!job.arguments.samples.empty() || !job.arguments.crop.empty())
     add_part_attributes(out.metadata, part_settings(settings_of(job)), result.samples);
@@ -239,7 +231,7 @@ RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch
   out.stats = to_json(report);
   out.warnings = scene_warnings(loaded_);
   out.warnings.insert(out.warnings.end(), result.warnings.begin(), result.warnings.end());
-  out.notes = loaded_.description.notes;
+  out.notes = loaded_.remarks.notes;
   out.interrupted = result.interrupted;
   out.kept_scene = job.kept_scene;
   out.kept_accel = job.kept_accel;

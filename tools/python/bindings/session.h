@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -72,7 +73,7 @@ class Session {
   void take(Description description);
   void prepare_job(const std::vector<std::string>& options, Job& job);
   void compile_job(Job& job);
-  RenderSettings settings_of(const Job& job) const;
+  RecordedSettings settings_of(const Job& job) const;
 
   std::mutex mutex_;
   std::string name_;
@@ -81,11 +82,8 @@ class Session {
   std::unique_ptr<ExpandedScene> expanded_;  ///< null for formats other than XML
   bool is_changed_ = false;                  ///< the tree is not that of the file
   LoadedScene loaded_;
-  // The settings as read, before options are applied
-  FilmSettings film_;
-  SamplerSettings sampler_;
-  IntegratorSettings integrator_;
-  std::vector<std::string> notes_;
+  SceneSettings read_settings_;          ///< as read, before options are applied
+  std::optional<Description> replaced_;  ///< the scene as read, if an integrator of the options has changed it
   double load_seconds_ = 0;
   KeptGeometry kept_;
   std::string compiled_for_;  ///< the options that the compiled scene depends on
