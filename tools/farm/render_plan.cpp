@@ -23,12 +23,9 @@ RenderPlan plan_render(const std::vector<std::string>& words) {
     }
   });
   // Parse the options as `sheaf render` does
-  std::vector<std::string> line{"sheaf", "render"};
+  std::vector<std::string> line{"render"};
   line.insert(line.end(), words.begin(), words.end());
-  std::vector<char*> pointers;
-  for (std::string& word : line) pointers.push_back(word.data());
-  if (program.parse(static_cast<int>(pointers.size()), pointers.data()))
-    throw Error(ExitCode::kUsage, "not an option of 'sheaf render'");
+  program.parse(line);
   // Read the scene and apply the options
   LoadedScene loaded;
   loaded.description = read_scene(arguments.scene, read_options(arguments.scene, arguments.read));

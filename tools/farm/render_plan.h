@@ -17,7 +17,7 @@ struct RenderPlan {
 };
 
 /// Reads the scene and checks the options, given as the words after `sheaf render`. Throws Error like `sheaf render`
-/// does before rendering. Also prints usage errors of options.
+/// does before rendering.
 RenderPlan plan_render(const std::vector<std::string>& words);
 
 }  // namespace sheaf

@@ -2,110 +2,19 @@
 
 #include "core/io/error.h"
 #include "tools/console/terminal.h"
+#include "tools/options/number_text.h"
 
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <iostream>
-#include <iterator>
 #include <limits>
 #include <sstream>
-#include <string_view>
 #include <type_traits>
 
 namespace sheaf {
 
 namespace {
-
-/// Parses a decimal number at the start of `text` and removes it from `text`. Returns nothing if there is no number.
-std::optional<double> take_number(std::string_view& text) {
-  double value = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, value);
-  if (read.ec == std::errc::invalid_argument) return std::nullopt;
-  // Numbers beyond the range of double become infinite, which no option accepts.
-  if (read.ec == std::errc::result_out_of_range) value = std::numeric_limits<double>::infinity();
-  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
-  return value;
-}
-
-/// Parses a text that consists of one decimal number.
-std::optional<double> number_of(std::string_view text) {
-  const std::optional<double> value = take_number(text);
-  return text.empty() ? value : std::nullopt;
-}
-
-/// The shortest text that represents the number exactly.
-template <class T> std::string shortest(T value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  return std::string(text, end);
-}
-
-/// Rejects infinities and NaN. Range checks do not reject NaN, because comparisons with it are false.
-CLI::Validator finite() {
-  return CLI::Validator(
-      [](const std::string& text) {
-        const std::optional<double> value = number_of(text);
-        return value && std::isfinite(*value) ? std::string() : "'" + text + "' is not a finite number";
-      },
-      "");
-}
-
-/// Rejects numbers outside of [low, high]. CLI::Range does so too, but its message depends on the version of CLI11.
-template <class T> CLI::Validator within(T low, T high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        const std::optional<double> value = number_of(text);
-        if (value && *value >= static_cast<double>(low) && *value <= static_cast<double>(high)) return std::string();
-        return "Value " + text + " not in range " + shortest(low) + " to " + shortest(high);
-      },
-      "");
-}
-
-/// Normalizes integers such as 16.0 and 1e3 to decimal digits. Returns an error message or an empty string.
-std::string to_whole_number(std::string& text) {
-  constexpr double kExact = 9007199254740992.0;  // 2^53
-  const std::optional<double> value = number_of(text);
-  if (!value || !std::isfinite(*value)) return "'" + text + "' is not a number";
-  if (*value != std::floor(*value)) return "'" + text + "' is not an integer";
-  if (std::fabs(*value) > kExact) return "'" + text + "' is too large";
-  text = std::to_string(static_cast<long long>(*value));
-  return {};
-}
-
-std::string to_number(std::string& text) { return number_of(text) ? std::string() : "'" + text + "' is not a number"; }
-
-/// Converts percentages to fractions.
-std::string to_share(std::string& text) {
-  std::string_view rest = text;
-  const std::optional<double> value = take_number(rest);
-  if (value && rest == "%") text = shortest(*value / 100);
-  return to_number(text);
-}
-
-/// Converts times with units, such as 90s, 5m, 1.5h and 1h30m, to seconds.
-std::string to_seconds(std::string& text) {
-  constexpr std::pair<std::string_view, double> kUnits[] = {{"ms", 1e-3},   {"s", 1},        {"sec", 1},
-                                                            {"m", 60},      {"min", 60},     {"h", 3600},
-                                                            {"hour", 3600}, {"hours", 3600}, {"d", 86400}};
-  if (number_of(text)) return {};
-  double seconds = 0;
-  for (std::string_view rest = text; !rest.empty();) {
-    const std::optional<double> value = take_number(rest);
-    const std::string_view unit = rest.substr(0, rest.find_first_of("+-.0123456789 "));
-    const auto* const found =
-        std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& each) { return each.first == unit; });
-    if (!value || *value < 0 || found == std::end(kUnits))
-      return "'" + text + "' is not a time: expected seconds, or a number with ms, s, m, h or d, such as 90s or 1h30m";
-    seconds += *value * found->second;
-    rest.remove_prefix(unit.size());
-  }
-  text = shortest(seconds);
-  return {};
-}
 
 CLI::Validator transform(std::string (*function)(std::string&)) { return CLI::Validator(function, ""); }
 
@@ -191,12 +100,45 @@ std::string printable_usage_message(const CLI::App& program, const CLI::ParseErr
   return message;
 }
 
-/// Whether an option's value is a number, an optional number or a list of numbers.
-template <class T> struct NumberTraits : std::is_arithmetic<T> {
-  static constexpr bool kIsWhole = std::is_integral_v<T>;
-};
+/// Rejects numbers that the option does not accept.
+CLI::Validator number_check(const OptionHelp& help) {
+  return CLI::Validator(
+      [&help](const std::string& text) {
+        const std::optional<double> value = number_of(text);
+        return value ? problem_with(help, *value, text) : std::string();
+      },
+      "");
+}
+
+/// The numbers of an option's value: T, an optional T or several T.
+template <class T> struct NumberTraits : std::is_arithmetic<T> { using Number = T; };
 template <class T> struct NumberTraits<std::optional<T>> : NumberTraits<T> {};
 template <class T> struct NumberTraits<std::vector<T>> : NumberTraits<T> {};
+
+std::string joined(const std::vector<std::string>& values) {
+  std::string text;
+  for (const std::string& value : values) text += (text.empty() ? "" : ",") + value;
+  return text;
+}
+
+/// Sets the variable of an option with numbers; see OptionHelp::set.
+template <class T> std::string set_numbers(const OptionHelp& option, const OptionValue& value, T& variable) {
+  using Number = typename NumberTraits<T>::Number;
+  std::vector<Number> numbers;
+  std::vector<std::string> texts;
+  for (const double number : numbers_from(option, value)) {
+    constexpr auto kLow = static_cast<double>(std::numeric_limits<Number>::lowest());
+    constexpr auto kHigh = static_cast<double>(std::numeric_limits<Number>::max());
+    if (number < kLow || number > kHigh) refuse_value(option, "'" + shortest(number) + "' is too large");
+    numbers.push_back(static_cast<Number>(number));
+    texts.push_back(shortest(number));
+  }
+  if constexpr (std::is_same_v<T, std::vector<Number>>)
+    variable = numbers;
+  else
+    variable = numbers.front();
+  return joined(texts);
+}
 
 }  // namespace
 
@@ -207,8 +149,6 @@ Option& Option::required() {
 }
 
 template <class T> Option& Option::in_range(T low, T high) {
-  if constexpr (std::is_floating_point_v<T>) option_->check(finite());
-  option_->check(within(low, high));
   help_->min = static_cast<double>(low);
   help_->max = static_cast<double>(high);
   return *this;
@@ -220,16 +160,13 @@ template Option& Option::in_range(double, double);
 template Option& Option::in_range(float, float);
 
 Option& Option::positive() {
-  const auto above_zero = [](const std::string& text) {
-    return number_of(text).value_or(0) > 0 ? std::string() : "'" + text + "' is not a positive number";
-  };
-  option_->check(finite())->check(CLI::Validator(above_zero, "POSITIVE"));
   help_->is_positive = true;
   return *this;
 }
 
 Option& Option::share() {
   option_->transform(transform(to_share));
+  help_->is_share = true;
   return *this;
 }
 
@@ -293,6 +230,7 @@ Option& Option::list(char delimiter, int count) {
 /// Sheaf has no configuration files, so CLI11's flag for these is free.
 Option& Option::only_for_run() {
   option_->configurable(false);
+  help_->only_for_run = true;
   return *this;
 }
 
@@ -315,12 +253,19 @@ Option Command::describe(CLI::Option& option, const std::string& names, ValueKin
 
 template <class T> Option Command::add_option(const std::string& names, T& value, const std::string& help) {
   CLI::Option& option = *command_->add_option(names, value, help);
-  using Number = NumberTraits<T>;
-  if constexpr (Number::value) {
-    option.transform(transform(Number::kIsWhole ? to_whole_number : to_number));
-    return describe(option, names, Number::kIsWhole ? ValueKind::kInteger : ValueKind::kNumber, help);
+  if constexpr (NumberTraits<T>::value) {
+    constexpr bool kIsWhole = std::is_integral_v<typename NumberTraits<T>::Number>;
+    option.transform(transform(kIsWhole ? to_whole_number : to_number));
+    const Option made = describe(option, names, kIsWhole ? ValueKind::kInteger : ValueKind::kNumber, help);
+    OptionHelp& described = help_->options.back();
+    option.check(number_check(described));
+    described.set = [&described, &value](const OptionValue& given) { return set_numbers(described, given, value); };
+    return made;
   } else {
-    return describe(option, names, ValueKind::kText, help);
+    const Option made = describe(option, names, ValueKind::kText, help);
+    OptionHelp& described = help_->options.back();
+    described.set = [&described, &value](const OptionValue& given) { return value = text_from(described, given); };
+    return made;
   }
 }
 
@@ -337,7 +282,13 @@ template Option Command::add_option(const std::string&, std::vector<float>&, con
 
 Option Command::add_option(const std::string& names, std::vector<std::string>& values, const std::string& help) {
   CLI::Option& option = *command_->add_option(names, values, help)->allow_extra_args(false);
-  return describe(option, names, ValueKind::kText, help).repeated();
+  Option made = describe(option, names, ValueKind::kText, help).repeated();
+  OptionHelp& described = help_->options.back();
+  described.set = [&described, &values](const OptionValue& given) {
+    values = texts_from(described, given);
+    return joined(values);
+  };
+  return made;
 }
 
 Option Command::add_arguments(const std::string& name, std::vector<std::string>& values, const std::string& help) {
@@ -345,7 +296,15 @@ Option Command::add_arguments(const std::string& name, std::vector<std::string>&
 }
 
 Option Command::add_flag(const std::string& names, bool& value, const std::string& help) {
-  return describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help);
+  const Option made = describe(*command_->add_flag(names, value, help), names, ValueKind::kFlag, help);
+  OptionHelp& described = help_->options.back();
+  described.set = [&described, &value](const OptionValue& given) -> std::string {
+    const bool* const flag = std::get_if<bool>(&given);
+    if (flag == nullptr) refuse_value(described, "expected true or false");
+    value = *flag;
+    return value ? "true" : "false";
+  };
+  return made;
 }
 
 Option Command::add_counter(const std::string& names, int& value, const std::string& help) {
@@ -367,9 +326,25 @@ std::vector<GivenOption> Command::given() const {
   for (const CLI::Option* option : command_->get_options()) {
     if (option->count() == 0) continue;
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
-    std::string values;
-    for (const std::string& value : option->results()) values += (values.empty() ? "" : ",") + value;
-    options.push_back({name, values, option->get_configurable()});
+    options.push_back({name, joined(option->results()), option->get_configurable()});
+  }
+  return options;
+}
+
+std::vector<GivenOption> Command::set(const std::map<std::string, OptionValue>& values) const {
+  std::vector<GivenOption> options;
+  std::vector<std::string> names;
+  for (const OptionHelp& option : help_->options) {
+    const std::string& name = option.names.back();
+    names.push_back(name.substr(std::min(name.find_first_not_of('-'), name.size())));
+    const auto value = values.find(names.back());
+    if (value != values.end() && option.set)
+      options.push_back({names.back(), option.set(value->second), !option.only_for_run});
+  }
+  for (const auto& value : values) {
+    const auto is_set = [&](const GivenOption& option) { return option.name == value.first; };
+    if (std::none_of(options.begin(), options.end(), is_set))
+      throw Error(ExitCode::kUsage, "unknown option '" + value.first + "'" + did_you_mean(value.first, names));
   }
   return options;
 }

@@ -92,6 +92,9 @@ class Command {
   std::vector<std::string> command_names() const;
   /// The options on the command line, in the order of add_option(). Call this after parsing.
   std::vector<GivenOption> given() const;
+  /// Sets the variables of options from a program instead of a command line, by their names without dashes. Returns
+  /// these options, in the order of add_option(). Throws Error (exit code 2).
+  std::vector<GivenOption> set(const std::map<std::string, OptionValue>& values) const;
   /// Sets the action to run after parsing. Its exceptions propagate out of Program::parse().
   void on_call(std::function<void()> action);
 

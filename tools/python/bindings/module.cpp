@@ -23,8 +23,6 @@ namespace sheaf {
 
 namespace {
 
-using Words = std::vector<std::string>;
-
 /// Keeps a Python object alive; released with the interpreter's lock.
 std::shared_ptr<const void> owner_of(py::object object) {
   return {new py::object(std::move(object)), [](const void* owned) {
@@ -203,7 +201,8 @@ void run_watched(RenderWatch& watch, const py::object& progress, const py::objec
   if (raised) throw *raised;
 }
 
-RenderedImage render(Session& session, const Words& options, const py::object& progress, const py::object& stop) {
+RenderedImage render(Session& session, const OptionValues& options, const py::object& progress,
+                     const py::object& stop) {
   RenderWatch watch;
   RenderedImage out;
   run_watched(watch, progress, stop, [&] { out = session.render(options, watch); });
@@ -305,12 +304,13 @@ py::dict compare(const RenderedImage& a, const RenderedImage& b, double signific
 
 void add_scene(py::module_& m) {
   py::class_<Session>(m, "Session")
-      .def(py::init<const std::string&, Words>(), py::call_guard<py::gil_scoped_release>())
-      .def(py::init([](const py::tuple& root, const std::string& name, const std::string& folder, Words options) {
-        XmlElement tree = element_from(root);
-        const py::gil_scoped_release unlocked;
-        return std::make_unique<Session>(std::move(tree), name, folder, std::move(options));
-      }))
+      .def(py::init<const std::string&, OptionValues>(), py::call_guard<py::gil_scoped_release>())
+      .def(
+          py::init([](const py::tuple& root, const std::string& name, const std::string& folder, OptionValues options) {
+            XmlElement tree = element_from(root);
+            const py::gil_scoped_release unlocked;
+            return std::make_unique<Session>(std::move(tree), name, folder, std::move(options));
+          }))
       .def_property_readonly("has_tree", &Session::has_tree)
       .def_property_readonly("name", &Session::name)
       .def_property_readonly("notes", [](const Session& s) { return s.description().notes; })
@@ -352,7 +352,7 @@ void add_image(py::module_& m) {
       .def("array", channels_of)
       .def("write", write_result, py::call_guard<py::gil_scoped_release>())
       .def("png",
-           [](const RenderedImage& r, const Words& options) {
+           [](const RenderedImage& r, const OptionValues& options) {
              const std::vector<unsigned char> bytes = encode_png(r, options);
              return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
            })

@@ -89,8 +89,8 @@ py::dict trace_arrays(Session& session, const Points& origins, const Vectors& di
 }
 
 /// Options of the compiled scene for BSDFs: parameters are spectra in spectral mode.
-const std::vector<std::string>& rgb_options() {
-  static const std::vector<std::string> options{"--color", "rgb"};
+const OptionValues& rgb_options() {
+  static const OptionValues options{{"color", std::string("rgb")}};
   return options;
 }
 

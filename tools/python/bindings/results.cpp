@@ -35,16 +35,18 @@ template <class Arguments> std::vector<OptionHelp> options_of(void (*add)(Comman
   });
 }
 
-OutputSettings parse_output(const std::vector<std::string>& options) {
+/// The arguments of a part with these values.
+template <class Arguments> Arguments arguments_of(void (*add)(Command&, Arguments&), const OptionValues& values) {
   Program program("sheaf", "");
-  OutputArguments arguments;
-  Command command = program.add_command("write", "");
-  command.begin_group(kOutputOptions);
-  add_output_options(command, arguments);
-  std::vector<std::string> words{"write"};
-  words.insert(words.end(), options.begin(), options.end());
-  program.parse(words);
-  return output_settings(arguments);
+  Arguments arguments;
+  Command command = program.add_command("options", "");
+  add(command, arguments);
+  command.set(values);
+  return arguments;
+}
+
+OutputSettings output_settings(const OptionValues& values) {
+  return sheaf::output_settings(arguments_of<OutputArguments>(add_output_options, values));
 }
 
 /// An element with a plugin that does not exist.
@@ -65,16 +67,8 @@ XmlElement around(const char* element, const char* type, std::vector<XmlElement>
 
 }  // namespace
 
-ReadOptions parse_read_options(const std::string& file, const std::vector<std::string>& words) {
-  Program program("sheaf", "");
-  ReadArguments arguments;
-  Command command = program.add_command("load", "");
-  command.begin_group(kSceneOptions);
-  add_read_options(command, arguments);
-  std::vector<std::string> line{"load"};
-  line.insert(line.end(), words.begin(), words.end());
-  program.parse(line);
-  return read_options(file, arguments);
+ReadOptions read_options(const std::string& file, const OptionValues& values) {
+  return read_options(std::filesystem::path(file), arguments_of<ReadArguments>(add_read_options, values));
 }
 
 std::vector<OptionHelp> read_option_list() { return options_of<ReadArguments>(add_read_options); }
@@ -133,8 +127,8 @@ std::map<std::string, std::vector<std::string>> plugin_names() {
   return out;
 }
 
-void write_result(const RenderedImage& result, const std::string& file, const std::vector<std::string>& options) {
-  const OutputSettings settings = parse_output(options);
+void write_result(const RenderedImage& result, const std::string& file, const OptionValues& options) {
+  const OutputSettings settings = output_settings(options);
   check_image_name(file);
   std::optional<Image> displayed;
   std::optional<double> exposure;
@@ -144,9 +138,9 @@ void write_result(const RenderedImage& result, const std::string& file, const st
   });
 }
 
-std::vector<unsigned char> encode_png(const RenderedImage& result, const std::vector<std::string>& options) {
+std::vector<unsigned char> encode_png(const RenderedImage& result, const OptionValues& options) {
   std::optional<double> exposure;
-  return encode_image(displayed_image(result.image, parse_output(options), exposure));
+  return encode_image(displayed_image(result.image, output_settings(options), exposure));
 }
 
 RenderedImage read_result(const std::string& file) {

@@ -88,9 +88,8 @@ struct Session::Job {
   bool kept_scene = false, kept_accel = false;
 };
 
-Session::Session(const std::string& file, std::vector<std::string> options)
-    : name_(file), read_words_(std::move(options)) {
-  read_options_ = parse_read_options(file, read_words_);
+Session::Session(const std::string& file, OptionValues options) : name_(file), read_values_(std::move(options)) {
+  read_options_ = sheaf::read_options(file, read_values_);
   shared_files().open();
   try {
     const double start = Progress::steady_seconds();
@@ -107,10 +106,9 @@ Session::Session(const std::string& file, std::vector<std::string> options)
   }
 }
 
-Session::Session(XmlElement root, const std::string& name, const std::filesystem::path& folder,
-                 std::vector<std::string> options)
-    : name_(name), read_words_(std::move(options)), is_changed_(true) {
-  read_options_ = parse_read_options(name, read_words_);
+Session::Session(XmlElement root, const std::string& name, const std::filesystem::path& folder, OptionValues options)
+    : name_(name), read_values_(std::move(options)), is_changed_(true) {
+  read_options_ = sheaf::read_options(name, read_values_);
   shared_files().open();
   try {
     const double start = Progress::steady_seconds();
@@ -152,17 +150,13 @@ void Session::edit(const std::function<void(XmlElement& root)>& change) {
   load_seconds_ = Progress::steady_seconds() - start;
 }
 
-void Session::prepare_job(const std::vector<std::string>& options, Job& job) {
-  // Parse the words of an equal command line
-  job.command.on_call([&job] { job.given = job.command.given(); });
-  std::vector<std::string> words{"render"};
-  words.insert(words.end(), read_words_.begin(), read_words_.end());
-  words.insert(words.end(), options.begin(), options.end());
-  words.emplace_back("--");
-  words.push_back(name_);
-  job.program.parse(words);
+void Session::prepare_job(const OptionValues& options, Job& job) {
+  OptionValues values = options;
+  values.insert(read_values_.begin(), read_values_.end());
+  job.given = job.command.set(values);
+  job.arguments.scene = name_;
   for (const GivenOption& option : job.given)
-    if (!options_of_render_only().contains(option.name) && option.name != "scene")
+    if (!options_of_render_only().contains(option.name))
       job.compiled_for += "--" + option.name + "=" + option.values + "\n";
   if (!job.arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", job.arguments.denoiser));
   // Apply them to the scene as it was read
@@ -198,10 +192,10 @@ RecordedSettings Session::settings_of(const Job& job) const {
   return settings;
 }
 
-RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch& watch) {
+RenderedImage Session::render(const OptionValues& options, RenderWatch& watch) {
   const auto lock = claim(mutex_);
   Job job;
-  prepare_job(words, job);
+  prepare_job(options, job);
   compile_job(job);
   // Render
   RenderControl control = control_of(job.arguments);
@@ -238,7 +232,7 @@ RenderedImage Session::render(const std::vector<std::string>& words, RenderWatch
   return out;
 }
 
-void Session::with_scene(const std::vector<std::string>& options, const std::function<void(const LoadedScene&)>& use) {
+void Session::with_scene(const OptionValues& options, const std::function<void(const LoadedScene&)>& use) {
   const auto lock = claim(mutex_);
   Job job;
   prepare_job(options, job);

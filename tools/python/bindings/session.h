@@ -36,17 +36,19 @@ struct RenderWatch {
   std::atomic<std::uint64_t> done{0}, total{0};  ///< samples
 };
 
+/// Options by their names on the command line, without dashes.
+using OptionValues = std::map<std::string, OptionValue>;
+
 /// Indices of children, from the root of a tree to an element.
 using TreePath = std::vector<std::size_t>;
 
 /// Throws Error (exit code 2) when a second thread calls a member function meanwhile.
 class Session {
  public:
-  /// Reads a file. `options`: words of the command line that read_options.h declares. Throws Error.
-  Session(const std::string& file, std::vector<std::string> options);
+  /// Reads a file. `options`: those that read_options.h declares. Throws Error.
+  Session(const std::string& file, OptionValues options);
   /// Reads a tree, whose relative paths refer to `folder`. `name`: of the scene in messages. Throws Error.
-  Session(XmlElement root, const std::string& name, const std::filesystem::path& folder,
-          std::vector<std::string> options);
+  Session(XmlElement root, const std::string& name, const std::filesystem::path& folder, OptionValues options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -58,11 +60,11 @@ class Session {
   /// Calls `change` for a copy of the tree, and reads it. If that fails, the scene remains as it was.
   void edit(const std::function<void(XmlElement& root)>& change);
 
-  /// Renders. `options`: words of the command line of `sheaf render`. Throws Error.
-  RenderedImage render(const std::vector<std::string>& options, RenderWatch& watch);
+  /// Renders. `options`: those of `sheaf render`. Throws Error.
+  RenderedImage render(const OptionValues& options, RenderWatch& watch);
 
   /// Calls `use` with the scene compiled for a render with these options.
-  void with_scene(const std::vector<std::string>& options, const std::function<void(const LoadedScene&)>& use);
+  void with_scene(const OptionValues& options, const std::function<void(const LoadedScene&)>& use);
 
   const std::string& name() const { return name_; }
   /// Notes and substitutions of reading.
@@ -71,13 +73,13 @@ class Session {
  private:
   struct Job;
   void take(Description description);
-  void prepare_job(const std::vector<std::string>& options, Job& job);
+  void prepare_job(const OptionValues& options, Job& job);
   void compile_job(Job& job);
   RecordedSettings settings_of(const Job& job) const;
 
   std::mutex mutex_;
   std::string name_;
-  std::vector<std::string> read_words_;
+  OptionValues read_values_;
   ReadOptions read_options_;
   std::unique_ptr<ExpandedScene> expanded_;  ///< null for formats other than XML
   bool is_changed_ = false;                  ///< the tree is not that of the file
@@ -89,8 +91,8 @@ class Session {
   std::string compiled_for_;  ///< the options that the compiled scene depends on
 };
 
-/// Throws Error (exit code 2) for words that are not options of reading; otherwise returns the options.
-ReadOptions parse_read_options(const std::string& file, const std::vector<std::string>& words);
+/// The options for reading a file. Throws Error (exit code 2).
+ReadOptions read_options(const std::string& file, const OptionValues& values);
 
 /// The options of `sheaf render` that apply to renders in a program, and those of reading and of writing images.
 std::vector<OptionHelp> render_option_list();
@@ -100,10 +102,9 @@ std::vector<OptionHelp> output_option_list();
 /// The plugins of Mitsuba's dialect, by element. Read from the errors about unknown plugins.
 std::map<std::string, std::vector<std::string>> plugin_names();
 
-/// Writes an image file, or encodes it as PNG. `options`: words of the command line that output_options.h declares.
-/// Throws Error.
-void write_result(const RenderedImage& result, const std::string& file, const std::vector<std::string>& options);
-std::vector<unsigned char> encode_png(const RenderedImage& result, const std::vector<std::string>& options);
+/// Writes an image file, or encodes it as PNG. `options`: those that output_options.h declares. Throws Error.
+void write_result(const RenderedImage& result, const std::string& file, const OptionValues& options);
+std::vector<unsigned char> encode_png(const RenderedImage& result, const OptionValues& options);
 
 /// Reads an image of any format. Throws SceneError.
 RenderedImage read_result(const std::string& file);

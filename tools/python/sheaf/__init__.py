@@ -11,7 +11,7 @@ from typing import Any, Callable, Optional
 from ._native import native as _module
 from .errors import (CheckpointError, Error, OutputError, RuntimeError, SceneError, SheafWarning, UsageError,
                      converted_errors as _converted_errors)
-from .options import options, words as _words
+from .options import options, values as _values
 from .query import Bsdf, BsdfSample, Hits, bsdf, trace
 from .result import Result, compare, denoise, merge, read_image
 from .scene import Object, Objects, Scene, load, load_dict
@@ -36,7 +36,7 @@ def render(scene: Scene, progress: Optional[Callable[[int, int], Any]] = None, s
         if function is not None and not callable(function):
             raise UsageError(f"{name} is a {type(function).__name__}, expected a function")
     with _converted_errors():
-        image = scene._session.render(_words("render", options), progress, getattr(stop, "is_set", stop))
+        image = scene._session.render(_values("render", options), progress, getattr(stop, "is_set", stop))
     for text in image.warnings:
         _warnings.warn(text, SheafWarning, stacklevel=2)
     return Result(image)

@@ -3,7 +3,7 @@
 import difflib
 import functools
 import os
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Union
 
 from ._native import native
 from .errors import UsageError
@@ -31,24 +31,38 @@ def options(function: str = "render") -> Dict[str, str]:
     return {name: entry[1] for name, entry in _table(function).items()}
 
 
-def _text(name: str, value: Any) -> str:
+def _plain(name: str, value: Any) -> Any:
+    """A text or a number."""
     if isinstance(value, (str, os.PathLike)):
         return os.fspath(value)
     if isinstance(value, bool):
         raise UsageError(f"{name} is {value}, expected a value")
-    if hasattr(value, "__iter__"):
-        return _SEPARATORS.get(name, ",").join(_text(name, each) for each in value)
     if hasattr(value, "item"):  # a number of NumPy
         value = value.item()
     if not isinstance(value, (int, float)):
         raise UsageError(f"{name} is a {type(value).__name__}, expected a number, a text or a sequence of these")
-    return repr(value)
+    return value
 
 
-def words(function: str, given: Dict[str, Any]) -> List[str]:
-    """The words of a command line with these options. None and False leave an option out."""
+def _text(name: str, value: Any) -> str:
+    if hasattr(value, "__iter__") and not isinstance(value, str):
+        return _SEPARATORS.get(name, ",").join(_text(name, each) for each in value)
+    value = _plain(name, value)
+    return value if isinstance(value, str) else repr(value)
+
+
+def _number(name: str, value: Any) -> Union[str, float, List[float]]:
+    """A number, several numbers, or a text that C++ converts, such as "5%"."""
+    if hasattr(value, "__iter__") and not isinstance(value, str):
+        return [float(_plain(name, each)) for each in value]
+    value = _plain(name, value)
+    return value if isinstance(value, str) else float(value)
+
+
+def values(function: str, given: Dict[str, Any]) -> Dict[str, Any]:
+    """The values of options by their names on the command line. None and False leave an option out."""
     table = _table(function)
-    out = []
+    out: Dict[str, Any] = {}
     for name, value in given.items():
         name = _SYNONYMS.get(name, name)
         if name not in table:
@@ -60,11 +74,13 @@ def words(function: str, given: Dict[str, Any]) -> List[str]:
         if kind == "flag":
             if value is not True:
                 raise UsageError(f"{name} is {value!r}, expected True or False")
-            out.append(f"--{option}")
+            out[option] = True
         elif value is True and choices:  # an option that implies a value
-            out += [f"--{option}"]
+            out[option] = True
         elif repeats:
-            out += [f"--{option}={each}" for each in value]
+            out[option] = [str(each) for each in value]
+        elif kind in ("integer", "number", "time"):
+            out[option] = _number(name, value)
         else:
-            out.append(f"--{option}={_text(name, value)}")
+            out[option] = _text(name, value)
     return out

@@ -8,7 +8,7 @@ import numpy as np
 
 from ._native import native
 from .errors import UsageError, converted_errors
-from .options import words
+from .options import values
 
 _AOVS = {name: channels for name, channels in native.aovs()}
 
@@ -93,14 +93,14 @@ class Result:
 
     def write(self, file, **options: Any) -> None:
         """Writes .exr with all layers, or .png, .jpg or .tif. options: see sheaf.options("write")."""
-        given = words("write", options)
+        given = values("write", options)
         with converted_errors():
             self._native.write(os.fspath(file), given)
 
     def png(self, **options: Any) -> bytes:
         """The image as a PNG file. options: see sheaf.options("write")."""
         with converted_errors():
-            return self._native.png(words("write", options))
+            return self._native.png(values("write", options))
 
     def _repr_png_(self) -> bytes:
         return self.png()

@@ -10,7 +10,7 @@ import numpy as np
 from . import tree
 from ._native import native
 from .errors import SceneError, SheafWarning, UsageError, converted_errors
-from .options import words
+from .options import values
 from .transform import Transform
 
 # Elements of the dialects of Mitsuba and Nori by their names in Scene.
@@ -195,7 +195,7 @@ class Scene:
 
     def __init__(self, dictionary: Dict[str, Any], folder: str = ".", lenient: bool = False, **options: Any):
         with converted_errors():
-            given = words("load", {"lenient": lenient, **options})
+            given = values("load", {"lenient": lenient, **options})
             self._take(native.Session(tree.scene_tree(dictionary), "dictionary", os.fspath(folder), given))
 
     @classmethod
@@ -315,7 +315,7 @@ def load(file, defines: Optional[Dict[str, Any]] = None, lenient: bool = False, 
     warnings. options: as on the command line, see sheaf.options("load").
     """
     given = [f"{name}={value}" for name, value in (defines or {}).items()]
-    return Scene._from_file(os.fspath(file), words("load", {"defines": given, "lenient": lenient, **options}))
+    return Scene._from_file(os.fspath(file), values("load", {"defines": given, "lenient": lenient, **options}))
 
 
 def load_dict(dictionary: Dict[str, Any], folder: str = ".", lenient: bool = False, **options: Any) -> Scene:
