@@ -8,8 +8,8 @@ from renderers.plot import write_plot
 
 INTRODUCTION = """# Performance
 
-`bench/compare_renderers.py` wrote this page from one run. It renders each scene with Sheaf and with other renderers in
-turn, and compares their errors and times:
+`bench/compare_renderers.py` wrote this page from one run. It renders each scene with Sheaf and with other renderers,
+one after the other, and compares their errors and times:
 
 ```
 {makers}bench/compare_renderers.py --mitsuba-python ENVIRONMENT/bin/python --markdown docs/performance.md
@@ -164,7 +164,7 @@ def memory_section(results):
 
 
 def stages_section(name, ours):
-    """Shares of the stages in the time of all workers of Sheaf, as means over the rounds."""
+    """Fractions of the time of all workers of Sheaf by stage, as means over the rounds."""
     reports = [render.report for render in ours.renders]
     workers = mean(report["render_seconds"] * report["threads"] for report in reports)
     shares, items = {}, {}
@@ -179,11 +179,11 @@ def stages_section(name, ours):
     lines.append(["outside of the stages", f"{max(0, 1 - sum(shares.values())):.0%}", ""])
     embree = mean(report["trace_share"] for report in reports)
     rays = mean(report["rays_per_second"] for report in reports) / 1e6
-    text = paragraph(f"Shares of the worker time that Sheaf spends on `{name}`, from `--stats`. Embree takes "
+    text = paragraph(f"Fractions of the worker time that Sheaf spends on `{name}`, from `--stats`. Embree takes "
                      f"{embree:.0%}, inside `intersect` and `shadow`, at {rays:.1f} million rays per second. Outside "
                      "of the stages are the pixel filter, and the time in which workers wait for the last tiles. "
                      "[architecture.md](architecture.md) describes the stages.")
-    return "\n".join(["## Cost of the stages\n", text, table(["stage", "share", "per item"], lines)])
+    return "\n".join(["## Cost of the stages\n", text, table(["stage", "time", "per item"], lines)])
 
 
 def curves_section(arguments, curves):
