@@ -43,7 +43,7 @@ template <class L>
 SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const CandidateTile<L> (&tiles)[kTilesPerGroup],
                              const LightSampleContext<L> (&at)[kTilesPerGroup], bool is_first,
                              LightChoice<L> (&choices)[kTilesPerGroup]) {
-  LightTreeCut<L> tops[kTilesPerGroup];
+  LightTreeCut<L> cuts[kTilesPerGroup];
   Float<L> u[kTilesPerGroup];
   const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
   for (int i = 0; i < kTilesPerGroup; ++i) {
@@ -51,13 +51,13 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
     if (!shares_tops) continue;
     const int column = tiles[i].column;
     if (!is_first) {
-      tops[i] = wave.light_tops.load<L>(column);
+      cuts[i] = wave.light_tops.load<L>(column);
     } else {
-      tops[i] = light_tree_top<L>(context.scene.lights.tree, at[i].p, at[i].n, Mask<L>(true));
-      wave.light_tops.store<L>(column, tops[i]);
+      cuts[i] = light_tree_top<L>(context.scene.lights.tree, at[i].p, at[i].n, Mask<L>(true));
+      wave.light_tops.store<L>(column, cuts[i]);
     }
   }
-  choose_lights<L>(context.scene, at, u, shares_tops ? tops : nullptr, choices);
+  choose_lights<L>(context.scene, at, u, shares_tops ? cuts : nullptr, choices);
 }
 
 /// Samples a point on the chosen light of each vertex and stores the candidate. `in_medium`: the vertices lie in media.
