@@ -21,7 +21,7 @@ std::optional<IntegratorMatch> find_integrator(std::string_view name, bool in_pb
       if (const char* found = find_name(entry.pbrt_names, name)) return IntegratorMatch{&entry, found, false};
   for (const IntegratorEntry& entry : kIntegrators) {
     if (const char* found = find_name(entry.names, name)) return IntegratorMatch{&entry, found, false};
-    if (find_name(entry.replaced, name) != nullptr) return IntegratorMatch{&entry, entry.names[0], true};
+    if (find_name(entry.substituted, name) != nullptr) return IntegratorMatch{&entry, entry.names[0], true};
   }
   return std::nullopt;
 }
@@ -34,7 +34,7 @@ std::vector<std::string> integrator_names() {
   };
   for (const IntegratorEntry& entry : kIntegrators) {
     add(entry.names);
-    add(entry.replaced);
+    add(entry.substituted);
   }
   std::sort(names.begin(), names.end());
   return names;

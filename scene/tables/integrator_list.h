@@ -74,7 +74,7 @@ using IntegratorNames = std::array<const char*, 24>;
 struct IntegratorEntry {
   IntegratorNames names{};       ///< its own name, then synonyms; in all dialects and on the command line
   IntegratorNames pbrt_names{};  ///< names that mean this integrator in pbrt scenes only
-  IntegratorNames replaced{};    ///< integrators of other renderers with the same expected image, replaced with a note
+  IntegratorNames substituted{};  ///< integrators of other renderers with the same expected image; noted
   const char* help = nullptr;    ///< description in --help, which lists no integrators without one
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
@@ -94,12 +94,12 @@ inline constexpr IntegratorEntry kIntegrators[] = {
     {.names = {"path", "path_mis", "vol_path", "vol_path_mis", "volpath_mis", "path_vol", "path_vol_mis",
                "path_mis_vol", "medium_path", "medium_path_mis", "simplepath", "simplevolpath"},
      .pbrt_names = {"volpath"},
-     .replaced = {"adaptive", "bdpt", "erpt", "guided_path", "irrcache", "mlt", "path_guiding_integrator",
+     .substituted = {"adaptive", "bdpt", "erpt", "guided_path", "irrcache", "mlt", "path_guiding_integrator",
                   "path_tracer_recursive", "prb", "prb_basic", "prb_projective", "prb_reparam", "pssmlt", "randomwalk",
                   "singlescatter", "vcm", "vpl", "vrl"},
      .help = "path tracing, with multiple importance sampling of lights and BSDFs"},
     {.names = {"direct", "direct_mis"},
-     .replaced = {"direct_projective", "direct_reparam", "emission_reparam"},
+     .substituted = {"direct_projective", "direct_reparam", "emission_reparam"},
      .help = "direct light only",
      .is_direct = true},
     {.names = {"path_mats", "vol_path_mats", "volpath_mats", "path_vol_mats", "medium_path_mats"},
@@ -111,7 +111,7 @@ inline constexpr IntegratorEntry kIntegrators[] = {
     {.names = {"direct_ems"}, .strategy = LightStrategy::kLightOnly, .is_direct = true},
     {.names = {"direct_ris"}, .is_direct = true, .candidates = kRisCandidates},
     {.names = {"volpath", "volpathmis", "volpath_simple"},
-     .replaced = {"prbvolpath"},
+     .substituted = {"prbvolpath"},
      .thin_dielectrics_are_free = true},
     {.names = {"whitted"},
      .help = "paths that continue only at mirrors and smooth glass",
@@ -141,7 +141,7 @@ struct IntegratorMatch {
   const IntegratorEntry* entry;
   /// The name that was searched for, or the entry's own name if the entry replaces another integrator.
   const char* name;
-  bool is_stand_in;  ///< the entry replaces another integrator, which has the same expected image
+  bool is_substitute;  ///< the entry replaces another integrator, which has the same expected image
 };
 
 /// Finds an integrator by any of its names, or the one that replaces another renderer's integrator. `in_pbrt`: the name

@@ -23,8 +23,8 @@ void apply(const IntegratorMatch& found, IntegratorSettings& integrator) {
   if (entry.is_direct) integrator.max_depth = 2;
 }
 
-std::string stand_in_note(std::string_view name, const IntegratorMatch& found) {
-  if (!found.is_stand_in) return {};
+std::string substitution_note(std::string_view name, const IntegratorMatch& found) {
+  if (!found.is_substitute) return {};
   return "integrator '" + std::string(name) + "' is rendered with '" + found.name + "', which has the same expectation";
 }
 
@@ -92,7 +92,7 @@ void apply_integrator_name(std::string_view name, Description& description) {
   if (found->entry->whitens_scene)
     return white_scene(*found, description.integrator.visibility_length, true, description);
   apply(*found, description.integrator);
-  if (std::string note = stand_in_note(name, *found); !note.empty()) description.notes.push_back(std::move(note));
+  if (std::string note = substitution_note(name, *found); !note.empty()) description.notes.push_back(std::move(note));
 }
 
 }  // namespace sheaf

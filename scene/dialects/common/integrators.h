@@ -13,7 +13,7 @@ namespace sheaf {
 void apply(const IntegratorMatch& found, IntegratorSettings& integrator);
 
 /// Returns a note for the user if the integrator replaces `name`, another one with the same expected image; else empty.
-std::string stand_in_note(std::string_view name, const IntegratorMatch& found);
+std::string substitution_note(std::string_view name, const IntegratorMatch& found);
 
 /// Throws SceneError: the integrator of `p` is neither one of integrator_names() nor of the dialect's `others`.
 [[noreturn]] void fail_integrator(const Properties& p, const std::vector<std::string>& others);

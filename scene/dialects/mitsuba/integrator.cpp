@@ -47,7 +47,7 @@ void read_path_like(Properties& p, const IntegratorMatch& found, IntegratorSetti
 void read_stand_in(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
   read_path_like(p, found, integrator);
   p.ignore_all();
-  p.context().note(p.where(), stand_in_note(p.type(), found));
+  p.context().note(p.where(), substitution_note(p.type(), found));
 }
 
 /// Reads `direct`. Several samples per strategy have the same expectation as one; 0 samples disable a strategy.
@@ -104,7 +104,7 @@ void read_plugin(const XmlElement& element, Reader& reader) {
   const std::optional<IntegratorMatch> found = find_integrator(p.type());
   if (!found) fail_integrator(p, kWrappers.names());
   if (found->entry->whitens_scene) return read_visibility(p, *found);
-  if (found->is_stand_in) {
+  if (found->is_substitute) {
     read_stand_in(p, *found, integrator);
   } else if (p.type() == "direct") {
     read_direct(p, *found, integrator);

@@ -59,7 +59,7 @@ void read_integrator(Reader& reader, Entity entity) {
   integrator.max_depth = p.integer("maxdepth", 5, 0, kMaxDepth) + 1;
   apply(found, integrator);
   if (integrator.photons.progressive) read_progressive(p, integrator.photons);
-  if (found.is_stand_in) reader.note(entity.where, stand_in_note(entity.type, found));
+  if (found.is_substitute) reader.note(entity.where, substitution_note(entity.type, found));
   static constexpr NameTable<LightSelector> kSelectors{{{"bvh", LightSelector::kBvh},
                                                         {"exhaustive", LightSelector::kBvh},
                                                         {"power", LightSelector::kPower},
