@@ -9,7 +9,7 @@ namespace sheaf {
 namespace {
 
 /// Widening for the rounding of lookups, which sum up to eight products with rounded weights.
-constexpr float kRounding = 1.0f + 4e-6f;
+constexpr float kBoundMargin = 1.0f + 4e-6f;
 /// Cost of a collision with its lookup, in steps between leaves.
 constexpr float kLookupCost = 4.0f;
 constexpr int kBrickLog2 = 3;
@@ -35,7 +35,7 @@ struct Range {
 
 MajorantBounds bounds_of(const Range& range, bool minorants) {
   const float largest = std::max(range.high, 0.0f), smallest = minorants ? std::max(range.low, 0.0f) : 0.0f;
-  return MajorantBounds::around(smallest * (2.0f - kRounding), largest * kRounding);
+  return MajorantBounds::around(smallest * (2.0f - kBoundMargin), largest * kBoundMargin);
 }
 
 std::size_t at(const std::array<int, 3>& size, int x, int y, int z) {
@@ -331,7 +331,7 @@ MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFil
       for (std::size_t c = 0; c < static_cast<std::size_t>(grid.channels); ++c)
         outside.add(grid.background[c] * source.factor);
   }
-  result.outside = std::max(outside.high, 0.0f) * kRounding;
+  result.outside = std::max(outside.high, 0.0f) * kBoundMargin;
   const BrickGrid& grid = *sources.front().grid;
   if (grid.is_empty()) return result;
   result.box = row_box(grid, filter);
