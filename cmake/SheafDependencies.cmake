@@ -10,6 +10,7 @@ find_package(Embree MODULE REQUIRED)
 find_package(xsimd MODULE REQUIRED)
 find_package(NanoVDB MODULE REQUIRED)
 find_package(TinyGLTF MODULE REQUIRED)
+find_package(tinyobjloader MODULE REQUIRED)
 find_package(Draco MODULE QUIET)  # optional, for compressed meshes in glTF files
 find_package(Meshoptimizer MODULE QUIET)  # likewise
 find_package(Assimp MODULE QUIET)  # optional, for .dae, .fbx and .3ds models

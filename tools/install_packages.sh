@@ -8,7 +8,7 @@ packages=(
   libembree-dev libtbb-dev
   libopenexr-dev libimath-dev libopenimageio-dev libopencolorio-dev zlib1g-dev
   libpugixml-dev libnanovdb-dev
-  libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
+  libtinyobjloader-dev libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
   libxsimd-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmicrohttpd-dev
   pybind11-dev python3-dev python3-numpy
   doctest-dev libbenchmark-dev

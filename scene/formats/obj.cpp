@@ -1,280 +1,246 @@
-// Wavefront OBJ files: collects the content of the lines that ObjLines parses, and merges face corners into vertices.
+// Wavefront OBJ files, parsed by tinyobjloader: the only file that includes it.
+//
+// The library reads each piece of the text over a stream buffer that points into memory, and calls back per line. It
+// does not report errors, line numbers and smoothing groups, its numbers are not rounded correctly, and it takes
+// comments for corners. So lines that are not plain (scene/formats/obj_text.h) are parsed by parse_obj_line().
 #include "scene/formats/obj.h"
 
-#include "scene/formats/polygon.h"
-#include "scene/formats/text.h"
+#include "core/io/read_ahead.h"
+#include "scene/formats/obj_mesh.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <exception>
+#include <istream>
 #include <limits>
-#include <optional>
-#include <unordered_map>
+#include <streambuf>
+#include <utility>
+
+// The library calls these functions of the C library for every number. Its own namespace is searched first, so it gets
+// versions for its sets of characters that compilers can inline: reading takes three quarters of the time.
+namespace tinyobj {
+
+/// `set` has at most four characters.
+inline bool is_one_of(char c, const char* set) {
+  for (int i = 0; i < 4 && set[i] != '\0'; ++i)
+    if (c == set[i]) return true;
+  return false;
+}
+
+inline std::size_t strspn(const char* text, const char* set) {
+  const char* end = text;
+  while (is_one_of(*end, set)) ++end;
+  return static_cast<std::size_t>(end - text);
+}
+
+inline std::size_t strcspn(const char* text, const char* set) {
+  const char* end = text;
+  while (*end != '\0' && !is_one_of(*end, set)) ++end;
+  return static_cast<std::size_t>(end - text);
+}
+
+inline int atoi(const char* text) {
+  const bool is_negative = *text == '-';
+  if (*text == '-' || *text == '+') ++text;
+  unsigned value = 0;
+  for (; *text >= '0' && *text <= '9'; ++text) value = 10 * value + static_cast<unsigned>(*text - '0');
+  return static_cast<int>(is_negative ? 0 - value : value);
+}
+
+}  // namespace tinyobj
+
+#define TINYOBJLOADER_IMPLEMENTATION
+#include <tiny_obj_loader.h>
 
 namespace sheaf {
 
 namespace {
 
-constexpr int kAbsent = -1;      ///< attribute absent
-constexpr int kOutOfRange = -2;  ///< index without a value in the file
-
-/// One corner of a face: 0-based indices into the file's lists, or kAbsent.
-struct Corner {
-  int position, uv, normal;
-  bool operator==(const Corner&) const = default;
+/// A stream buffer over a text in memory.
+class TextBuffer : public std::streambuf {
+ public:
+  explicit TextBuffer(std::string_view text) {
+    char* const begin = const_cast<char*>(text.data());  // never written to
+    setg(begin, begin, begin + text.size());
+  }
+  /// The character that is read next.
+  const char* position() const { return gptr(); }
 };
 
-struct CornerHash {
-  std::size_t operator()(const Corner& c) const {
-    std::uint64_t h = static_cast<std::uint32_t>(c.position);
-    for (const int index : {c.uv, c.normal}) {
-      h = (h ^ (h >> 29)) * 0x9e3779b97f4a7c15u + static_cast<std::uint32_t>(index);
-    }
-    h *= 0xbf58476d1ce4e5b9u;
-    return static_cast<std::size_t>(h ^ (h >> 32));
-  }
-};
+/// Reads one piece of a text.
+class PieceReader {
+ public:
+  PieceReader(const ObjText& text, std::string_view piece)
+      : text_(text), piece_(piece), plain_(piece), buffer_(piece), done_(piece.data()) {}
 
-/// One of the file's attribute lists, and the maximum index that faces use.
-template <class T> struct AttributeList {
-  const char* name;
-  std::vector<T> values;
-  int highest = kAbsent;
-  int line_of_highest = 0;
-
-  /// Converts an index of the file, 1-based or negative from the end, to a 0-based one; 0 becomes kAbsent. Indices
-  /// before the first value are errors, or become kOutOfRange.
-  int resolve(int index, const ObjLines& lines, BadFaces bad_faces) {
-    if (index == 0) return kAbsent;
-    const auto count = static_cast<int>(values.size());
-    const int resolved = index > 0 ? index - 1 : count + index;
-    if (resolved < 0) {
-      if (bad_faces == BadFaces::kError) throw SceneError(lines.where(), out_of_range(index));
-      if (first_bad.empty()) first_bad = at_line(lines.line(), index);
-      return kOutOfRange;
-    }
-    if (resolved > highest) {
-      highest = resolved;
-      line_of_highest = lines.line();
-    }
-    return resolved;
-  }
-  /// Checks the maximum index after reading, because faces may precede the values that they use.
-  void check_highest(const std::string& file, BadFaces bad_faces) {
-    if (highest < static_cast<int>(values.size())) return;
-    if (bad_faces == BadFaces::kError) throw SceneError({file, line_of_highest}, out_of_range(highest + 1));
-    if (first_bad.empty()) first_bad = at_line(line_of_highest, highest + 1);
-  }
-  /// Whether a value with this index exists.
-  bool has(int index) const { return index >= 0 && index < static_cast<int>(values.size()); }
-
-  std::string first_bad = {};  ///< error message for the first index out of range
-
- private:
-  std::string out_of_range(int index) const {
-    return "a face refers to " + std::string(name) + " " + std::to_string(index) + ", but there are " +
-           std::to_string(values.size());
-  }
-  std::string at_line(int line, int index) const { return "line " + std::to_string(line) + ": " + out_of_range(index); }
-};
-
-/// The parsed content of the file.
-struct ObjContent {
-  ObjContent(const ObjLines& from, BadFaces on_bad_faces) : lines(from), bad_faces(on_bad_faces) {}
-
-  const ObjLines& lines;
-  const BadFaces bad_faces;
-  AttributeList<Vec3f> positions{"vertex", {}};
-  AttributeList<Vec2f> uvs{"texture coordinate", {}};
-  AttributeList<Vec3f> normals{"normal", {}};
-  std::vector<Corner> corners;                ///< of all faces in sequence
-  std::vector<std::size_t> face_ends;         ///< end of each face in `corners`
-  std::size_t short_faces = 0;                ///< number of dropped faces with fewer than three corners
-  std::vector<std::string> materials;         ///< names in order of first use
-  std::vector<int> material_lines;            ///< line of the 'usemtl' of each
-  std::vector<std::uint32_t> face_materials;  ///< per face: index into `materials`
-  std::vector<std::uint32_t> face_smoothing;  ///< per face: smoothing group
-  std::string material;                       ///< current material
-  int material_line = 0;                      ///< line of its 'usemtl'
-  std::optional<std::uint32_t> material_id;   ///< its index after first use by a face
-
-  std::uint32_t id_of_material() {
-    const auto next = static_cast<std::uint32_t>(materials.size());
-    const auto [found, is_new] = ids_.try_emplace(material, next);
-    if (is_new) {
-      materials.push_back(material);
-      material_lines.push_back(material_line);
-    }
-    return found->second;
+  ObjPiece read() {
+    tinyobj::callback_t callbacks;
+    callbacks.vertex_cb = [](void* reader, float x, float y, float z, float) {
+      static_cast<PieceReader*>(reader)->take_numbers(ObjLine::Kind::kPosition, {x, y, z});
+    };
+    callbacks.normal_cb = [](void* reader, float x, float y, float z) {
+      static_cast<PieceReader*>(reader)->take_numbers(ObjLine::Kind::kNormal, {x, y, z});
+    };
+    callbacks.texcoord_cb = [](void* reader, float x, float y, float z) {
+      static_cast<PieceReader*>(reader)->take_numbers(ObjLine::Kind::kUv, {x, y, z});
+    };
+    callbacks.index_cb = [](void* reader, tinyobj::index_t* corners, int count) {
+      static_cast<PieceReader*>(reader)->take_face(corners, static_cast<std::size_t>(count));
+    };
+    std::istream stream(&buffer_);
+    try {
+      tinyobj::LoadObjWithCallback(stream, callbacks, this);
+      parse_lines(done_, piece_.data() + piece_.size());
+    } catch (const SceneError&) { content_.error = std::current_exception(); }
+    return std::move(content_);
   }
 
  private:
-  std::unordered_map<std::string, std::uint32_t> ids_;
-};
-
-void add_position(ObjContent& content) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const ObjLines& lines = content.lines;
-  content.positions.values.push_back(lines.is_non_finite() ? Vec3f{kNan, kNan, kNan} : lines.numbers());
-}
-
-void add_normal(ObjContent& content) {
-  const bool usable = !content.lines.is_non_finite() && is_finite(content.lines.numbers());
-  content.normals.values.push_back(usable ? content.lines.numbers() : Vec3f{0, 0, 0});
-}
-
-void add_uv(ObjContent& content) {
-  const Vec3f uv = content.lines.numbers();
-  content.uvs.values.push_back(!content.lines.is_non_finite() && is_finite(uv) ? Vec2f{uv.x, uv.y} : Vec2f{0, 0});
-}
-
-void add_face(ObjContent& content) {
-  const ObjLines& lines = content.lines;
-  if (lines.corners().size() < 3) {
-    ++content.short_faces;
-    return;
+  /// Adds a line of numbers, with 0 for missing ones, unless the lines since the last call must be parsed again.
+  void take_numbers(ObjLine::Kind kind, Vec3f numbers) {
+    const auto [begin, end] = take_lines();
+    constexpr float kFiveDigits = 1e5f;
+    const bool may_lack_numbers = kind == ObjLine::Kind::kUv ? numbers.x == 0 : numbers.z == 0;
+    const float largest = std::max({std::abs(numbers.x), std::abs(numbers.y), std::abs(numbers.z)});
+    const bool is_plain = *begin == 'v' && largest < kFiveDigits &&
+                          plain_.has_plain_numbers(offset(begin), offset(end)) &&
+                          (!may_lack_numbers || count_numbers(begin, end) >= (kind == ObjLine::Kind::kUv ? 1 : 3));
+    if (!is_plain) return parse_lines(begin, end);
+    add_numbers(kind, numbers, false);
   }
-  for (const ObjIndices& corner : lines.corners())
-    content.corners.push_back({content.positions.resolve(corner.position, lines, content.bad_faces),
-                               content.uvs.resolve(corner.uv, lines, content.bad_faces),
-                               content.normals.resolve(corner.normal, lines, content.bad_faces)});
-  content.face_ends.push_back(content.corners.size());
-  if (!content.material_id) content.material_id = content.id_of_material();
-  content.face_materials.push_back(*content.material_id);
-  content.face_smoothing.push_back(lines.smoothing_group());
-}
 
-void use_material(ObjContent& content) {
-  content.material_id.reset();
-  content.material = content.lines.material();
-  content.material_line = content.lines.line();
-}
+  /// Likewise for a face.
+  void take_face(const tinyobj::index_t* corners, std::size_t count) {
+    const auto [begin, end] = take_lines();
+    bool is_plain = *begin == 'f' && plain_.has_plain_indices(offset(begin), offset(end));
+    for (std::size_t i = 0; i < count; ++i) is_plain = is_plain && corners[i].vertex_index != 0;
+    if (!is_plain) return parse_lines(begin, end);
+    add_face(begin, count, [&](std::size_t i) {
+      return ObjCorner{corners[i].vertex_index, corners[i].texcoord_index, corners[i].normal_index};
+    });
+  }
 
-void parse(ObjLines& lines, ObjContent& content) {
-  for (;;) switch (lines.next()) {
-      case ObjLines::Kind::kPosition:
-        add_position(content);
-        break;
-      case ObjLines::Kind::kNormal:
-        add_normal(content);
-        break;
-      case ObjLines::Kind::kUv:
-        add_uv(content);
-        break;
-      case ObjLines::Kind::kFace:
-        add_face(content);
-        break;
-      case ObjLines::Kind::kMaterial:
-        use_material(content);
-        break;
-      case ObjLines::Kind::kEnd:
+  /// Returns the lines that the library has read since the last call, but for empty ones at the beginning. The last one
+  /// is that of the callback.
+  std::pair<const char*, const char*> take_lines() {
+    const char* begin = std::exchange(done_, buffer_.position());
+    while (is_line_end(*begin)) ++begin;
+    return {begin, done_};
+  }
+
+  /// Parses whole lines without the library.
+  void parse_lines(const char* begin, const char* end) {
+    while (begin != end) {
+      const char* const stop = std::find_if(begin, end, is_line_end);
+      parse_obj_line(text_, {begin, stop}, line_);
+      add(begin);
+      begin = stop + 1;  // the LF of CR LF is an empty line
+    }
+  }
+
+  void add(const char* line) {
+    using Kind = ObjLine::Kind;
+    switch (line_.kind) {
+      case Kind::kPosition:
+      case Kind::kNormal:
+      case Kind::kUv:
+        return add_numbers(line_.kind, line_.numbers, line_.is_non_finite);
+      case Kind::kFace:
+        return add_face(line, line_.corners.size(), [&](std::size_t i) { return line_.corners[i]; });
+      case Kind::kMaterial:
+      case Kind::kLibrary:
+      case Kind::kSmoothing:
+        content_.statements.push_back({content_.faces.size(), line_.kind, line_.name, line_.group, line});
+        return;
+      case Kind::kIrrelevant:
         return;
     }
-}
-
-/// Merges equal corners into vertices.
-class VertexMerger {
- public:
-  VertexMerger(const ObjContent& content, Mesh& mesh)
-      : content_(content),
-        mesh_(mesh),
-        has_uvs_(content.uvs.highest != kAbsent && !content.uvs.values.empty()),
-        has_normals_(content.normals.highest != kAbsent && !content.normals.values.empty()),
-        first_(content.positions.values.size(), kMissingVertex) {
-    mesh.positions.reserve(content.positions.values.size());
   }
 
-  /// Returns kMissingVertex if the file has no such position.
-  std::uint32_t vertex(const Corner& corner) {
-    if (!content_.positions.has(corner.position)) return kMissingVertex;
-    // Search the first vertices at this position
-    std::uint32_t& first = first_[static_cast<std::size_t>(corner.position)];
-    std::uint32_t last = kMissingVertex;
-    int visited = 0;
-    for (std::uint32_t i = first; i != kMissingVertex; i = vertices_[i].next, ++visited) {
-      if (vertices_[i].uv == corner.uv && vertices_[i].normal == corner.normal) return i;
-      last = i;
+  void add_numbers(ObjLine::Kind kind, Vec3f numbers, bool is_non_finite) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    const bool is_usable = !is_non_finite && is_finite(numbers);
+    if (kind == ObjLine::Kind::kPosition) {
+      content_.positions.push_back(is_non_finite ? Vec3f{kNan, kNan, kNan} : numbers);
+    } else if (kind == ObjLine::Kind::kNormal) {
+      content_.normals.push_back(is_usable ? numbers : Vec3f{0, 0, 0});
+    } else {
+      content_.uvs.push_back(is_usable ? Vec2f{numbers.x, numbers.y} : Vec2f{0, 0});
     }
-    if (visited == kMaxVisited) return crowded_vertex(corner);
-    // Append a vertex
-    const std::uint32_t added = add(corner);
-    (last == kMissingVertex ? first : vertices_[last].next) = added;
-    return added;
   }
 
- private:
-  /// The first vertices at the same position form a list; crowded_ holds the others.
-  struct Vertex {
-    int uv, normal;
-    std::uint32_t next;
-  };
-  static constexpr int kMaxVisited = 16;
-
-  template <class T> static T value_or_zero(const AttributeList<T>& list, int index) {
-    return list.has(index) ? list.values[static_cast<std::size_t>(index)] : T{};
+  template <class CornerAt> void add_face(const char* line, std::size_t count, CornerAt corner_at) {
+    if (count < 3) {
+      ++content_.short_faces;
+      return;
+    }
+    int lowest = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const ObjCorner corner = corner_at(i);
+      lowest = std::min({lowest, corner.position, corner.uv, corner.normal});
+      content_.corners.push_back({corner.position - 1, corner.uv - 1, corner.normal - 1});
+      ObjCorner& highest = content_.highest;
+      highest.position = std::max(highest.position, corner.position - 1);
+      highest.uv = std::max(highest.uv, corner.uv - 1);
+      highest.normal = std::max(highest.normal, corner.normal - 1);
+    }
+    if (lowest < 0)
+      content_.relative_faces.push_back({content_.faces.size(), static_cast<int>(content_.positions.size()),
+                                         static_cast<int>(content_.uvs.size()),
+                                         static_cast<int>(content_.normals.size())});
+    content_.faces.push_back({content_.corners.size(), line});
   }
 
-  std::uint32_t add(const Corner& corner) {
-    const auto index = static_cast<std::uint32_t>(mesh_.positions.size());
-    vertices_.push_back({corner.uv, corner.normal, kMissingVertex});
-    mesh_.positions.push_back(content_.positions.values[static_cast<std::size_t>(corner.position)]);
-    if (has_uvs_) mesh_.uvs.push_back(value_or_zero(content_.uvs, corner.uv));
-    if (has_normals_) mesh_.normals.push_back(value_or_zero(content_.normals, corner.normal));
-    return index;
+  static bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+
+  /// Number of words behind the keyword of a plain line.
+  static int count_numbers(const char* begin, const char* end) {
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
+    int count = 0;
+    for (const char* p = begin + 1; p < end; ++p) count += is_blank(p[-1]) && !is_blank(*p) && !is_line_end(*p) ? 1 : 0;
+    return count;
   }
 
-  /// A vertex at a position with many others.
-  std::uint32_t crowded_vertex(const Corner& corner) {
-    const auto [found, is_new] = crowded_.try_emplace(corner, 0);
-    if (is_new) found->second = add(corner);
-    return found->second;
-  }
+  std::size_t offset(const char* position) const { return static_cast<std::size_t>(position - piece_.data()); }
 
-  const ObjContent& content_;
-  Mesh& mesh_;
-  bool has_uvs_, has_normals_;
-  std::vector<std::uint32_t> first_;  ///< per position of the file: its first vertex
-  std::vector<Vertex> vertices_;
-  std::unordered_map<Corner, std::uint32_t, CornerHash> crowded_;
+  const ObjText& text_;
+  const std::string_view piece_;
+  const PlainObjLines plain_;
+  TextBuffer buffer_;
+  const char* done_;  ///< end of the lines that are in content_
+  ObjLine line_;
+  ObjPiece content_;
 };
 
-ObjFile build_mesh(ObjContent content) {
-  ObjFile result;
-  MeshFile& file = result.file;
-  VertexMerger merger(content, file.mesh);
-  PolygonList polygons{{}, std::move(content.face_ends), content.short_faces, content.positions.first_bad};
-  polygons.corners.reserve(content.corners.size());
-  for (const Corner& corner : content.corners) polygons.corners.push_back(merger.vertex(corner));
-  result.material_of = append_polygons(polygons, file.mesh, file.warnings);
-  for (const std::string& bad : {content.uvs.first_bad, content.normals.first_bad})
-    if (!bad.empty()) file.warnings.push_back("indices out of range ignored: " + bad);
-  if (content.lines.has_smoothing_groups())
-    for (const std::uint32_t face : result.material_of) result.smoothing_of.push_back(content.face_smoothing[face]);
-  for (std::uint32_t& source : result.material_of) source = content.face_materials[source];
-  result.materials = std::move(content.materials);
-  result.material_lines = std::move(content.material_lines);
-  result.libraries = content.lines.libraries();
-  return result;
+/// Reads the pieces by all threads.
+std::vector<ObjPiece> read_pieces(const ObjText& text, std::size_t piece_bytes) {
+  std::vector<ReadAhead<ObjPiece>::Job> jobs;
+  for (const std::string_view piece : text.pieces(piece_bytes))
+    jobs.push_back({[&text, piece] { return PieceReader(text, piece).read(); }, static_cast<double>(piece.size())});
+  std::vector<ObjPiece> pieces(jobs.size());
+  ReadAhead<ObjPiece> readers(std::move(jobs), pieces.size() > 1 ? read_ahead_bytes() : 0);
+  for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i] = readers.take(i);
+  return pieces;
+}
+
+/// Frees the text before vertices are merged.
+ObjContent read_content(const std::filesystem::path& file, BadFaces bad_faces, std::size_t piece_bytes) {
+  const ObjText text(file);
+  return join_obj_pieces(text, read_pieces(text, piece_bytes), bad_faces);
 }
 
 }  // namespace
 
-ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces) {
-  const std::string name = file.string();
-  std::string text = read_mesh_text(file, "OBJ file");
-  if (text.empty()) throw SceneError({name}, "expected an OBJ file, found an empty file");
-  if (!text.ends_with('\n')) text.push_back('\n');
-  ObjLines lines(text, name);
-  ObjContent content(lines, bad_faces);
-  parse(lines, content);
-  text = {};  // free its memory
-  if (content.face_ends.empty()) throw SceneError({name}, "the OBJ file holds no faces");
-  content.positions.check_highest(name, bad_faces);
-  content.uvs.check_highest(name, bad_faces);
-  content.normals.check_highest(name, bad_faces);
+ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords, BadFaces bad_faces,
+                                std::size_t piece_bytes) {
+  ObjContent content = read_content(file, bad_faces, piece_bytes);
   if (flip_tex_coords) {
     for (Vec2f& uv : content.uvs.values) uv.y = 1 - uv.y;
   }
   const std::string first_bad = content.positions.first_bad;
-  ObjFile obj = build_mesh(std::move(content));
-  if (obj.file.mesh.triangles.empty()) throw SceneError({name}, "no face is complete: " + first_bad);
+  ObjFile obj = build_obj_mesh(std::move(content));
+  if (obj.file.mesh.triangles.empty()) throw SceneError({file.string()}, "no face is complete: " + first_bad);
   return obj;
 }
 

@@ -2,11 +2,16 @@
 #pragma once
 
 #include "scene/formats/mesh_io.h"
-#include "scene/formats/obj_lines.h"
 
 #include <cstdint>
 
 namespace sheaf {
+
+/// An 'mtllib' line of an OBJ file.
+struct ObjLibrary {
+  std::string names;  ///< text after the keyword: a file, or several separated by blanks
+  SourceLocation where;
+};
 
 /// An OBJ file as one mesh, with the materials of its triangles.
 struct ObjFile {
@@ -21,8 +26,12 @@ struct ObjFile {
   std::vector<ObjLibrary> libraries;
 };
 
-/// read_obj() with materials; throws the same errors (scene/formats/mesh_io.h).
+/// Size of the pieces of a text that threads read independently.
+inline constexpr std::size_t kObjPieceBytes = std::size_t{1} << 22;
+
+/// read_obj() with materials; throws the same errors (scene/formats/mesh_io.h). The result does not depend on
+/// `piece_bytes`, which must be positive.
 ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex_coords,
-                                BadFaces bad_faces = BadFaces::kError);
+                                BadFaces bad_faces = BadFaces::kError, std::size_t piece_bytes = kObjPieceBytes);
 
 }  // namespace sheaf

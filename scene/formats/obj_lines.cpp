@@ -1,5 +1,3 @@
-// Grammar of the relevant OBJ lines. Most numbers of a file are short decimals, which are exact as a quotient of two
-// doubles (Clinger, "How to Read Floating Point Numbers Accurately", 1990); std::from_chars() parses the others.
 #include "scene/formats/obj_lines.h"
 
 #include "scene/formats/text.h"
@@ -7,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstring>
 #include <limits>
 
 namespace sheaf {
@@ -33,29 +30,6 @@ std::string_view next_token(const char*& p, const char* end) {
   const char* const begin = p;
   while (p != end && !is_blank(*p)) ++p;
   return {begin, static_cast<std::size_t>(p - begin)};
-}
-
-/// Parses a token of a decimal number without exponent and few digits. Returns its end, or null for other tokens.
-const char* parse_short_number(const char* p, const char* end, float& number) {
-  constexpr std::ptrdiff_t kMaxDigits = 15;  // exact in double precision
-  constexpr std::array<double, kMaxDigits + 1> kPowers{1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                                       1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-  const bool is_negative = p != end && *p == '-';
-  if (is_negative) ++p;
-  const char* const begin = p;
-  std::int64_t digits = 0;
-  for (; p != end && is_digit(*p) && p - begin <= kMaxDigits; ++p) digits = 10 * digits + (*p - '0');
-  std::ptrdiff_t count = p - begin, decimals = 0;
-  if (p != end && *p == '.') {
-    const char* const fraction = ++p;
-    for (; p != end && is_digit(*p) && p - begin <= kMaxDigits + 1; ++p) digits = 10 * digits + (*p - '0');
-    decimals = p - fraction;
-    count += decimals;
-  }
-  if (count == 0 || count > kMaxDigits || (p != end && !is_blank(*p))) return nullptr;
-  const double value = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(decimals)];
-  number = static_cast<float>(is_negative ? -value : value);
-  return p;
 }
 
 /// Parses a token that is a decimal number with an exponent of at most 4 digits. Returns false for other tokens.
@@ -115,7 +89,7 @@ bool parse_index(const char*& p, const char* end, int& index) {
 }
 
 /// Parses a token that is a face corner.
-bool parse_corner(std::string_view token, ObjIndices& corner) {
+bool parse_corner(std::string_view token, ObjCorner& corner) {
   while (token.size() > 1 && token.ends_with('/')) token.remove_suffix(1);
   const char *p = token.data(), *const end = p + token.size();
   corner = {0, 0, 0};
@@ -128,125 +102,98 @@ bool parse_corner(std::string_view token, ObjIndices& corner) {
   return parse_index(p, end, corner.normal) && p == end;
 }
 
+/// Parses the lines of one text.
+class LineParser {
+ public:
+  LineParser(const ObjText& text, std::string_view line, ObjLine& parsed)
+      : text_(text), line_(line), end_(line.data() + line.size()), parsed_(parsed) {}
+
+  void parse() {
+    using Kind = ObjLine::Kind;
+    parsed_.kind = Kind::kIrrelevant;
+    const char* p = skip_blanks(line_.data(), end_);
+    const std::string_view line(p, static_cast<std::size_t>(end_ - p));
+    const auto take_keyword = [&](std::string_view word, Kind kind) {
+      if (!line.starts_with(word) || (line.size() > word.size() && !is_blank(line[word.size()]))) return false;
+      p += word.size();
+      parsed_.kind = kind;
+      return true;
+    };
+    if (take_keyword("v", Kind::kPosition)) {
+      parse_numbers(p, 3, 3, "a vertex line ('v')");
+    } else if (take_keyword("vn", Kind::kNormal)) {
+      parse_numbers(p, 3, 3, "a normal line ('vn')");
+    } else if (take_keyword("vt", Kind::kUv)) {
+      parse_numbers(p, 1, 2, "a texture coordinate line ('vt')");
+    } else if (take_keyword("f", Kind::kFace)) {
+      parse_face(p);
+    } else if (take_keyword("usemtl", Kind::kMaterial)) {
+      if (p == end_) parsed_.kind = Kind::kIrrelevant;
+      parsed_.name = unquoted(trimmed({p, end_}));
+    } else if (take_keyword("mtllib", Kind::kLibrary)) {
+      parsed_.name = trimmed({p, end_});
+    } else if (take_keyword("s", Kind::kSmoothing)) {
+      parse_smoothing_group(p);
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(text_.where(line_.data()), message); }
+
+  /// Parses the argument of 's': a number, 'on' or 'off'.
+  void parse_smoothing_group(const char* p) {
+    const std::string_view token = next_token(p, end_);
+    std::string_view digits = token;
+    if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
+    parsed_.group = token == "on" ? 1 : 0;
+    if (token.empty() || token == "on" || token == "off") return;
+    if (digits.empty() || !std::all_of(digits.begin(), digits.end(), is_digit))
+      fail("expected a smoothing group after 's', a number or 'off', found " + quoted(token));
+    for (const char digit : digits) parsed_.group = 10 * parsed_.group + static_cast<std::uint32_t>(digit - '0');
+  }
+
+  /// Parses at least `min_count` numbers. Only the first `max_count` are relevant.
+  void parse_numbers(const char* p, int min_count, int max_count, const char* what) {
+    std::array<float, 3> numbers{};
+    parsed_.is_non_finite = false;
+    int count = 0;
+    for (std::string_view token; !(token = next_token(p, end_)).empty(); ++count) {
+      float number = 0;
+      if (!parse_number(token, number)) {
+        if (!is_non_finite(token)) fail("expected a number in " + std::string(what) + ", found " + quoted(token));
+        if (count < max_count) parsed_.is_non_finite = true;
+      }
+      if (count < max_count) numbers[static_cast<std::size_t>(count)] = number;
+    }
+    if (count < min_count)
+      fail("expected at least " + std::to_string(min_count) + " numbers in " + std::string(what) + ", found " +
+           std::to_string(count));
+    parsed_.numbers = {numbers[0], numbers[1], numbers[2]};
+  }
+
+  /// Parses corners v, v/vt, v//vn or v/vt/vn, with trailing slashes ("1//").
+  void parse_face(const char* p) {
+    parsed_.corners.clear();
+    for (std::string_view token; !(token = next_token(p, end_)).empty();) {
+      ObjCorner corner{};
+      if (!parse_corner(token, corner)) {
+        while (token.size() > 1 && token.ends_with('/')) token.remove_suffix(1);
+        fail("expected a face corner such as 1, 1/2, 1//3 or 1/2/3 (indices count from 1), found " + quoted(token));
+      }
+      parsed_.corners.push_back(corner);
+    }
+  }
+
+  const ObjText& text_;
+  const std::string_view line_;
+  const char* const end_;
+  ObjLine& parsed_;
+};
+
 }  // namespace
 
-ObjLines::ObjLines(std::string& text, const std::string& file)
-    : text_(text.data()), end_(text_ + text.size()), file_(file), has_carriage_returns_(text.find('\r') != text.npos) {}
-
-ObjLines::Kind ObjLines::next() {
-  Kind kind = Kind::kEnd;
-  while (text_ != end_) {
-    const char* const begin = text_;
-    const char* const stop = end_of_line();
-    if (parse(skip_blanks(begin, stop), stop, kind)) return kind;
-  }
-  return Kind::kEnd;
-}
-
-const char* ObjLines::end_of_line() {
-  line_ = next_line_;
-  const char* const first = skip_blanks(text_, end_);
-  const bool may_continue = first != end_ && (*first == 'v' || *first == 'f');
-  for (;;) {
-    // The text ends in a line feed
-    auto* stop = static_cast<char*>(std::memchr(text_, '\n', static_cast<std::size_t>(end_ - text_)));
-    if (has_carriage_returns_)
-      if (void* found = std::memchr(text_, '\r', static_cast<std::size_t>(stop - text_)))
-        stop = static_cast<char*>(found);
-    const std::ptrdiff_t width = *stop == '\r' && stop + 1 != end_ && stop[1] == '\n' ? 2 : 1;
-    const bool continues = may_continue && stop != text_ && stop[-1] == '\\' && stop + width != end_;
-    text_ = stop + width;
-    ++next_line_;
-    if (!continues) return stop;
-    std::fill(stop - 1, text_, ' ');
-  }
-}
-
-bool ObjLines::parse(const char* p, const char* end, Kind& kind) {
-  const std::string_view line(p, static_cast<std::size_t>(end - p));
-  const auto is_keyword = [&](std::string_view word) {
-    return line.starts_with(word) && (line.size() == word.size() || is_blank(line[word.size()]));
-  };
-  if (is_keyword("v")) {
-    parse_numbers(p + 1, end, 3, 3, "a vertex line ('v')");
-    kind = Kind::kPosition;
-  } else if (is_keyword("vn")) {
-    parse_numbers(p + 2, end, 3, 3, "a normal line ('vn')");
-    kind = Kind::kNormal;
-  } else if (is_keyword("vt")) {
-    parse_numbers(p + 2, end, 1, 2, "a texture coordinate line ('vt')");
-    kind = Kind::kUv;
-  } else if (is_keyword("f")) {
-    parse_face(p + 1, end);
-    kind = Kind::kFace;
-  } else if (is_keyword("usemtl")) {
-    constexpr std::size_t kKeyword = 6;
-    if (line.size() == kKeyword) return false;
-    material_ = unquoted(trimmed(line.substr(kKeyword)));
-    kind = Kind::kMaterial;
-  } else {
-    if (is_keyword("mtllib")) libraries_.push_back({std::string(trimmed(line.substr(6))), where()});
-    if (is_keyword("s")) parse_smoothing_group(p + 1, end);
-    return false;
-  }
-  return true;
-}
-
-void ObjLines::parse_smoothing_group(const char* p, const char* end) {
-  const std::string_view token = next_token(p, end);
-  std::string_view digits = token;
-  if (digits.starts_with('-') || digits.starts_with('+')) digits.remove_prefix(1);
-  has_smoothing_groups_ = true;
-  smoothing_group_ = 0;
-  if (token.empty() || token == "off") return;
-  if (token == "on") {
-    smoothing_group_ = 1;
-    return;
-  }
-  if (digits.empty() || !std::all_of(digits.begin(), digits.end(), is_digit)) {
-    throw SceneError(where(), "expected a smoothing group after 's', a number or 'off', found " + quoted(token));
-  }
-  for (const char digit : digits) smoothing_group_ = 10 * smoothing_group_ + static_cast<std::uint32_t>(digit - '0');
-}
-
-void ObjLines::parse_numbers(const char* p, const char* end, int min_count, int max_count, const char* what) {
-  std::array<float, 3> numbers{};
-  is_non_finite_ = false;
-  int count = 0;
-  for (;; ++count) {
-    p = skip_blanks(p, end);
-    float number = 0;
-    if (const char* const stop = parse_short_number(p, end, number)) {
-      p = stop;
-    } else {
-      const std::string_view token = next_token(p, end);
-      if (token.empty()) break;
-      if (!parse_number(token, number)) {
-        if (!sheaf::is_non_finite(token))
-          throw SceneError(where(), "expected a number in " + std::string(what) + ", found " + quoted(token));
-        if (count < max_count) is_non_finite_ = true;
-      }
-    }
-    if (count < max_count) numbers[static_cast<std::size_t>(count)] = number;
-  }
-  if (count < min_count) {
-    throw SceneError(where(), "expected at least " + std::to_string(min_count) + " numbers in " + std::string(what) +
-                                  ", found " + std::to_string(count));
-  }
-  numbers_ = {numbers[0], numbers[1], numbers[2]};
-}
-
-void ObjLines::parse_face(const char* p, const char* end) {
-  corners_.clear();
-  for (std::string_view token = next_token(p, end); !token.empty(); token = next_token(p, end)) {
-    ObjIndices corner{};
-    if (!parse_corner(token, corner)) {
-      while (token.size() > 1 && token.ends_with('/')) token.remove_suffix(1);
-      throw SceneError(where(), "expected a face corner such as 1, 1/2, 1//3 or 1/2/3 (indices count from 1), found " +
-                                    quoted(token));
-    }
-    corners_.push_back(corner);
-  }
+void parse_obj_line(const ObjText& text, std::string_view line, ObjLine& parsed) {
+  LineParser(text, line, parsed).parse();
 }
 
 }  // namespace sheaf

@@ -105,6 +105,7 @@ const std::vector<Wrapped> kWrapped = {
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
     {"OpenImageIO", {"OpenImageIO/"}, "core/image/plugin/openimageio"},
     {"pugixml", {"pugixml.hpp"}, ""},
+    {"tinyobjloader", {"tiny_obj_loader.h"}, "scene/formats/obj"},
     {"NanoVDB", {"nanovdb/"}, "scene/formats/nanovdb"},
     {"zlib", {"zlib.h"}, ""},
     {"CLI11", {"CLI/"}, "tools/options/options"},

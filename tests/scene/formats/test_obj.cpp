@@ -273,6 +273,7 @@ TEST_CASE("obj: malformed and impossible indices are errors with a line number")
   }
   CHECK(contains(error_in(with_square("f 1 2 3\nf 1 2 5\n")), ":6: a face refers to vertex 5, but there are 4"));
   CHECK(contains(error_in(with_square("f 1 2 -5\n")), ":5: a face refers to vertex -5, but there are 4"));
+  CHECK(contains(error_in(with_square("f 1 2 -5\nf 1 2 x\n")), ":5: a face refers to vertex -5, but there are 4"));
   CHECK(contains(error_in(with_square("f 1/1 2/1 3/1\n")), ":5: a face refers to texture coordinate 1"));
   CHECK(contains(error_in(with_square("vn 0 0 1\nf 1//1 2//2 3//1\n")), ":6: a face refers to normal 2"));
   CHECK(contains(error_in(with_square("\\\nf 1 2 \\\n3\nf 1 2 999999999")), ":8: a face refers to vertex 999999999"));
@@ -286,6 +287,80 @@ TEST_CASE("obj: files without a mesh are errors") {
   CHECK(contains(error_in(std::string(1000, '\0')), "holds no faces"));
   const TemporaryFile file("x.obj", "");
   CHECK(contains(error_of([&] { read_obj(file.path().parent_path(), true); }), "not a regular file"));
+}
+
+TEST_CASE("obj: lines that tinyobjloader reads otherwise are found at every offset between lines that it reads") {
+  const std::string plain = with_square("vt 0.5 0.25\nvn 0.1 -0.2 0.9\nf 1/1/1 2/1/1 3/1/1\n");
+  for (const std::string_view line : {"v 0.5 0.5",
+                                      "v 1.5 2/1 0.5",
+                                      "v 1.2.3 4.5 6.5",
+                                      "v 1.5 . 0.5",
+                                      "v 1.5 - 0.5",
+                                      "v 0.5 1-2 0.5",
+                                      "vt 0.5 x",
+                                      "vn 0.5 --1 0.5",
+                                      "vt",
+                                      "vn 0.5 0",
+                                      "v ",
+                                      "vt \t",
+                                      "f 1.5 2 3",
+                                      "f 1 2 3/4/5/6",
+                                      "f 1/1 2/0 3/1",
+                                      "f 1/1 2/-0 3/1",
+                                      "f 1 2 12345678901",
+                                      "f 1 2 3 # last",
+                                      "f 1 2 3 last",
+                                      "f 1-2 2 3",
+                                      "f 0 1 2",
+                                      "f /1 2 3",
+                                      "f 1 2 3\v"})
+    for (std::size_t offset = 0; offset < 70; ++offset) {
+      const std::string text = std::string(offset, '\n') + plain + std::string(line) + "\n" + plain + plain;
+      CAPTURE(line);
+      if (line.find('#') != line.npos) {
+        CHECK(read(text).mesh.triangles.size() == 4);
+      } else {
+        CHECK(contains(error_in(text), "mesh.obj:" + std::to_string(8 + offset) + ": expected"));
+      }
+    }
+  // Slashes without an index
+  const Mesh mesh = read(plain + "f 1/ 2// 3/1\n").mesh;
+  REQUIRE(mesh.triangles.size() == 2);
+  CHECK(mesh.uvs[mesh.triangles[1][0]].x == 0);
+  CHECK(mesh.uvs[mesh.triangles[1][2]].x == 0.5f);
+}
+
+TEST_CASE("obj: pieces of any size give the same mesh and the same errors") {
+  const std::string text = "mtllib a.mtl\r\n" +
+                           with_square("vt 0 0\rvt 1e-3 0.123456789\nvn 0 0 1\nf 1/1/1 2/2/1 \\\n 3/1/1 4/1/1\n") +
+                           "usemtl red\ns 1\nf -1 -2 -3\nv 5 5 5\nf -1//-1 1 2\n\n# end \xff\nusemtl blue\nusemtl "
+                           "red\ns off\nf 1 2 5\nf 1 2\n" +
+                           "usemtl green\nf 2 3 6\nf 1/9 2/2 -1//-7\nmtllib b.mtl\nv 6 0 0\nf 5 1 2\n";
+  const TemporaryFile file("mesh.obj", text), wrong("wrong.obj", text + "f 1 2 x\n");
+  const auto read_in_pieces = [&](std::size_t bytes) {
+    return read_obj_with_materials(file.path(), false, BadFaces::kDrop, bytes);
+  };
+  const ObjFile whole = read_in_pieces(text.size());
+  CHECK(whole.file.mesh.triangles.size() == 8);
+  CHECK(whole.materials == std::vector<std::string>{"", "red", "green"});
+  CHECK(whole.material_lines == std::vector<int>{0, 11, 23});
+  CHECK(whole.smoothing_of == std::vector<std::uint32_t>{0, 0, 1, 1, 0, 0, 0, 0});
+  for (std::size_t bytes = 1; bytes < text.size(); bytes = bytes < 100 ? bytes + 1 : bytes + 37) {
+    CAPTURE(bytes);
+    const ObjFile pieces = read_in_pieces(bytes);
+    CHECK(are_equal(pieces.file.mesh, whole.file.mesh));
+    CHECK(pieces.file.warnings == whole.file.warnings);
+    CHECK(pieces.materials == whole.materials);
+    CHECK(pieces.material_lines == whole.material_lines);
+    CHECK(pieces.material_of == whole.material_of);
+    CHECK(pieces.smoothing_of == whole.smoothing_of);
+    REQUIRE(pieces.libraries.size() == 2);
+    CHECK(pieces.libraries[1].where.line == 26);
+    const std::string message = error_of([&] { read_obj_with_materials(wrong.path(), false, BadFaces::kDrop, bytes); });
+    CHECK(contains(message, "wrong.obj:29: expected a face corner"));
+    CHECK(contains(error_of([&] { read_obj_with_materials(file.path(), false, BadFaces::kError, bytes); }),
+                   "mesh.obj:25: a face refers to normal -7, but there are 1"));
+  }
 }
 
 TEST_CASE("obj: every truncated file gives a mesh or an error") {
