@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Renders every example and reference scene with two builds of Sheaf in both colour modes and lists the images that
-are not byte-identical. For changes that must not alter images. Needs only Python.
+are not byte-identical, apart from the names in their headers. For changes that must not alter images. Needs only
+Python.
 
   tools/compare_builds.py OLD/sheaf NEW/sheaf [--spp 8] [--only SUBSTRING] [--list]
 
@@ -11,6 +12,7 @@ images are identical, 1 if some differ or fail with only one of the builds.
 
 import argparse
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -37,11 +39,27 @@ def scenes():
                 yield file, []
 
 
+# Attributes of images that name settings, which versions of Sheaf name differently.
+NAMES = {b"sheaf/version", b"sheaf/integrator"}
+
+
+def contents(exr):
+    """The attributes of an OpenEXR file, without NAMES, and the bytes of its pixels."""
+    attributes, at = {}, 8
+    while exr[at] != 0:
+        name, kind = exr[at:at + 512].split(b"\0", 2)[:2]
+        begin = at + len(name) + len(kind) + 2
+        at = begin + 4 + struct.unpack_from("<i", exr, begin)[0]
+        if name not in NAMES:
+            attributes[name] = exr[begin:at]
+    return attributes, exr[struct.unpack_from("<Q", exr, at + 1)[0]:]  # from the first chunk
+
+
 def render(sheaf, scene, options, image):
-    """Returns the bytes of the image, or the error message."""
+    """Returns the contents of the image, or the error message."""
     done = subprocess.run([sheaf, "render", scene, "-o", image, "--no-timestamps", "--quiet", "--threads", "1",
                            "--seed", "1", *options], check=False, capture_output=True, text=True)
-    return image.read_bytes() if done.returncode == 0 else done.stderr.strip()
+    return contents(image.read_bytes()) if done.returncode == 0 else done.stderr.strip()
 
 
 def main():
