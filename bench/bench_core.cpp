@@ -5,7 +5,7 @@
 #include "core/sampling/alias_table.h"
 #include "core/sampling/sampler.h"
 #include "core/sampling/warp.h"
-#include "core/soa/bucket_sort.h"
+#include "kernels/wave/bucket_sort.h"
 #include "kernels/wave/slot_table.h"
 
 #include <benchmark/benchmark.h>

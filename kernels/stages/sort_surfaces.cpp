@@ -1,7 +1,7 @@
 // Stage: sort surfaces. Sorts surface hits by closure kind, then by material, so that the following stages process one
 // closure at a time.
-#include "core/soa/bucket_sort.h"
 #include "kernels/stages/stage_list.h"
+#include "kernels/wave/bucket_sort.h"
 #include "kernels/wave/stage_timer.h"
 
 namespace sheaf {

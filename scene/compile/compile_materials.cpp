@@ -1,7 +1,6 @@
 // Makes the rows of all materials and phase functions, sorts them by kind and assigns buckets.
 #include "scene/compile/compile_materials.h"
 
-#include "core/soa/bucket_sort.h"
 #include "scene/materials/flattener.h"
 
 #include <algorithm>

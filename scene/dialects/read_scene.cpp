@@ -5,10 +5,10 @@
 #include "scene/dialects/mitsuba/read_mitsuba.h"
 #include "scene/dialects/model/auto_camera.h"
 #include "scene/dialects/model/obj_materials.h"
-#include "scene/dialects/model/read_model.h"
 #include "scene/dialects/native_color.h"
 #include "scene/dialects/nori/read_nori.h"
 #include "scene/dialects/pbrt/read_pbrt.h"
+#include "scene/dialects/read_model.h"
 #include "scene/dialects/xml/read_spectrum.h"
 #include "scene/dialects/xml/read_texture.h"
 

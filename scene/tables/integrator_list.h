@@ -72,10 +72,10 @@ using IntegratorNames = std::array<const char*, 24>;
 
 /// An integrator: its names, and the settings that they select.
 struct IntegratorEntry {
-  IntegratorNames names{};       ///< its own name, then synonyms; in all dialects and on the command line
-  IntegratorNames pbrt_names{};  ///< names that mean this integrator in pbrt scenes only
+  IntegratorNames names{};        ///< its own name, then synonyms; in all dialects and on the command line
+  IntegratorNames pbrt_names{};   ///< names that mean this integrator in pbrt scenes only
   IntegratorNames substituted{};  ///< integrators of other renderers with the same expected image; noted
-  const char* help = nullptr;    ///< description in --help, which lists no integrators without one
+  const char* help = nullptr;     ///< description in --help, which lists no integrators without one
   IntegratorKind kind = IntegratorKind::kPath;
   LightStrategy strategy = LightStrategy::kMis;
   bool is_direct = false;                  ///< direct light only: max_depth is 2
@@ -95,8 +95,8 @@ inline constexpr IntegratorEntry kIntegrators[] = {
                "path_mis_vol", "medium_path", "medium_path_mis", "simplepath", "simplevolpath"},
      .pbrt_names = {"volpath"},
      .substituted = {"adaptive", "bdpt", "erpt", "guided_path", "irrcache", "mlt", "path_guiding_integrator",
-                  "path_tracer_recursive", "prb", "prb_basic", "prb_projective", "prb_reparam", "pssmlt", "randomwalk",
-                  "singlescatter", "vcm", "vpl", "vrl"},
+                     "path_tracer_recursive", "prb", "prb_basic", "prb_projective", "prb_reparam", "pssmlt",
+                     "randomwalk", "singlescatter", "vcm", "vpl", "vrl"},
      .help = "path tracing, with multiple importance sampling of lights and BSDFs"},
     {.names = {"direct", "direct_mis"},
      .substituted = {"direct_projective", "direct_reparam", "emission_reparam"},

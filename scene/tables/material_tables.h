@@ -9,6 +9,9 @@
 
 namespace sheaf {
 
+/// Maximum number of buckets.
+inline constexpr int kMaxBuckets = 256;
+
 /// Buckets for sorting surfaces by material. The buckets of each kind of closure are contiguous.
 struct MaterialBuckets {
   std::uint32_t count = 1;

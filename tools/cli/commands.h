@@ -1,8 +1,8 @@
 // The subcommands of the command line. Each function adds one subcommand with its options to the program.
 #pragma once
 
-#include "tools/console/messages.h"
 #include "tools/options/options.h"
+#include "tools/options/verbosity_options.h"
 
 namespace sheaf {
 

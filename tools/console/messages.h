@@ -1,8 +1,6 @@
 // Messages to the user, on the standard error stream, and the options that select them.
 #pragma once
 
-#include "tools/options/options.h"
-
 #include <functional>
 #include <string>
 #include <string_view>
@@ -16,17 +14,6 @@ enum class Verbosity {
   kNormal,    ///< also notes and the result, in one line if possible
   kVerbose    ///< -v: also details
 };
-
-/// Command-line options for the verbosity.
-struct VerbosityArguments {
-  int quiet = 0;  ///< number of -q
-  bool verbose = false;
-
-  Verbosity verbosity() const;
-};
-
-/// Adds -q and, if there is a text about the details that it adds, -v.
-void add_verbosity_options(Command& command, VerbosityArguments& arguments, const std::string& details = "");
 
 /// Sets the verbosity of the program. Initially Verbosity::kNormal.
 void set_verbosity(Verbosity verbosity);

@@ -1,7 +1,7 @@
 #include "tools/farm/frames.h"
 
 #include "core/io/error.h"
-#include "scene/dialects/model/read_model.h"
+#include "scene/dialects/read_model.h"
 #include "tools/console/duration.h"
 #include "tools/console/interrupt.h"
 #include "tools/console/messages.h"

@@ -2,7 +2,7 @@
 
 #include "core/io/error.h"
 #include "core/io/name_table.h"
-#include "scene/dialects/model/read_model.h"
+#include "scene/dialects/read_model.h"
 #include "tools/options/option_groups.h"
 
 #include <algorithm>

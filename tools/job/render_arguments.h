@@ -10,12 +10,12 @@
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/setting_names.h"
 #include "scene/tables/render_settings.h"
-#include "tools/console/messages.h"
 #include "tools/job/checkpointing.h"
 #include "tools/job/image_files.h"
 #include "tools/job/read_options.h"
 #include "tools/options/option_groups.h"
 #include "tools/options/options.h"
+#include "tools/options/verbosity_options.h"
 #include "tools/preview/preview.h"
 
 #include <cstdint>

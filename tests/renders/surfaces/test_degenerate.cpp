@@ -1,6 +1,6 @@
 // Degenerate scenes: each gives an image or a message, and never a crash, a hang or a value that is not finite.
-#include "core/soa/bucket_sort.h"
 #include "kernels/render/render.h"
+#include "kernels/wave/bucket_sort.h"
 #include "scene/compile/compile.h"
 #include "tests/support/near.h"
 #include "tests/support/tiny_scenes.h"

@@ -2,14 +2,12 @@
 #pragma once
 
 #include "kernels/wave/slot_list.h"
+#include "scene/tables/material_tables.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace sheaf {
-
-/// Maximum number of buckets.
-inline constexpr int kMaxBuckets = 256;
 
 /// Sorts slots[0 .. count) stably by keys[i], the key of slots[i]. Keys must be below `buckets` <= kMaxBuckets.
 /// sorted[] receives the result, in which bucket b is [begin[b], begin[b + 1]). begin has buckets + 1 entries.

@@ -1,5 +1,5 @@
 // Scenes around a single model: its materials, a floor, a sky and a camera.
-#include "scene/dialects/model/read_model.h"
+#include "scene/dialects/read_model.h"
 
 #include "scene/dialects/gltf/read_gltf.h"
 #include "scene/dialects/model/auto_camera.h"

@@ -1,5 +1,5 @@
 // Stable counting sort: order, conservation of items, empty buckets.
-#include "core/soa/bucket_sort.h"
+#include "kernels/wave/bucket_sort.h"
 
 #include "core/sampling/rng.h"
 
