@@ -20,10 +20,10 @@ enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
 
 /// Where the paths that carry light start.
 enum class PathSource {
-  kNone,    ///< no light is transported: pixels show properties of the first surface
-  kCamera,  ///< at the camera
-  kLights,  ///< at the lights; each vertex is connected to the camera
-  kBoth,    ///< at the lights, which fills photon maps, and at the camera, which gathers from them
+  kNoLight,  ///< no light is transported: pixels show properties of the first surface
+  kCamera,   ///< at the camera
+  kLights,   ///< at the lights; each vertex is connected to the camera
+  kBoth,     ///< at the lights, which fills photon maps, and at the camera, which gathers from them
 };
 
 /// Default depths at which Russian roulette starts; see bench/README.md.
@@ -32,14 +32,14 @@ inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
 /// What an integrator's passes do, and the features that it supports.
 struct IntegratorTraits {
   const char* name;  ///< of the integrator with the default settings of this kind
-  PathSource source = PathSource::kNone;
+  PathSource source = PathSource::kNoLight;
   int roulette_depth = kOtherRouletteDepth;  ///< IntegratorSettings::rr_depth by default
   bool supports_adaptive = false;            ///< noise targets and time limits
   bool supports_guiding = false;             ///< path guiding and manifold next-event estimation
   bool supports_spectral_bins = false;
   bool measures_visibility = false;  ///< traces shadow rays instead of transporting light
 
-  constexpr bool uses_lights() const { return source != PathSource::kNone; }
+  constexpr bool uses_lights() const { return source != PathSource::kNoLight; }
   constexpr bool emits_photons() const { return source == PathSource::kLights || source == PathSource::kBoth; }
   constexpr bool has_photon_maps() const { return source == PathSource::kBoth; }
   /// Whether the image consists of photons that are connected to the camera. They are not samples of a pixel.
