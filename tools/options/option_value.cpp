@@ -78,9 +78,7 @@ std::string text_from(const OptionHelp& option, const OptionValue& value) {
 
 std::vector<std::string> texts_from(const OptionHelp& option, const OptionValue& value) {
   if (const auto* const texts = std::get_if<std::vector<std::string>>(&value)) return *texts;
-  const auto* const numbers = std::get_if<std::vector<double>>(&value);
-  if (numbers == nullptr || !numbers->empty()) refuse_value(option, "expected several texts");
-  return {};
+  refuse_value(option, "expected several texts");
 }
 
 }  // namespace sheaf

@@ -78,7 +78,9 @@ def values(function: str, given: Dict[str, Any]) -> Dict[str, Any]:
         elif value is True and choices:  # an option that implies a value
             out[option] = True
         elif repeats:
-            out[option] = [str(each) for each in value]
+            texts = [str(each) for each in value]
+            if texts:
+                out[option] = texts
         elif kind in ("integer", "number", "time"):
             out[option] = _number(name, value)
         else:
