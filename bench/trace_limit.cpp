@@ -194,7 +194,7 @@ int main(int argc, char** argv) {
     sheaf::measure(arguments);
   } catch (const sheaf::Error& error) {
     fmt::print(stderr, "trace_limit: {}\n", error.what());
-    return static_cast<int>(error.code());
+    return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     fmt::print(stderr, "trace_limit: {}\n", error.what());
     return static_cast<int>(sheaf::ExitCode::kRuntime);

@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
     return sheaf::run(argv[1], argv[2]);
   } catch (const sheaf::Error& error) {
     std::fprintf(stderr, "vdb_to_nanovdb: %s\n", error.what());
-    return static_cast<int>(error.code());
+    return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "vdb_to_nanovdb: %s: %s\n", argv[1], error.what());
     return static_cast<int>(sheaf::ExitCode::kScene);

@@ -48,11 +48,16 @@ std::size_t max_edits(std::size_t length) { return length < 2 ? 0 : std::max<std
 }  // namespace
 
 Error::Error(ExitCode code, const SourceLocation& where, const std::string& message)
-    : std::runtime_error(with_place(where, message)), code_(code) {}
+    : std::runtime_error(with_place(where, message)), exit_code_(code), where_(where) {}
+
+SceneError SceneError::about(const std::string& element) const {
+  SceneError error = *this;
+  if (error.element_.empty()) error.element_ = element;
+  return error;
+}
 
 SceneError at_place(const SourceLocation& where, const SceneError& error) {
-  const std::string message = error.what();
-  return message.starts_with(with_place(where, "")) ? error : SceneError(where, message);
+  return error.where() == where ? error : SceneError(where, error);
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {

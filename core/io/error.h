@@ -24,28 +24,76 @@ enum class ExitCode : int {
 struct SourceLocation {
   std::string file;
   int line = 0;
+
+  bool operator==(const SourceLocation&) const = default;
 };
 
 /// An error with a message for the user. what() begins with "file:line: " if the location is known.
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  Error(ExitCode code, const std::string& message) : std::runtime_error(message), exit_code_(code) {}
   Error(ExitCode code, const SourceLocation& where, const std::string& message);
   /// The exit code of the process for this error.
-  ExitCode code() const { return code_; }
+  ExitCode exit_code() const { return exit_code_; }
+  /// The location; its file is empty if unknown.
+  const SourceLocation& where() const { return where_; }
+
+ protected:
+  /// An error with the place of another one, and its own message.
+  Error(const Error& other, const std::string& message)
+      : std::runtime_error(message), exit_code_(other.exit_code_), where_(other.where_) {}
 
  private:
-  ExitCode code_;
+  ExitCode exit_code_;
+  SourceLocation where_;
+};
+
+/// What is wrong with a scene or an asset.
+enum class SceneErrorCode {
+  kInvalid,      ///< malformed content, or values that contradict each other
+  kSyntax,       ///< text that the syntax of the file does not allow
+  kUnknownName,  ///< of an element, plugin, property, object or choice
+  kWrongType,    ///< a value of another type than expected
+  kOutOfRange,   ///< a value outside of its range
+  kMissing,      ///< a required element, property or attribute is absent
+  kDuplicate,    ///< set or defined twice, or together with an alternative
+  kMissingFile,  ///< a file that does not exist or is not a regular file
+  kUnsupported,  ///< a feature that Sheaf does not have
+  kTooLarge,     ///< more than Sheaf accepts
 };
 
 /// An error in a scene file or in one of its assets (exit code 3).
 class SceneError : public Error {
  public:
-  explicit SceneError(const std::string& message) : Error(ExitCode::kScene, message) {}
-  SceneError(const SourceLocation& where, const std::string& message) : Error(ExitCode::kScene, where, message) {}
+  using Code = SceneErrorCode;
+
+  explicit SceneError(const std::string& message, Code code = Code::kInvalid)
+      : Error(ExitCode::kScene, message), code_(code) {}
+  SceneError(const SourceLocation& where, const std::string& message, Code code = Code::kInvalid)
+      : Error(ExitCode::kScene, where, message), code_(code) {}
+  /// The error `cause` as one at `where`: the message begins with both locations.
+  SceneError(const SourceLocation& where, const SceneError& cause)
+      : Error(ExitCode::kScene, where, cause.what()), element_(cause.element_), code_(cause.code_) {}
+
+  /// The object, property or parameter that is wrong, as in messages: "property 'radius' of shape 'sphere'". Empty if
+  /// unknown.
+  const std::string& element() const { return element_; }
+  Code code() const { return code_; }
+
+  /// The same error with an element, unless it has one.
+  SceneError about(const std::string& element) const;
+
+ protected:
+  /// An error like `other` with another message.
+  SceneError(const SceneError& other, const std::string& message)
+      : Error(other, message), element_(other.element_), code_(other.code_) {}
+
+ private:
+  std::string element_;
+  Code code_;
 };
 
-/// Prefixes the message of an error with a location, unless it already begins with that location.
+/// The error as one at `where`, unless that is its location.
 SceneError at_place(const SourceLocation& where, const SceneError& error);
 
 /// The candidate most similar to `name` by edit distance, or else the first that begins with it. Returns an empty

@@ -270,7 +270,7 @@ int main(int argc, char** argv) {
     return sheaf::run(argc, argv);
   } catch (const sheaf::Error& error) {
     std::fprintf(stderr, "make_cloud: %s\n", error.what());
-    return static_cast<int>(error.code());
+    return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "make_cloud: %s\n", error.what());
     return static_cast<int>(sheaf::ExitCode::kRuntime);

@@ -21,7 +21,7 @@ int render_once(const RenderArguments& arguments, const std::vector<GivenOption>
   } catch (const Error& error) {
     print_message(error.what());
     render.preview.fail();
-    return static_cast<int>(error.code());
+    return static_cast<int>(error.exit_code());
   }
 }
 

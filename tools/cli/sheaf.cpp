@@ -61,7 +61,7 @@ int run(int argc, char** argv) {
     return program.parse(argc, argv).value_or(exit_code);
   } catch (const Error& error) {
     print_message(error.what());
-    return static_cast<int>(error.code());
+    return static_cast<int>(error.exit_code());
   } catch (const std::bad_alloc&) {
     print_message("out of memory");
     return static_cast<int>(ExitCode::kRuntime);

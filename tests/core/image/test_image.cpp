@@ -282,7 +282,7 @@ TEST_CASE("writing to an unwritable path fails with the exit code for outputs") 
   const auto code_of = [](const std::filesystem::path& path) {
     try {
       check_writable(path);
-    } catch (const Error& error) { return error.code(); }
+    } catch (const Error& error) { return error.exit_code(); }
     return ExitCode::kDone;
   };
   CHECK(code_of(folder / "no/such/folder/out.exr") == ExitCode::kOutput);

@@ -12,9 +12,29 @@ TEST_CASE("error: messages begin with their file and line") {
   CHECK(std::string(SceneError({"", 7}, "bad").what()) == "bad");
 }
 
+TEST_CASE("error: errors of scenes carry their place and element and code") {
+  using Code = SceneErrorCode;
+  const SceneError plain("bad");
+  CHECK(plain.where() == SourceLocation{});
+  CHECK(plain.element().empty());
+  CHECK(plain.code() == Code::kInvalid);
+  const SceneError error = SceneError({"a.ply", 12}, "bad", Code::kTooLarge).about("<shape>");
+  CHECK(error.where() == SourceLocation{"a.ply", 12});
+  CHECK(error.about("<scene>").element() == "<shape>");
+  // Another place precedes the message
+  const SourceLocation scene{"a.xml", 3};
+  const SceneError placed = at_place(scene, error);
+  CHECK(std::string(placed.what()) == "a.xml:3: a.ply:12: bad");
+  CHECK(placed.where() == scene);
+  CHECK(placed.element() == "<shape>");
+  CHECK(placed.code() == Code::kTooLarge);
+  CHECK(std::string(at_place(scene, placed).what()) == placed.what());
+  CHECK(std::string(at_place(scene, plain).what()) == "a.xml:3: bad");
+}
+
 TEST_CASE("error: exit codes match the documented ones") {
-  CHECK(SceneError("x").code() == ExitCode::kScene);
-  CHECK(Error(ExitCode::kOutput, "x").code() == ExitCode::kOutput);
+  CHECK(SceneError("x").exit_code() == ExitCode::kScene);
+  CHECK(Error(ExitCode::kOutput, "x").exit_code() == ExitCode::kOutput);
   CHECK(static_cast<int>(ExitCode::kDone) == 0);
   CHECK(static_cast<int>(ExitCode::kRuntime) == 1);
   CHECK(static_cast<int>(ExitCode::kUsage) == 2);

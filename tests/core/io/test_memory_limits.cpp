@@ -15,7 +15,7 @@ namespace {
 std::string message_of(const std::string& task, const std::vector<MemoryUse>& uses) {
   try {
     check_memory(task, uses);
-  } catch (const Error& error) { return error.code() == ExitCode::kRuntime ? error.what() : "another exit code"; }
+  } catch (const Error& error) { return error.exit_code() == ExitCode::kRuntime ? error.what() : "another exit code"; }
   return {};
 }
 

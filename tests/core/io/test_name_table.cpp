@@ -22,7 +22,7 @@ TEST_CASE("name table: an unknown option is a usage error with the nearest name"
                        "unknown shape 'sqare', did you mean 'square'? (known: round, square, ball)", Error);
   try {
     kShapes.option("shape", "cube");
-  } catch (const Error& error) { CHECK(error.code() == ExitCode::kUsage); }
+  } catch (const Error& error) { CHECK(error.exit_code() == ExitCode::kUsage); }
 }
 
 TEST_CASE("name table: messages list the names") {

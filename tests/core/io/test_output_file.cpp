@@ -55,7 +55,7 @@ std::string error_when_full(rlim_t bytes, const std::function<void()>& write) {
   const FileSizeLimit limit(bytes);
   try {
     write();
-  } catch (const Error& error) { return error.code() == ExitCode::kOutput ? error.what() : "another exit code"; }
+  } catch (const Error& error) { return error.exit_code() == ExitCode::kOutput ? error.what() : "another exit code"; }
   return {};
 }
 

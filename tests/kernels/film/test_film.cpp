@@ -231,7 +231,7 @@ TEST_CASE("truncated and damaged and foreign film files are rejected with exit c
     try {
       read_film(file);
     } catch (const Error& error) {
-      CHECK(error.code() == ExitCode::kCheckpoint);
+      CHECK(error.exit_code() == ExitCode::kCheckpoint);
       return std::string(error.what()).find("a.film") != std::string::npos;
     }
     return false;

@@ -251,7 +251,7 @@ TEST_CASE("adaptive sampling: unsupported combinations are rejected") {
     try {
       render(*compile_scene(d), options);
       return false;
-    } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
+    } catch (const Error& error) { return error.exit_code() == ExitCode::kUsage; }
   };
   CHECK(fails(adaptive_options(0.1, 3)));
   CHECK_FALSE(fails(adaptive_options(0.1, 4)));

@@ -300,7 +300,7 @@ TEST_CASE("layers: layers without data are errors") {
   const auto fails = [&](const RenderOptions& options) {
     try {
       render_image(d, options);
-    } catch (const Error& error) { return error.code() == ExitCode::kUsage; }
+    } catch (const Error& error) { return error.exit_code() == ExitCode::kUsage; }
     return false;
   };
   CHECK(fails(with({aov_named("half")}, 1)));

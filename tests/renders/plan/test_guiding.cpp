@@ -343,7 +343,7 @@ TEST_CASE("guiding: integrators without guided paths are a usage error") {
       render(*compile_scene(d), options);
       FAIL("no error");
     } catch (const Error& error) {
-      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.exit_code() == ExitCode::kUsage);
       CHECK(std::string(error.what()).find("guiding needs an integrator") != std::string::npos);
     }
   }

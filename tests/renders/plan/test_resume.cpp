@@ -224,7 +224,7 @@ TEST_CASE("foreign and damaged checkpoints are rejected with exit code 5") {
     try {
       read_checkpoint(file, settings);
     } catch (const Error& error) {
-      CHECK(error.code() == ExitCode::kCheckpoint);
+      CHECK(error.exit_code() == ExitCode::kCheckpoint);
       return std::string(error.what());
     }
     return std::string();

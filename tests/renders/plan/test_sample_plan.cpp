@@ -184,7 +184,7 @@ TEST_CASE("sample plan: the state of another render is refused") {
   try {
     plan_of(*scene, options);
     FAIL("no error");
-  } catch (const Error& error) { CHECK(error.code() == ExitCode::kCheckpoint); }
+  } catch (const Error& error) { CHECK(error.exit_code() == ExitCode::kCheckpoint); }
 }
 
 }  // namespace sheaf::test_sample_plan

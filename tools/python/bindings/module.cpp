@@ -360,7 +360,8 @@ void add_image(py::module_& m) {
       .def("compare", compare);
 }
 
-/// Errors become sheaf._sheaf.NativeError(message, exit code), which the package converts.
+/// Errors become sheaf._sheaf.NativeError(message, exit code, file, line), which the package converts. File and line
+/// are None if unknown.
 void translate_errors(py::module_& m) {
   static PyObject* const native = PyErr_NewException("sheaf._sheaf.NativeError", PyExc_Exception, nullptr);
   m.attr("NativeError") = py::handle(native);
@@ -368,7 +369,10 @@ void translate_errors(py::module_& m) {
     try {
       if (pointer) std::rethrow_exception(pointer);
     } catch (const Error& error) {
-      PyErr_SetObject(native, py::make_tuple(error.what(), static_cast<int>(error.code())).ptr());
+      const SourceLocation& where = error.where();
+      const py::object file = where.file.empty() ? py::object(py::none()) : py::object(py::str(where.file));
+      const py::object line = where.line == 0 ? py::object(py::none()) : py::object(py::int_(where.line));
+      PyErr_SetObject(native, py::make_tuple(error.what(), static_cast<int>(error.exit_code()), file, line).ptr());
     }
   });
 }

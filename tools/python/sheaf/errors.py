@@ -1,7 +1,6 @@
 """Exceptions and warnings."""
 
 import contextlib
-import os
 import re
 from typing import Iterator, Optional
 
@@ -15,23 +14,17 @@ class SheafWarning(UserWarning):
 class Error(Exception):
     """An error with a message for the user.
 
-    file, line: location in the scene; None if unknown. kind: "runtime", "usage", "scene", "output" or "checkpoint".
+    file, line: location in the scene, of the first of several errors; None if unknown. kind: "runtime", "usage", "scene", "output" or "checkpoint".
     exit_code: that of the command line.
     """
 
     kind = "runtime"
     exit_code = 1
 
-    def __init__(self, message: str):
+    def __init__(self, message: str, file: Optional[str] = None, line: Optional[int] = None):
         super().__init__(message)
-        self.file: Optional[str] = None
-        self.line: Optional[int] = None
-        located = re.match(r"(?P<file>.+?):(?P<line>\d+): ", message)
-        start = message.split(": ", 1)[0]
-        if located:
-            self.file, self.line = located["file"], int(located["line"])
-        elif " " not in start and start != message or os.path.exists(start):
-            self.file = start
+        self.file = file
+        self.line = line
 
 
 class RuntimeError(Error, RuntimeError):  # pylint: disable=redefined-builtin
@@ -48,6 +41,11 @@ class SceneError(Error):
     """The scene or a file of it is wrong (exit code 3)."""
 
     kind, exit_code = "scene", 3
+
+    @classmethod
+    def at(cls, file: str, message: str) -> "SceneError":
+        """An error at a file, or at an entry of a dictionary."""
+        return cls(f"{file}: {message}", file)
 
 
 class OutputError(Error, OSError):
@@ -71,6 +69,6 @@ def converted_errors() -> Iterator[None]:
     try:
         yield
     except native.NativeError as error:
-        message, code = error.args
+        message, code, file, line = error.args
         message = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda m: m[1].replace("-", "_"), message)
-        raise _BY_CODE.get(code, RuntimeError)(message) from None
+        raise _BY_CODE.get(code, RuntimeError)(message, file, line) from None

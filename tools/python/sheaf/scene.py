@@ -287,7 +287,7 @@ class Scene:
     def add(self, key: str, dictionary: Dict[str, Any]) -> Object:
         """Adds an object with this id."""
         if not isinstance(dictionary, dict) or not isinstance(dictionary.get("type"), str):
-            raise SceneError(f"dictionary.{key}: expected a dictionary with a 'type'")
+            raise SceneError.at(f"dictionary.{key}", "expected a dictionary with a 'type'")
         with converted_errors():
             element = tree.from_dict(key, dictionary, "scene", f"dictionary.{key}", identify=True)
             self._session.set((), None, element)

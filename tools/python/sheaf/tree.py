@@ -34,7 +34,7 @@ def element_of(plugin: str, parent: str, where: str) -> str:
         known = sorted({name for names in plugins().values() for name in names})
         import difflib
         near = difflib.get_close_matches(plugin, known, 1)
-        raise SceneError(f"{where}: unknown plugin '{plugin}'" + (f", did you mean '{near[0]}'?" if near else ""))
+        raise SceneError.at(where, f"unknown plugin '{plugin}'" + (f", did you mean '{near[0]}'?" if near else ""))
     for element in _PREFERRED.get(parent, []):
         if element in found:
             return element
@@ -47,7 +47,7 @@ def _number(value) -> str:
 
 def _finite(values: np.ndarray, where: str) -> np.ndarray:
     if not np.isfinite(values).all():
-        raise SceneError(f"{where}: has values that are not finite")
+        raise SceneError.at(where, "has values that are not finite")
     return values
 
 
@@ -56,9 +56,9 @@ def array(name: str, value: Any, where: str) -> tuple:
     values = np.asarray(value)
     if name == "faces":
         if values.dtype.kind not in "iu":
-            raise SceneError(f"{where}: is an array of {values.dtype}, expected integers")
+            raise SceneError.at(where, f"is an array of {values.dtype}, expected integers")
         if values.size and (values.min() < 0 or values.max() >= 2**32):
-            raise SceneError(f"{where}: has indices from {values.min()} to {values.max()}, expected 0 to 4294967295")
+            raise SceneError.at(where, f"has indices from {values.min()} to {values.max()}, expected 0 to 4294967295")
         kind = np.uint32
     elif values.dtype == np.uint8:
         kind = np.uint8
@@ -67,7 +67,7 @@ def array(name: str, value: Any, where: str) -> tuple:
         if values.dtype.kind == "f":
             _finite(values, where)
     else:
-        raise SceneError(f"{where}: is an array of {values.dtype}, expected numbers")
+        raise SceneError.at(where, f"is an array of {values.dtype}, expected numbers")
     with np.errstate(over="ignore"):
         values = np.ascontiguousarray(values, dtype=kind)
     return ("array", {"name": name}, [], where, values)
@@ -86,7 +86,7 @@ def _transform(name: str, matrix: np.ndarray, where: str) -> tuple:
 def _color(kind: str, name: str, value: Any, where: str) -> tuple:
     values = np.asarray(value, dtype=np.float64).reshape(-1)
     if len(values) not in (1, 3):
-        raise SceneError(f"{where}: is a colour of {len(values)} numbers, expected 3")
+        raise SceneError.at(where, f"is a colour of {len(values)} numbers, expected 3")
     return (kind, {"name": name, "value": ", ".join(_number(v) for v in _finite(values, where))}, [], where)
 
 
@@ -97,14 +97,14 @@ def _spectrum(name: str, value: Any, where: str) -> tuple:
         try:
             text = ", ".join(f"{_number(wavelength)}:{_number(v)}" for wavelength, v in value)
         except (TypeError, ValueError):
-            raise SceneError(f"{where}: expected a number or pairs (wavelength, value)") from None
+            raise SceneError.at(where, "expected a number or pairs (wavelength, value)") from None
     return ("spectrum", {"name": name, "value": text}, [], where)
 
 
 def _from_dict(name: str, value: Dict[str, Any], parent: str, where: str) -> tuple:
     kind = value.get("type")
     if not isinstance(kind, str):
-        raise SceneError(f"{where}: has no 'type', expected the name of a plugin")
+        raise SceneError.at(where, "has no 'type', expected the name of a plugin")
     if kind == "ref":
         return ("ref", {"name": name, "id": str(value.get("id", ""))}, [], where)
     if kind in _COLORS and "value" in value:
@@ -133,7 +133,7 @@ def from_dict(name: str, value: Dict[str, Any], parent: str, where: str, identif
             continue
         place = f"{where}.{key}"
         if not isinstance(key, str):
-            raise SceneError(f"{place}: the key is a {type(key).__name__}, expected a text")
+            raise SceneError.at(place, f"the key is a {type(key).__name__}, expected a text")
         if key == "attributes" and isinstance(each, dict) and "type" not in each:
             children += [array(str(k), v, f"{place}.{k}") for k, v in each.items()]
         else:
@@ -158,12 +158,12 @@ def property_of(name: str, value: Any, parent: str, where: str, now: Optional[st
     if hasattr(value, "__fspath__"):
         return ("string", {"name": name, "value": value.__fspath__()}, [], where)
     if not hasattr(value, "__len__"):
-        raise SceneError(f"{where}: is a {type(value).__name__}, expected a number, a text, a sequence or a dictionary")
+        raise SceneError.at(where, f"is a {type(value).__name__}, expected a number, a text, a sequence or a dictionary")
     values = np.asarray(value)
     if values.dtype.kind not in "fiu":
         if isinstance(value, np.ndarray):
             return array(name, value, where)
-        raise SceneError(f"{where}: is a {type(value).__name__} without numbers, expected numbers")
+        raise SceneError.at(where, f"is a {type(value).__name__} without numbers, expected numbers")
     if values.shape == (4, 4) and name.lower().replace("_", "") in ("toworld", "touv"):
         return _transform(name, values.astype(np.float64), where)
     is_array = now == "array" or (parent in ("shape", "mesh") and is_attribute(name))
@@ -178,13 +178,13 @@ def property_of(name: str, value: Any, parent: str, where: str, now: Optional[st
 def scene_tree(dictionary: Dict[str, Any]) -> tuple:
     """The tree of a whole scene."""
     if not isinstance(dictionary, dict) or dictionary.get("type") != "scene":
-        raise SceneError("dictionary: expected a dictionary whose 'type' is 'scene'")
+        raise SceneError.at("dictionary", "expected a dictionary whose 'type' is 'scene'")
     children = []
     for key, value in dictionary.items():
         if key == "type":
             continue
         where = f"dictionary.{key}"
         if not isinstance(key, str) or not isinstance(value, dict) or not isinstance(value.get("type"), str):
-            raise SceneError(f"{where}: expected a text as the key, and a dictionary with a 'type'")
+            raise SceneError.at(where, "expected a text as the key, and a dictionary with a 'type'")
         children.append(from_dict(key, value, "scene", where, identify=True))
     return ("scene", {"version": "3.0.0"}, children, "dictionary")
