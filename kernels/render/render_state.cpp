@@ -21,14 +21,14 @@ RecordedSettings get_settings(BinaryInput& in) {
   RecordedSettings settings;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
-    settings.emplace_back(std::move(name), in.get_text());
+    settings.push_back({std::move(name), in.get_text()});
   }
   return settings;
 }
 
 const std::string* find(const RecordedSettings& settings, const std::string& name) {
-  for (const auto& [each, value] : settings)
-    if (each == name) return &value;
+  for (const RecordedSetting& setting : settings)
+    if (setting.name == name) return &setting.value;
   return nullptr;
 }
 
@@ -41,7 +41,7 @@ std::vector<std::string> differences(const RecordedSettings& here, const Recorde
   const auto may_differ = [&](const std::string& name) {
     return continues && (name == "--spp" || name == "--replicates");
   };
-  for (const auto& [name, value] : here) {
+  for (const auto& [name, value, kind] : here) {
     if (may_differ(name)) continue;
     const std::string* other = find(there, name);
     if (other == nullptr)
@@ -49,7 +49,7 @@ std::vector<std::string> differences(const RecordedSettings& here, const Recorde
     else if (*other != value)
       found.push_back(name + " is '" + value + "', but the checkpoint has '" + *other + "'");
   }
-  for (const auto& [name, value] : there)
+  for (const auto& [name, value, kind] : there)
     if (!may_differ(name) && find(here, name) == nullptr)
       found.push_back(name + " is not given, but the checkpoint has '" + value + "'");
   if (found.size() <= kMaxReported) return found;
@@ -84,7 +84,7 @@ SampleDivision get_division(BinaryInput& in) {
 void write_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings, const RenderState& state) {
   BinaryOutput out(file, kFirstLine);
   out.put(static_cast<std::uint32_t>(settings.size()));
-  for (const auto& [name, value] : settings) {
+  for (const auto& [name, value, kind] : settings) {
     out.put(std::string_view(name));
     out.put(std::string_view(value));
   }

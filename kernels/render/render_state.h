@@ -28,8 +28,18 @@ struct RenderState {
   Stats::Dropped dropped;                ///< of this render and of those that it resumes
 };
 
-/// Settings on which a render depends, as readable names and values.
-using RecordedSettings = std::vector<std::pair<std::string, std::string>>;
+/// A setting on which a render depends.
+struct RecordedSetting {
+  enum class Kind {
+    kProgram,  ///< version and instruction set
+    kOption,   ///< an option that all parts of an image share
+    kPart,     ///< an option that selects a part of the image
+    kFile,     ///< a file of the scene
+  };
+  std::string name, value;    ///< readable; all that checkpoints store
+  Kind kind = Kind::kOption;  ///< not known for settings of a checkpoint
+};
+using RecordedSettings = std::vector<RecordedSetting>;
 
 /// Writes a checkpoint atomically. Throws Error (exit code 4).
 void write_checkpoint(const std::filesystem::path& file, const RecordedSettings& settings, const RenderState& state);

@@ -65,10 +65,15 @@ void check_checkpoint(const CheckpointArguments& arguments) {
 }
 
 RecordedSettings recorded_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {
-  RecordedSettings settings{{"Sheaf's version", SHEAF_VERSION}, {"the instruction set", kIsaName}};
-  for (const GivenOption& option : given)
-    if (option.affects_image) settings.emplace_back("--" + option.name, option.values);
-  for (const fs::path& file : files) settings.emplace_back(file.filename().string(), fingerprint(file));
+  using Kind = RecordedSetting::Kind;
+  RecordedSettings settings{{"Sheaf's version", SHEAF_VERSION, Kind::kProgram},
+                            {"the instruction set", kIsaName, Kind::kProgram}};
+  for (const GivenOption& option : given) {
+    const bool selects_part = option.name == "samples" || option.name == "crop";
+    if (option.affects_image)
+      settings.push_back({"--" + option.name, option.values, selects_part ? Kind::kPart : Kind::kOption});
+  }
+  for (const fs::path& file : files) settings.push_back({file.filename().string(), fingerprint(file), Kind::kFile});
   return settings;
 }
 

@@ -87,11 +87,11 @@ std::string part_settings(const RecordedSettings& settings) {
   constexpr std::size_t kMaxFiles = 16;
   std::string options, files;
   std::size_t count = 0;
-  for (const auto& [name, value] : settings) {
-    if (name == "Sheaf's version" || name == "the instruction set" || name == "--samples" || name == "--crop") continue;
-    const bool is_option = name.starts_with("--");
-    (is_option ? options : files) += name + (is_option ? " " : ": ") + value + "\n";
-    count += is_option ? 0 : 1;
+  for (const auto& [name, value, kind] : settings) {
+    if (kind == RecordedSetting::Kind::kOption) options += fmt::format("{} {}\n", name, value);
+    if (kind != RecordedSetting::Kind::kFile) continue;
+    files += fmt::format("{}: {}\n", name, value);
+    ++count;
   }
   if (count > kMaxFiles) {
     const std::uint32_t sum = check_sum({files.data(), files.size()}, 0);

@@ -188,7 +188,9 @@ void Session::compile_job(Job& job) {
 RecordedSettings Session::settings_of(const Job& job) const {
   RecordedSettings settings =
       recorded_settings(job.given, expanded_ != nullptr ? expanded_->files() : loaded_.description.files);
-  if (is_changed_) settings.emplace_back("the scene of the program", fmt::format("{:08x}", check_sum_of(tree(), 0)));
+  if (is_changed_)
+    settings.push_back(
+        {"the scene of the program", fmt::format("{:08x}", check_sum_of(tree(), 0)), RecordedSetting::Kind::kFile});
   return settings;
 }
 
