@@ -9,6 +9,7 @@
 #include "scene/compile/media/compile_media.h"
 #include "scene/compile/render_origin.h"
 #include "scene/compile/scene_naming.h"
+#include "scene/materials/flattener.h"
 
 #include <algorithm>
 #include <chrono>
@@ -63,18 +64,21 @@ bool can_pass_thin_dielectrics(const std::vector<MaterialRow>& rows) {
 }
 
 /// Adds materials and phase functions, the last of which is isotropic if there are media.
-CompiledMaterials add_materials(const Description& in, SpectrumSet* spectra, SceneTables& scene) {
-  // Reject bump maps without slopes over uv
-  for (const MaterialDescription& m : in.materials) {
+CompiledMaterials add_materials(const Description& in, SpectrumSet* spectra, ErrorSink& errors, SceneTables& scene) {
+  // Replace bump maps without slopes over uv
+  std::vector<MaterialDescription> all = in.materials;
+  for (MaterialDescription& m : all) {
     const auto* bump = std::get_if<BumpMapDescription>(&m.model);
     if (bump == nullptr || static_cast<std::size_t>(bump->displacement) >= in.textures.size()) continue;
-    if (domain_of(in.textures[static_cast<std::size_t>(bump->displacement)].model) == TextureDomain::kPoint)
-      throw SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)");
+    if (domain_of(in.textures[static_cast<std::size_t>(bump->displacement)].model) != TextureDomain::kPoint) continue;
+    errors.report(SceneError(m.where, "a volume grid cannot be a bump map (expected a texture over uv)"),
+                  kDiffuseSubstitute);
+    m.model = DiffuseDescription{};
   }
   // Flatten materials and phase functions into rows
   std::vector<PhaseDescription> phases = in.phases;
   if (!in.media.empty()) phases.push_back({IsotropicPhaseDescription{}, {}});
-  CompiledMaterials materials = compile_materials(in.materials, spectra, phases);
+  CompiledMaterials materials = compile_materials(all, spectra, phases, &errors);
   append(scene.warnings, materials.warnings);
   for (const MaterialSpectra& rows : materials.spectra)
     scene.spectra.materials.insert(scene.spectra.materials.end(), rows.begin(), rows.end());
@@ -141,21 +145,22 @@ void set_bounds(const Bounds3f& shapes, std::span<const CameraDescription> camer
 /// Adds media, whose grids it describes, and lights, which depend on the bounds and on emitting media.
 std::vector<PlacedGrid> add_media_and_lights(const Description& in, const CompiledGeometry& geometry,
                                              const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* spectra,
-                                             MotionCompiler& motion, SceneNaming& naming, SceneTables& scene) {
+                                             MotionCompiler& motion, SceneNaming& naming, ErrorSink& errors,
+                                             SceneTables& scene) {
   const auto store_samples = [&] {
     if (spectra != nullptr) scene.spectra.samples = spectra->samples();
   };
   CompiledMedia media;
   with_memory_for("grids of media", "use coarser grids", [&] {
-    media = compile_media(in, geometry, row_of_phase, spectra, motion, scene.geometry.shapes);
+    media = compile_media(in, geometry, row_of_phase, spectra, motion, errors, scene.geometry.shapes);
     scene.media = std::move(media.tables);
     scene.spectra.media = std::move(media.spectra);
     append(scene.warnings, media.warnings);
     store_samples();
-    check_media(scene.view(), in.media, scene.media);
+    check_media(in.media, errors, scene);
   });
   with_memory_for("lights and environment map", "use a smaller environment map", [&] {
-    CompiledLights lights = compile_lights(in, geometry, media, spectra, motion, naming, scene);
+    CompiledLights lights = compile_lights(in, geometry, media, spectra, motion, naming, errors, scene);
     scene.info.lights = lights.tables.rows.size();
     scene.lights = std::move(lights.tables);
     scene.spectra.lights = std::move(lights.spectra);
@@ -191,7 +196,8 @@ void complete(CompileReport& report, std::vector<PlacedGrid> grids, const SceneT
 }
 
 /// Compiles a description relative to a point in world space; see moved_to().
-std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const CompileOptions& options) {
+std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const CompileOptions& options,
+                                     ErrorSink& errors) {
   CompileReport report;
   SceneTables scene;
   scene.origin = origin;
@@ -205,34 +211,36 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
   SpectrumSet* const spectra = set ? &*set : nullptr;
   SceneNaming naming(scene.names);
   MotionCompiler motion(in, scene.motion);
-  CompiledCameras cameras = compile_cameras(in, motion);
+  CompiledCameras cameras = compile_cameras(in, motion, errors);
   scene.sensor = std::move(cameras.tables);
   // Read meshes and textures by all threads; compile textures, materials, shapes and instances
   MeshReader meshes(in);
   std::vector<PlacedGrid> texture_grids;
   with_memory_for("textures", "use smaller images", [&] {
     const SecondsTimer timer(report.texture_seconds);
-    scene.textures = compile_textures(in.textures, &texture_grids);
+    scene.textures = compile_textures(in.textures, &texture_grids, &errors);
   });
   append(scene.warnings, scene.textures.warnings);
   naming.add_materials(in.materials);
-  const CompiledMaterials materials = add_materials(in, spectra, scene);
+  const CompiledMaterials materials = add_materials(in, spectra, errors, scene);
   set_transmittance(in, scene);
   CompiledGeometry geometry(scene.textures.attribute_names);
   with_memory_for("meshes and instances", kFewerTriangles, [&] {
     const SecondsTimer timer(report.mesh_seconds);
-    geometry = compile_geometry(in, meshes, scene.textures, materials, motion);
+    geometry = compile_geometry(in, meshes, scene.textures, materials, motion, errors);
   });
+  errors.throw_errors();
   // Start again with another origin if mesh files lie far from the present one
   if (const Vec3d better = origin_of_mesh_files(in, geometry, origin); better != Vec3d())
-    return compile_moved(moved_to(in, better), better, options);
+    return compile_moved(moved_to(in, better), better, options, errors);
   set_geometry(geometry, naming, scene);
   scene.info.materials = in.materials.size();
-  append(scene.warnings, check_attributes(in, scene, geometry));
+  append(scene.warnings, check_attributes(in, geometry, errors, scene));
   set_bounds(geometry.bounds, cameras.at_open, motion, scene);
   // Compile media and lights, build the acceleration structure, and trace probe rays
   std::vector<PlacedGrid> grids =
-      add_media_and_lights(in, geometry, materials.row_of_phase, spectra, motion, naming, scene);
+      add_media_and_lights(in, geometry, materials.row_of_phase, spectra, motion, naming, errors, scene);
+  errors.throw_errors();
   with_memory_for("acceleration structure", kFewerTriangles, [&] {
     const SecondsTimer timer(report.accel_seconds);
     build_accel(geometry, options, scene);
@@ -247,9 +255,16 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
 }  // namespace
 
 std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options) {
+  std::vector<std::string> unused;
+  ErrorSink strict(false, unused);
+  ErrorSink& errors = options.errors != nullptr ? *options.errors : strict;
   const Vec3d origin = render_origin(description);
-  if (origin == Vec3d()) return compile_moved(description, origin, options);
-  return compile_moved(moved_to(description, origin), origin, options);
+  std::unique_ptr<Scene> scene;
+  errors.run([&] {
+    scene = origin == Vec3d() ? compile_moved(description, origin, options, errors)
+                              : compile_moved(moved_to(description, origin), origin, options, errors);
+  });
+  return scene;
 }
 
 }  // namespace sheaf

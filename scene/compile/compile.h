@@ -3,6 +3,7 @@
 
 #include "core/io/name_table.h"
 #include "scene/description.h"
+#include "scene/description/error_sink.h"
 #include "scene/scene.h"
 
 #include <functional>
@@ -49,16 +50,16 @@ struct CompileOptions {
   /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
   /// acceleration structure. Empty: none.
   std::function<double(const Scene&)> render_bytes = {};
+  /// Receives the errors of elements that cannot be compiled: textures become grey, materials diffuse and media empty;
+  /// shapes and lights are left out. Null: as in strict mode.
+  ErrorSink* errors = nullptr;
   /// Geometry of an earlier scene (scene/compile/geometry/kept_geometry.h), used instead of an equal one; null: none.
   KeptGeometry* kept = nullptr;
 };
 
 /// Compiles a description: loads meshes, flattens materials, builds light tables and the acceleration structure. Throws
-/// SceneError for missing or broken assets. Degenerate geometry is dropped with a warning.
+/// SceneErrors for missing or broken assets, SceneError for errors that concern the whole scene. Degenerate geometry is
+/// dropped with a warning.
 std::unique_ptr<Scene> compile_scene(const Description& description, const CompileOptions& options = {});
-
-/// Like compile_scene(), but drops or replaces elements of the description that cannot be compiled, and records them in
-/// Description::stand_ins. Throws SceneError for errors that concern the whole scene.
-std::unique_ptr<Scene> compile_leniently(Description& description, const CompileOptions& options = {});
 
 }  // namespace sheaf

@@ -113,7 +113,7 @@ CameraDescription at_open(CameraDescription camera, std::size_t index, MotionCom
 
 }  // namespace
 
-CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion) {
+CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion, ErrorSink& errors) {
   CompiledCameras out;
   SensorTables& sensor = out.tables;
   const auto count = static_cast<int>(in.more_cameras.size()) + 1;
@@ -126,8 +126,20 @@ CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion) {
   for (const CameraDescription& camera : in.more_cameras)
     out.at_open.push_back(at_open(camera, out.at_open.size(), motion));
   sensor.more_cameras.resize(in.more_cameras.size());
-  for (std::size_t i = 0; i < out.at_open.size(); ++i)
-    sensor.camera_of(i) = make_camera(out.at_open[i], in.film.width / count, in.film.height);
+  for (std::size_t i = 0; i < out.at_open.size(); ++i) {
+    CameraDescription& camera = out.at_open[i];
+    const int width = in.film.width / count, height = in.film.height;
+    try {
+      sensor.camera_of(i) = make_camera(camera, width, height);
+    } catch (const SceneError& error) {
+      errors.report(error, "the camera's usual lens stands in");
+      const CameraDescription standard;
+      camera.near_clip = standard.near_clip;
+      camera.far_clip = standard.far_clip;
+      camera.fov = standard.fov;
+      sensor.camera_of(i) = make_camera(camera, width, height);
+    }
+  }
   if (in.integrator.traits().connects_photons() && (count > 1 || !sensor.camera.sees_points))
     throw SceneError(
         in.camera.where,

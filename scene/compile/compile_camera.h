@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/compile/compile_motion.h"
+#include "scene/description/error_sink.h"
 #include "scene/tables/sensor_tables.h"
 
 namespace sheaf {
@@ -11,9 +12,10 @@ struct CompiledCameras {
   std::vector<CameraDescription> at_open;  ///< the cameras when the shutter opens
 };
 
-/// Compiles the cameras of a scene, with their motions, and the pixel filter. Throws SceneError like make_camera(), for
-/// a film that is not divisible by the number of cameras, and for cameras that the integrator does not support.
-CompiledCameras compile_cameras(const Description& description, MotionCompiler& motion);
+/// Compiles the cameras of a scene, with their motions, and the pixel filter. Reports errors of make_camera(), and uses
+/// the default lens. Throws SceneError for a film that is not divisible by the number of cameras, and for cameras that
+/// the integrator does not support.
+CompiledCameras compile_cameras(const Description& description, MotionCompiler& motion, ErrorSink& errors);
 
 /// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
 /// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not

@@ -39,12 +39,14 @@ std::vector<LightInstance::Step> steps_for_offsets(const std::vector<MotionStepR
 class LightTableBuilder {
  public:
   LightTableBuilder(const Description& description, const CompiledGeometry& geometry, const CompiledMedia& media,
-                    SpectrumSet* set, MotionCompiler& motion, SceneNaming& naming, SceneTables& scene)
+                    SpectrumSet* set, MotionCompiler& motion, SceneNaming& naming, ErrorSink& errors,
+                    SceneTables& scene)
       : in_(description),
         geometry_(geometry),
         media_(media),
         motion_(motion),
         naming_(naming),
+        errors_(errors),
         scene_(scene),
         context_{in_.integrator,
                  std::span(scene.textures.rows).first(in_.textures.size()),
@@ -90,16 +92,27 @@ class LightTableBuilder {
     return view;
   }
 
-  /// Emission of a shape; empty if it is black.
-  std::optional<AreaEmission> emission_of(const ShapeDescription& shape) const {
+  void leave_out(const SourceLocation& where, const SceneError& error) {
+    errors_.report(at_place(where, error), "light left out");
+  }
+
+  /// Emission of a shape; empty if it is black or cannot be compiled.
+  std::optional<AreaEmission> emission_of(const ShapeDescription& shape) {
     if (!shape.radiance) return std::nullopt;
-    const auto* spectrum = std::get_if<SpectrumDescription>(&*shape.radiance);
+    try {
+      return emission_of(shape, *shape.radiance);
+    } catch (const SceneError& error) { leave_out(shape.where, error); }
+    return std::nullopt;
+  }
+
+  std::optional<AreaEmission> emission_of(const ShapeDescription& shape, const SpectrumInput& from) const {
+    const auto* spectrum = std::get_if<SpectrumDescription>(&from);
     const Vec3f radiance = spectrum != nullptr ? emission_rgb(*spectrum) : Vec3f{1, 1, 1};
     if (!(max_component(radiance) > 0.0f)) return std::nullopt;
     const std::optional<TextureId> texture = radiance_texture_of(shape);
     return AreaEmission{radiance,
                         texture ? context_.texture_row(*texture, shape.where) : kNone,
-                        context_.emission_row(*shape.radiance, shape.where),
+                        context_.emission_row(from, shape.where),
                         shape.emits_along_normal,
                         shape.emits_on_both_sides,
                         !shape.is_visible,
@@ -162,7 +175,7 @@ class LightTableBuilder {
       const MotionRow from_rest = motion_.add(steps_from_rest(steps, std::to_array(placed.rest.to_world)));
       for (std::uint32_t light = instance.first_light; light < count(); ++light)
         MotionCompiler::set(motion_.tables().lights, light, from_rest);
-    } catch (const SceneError& error) { throw at_place(geometry_.sources[emitters[0].shape].shape->where, error); }
+    } catch (const SceneError& error) { leave_out(geometry_.sources[emitters[0].shape].shape->where, error); }
   }
 
   void add_area_light(const Emitter& emitter, const LightInstance* instance) {
@@ -211,7 +224,7 @@ class LightTableBuilder {
         if (LightKinds::is_environment(light.model) && !(row && max_component(emitted_rgb(row->row)) > 0.0f))
           lights_.has_black_environment = true;
         if (row) placed.push_back({*row, &light});
-      } catch (const SceneError& error) { throw at_place(light.where, error); }
+      } catch (const SceneError& error) { leave_out(light.where, error); }
     }
     return placed;
   }
@@ -221,7 +234,10 @@ class LightTableBuilder {
     for (const auto& [light, from] : placed) {
       if (is_infinite(light.row) != at_infinity || !(max_component(emitted_rgb(light.row)) > 0.0f)) continue;
       if (light_compiler_of(light.row).domain == LightDomain::kEnvironment) {
-        if (lights_.environment != kNone) throw SceneError(from->where, "a scene may have only one environment light");
+        if (lights_.environment != kNone) {
+          leave_out(from->where, SceneError("a scene may have only one environment light", SceneErrorCode::kDuplicate));
+          continue;
+        }
         lights_.environment = count();
       }
       add_row(light.row, light.spectrum, from->where, from->id);
@@ -270,6 +286,7 @@ class LightTableBuilder {
   const CompiledMedia& media_;
   MotionCompiler& motion_;
   SceneNaming& naming_;
+  ErrorSink& errors_;
   SceneTables& scene_;
   CompiledLights out_;
   LightTables& lights_ = out_.tables;
@@ -310,8 +327,8 @@ std::vector<TextureId> emission_textures(const ShapeDescription& shape) {
 
 CompiledLights compile_lights(const Description& description, const CompiledGeometry& geometry,
                               const CompiledMedia& media, SpectrumSet* set, MotionCompiler& motion, SceneNaming& naming,
-                              SceneTables& scene) {
-  return LightTableBuilder(description, geometry, media, set, motion, naming, scene).run();
+                              ErrorSink& errors, SceneTables& scene) {
+  return LightTableBuilder(description, geometry, media, set, motion, naming, errors, scene).run();
 }
 
 void select_lights(const MotionCompiler& motion, SceneTables& scene) {

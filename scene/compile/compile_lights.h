@@ -21,11 +21,12 @@ struct CompiledLights {
 
 /// Compiles all lights: those of shapes outside of groups, of instances, the description's bounded ones, those of media
 /// and those at infinity. Sets the lights of shapes, instances and media in `scene`, whose other tables are complete,
-/// and adds quadrics for instances of quadrics that emit. `set` makes rows of spectra in spectral mode. Throws
-/// SceneError for a second environment light, invalid emission, and too many triangles.
+/// and adds quadrics for instances of quadrics that emit. `set` makes rows of spectra in spectral mode. Reports
+/// lights that are left out: a second environment light, and invalid emission. Throws SceneError for too many
+/// triangles.
 CompiledLights compile_lights(const Description& description, const CompiledGeometry& geometry,
                               const CompiledMedia& media, SpectrumSet* set, MotionCompiler& motion, SceneNaming& naming,
-                              SceneTables& scene);
+                              ErrorSink& errors, SceneTables& scene);
 
 /// Builds the tables for light selection, from the lights of a scene with all other tables but the acceleration
 /// structure.

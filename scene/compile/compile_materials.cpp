@@ -70,9 +70,9 @@ void set_buckets(MaterialTables& out) {
 }  // namespace
 
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set,
-                                    const std::vector<PhaseDescription>& phases) {
+                                    const std::vector<PhaseDescription>& phases, ErrorSink* errors) {
   // Flatten materials and phase functions
-  MaterialFlattener flat(materials, set);
+  MaterialFlattener flat(materials, set, errors);
   CompiledMaterials out;
   for (std::size_t i = 0; i < materials.size(); ++i) out.row_of.push_back(flat.flatten(static_cast<MaterialId>(i), {}));
   for (std::size_t i = 0; i < phases.size(); ++i)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/description/error_sink.h"
 #include "scene/materials/row_builder.h"
 #include "scene/tables/material_tables.h"
 
@@ -17,10 +18,11 @@ struct CompiledMaterials {
 };
 
 /// Flattens two-sided materials, masks, blends, coats and maps into rows. Texture indices are unchanged. Phase
-/// functions become rows, too. `set` makes the rows of spectra in spectral mode. Throws SceneError for two-sided
+/// functions become rows, too. `set` makes the rows of spectra in spectral mode. Reports materials that are replaced by
+/// diffuse ones to `errors` (null: throws): two-sided
 /// materials or coats around a transmitting material, for two-sided materials, coats or maps nested in their own kind,
 /// and for too deep nesting.
 CompiledMaterials compile_materials(const std::vector<MaterialDescription>& materials, SpectrumSet* set = nullptr,
-                                    const std::vector<PhaseDescription>& phases = {});
+                                    const std::vector<PhaseDescription>& phases = {}, ErrorSink* errors = nullptr);
 
 }  // namespace sheaf

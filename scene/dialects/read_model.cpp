@@ -104,13 +104,14 @@ Description read_model(const std::filesystem::path& file, MeshFileShape::Format 
   shape.geometry = std::move(mesh);
   shape.where = {file.string(), 0};
   description.shapes.push_back(std::move(shape));
-  expand_obj_materials(description, lenient, true);
-  if (description.shapes.empty()) throw SceneError(description.stand_ins.back());
+  ErrorSink errors(lenient, description.stand_ins);
+  errors.run([&] { expand_obj_materials(description, errors, true); });
+  if (description.shapes.empty()) throw errors.errors().back();
   // Load the model and place the camera
   for (ShapeDescription& part : description.shapes)
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
       load_model(part, MeshFileShape(*from), description);
-  const std::array<Vec3d, 2> box = read_bounds(description, lenient);
+  const std::array<Vec3d, 2> box = read_bounds(description, errors);
   frame_box(box, view, description);
   // Add default materials, floor and light
   const MaterialId grey = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
@@ -130,7 +131,9 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
                                           options.camera, options.lenient, description);
   std::array<Vec3d, 2> box{Vec3d{-1, -1, -1}, Vec3d{1, 1, 1}};
   if (!description.shapes.empty() || !description.instances.empty()) {
-    box = read_bounds(description, options.lenient);
+    ErrorSink errors(options.lenient, description.stand_ins);
+    box = read_bounds(description, errors);
+    errors.throw_errors();
   } else {
     // An animation may hide everything for a while
     const SceneError nothing({file.string(), 0}, "has no triangles to render");

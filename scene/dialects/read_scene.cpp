@@ -129,7 +129,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
   if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
   Description description;
   description.file = file;
-  description.stand_ins = scene.left_out();
+  description.stand_ins = scene.stand_ins();
   const bool nori = is_nori(root);
   if (nori) {
     reject_camera_choice(options);
@@ -138,23 +138,26 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     rename_old_plugins(scene);
   }
   // Read the elements
-  ReadContext context{
-      scene,          description, description, description.textures, description.materials, description.phases,
-      options.lenient};
+  ErrorSink errors(options.lenient, description.stand_ins);
+  ReadContext context{scene, description, description, description.textures, description.materials, description.phases,
+                      errors};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
   context.camera = options.camera;
   context.readers.spectrum = read_property_spectrum;
   context.readers.scalar_texture = scalar_texture;
-  if (nori) {
-    read_nori(context);
-  } else {
-    read_mitsuba(context);
-  }
-  // Complete the description
-  description.files = scene.files();
-  if (options.lenient) drop_bad_faces(description);
-  expand_obj_materials(description, options.lenient);
-  if (context.frames_scene) frame_box(read_bounds(description, options.lenient), options.view, description);
+  errors.run([&] {
+    if (nori) {
+      read_nori(context);
+    } else {
+      read_mitsuba(context);
+    }
+    // Complete the description
+    description.files = scene.files();
+    if (options.lenient) drop_bad_faces(description);
+    expand_obj_materials(description, errors);
+    if (!options.lenient) return;
+    if (context.frames_scene) frame_box(read_bounds(description, errors), options.view, description);
+  });
   if (options.lenient) light_what_is_dark(description);
   return description;
 }
@@ -173,7 +176,9 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
     reject_camera_choice(options);
     Description description;
     description.file = file;
-    read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, options.lenient);
+    ErrorSink errors(options.lenient, description.stand_ins);
+    errors.run(
+        [&] { read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, errors); });
     if (options.lenient) drop_bad_faces(description);
     return description;
   }

@@ -15,7 +15,7 @@ SpectrumRow LightContext::emission_row(const SpectrumInput& emission, const Sour
   const auto* spectrum = std::get_if<SpectrumDescription>(&emission);
   try {
     return spectra->row(spectrum != nullptr ? *spectrum : SpectrumDescription::constant(1), SpectrumUse::kIlluminant);
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 std::uint32_t LightContext::texture_row(TextureId id, const SourceLocation& where) const {

@@ -21,13 +21,16 @@ SpectrumDescription divided(SpectrumDescription spectrum, float by) {
   return spectrum;
 }
 
-ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
+std::optional<ConductorDescription::Ior> named_metal(Properties& p, const std::string& name) {
   const std::span<const MetalSample> samples = find_metal(name);
   if (samples.empty()) {
     std::vector<std::string> known = metal_names();
     known.emplace_back("none");
-    p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
-                              " (known: " + list_of(known) + "); use 'eta' and 'k' for others");
+    p.report_at("material",
+                "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
+                    " (known: " + list_of(known) + "); use 'eta' and 'k' for others",
+                SceneErrorCode::kUnknownName);
+    return std::nullopt;
   }
   SpectrumDescription::Table eta, k;
   for (const MetalSample& sample : samples) {
@@ -37,13 +40,13 @@ ConductorDescription::Ior named_metal(Properties& p, const std::string& name) {
     k.values.push_back(sample.k);
   }
   eta.equal_energy = k.equal_energy = true;
-  return {SpectrumDescription{std::move(eta)}, SpectrumDescription{std::move(k)}};
+  return ConductorDescription::Ior{SpectrumDescription{std::move(eta)}, SpectrumDescription{std::move(k)}};
 }
 
 /// Returns an index of refraction relative to the surrounding dielectric.
 SpectrumInput relative(Properties& p, SpectrumInput ior, float ext_eta) {
   if (auto* spectrum = std::get_if<SpectrumDescription>(&ior)) return divided(std::move(*spectrum), ext_eta);
-  if (p.has("ext_eta")) p.fail_at("ext_eta", "is set together with a texture of 'eta' or 'k', expected one of them");
+  if (p.has("ext_eta")) p.report_conflict("ext_eta", "a texture of 'eta' or 'k'");
   return ior;
 }
 
@@ -66,8 +69,7 @@ ConductorDescription ConductorDescription::read_smooth(Properties& p, const Bsdf
   const std::string material = p.string("material", dialect.before_version_2 ? "Cu" : "none");
   if (eta || k) {
     if (!eta || !k) p.fail(std::string("has only '") + (eta ? "eta" : "k") + "', expected both 'eta' and 'k'");
-    if (p.has("material") && material != "none")
-      p.fail_at("material", "is set together with 'eta' and 'k', expected one of them");
+    if (p.has("material") && material != "none") p.report_conflict("material", "'eta' and 'k'");
     result.ior = {*eta, *k};
   } else if (material != "none") {
     result.ior = named_metal(p, material);

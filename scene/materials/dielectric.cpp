@@ -35,29 +35,40 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
   return result;
 }
 
+/// Throws SceneError at a property that gives an impossible index of refraction.
+Dispersion checked(Properties& p, const char* name, const Dispersion& dispersion) {
+  for (float lambda = 360; lambda <= 830; ++lambda)
+    if (const float n = ior<Scalar>(dispersion, lambda); !(n > 0.0f) || !std::isfinite(n))
+      p.fail_at(name,
+                "has no index of refraction at " + std::to_string(static_cast<int>(lambda)) +
+                    " nm, expected positive ones from 360 to 830 nm",
+                SceneErrorCode::kOutOfRange);
+  return dispersion;
+}
+
 /// Reads the index of refraction of one side of a boundary and its dispersion; `side` is "int" or "ext".
 /// `names_disperse`: whether named materials are dispersive; nullopt: all except those of find_ior().
 void read_side(Properties& p, const std::string& side, std::optional<bool> names_disperse, float& index,
                std::optional<Dispersion>& dispersion) {
   const std::string plain = side + "_ior", cauchy = side + "_cauchy", sellmeier = side + "_sellmeier";
   const int given = int{p.has(plain.c_str())} + int{p.has(cauchy.c_str())} + int{p.has(sellmeier.c_str())};
-  if (given > 1) p.fail("has more than one of '" + plain + "', '" + cauchy + "' and '" + sellmeier + "', expected one");
-  if (p.has(cauchy.c_str())) dispersion = read_cauchy(p, cauchy.c_str());
-  if (p.has(sellmeier.c_str())) dispersion = read_sellmeier(p, sellmeier.c_str());
-  if (!dispersion) {
-    index = read_ior(p, plain.c_str(), index);
-    if (!p.is_string(plain.c_str())) return;
-    const std::string name = *p.find_string(plain.c_str());
-    const Dispersion* named = find_dispersion(name);
-    if (named != nullptr && names_disperse.value_or(!find_ior(name))) dispersion = *named;
+  if (given > 1)
+    p.fail("has more than one of '" + plain + "', '" + cauchy + "' and '" + sellmeier + "', expected one",
+           SceneErrorCode::kDuplicate);
+  const auto find = [&](const char* name, Dispersion (*read)(Properties&, const char*)) {
+    if (p.has(name)) dispersion = p.attempt(name, [&] { return checked(p, name, read(p, name)); });
+  };
+  find(cauchy.c_str(), read_cauchy);
+  find(sellmeier.c_str(), read_sellmeier);
+  if (dispersion) {
+    index = catalogue_ior(*dispersion);
     return;
   }
-  const char* name = p.has(cauchy.c_str()) ? cauchy.c_str() : sellmeier.c_str();
-  for (float lambda = 360; lambda <= 830; ++lambda)
-    if (const float n = ior<Scalar>(*dispersion, lambda); !(n > 0.0f) || !std::isfinite(n))
-      p.fail_at(name, "has no index of refraction at " + std::to_string(static_cast<int>(lambda)) +
-                          " nm, expected positive ones from 360 to 830 nm");
-  index = catalogue_ior(*dispersion);
+  index = read_ior(p, plain.c_str(), index);
+  if (!p.is_string(plain.c_str())) return;
+  const std::string name = p.string(plain.c_str(), "");
+  const Dispersion* named = find_dispersion(name);
+  if (named != nullptr && names_disperse.value_or(!find_ior(name))) dispersion = *named;
 }
 
 /// Relative index of refraction (inside over outside) by wavelength.
@@ -113,8 +124,10 @@ DielectricDescription DielectricDescription::read_smooth(Properties& p, const Bs
   read_side(p, "int", names_disperse, result.int_ior, result.int_dispersion);
   read_side(p, "ext", names_disperse, result.ext_ior, result.ext_dispersion);
   if (p.has("dispersion") && *names_disperse && !result.int_dispersion && !result.ext_dispersion)
-    p.fail_at("dispersion", "is true, but neither side has a dispersion formula, expected coefficients or one of " +
-                                list_of(dispersion_names()));
+    p.report_at("dispersion",
+                "is true, but neither side has a dispersion formula, expected coefficients or one of " +
+                    list_of(dispersion_names()),
+                SceneErrorCode::kMissing);
   result.specular_reflectance = read_reflectance(p, "specular_reflectance", result.specular_reflectance);
   result.specular_transmittance = read_reflectance(p, "specular_transmittance", result.specular_transmittance);
   return result;

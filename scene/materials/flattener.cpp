@@ -13,14 +13,21 @@ constexpr std::size_t kMaxRows = std::size_t{1} << 24;
 
 std::uint32_t MaterialFlattener::flatten(MaterialId id, MaterialWrappers around) {
   const MaterialDescription& m = materials_.at(static_cast<std::size_t>(id));
-  if (around.depth > kMaxMaterialDepth)
-    throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
   const Key key(static_cast<std::size_t>(id), around.two_sided, around.map, around.coat, around.part);
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   if (rows.size() >= kMaxRows)
     throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
   ++around.depth;
-  const std::uint32_t row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
+  std::uint32_t row = 0;
+  try {
+    if (around.depth > kMaxMaterialDepth + 1)
+      throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep",
+                       SceneErrorCode::kTooLarge);
+    row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
+  } catch (const SceneError& error) {
+    report_to(errors_, error, kDiffuseSubstitute);
+    row = flatten_model(m, DiffuseDescription{}, around);
+  }
   known_.emplace(key, row);
   return row;
 }
@@ -55,7 +62,7 @@ MaterialRow MaterialFlattener::make(const MaterialDescription& m, const Model& m
     if (context_.warning != nullptr && warned_.emplace(&m, true).second)
       warnings.push_back(SceneError(m.where, context_.warning).what());
     return row;
-  } catch (const SceneError& error) { throw SceneError(m.where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(m.where, error); }
 }
 
 std::uint32_t MaterialFlattener::flatten_mapped(const NormalMapRow& map, MaterialId nested,

@@ -1,6 +1,7 @@
 // Flattening of combinations of materials (two-sided, masks, blends, coats, maps) into rows that refer to other rows.
 #pragma once
 
+#include "scene/description/error_sink.h"
 #include "scene/materials/material.h"
 #include "scene/materials/row_builder.h"
 
@@ -20,11 +21,15 @@ struct MaterialWrappers {
   int depth = 0;
 };
 
+/// What becomes of a material that cannot be compiled, for messages.
+inline constexpr const char* kDiffuseSubstitute = "a diffuse surface stands in";
+
 /// Makes rows in the order of the description. Rows of nested materials precede the row that refers to them.
 class MaterialFlattener {
  public:
-  MaterialFlattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set)
-      : materials_(materials), context_{bindings, tables, set} {}
+  /// `errors`: receives the errors of materials that become diffuse; null: they are thrown.
+  MaterialFlattener(const std::vector<MaterialDescription>& materials, SpectrumSet* set, ErrorSink* errors = nullptr)
+      : materials_(materials), context_{bindings, tables, set}, errors_(errors) {}
 
   std::vector<MaterialRow> rows;
   std::vector<MaterialSpectra> spectra;  ///< per row, in spectral mode
@@ -33,8 +38,8 @@ class MaterialFlattener {
   ClosureTables tables;
   std::vector<std::string> warnings;
 
-  /// The row of a material that is nested in `around`. Throws SceneError for too deep nesting, for combinations that
-  /// are not supported, and for spectra that are not finite.
+  /// The row of a material that is nested in `around`. Reports too deep nesting, combinations that are not supported,
+  /// and spectra that are not finite; the material becomes diffuse.
   std::uint32_t flatten(MaterialId id, MaterialWrappers around);
   /// The row of a material below a bump or normal map.
   std::uint32_t flatten_mapped(const NormalMapRow& map, MaterialId nested, const MaterialWrappers& around,
@@ -61,6 +66,7 @@ class MaterialFlattener {
 
   const std::vector<MaterialDescription>& materials_;
   RowContext context_;
+  ErrorSink* errors_;
   /// Materials with a warning about a reflectance above 1 (false) or about the model (true).
   std::set<std::pair<const MaterialDescription*, bool>> warned_;
   std::map<Key, std::uint32_t> known_;

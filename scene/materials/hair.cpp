@@ -19,7 +19,7 @@ HairDescription HairDescription::read(Properties& p, const BsdfDialect&) {
   HairDescription result;
   if (auto sigma_a = p.find_spectrum_input("sigma_a", SpectrumRole::kIor)) {
     for (const char* melanin : {"eumelanin", "pheomelanin"})
-      if (p.has(melanin)) p.fail_at(melanin, "is set together with 'sigma_a', expected one of them");
+      if (p.has(melanin)) p.report_conflict(melanin, "'sigma_a'");
     result.color = Absorption{*std::move(sigma_a), 1};
   } else {
     Melanin melanin;

@@ -14,9 +14,13 @@ namespace {
 void read_slab_material(Properties& p, HanrahanKruegerDescription& slab) {
   const std::string name = p.string("material", "skin1");
   const MeasuredMedium* found = find_measured_medium(name);
-  if (found == nullptr)
-    p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
-                              did_you_mean(name, measured_medium_names()));
+  if (found == nullptr) {
+    p.report_at("material",
+                "is " + in_quotes(name) + ", expected the name of a measured medium" +
+                    did_you_mean(name, measured_medium_names()),
+                SceneErrorCode::kUnknownName);
+    found = find_measured_medium("skin1");
+  }
   slab.first = SpectrumDescription{SpectrumDescription::Rgb{found->sigma_s}};
   slab.second = SpectrumDescription{SpectrumDescription::Rgb{found->sigma_a}};
   slab.by_albedo = false;
@@ -44,8 +48,7 @@ HanrahanKruegerDescription HanrahanKruegerDescription::read(Properties& p, const
   if (pair && other) p.fail("mixes 'sigmaT' and 'albedo' with 'sigmaS' and 'sigmaA', expected one of the pairs");
   if (pair != (sigma_t && albedo) || other != (sigma_s && sigma_a))
     p.fail("has only one coefficient, expected 'sigmaS' and 'sigmaA', or 'sigmaT' and 'albedo'");
-  if ((pair || other) && p.has("material"))
-    p.fail_at("material", "is set together with coefficients, expected one of them");
+  if ((pair || other) && p.has("material")) p.report_conflict("material", "coefficients");
   if (pair) result.first = *sigma_t, result.second = *albedo;
   if (other) result.first = *sigma_s, result.second = *sigma_a, result.by_albedo = false;
   if (!pair && !other) read_slab_material(p, result);

@@ -14,8 +14,8 @@ MaskDescription read_filter(Properties& p, float passing) {
   p.ignore({"theta", "polarizing", "left_handed", "delta"});
   const ScalarInput transmittance = p.scalar_input("transmittance", 1.0f, kUnitInterval);
   const float* number = std::get_if<float>(&transmittance);
-  if (number == nullptr) p.fail_at("transmittance", "is a texture, expected a number");
-  const MaskDescription filter{1 - passing * *number, add_black_material(p)};
+  if (number == nullptr) p.report_at("transmittance", "is a texture, expected a number", SceneErrorCode::kWrongType);
+  const MaskDescription filter{1 - passing * (number != nullptr ? *number : 1.0f), add_black_material(p)};
   note_polarisation(p);
   return filter;
 }

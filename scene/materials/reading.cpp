@@ -49,14 +49,18 @@ MaterialId add_black_material(Properties& p) {
 
 float read_ior(Properties& p, const char* property, float default_value) {
   if (!p.is_string(property)) return p.number(property, default_value, kPositive);
-  const std::string name = *p.find_string(property);
+  const std::optional<std::string> given = p.find_string(property);
+  if (!given) return default_value;
+  const std::string& name = *given;
   if (const std::optional<float> ior = find_ior(name)) return *ior;
   if (const Dispersion* dispersion = find_dispersion(name)) return catalogue_ior(*dispersion);
   std::vector<std::string> known = ior_names();
   const std::vector<std::string> dispersing = dispersion_names();
   known.insert(known.end(), dispersing.begin(), dispersing.end());
-  p.fail_at(property,
-            "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known));
+  p.report_at(property,
+              "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known),
+              SceneErrorCode::kUnknownName);
+  return default_value;
 }
 
 SpectrumInput read_reflectance(Properties& p, const char* name, SpectrumInput default_value) {
@@ -82,13 +86,14 @@ RoughnessDescription read_roughness(Properties& p) {
     // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
     p.context().note(p.where(), "distribution '" + distribution + "' rendered as 'beckmann'");
   } else if (distribution != "beckmann") {
-    p.fail_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx");
+    p.report_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx",
+                SceneErrorCode::kUnknownName);
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
   if (along != across)
     p.fail(std::string("has only 'alpha_") + (along ? "u" : "v") +
            "', expected both 'alpha_u' and 'alpha_v', or 'alpha'");
-  if (along && p.has("alpha")) p.fail_at("alpha", "is set together with 'alpha_u' and 'alpha_v', expected one of them");
+  if (along && p.has("alpha")) p.report_conflict("alpha", "'alpha_u' and 'alpha_v'");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
   p.ignore({"sample_visible"});
@@ -97,9 +102,12 @@ RoughnessDescription read_roughness(Properties& p) {
 
 RoughnessDescription read_uniform_roughness(Properties& p) {
   for (const char* name : {"alpha", "alpha_u", "alpha_v"})
-    if (p.is_texture(name)) p.fail_at(name, "is a texture, expected a number");
+    if (p.is_texture(name)) p.report_at(name, "is a texture, expected a number", SceneErrorCode::kWrongType);
   RoughnessDescription result = read_roughness(p);
-  if (result.alpha_u != result.alpha_v) p.fail_at("alpha_v", "differs from 'alpha_u', expected equal values");
+  if (result.alpha_u != result.alpha_v) {
+    p.report_at("alpha_v", "differs from 'alpha_u', expected equal values");
+    result.alpha_v = result.alpha_u;
+  }
   return result;
 }
 
@@ -119,8 +127,8 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
 }
 
 std::vector<float> read_numbers(Properties& p, const char* name) {
-  if (!p.is_string(name)) p.fail_at(name, "is invalid, expected a string of numbers");
-  return parse_floats(*p.find_string(name), p.where(), name);
+  if (!p.is_string(name)) p.fail_at(name, "is invalid, expected a string of numbers", SceneErrorCode::kWrongType);
+  return parse_floats(p.required_string(name), p.where(), name);
 }
 
 const char* first_of(Properties& p, std::initializer_list<const char*> names) {
@@ -138,7 +146,7 @@ std::string list_of(const std::vector<std::string>& names) {
 std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std::size_t high, const char* expected) {
   std::vector<const XmlElement*> found = p.objects("bsdf");
   if (found.size() < low || found.size() > high)
-    p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected);
+    p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected, SceneErrorCode::kMissing);
   return found;
 }
 
@@ -155,7 +163,7 @@ void expect_opaque(Properties& p, MaterialId nested) {
 
 const XmlElement& only_texture(Properties& p) {
   const XmlElement* texture = p.any_texture_or_color();
-  if (texture == nullptr) p.fail("has no <texture>, expected one");
+  if (texture == nullptr) p.fail("has no <texture>, expected one", SceneErrorCode::kMissing);
   return *texture;
 }
 

@@ -10,13 +10,15 @@ namespace sheaf {
 
 namespace {
 
-/// Returns the name under which a property is present, or the first name. Throws SceneError if there are several.
+/// Returns the name under which a property is present, or the first name. Reports further ones.
 const char* only_name(Properties& p, std::initializer_list<const char*> names) {
   const char* found = nullptr;
   for (const char* name : names) {
     if (!p.has(name)) continue;
-    if (found != nullptr) p.fail_at(name, "is set together with '" + std::string(found) + "', expected one of them");
-    found = name;
+    if (found != nullptr)
+      p.report_conflict(name, "'" + std::string(found) + "'");
+    else
+      found = name;
   }
   return found != nullptr ? found : *names.begin();
 }
@@ -43,8 +45,9 @@ TextureWrap read_wrap(Properties& p, std::initializer_list<const char*> names, T
 bool read_raw(Properties& p) {
   const bool raw = p.boolean("raw", false);
   if (!p.has("gamma")) return raw;
-  if (p.has("raw")) p.fail_at("gamma", "is set together with 'raw', expected one of them");
-  return read_linear_gamma(p);
+  if (!p.has("raw")) return read_linear_gamma(p);
+  p.report_conflict("gamma", "'raw'");
+  return raw;
 }
 
 BitmapDescription::Channel read_channel(Properties& p) {

@@ -71,7 +71,8 @@ std::string Definitions::replace(std::string_view text, const TextPlace& place, 
       }
       i = end;
     }
-    if (substituted_ > kMaxSubstituted) throw SceneError(place.where, "$parameters expand to more than 256 MiB");
+    if (substituted_ > kMaxSubstituted)
+      throw SceneError(place.where, "$parameters expand to more than 256 MiB", SceneErrorCode::kTooLarge);
   }
   return result;
 }
@@ -83,7 +84,8 @@ std::string Definitions::evaluate(std::string_view text, std::size_t open, std::
   const auto fail = [&](std::size_t at, const std::string& message) {
     const std::string column =
         place.column > 0 ? "column " + std::to_string(static_cast<std::size_t>(place.column) + at) + ": " : "";
-    on_error(SceneError(place.where, column + in_quotes(text.substr(open - 1, end - open + 1)) + ": " + message));
+    on_error(SceneError(place.where, column + in_quotes(text.substr(open - 1, end - open + 1)) + ": " + message,
+                        SceneErrorCode::kSyntax));
     return std::string();
   };
   if (close == std::string_view::npos) return fail(open - 1, "'$(' is not closed, expected ')'");

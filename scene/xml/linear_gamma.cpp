@@ -8,7 +8,8 @@ bool read_linear_gamma(Properties& p) {
   if (gamma > kLow && gamma < kHigh) {
     p.context().note(p.where(), p.element().name + " '" + p.type() + "' has 'gamma' 2.2, rendered as sRGB");
   } else if (gamma != 1 && gamma != -1 && gamma != 0) {
-    p.fail_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)");
+    p.report_at("gamma", "is " + std::to_string(gamma) + ", expected 1 (linear) or -1 (sRGB)",
+                SceneErrorCode::kOutOfRange);
   }
   return gamma == 1;
 }

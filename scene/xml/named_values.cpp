@@ -3,6 +3,8 @@
 
 #include "scene/xml/xml.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace sheaf {
@@ -41,24 +43,27 @@ bool NamedValues::has(const char* name) {
   return look(name) != nullptr;
 }
 
-const NamedValue* NamedValues::use(const char* name) {
+NamedValue* NamedValues::use(const char* name) {
   queried_.emplace_back(name);
   NamedValue* value = look(name);
   if (value != nullptr) value->used = true;
   return value;
 }
 
-void NamedValues::check_range(const char* name, const Number& number, NumberRange range) {
-  if (!is_inside(number.value, range)) fail_at(name, "is " + number.text + ", expected " + range_text(range));
+void NamedValues::check_range(const NamedValue& value, const Number& number, NumberRange range) const {
+  if (!is_inside(number.value, range))
+    fail_value(value, "is " + number.text + ", expected " + range_text(range), SceneErrorCode::kOutOfRange);
 }
 
 std::optional<float> NamedValues::find_number(const char* name, NumberRange range) {
   note_query(name, "float");
-  const NamedValue* value = use(name);
+  NamedValue* value = use(name);
   if (value == nullptr) return std::nullopt;
-  const Number number = read_number(*value);
-  check_range(name, number, range);
-  return static_cast<float>(number.value);
+  return attempt(*value, [&] {
+    const Number number = read_number(*value);
+    check_range(*value, number, range);
+    return static_cast<float>(number.value);
+  });
 }
 
 float NamedValues::number(const char* name, float default_value, NumberRange range) {
@@ -68,25 +73,30 @@ float NamedValues::number(const char* name, float default_value, NumberRange ran
 
 int NamedValues::integer(const char* name, int default_value, int low, int high) {
   note_query(name, "integer", default_value);
-  const NamedValue* value = use(name);
+  NamedValue* value = use(name);
   if (value == nullptr) return default_value;
-  const Number number = read_integer(*value);
-  if (number.value < low || number.value > high)
-    fail_at(name,
-            "is " + number.text + ", expected an integer from " + std::to_string(low) + " to " + std::to_string(high));
-  return static_cast<int>(number.value);
+  const auto read = [&] {
+    const Number number = read_integer(*value);
+    if (number.value < low || number.value > high)
+      fail_value(*value, fmt::format("is {}, expected an integer from {} to {}", number.text, low, high),
+                 SceneErrorCode::kOutOfRange);
+    return static_cast<int>(number.value);
+  };
+  return attempt(*value, read).value_or(default_value);
 }
 
 bool NamedValues::boolean(const char* name, bool default_value) {
   note_query(name, "boolean", default_value);
-  const NamedValue* value = use(name);
-  return value != nullptr ? read_boolean(*value) : default_value;
+  NamedValue* value = use(name);
+  return value != nullptr ? attempt(*value, [&] { return read_boolean(*value); }).value_or(default_value)
+                          : default_value;
 }
 
 std::optional<std::string> NamedValues::find_string(const char* name) {
   note_query(name, "string");
-  const NamedValue* value = use(name);
-  return value != nullptr ? std::optional<std::string>(read_string(*value)) : std::nullopt;
+  NamedValue* value = use(name);
+  if (value == nullptr) return std::nullopt;
+  return attempt(*value, [&] { return read_string(*value); });
 }
 
 std::string NamedValues::string(const char* name, const std::string& default_value) {
@@ -96,8 +106,8 @@ std::string NamedValues::string(const char* name, const std::string& default_val
 
 std::string NamedValues::required_string(const char* name) {
   note_query(name, "string", std::string("required"));
-  if (std::optional<std::string> text = find_string(name)) return *std::move(text);
-  fail("needs the string '" + std::string(name) + "'");
+  if (const NamedValue* value = use(name)) return read_string(*value);
+  fail(fmt::format("needs the string '{}'", name), SceneErrorCode::kMissing);
 }
 
 std::optional<Vec3f> NamedValues::find_vec3(const char* name) {
@@ -112,8 +122,9 @@ Vec3f NamedValues::vec3(const char* name, Vec3f default_value) {
 
 std::optional<Vec3d> NamedValues::find_point(const char* name) {
   note_query(name, "vector");
-  const NamedValue* value = use(name);
-  return value != nullptr ? std::optional<Vec3d>(read_vec3(*value)) : std::nullopt;
+  NamedValue* value = use(name);
+  if (value == nullptr) return std::nullopt;
+  return attempt(*value, [&] { return read_vec3(*value); });
 }
 
 Vec3d NamedValues::point(const char* name, Vec3d default_value) {
@@ -124,7 +135,7 @@ Vec3d NamedValues::point(const char* name, Vec3d default_value) {
 std::filesystem::path NamedValues::file(const char* name) {
   note_query(name, "file", std::string("required"));
   const NamedValue* value = use(name);
-  if (value == nullptr) fail("needs the string '" + std::string(name) + "', a file");
+  if (value == nullptr) fail(fmt::format("needs the string '{}', a file", name), SceneErrorCode::kMissing);
   return find_file(read_string(*value), *value);
 }
 
@@ -135,34 +146,55 @@ void NamedValues::ignore(std::initializer_list<const char*> names) {
   }
 }
 
-void NamedValues::reject(const NamedValue& value) const {
+void NamedValues::reject(NamedValue& value) const {
   std::vector<std::string> keys;
   for (const std::string& name : queried_) keys.push_back(key_of(name));
   std::string message = "unknown " + subject(value);
   const std::string nearest = nearest_name(key_of(value.name), keys);
   const auto at = std::find(keys.begin(), keys.end(), nearest) - keys.begin();
   if (!nearest.empty()) message += ", did you mean '" + queried_[static_cast<std::size_t>(at)] + "'?";
-  leave_out(value, message);
+  drop(value, make_error(&value, message, SceneErrorCode::kUnknownName));
 }
 
 std::string NamedValues::subject(const NamedValue& value) const {
   return std::string(value_kind()) + " " + in_quotes(value.name) + " of " + title();
 }
 
-void NamedValues::fail_value(const NamedValue& value, const std::string& message) const {
-  raise(&value, subject(value) + " " + message);
+SceneError NamedValues::make_error(const NamedValue* value, const std::string& message, SceneErrorCode code) const {
+  return SceneError(place_of(value), message, code).about(value != nullptr ? subject(*value) : title());
 }
 
-void NamedValues::fail(const std::string& message) const { raise(nullptr, title() + " " + message); }
+void NamedValues::drop(NamedValue& value, const SceneError& error) const {
+  value.used = value.dropped = true;
+  errors().report(error.about(subject(value)), "ignored");
+}
 
-void NamedValues::fail_at(const char* name, const std::string& message) {
+void NamedValues::fail_value(const NamedValue& value, const std::string& message, SceneErrorCode code) const {
+  raise(&value, subject(value) + " " + message, code);
+}
+
+void NamedValues::fail(const std::string& message, SceneErrorCode code) const {
+  raise(nullptr, title() + " " + message, code);
+}
+
+void NamedValues::fail_at(const char* name, const std::string& message, SceneErrorCode code) {
   const NamedValue* value = look(name);
-  if (value == nullptr) fail(std::string(value_kind()) + " '" + name + "' " + message);
-  fail_value(*value, message);
+  if (value == nullptr) fail(fmt::format("{} '{}' {}", value_kind(), name, message), code);
+  fail_value(*value, message, code);
+}
+
+void NamedValues::report_at(const char* name, const std::string& message, SceneErrorCode code) {
+  NamedValue* value = look(name);
+  if (value == nullptr) fail_at(name, message, code);
+  drop(*value, make_error(value, subject(*value) + " " + message, code));
+}
+
+std::string NamedValues::choice_message(std::string_view text, const std::vector<std::string>& known) {
+  return "is " + in_quotes(text) + ", expected " + one_of(known) + did_you_mean(text, known);
 }
 
 void NamedValues::fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known) {
-  fail_at(name, "is " + in_quotes(text) + ", expected " + one_of(known) + did_you_mean(text, known));
+  fail_at(name, choice_message(text, known), SceneErrorCode::kUnknownName);
 }
 
 }  // namespace sheaf

@@ -5,10 +5,10 @@
 
 #include "core/io/name_table.h"
 #include "core/math/vec3d.h"
+#include "scene/description/error_sink.h"
 #include "scene/description/inputs.h"
 #include "scene/xml/query_recorder.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
@@ -23,11 +23,13 @@ std::string number_text(double number);
 
 /// One named value. The syntax of a dialect derives from it.
 struct NamedValue {
-  std::string name;   ///< as in the file
-  bool used = false;  ///< whether the reader has taken the value
+  std::string name;      ///< as in the file
+  bool used = false;     ///< whether the reader has taken the value
+  bool dropped = false;  ///< whether an error has been reported at the value, which then counts as absent
 };
 
-/// The named values of an object. All functions throw SceneError for a value of the wrong type or out of its range.
+/// The named values of an object. Values of the wrong type or out of their range are reported to errors() and count as
+/// absent.
 class NamedValues {
  public:
   NamedValues() = default;
@@ -56,13 +58,14 @@ class NamedValues {
   /// A position, in double precision.
   std::optional<Vec3d> find_point(const char* name);
   Vec3d point(const char* name, Vec3d default_value);
-  /// The value that a string names in a table. Throws SceneError for a name that is not in the table.
+  /// The value that a string names in a table. Reports a name that is not in the table.
   template <class Value> Value choice(const char* name, const NameTable<Value>& table, Value default_value) {
     if (QueryRecorder::active() != nullptr) record(name, "string", std::string(table.name_of(default_value)));
     const std::optional<std::string> text = find_string(name);
     if (!text) return default_value;
     if (const Value* found = table.find(*text)) return *found;
-    fail_choice(name, *text, table.names());
+    report_at(name, choice_message(*text, table.names()), SceneErrorCode::kUnknownName);
+    return default_value;
   }
   /// The file named by a string, resolved to a regular file. Throws SceneError if the file or the string is missing.
   std::filesystem::path file(const char* name);
@@ -71,11 +74,23 @@ class NamedValues {
   void ignore(std::initializer_list<const char*> names);
 
   /// Throws SceneError at the object; the message starts with its title.
-  [[noreturn]] void fail(const std::string& message) const;
+  [[noreturn]] void fail(const std::string& message, SceneErrorCode code = SceneErrorCode::kInvalid) const;
   /// Throws SceneError at the value, or at the object if the value is absent.
-  [[noreturn]] void fail_at(const char* name, const std::string& message);
+  [[noreturn]] void fail_at(const char* name, const std::string& message,
+                            SceneErrorCode code = SceneErrorCode::kInvalid);
   /// Throws SceneError: the text of a string is not one of `known`.
   [[noreturn]] void fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known);
+  /// Reports an error at the value, which then counts as absent. Throws the error if the value is absent already.
+  void report_at(const char* name, const std::string& message, SceneErrorCode code = SceneErrorCode::kInvalid);
+  /// Reports that a value is set together with an alternative; see report_at(). `others`: "'from' and 'to'".
+  void report_conflict(const char* name, const std::string& others) {
+    report_at(name, "is set together with " + others + ", expected one of them", SceneErrorCode::kDuplicate);
+  }
+  /// Calls read(), which takes the value. Reports its error at the value, which then counts as absent; returns nothing.
+  template <class Read> auto attempt(const char* name, Read&& read) -> std::optional<decltype(read())> {
+    NamedValue* value = look(name);
+    return value != nullptr ? attempt(*value, read) : std::optional<decltype(read())>(read());
+  }
 
  protected:
   /// A number and its text for messages.
@@ -84,7 +99,7 @@ class NamedValues {
     std::string text;
   };
 
-  /// Returns the value of this name, or null.
+  /// Returns the value of this name, or null if it is absent or dropped.
   virtual NamedValue* look(const char* name) = 0;
   /// The term for a value in messages: "property" or "parameter".
   virtual const char* value_kind() const = 0;
@@ -97,22 +112,36 @@ class NamedValues {
   virtual Vec3d read_vec3(const NamedValue& value) const = 0;
   /// Returns the regular file of this name. Throws SceneError if it does not exist.
   virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
-  /// Throws SceneError at the value, or at the object if it is null.
-  [[noreturn]] virtual void throw_error(const NamedValue* value, const std::string& message) const = 0;
-  /// Calls throw_error(). A non-virtual function, because g++ ignores [[noreturn]] on virtual ones.
-  [[noreturn]] void raise(const NamedValue* value, const std::string& message) const {
-    throw_error(value, message);
-    std::abort();
+  /// The location of the value, or of the object if it is null.
+  virtual const SourceLocation& place_of(const NamedValue* value) const = 0;
+  virtual ErrorSink& errors() const = 0;
+
+  /// An error at the value, or at the object if it is null.
+  SceneError make_error(const NamedValue* value, const std::string& message, SceneErrorCode code) const;
+  /// Throws make_error().
+  [[noreturn]] void raise(const NamedValue* value, const std::string& message,
+                          SceneErrorCode code = SceneErrorCode::kInvalid) const {
+    throw make_error(value, message, code);
   }
-  /// Throws SceneError at the value; in lenient mode, reports that it is ignored.
-  virtual void leave_out(const NamedValue& value, const std::string& message) const = 0;
+  /// Reports an error of a value, which then counts as absent.
+  void drop(NamedValue& value, const SceneError& error) const;
+  /// Calls read() for a value; after an error, drops the value and returns nothing.
+  template <class Read> auto attempt(NamedValue& value, Read&& read) const -> std::optional<decltype(read())> {
+    try {
+      return read();
+    } catch (const SceneError& error) {
+      drop(value, error);
+      return std::nullopt;
+    }
+  }
 
   /// Returns the value of this name and marks it as used; null if absent. Marks the name as known.
-  const NamedValue* use(const char* name);
+  NamedValue* use(const char* name);
   /// Throws SceneError at the value; the message starts with its subject().
-  [[noreturn]] void fail_value(const NamedValue& value, const std::string& message) const;
+  [[noreturn]] void fail_value(const NamedValue& value, const std::string& message,
+                               SceneErrorCode code = SceneErrorCode::kInvalid) const;
   /// Throws SceneError at the value unless the number is in the range.
-  void check_range(const char* name, const Number& number, NumberRange range);
+  void check_range(const NamedValue& value, const Number& number, NumberRange range) const;
   /// Adds a query to the active recorder.
   void record(const char* name, const char* type, std::string default_value) const;
   /// Records a query with a default value, if there is a recorder.
@@ -123,10 +152,12 @@ class NamedValues {
   void note_query(const char* name, const char* type) const {
     if (QueryRecorder::active() != nullptr) record(name, type, {});
   }
-  /// Handles a value that is not used, so its name is unknown.
-  void reject(const NamedValue& value) const;
+  /// Reports a value that is not used, so its name is unknown.
+  void reject(NamedValue& value) const;
 
  private:
+  static std::string choice_message(std::string_view text, const std::vector<std::string>& known);
+
   std::vector<std::string> queried_;  ///< queried names, as spelled in the code
 };
 

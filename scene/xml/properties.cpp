@@ -32,20 +32,6 @@ void ReadContext::note(const SourceLocation& where, const std::string& message) 
   if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
-void ReadContext::stand_in(const SourceLocation& where, const std::string& message) {
-  std::string text = SceneError(where, message).what();
-  std::vector<std::string>& all = remarks.stand_ins;
-  if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
-}
-
-bool ReadContext::leave_out(const SceneError& error, const XmlElement& around) {
-  if (!lenient) throw;
-  const auto* about = dynamic_cast<const ElementError*>(&error);
-  if (about == nullptr || &about->element() == &around || !left_out.insert(&about->element()).second) return false;
-  remarks.stand_ins.push_back(std::string(error.what()) + " (ignored)");
-  return true;
-}
-
 std::string spelling_key(std::string_view name) {
   std::string key;
   for (const char c : name)
@@ -53,16 +39,14 @@ std::string spelling_key(std::string_view name) {
   return key;
 }
 
-Properties::Properties(const XmlElement& object, ReadContext& context) : object_(object), context_(context) {
+Properties::Properties(const XmlElement& object, ReadContext& context, const char* plugin)
+    : object_(object), context_(context), is_replaced_(plugin != nullptr) {
   expect_attributes(object, {"type", "id", "name", "version"});
-  if (object.find_attribute("type") == nullptr)
-    throw ElementError(object, "<" + object.name + "> needs an attribute 'type'");
-  const auto other = context.types.find(&object);
-  type_ = other != context.types.end() ? other->second : object.attribute("type");
+  type_ = plugin != nullptr ? plugin : object.attribute("type");
   for (const XmlElement& child : object.children) add(child);
-  if (context.open.count(&object) != 0) throw ElementError(object, title() + " refers to itself");
+  if (context.open.count(&object) != 0) raise(nullptr, title() + " refers to itself");
   if (context.open.size() >= kMaxNesting)
-    throw SceneError(object.where, "objects are nested deeper than 100 references");
+    raise(nullptr, "objects are nested deeper than 100 references", SceneErrorCode::kTooLarge);
   context.open.insert(&object);
 }
 
@@ -71,22 +55,21 @@ Properties::~Properties() { context_.open.erase(&object_); }
 void Properties::expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const {
   try {
     element.expect_attributes(allowed);
-  } catch (const SceneError& error) {
-    if (!context_.lenient) throw;
-    context_.stand_in({}, std::string(error.what()) + " (ignored)");
-  }
+  } catch (const SceneError& error) { context_.errors.report(error, "ignored"); }
+}
+
+void Properties::report_child(const XmlElement& child, const std::string& message, SceneErrorCode code) {
+  context_.errors.report(SceneError(child.where, message, code).about("<" + child.name + "> in " + title()), "ignored");
 }
 
 void Properties::add(const XmlElement& child) {
   const XmlElement* target = &child;
-  if (context_.left_out.count(&child) != 0) return;
   // Resolve references
   if (child.name == "ref") {
     expect_attributes(child, {"id", "name"});
     try {
       target = &context_.scene.find(child.attribute("id"), child.where);
-    } catch (const SceneError& error) { throw ElementError(child, error); }
-    if (context_.left_out.count(target) != 0) return;
+    } catch (const SceneError& error) { return context_.errors.report(error, "ignored"); }
   }
   const std::string* name = child.find_attribute("name");
   const bool nameless = name == nullptr || name->empty();
@@ -99,17 +82,20 @@ void Properties::add(const XmlElement& child) {
     std::vector<std::string> known = kPropertyTags;
     known.insert(known.end(), kObjectTags.begin(), kObjectTags.end());
     known.push_back("ref");
-    throw ElementError(child,
-                       "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known));
+    return report_child(child,
+                        "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known),
+                        SceneErrorCode::kUnknownName);
   }
   // Add properties, each once
-  if (nameless) throw ElementError(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'");
+  if (nameless)
+    return report_child(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'",
+                        SceneErrorCode::kMissing);
   const std::string key = spelling_key(*name);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
   if (same != entries_.end()) {
-    const std::string message = "property " + in_quotes(*name) + " is set twice, expected once";
-    if (!context_.lenient) throw ElementError(child, message);
-    context_.stand_in(child.where, message + " (the last one is used)");
+    const SceneError error(child.where, "property " + in_quotes(*name) + " is set twice, expected once",
+                           SceneErrorCode::kDuplicate);
+    context_.errors.report(error.about(subject(*same)), "the last one is used");
     entries_.erase(same);
   }
   entries_.emplace_back(key, *name, child, *target);
@@ -118,7 +104,7 @@ void Properties::add(const XmlElement& child) {
 Properties::Entry* Properties::look(const char* name) {
   const std::string key = spelling_key(name);
   for (Entry& entry : entries_)
-    if (!entry.key.empty() && entry.key == key) return &entry;
+    if (!entry.key.empty() && entry.key == key && !entry.dropped) return &entry;
   return nullptr;
 }
 
@@ -126,9 +112,8 @@ const std::string& Properties::text_of(const Entry& entry, std::initializer_list
   const bool fits = std::any_of(types.begin(), types.end(), [&](const char* t) { return entry.target->name == t; });
   if (!fits) fail_type(entry, *types.begin());
   expect_attributes(*entry.target, {"name", "id", "value"});
-  if (!entry.target->children.empty())
-    throw ElementError(*entry.written, "<" + entry.target->name + "> has nested elements, expected none");
-  return *parsed(entry, [&] { return &entry.target->attribute("value"); });
+  if (!entry.target->children.empty()) raise(&entry, "<" + entry.target->name + "> has nested elements, expected none");
+  return entry.target->attribute("value");
 }
 
 bool Properties::is_texture(const char* name) {
@@ -137,10 +122,9 @@ bool Properties::is_texture(const char* name) {
 }
 
 const ArrayValue* Properties::find_array(const char* name) {
-  const Entry* entry = look(name);
+  Entry* entry = use(name);
   if (entry == nullptr) return nullptr;
-  if (entry->target->array == nullptr) fail_type(*entry, "an array");
-  use(name);
+  if (entry->target->array == nullptr) drop(*entry, type_error(*entry, "an array"));
   return entry->target->array.get();
 }
 
@@ -163,23 +147,21 @@ bool Properties::is_string(const char* name) {
 NamedValues::Number Properties::read_number(const NamedValue& value) const {
   const Entry& entry = entry_of(value);
   const std::string& text = text_of(entry, {"float", "integer"});
-  const float number =
-      parsed(entry, [&] { return parse_float(text, entry.target->where, "property " + in_quotes(entry.name)); });
+  const float number = parse_float(text, entry.target->where, "property " + in_quotes(entry.name));
   return {double{number}, in_quotes(text)};
 }
 
 NamedValues::Number Properties::read_integer(const NamedValue& value) const {
   const Entry& entry = entry_of(value);
   const std::string& text = text_of(entry, {"integer", "float"});
-  const std::int64_t number =
-      parsed(entry, [&] { return parse_integer(text, entry.target->where, "property " + in_quotes(entry.name)); });
+  const std::int64_t number = parse_integer(text, entry.target->where, "property " + in_quotes(entry.name));
   return {static_cast<double>(number), in_quotes(text)};
 }
 
 bool Properties::read_boolean(const NamedValue& value) const {
   const Entry& entry = entry_of(value);
   const std::string& text = text_of(entry, {"boolean"});
-  return parsed(entry, [&] { return parse_boolean(text, entry.target->where, "property " + in_quotes(entry.name)); });
+  return parse_boolean(text, entry.target->where, "property " + in_quotes(entry.name));
 }
 
 std::string Properties::read_string(const NamedValue& value) const { return text_of(entry_of(value), {"string"}); }
@@ -187,48 +169,54 @@ std::string Properties::read_string(const NamedValue& value) const { return text
 Vec3d Properties::read_vec3(const NamedValue& value) const {
   const Entry& entry = entry_of(value);
   if (entry.target->name != "point" && entry.target->name != "vector") fail_type(entry, "point or vector");
-  return parsed(entry, [&] { return parse_vec3_element(*entry.target, 0); });
+  return parse_vec3_element(*entry.target, 0);
 }
 
 Vec2f Properties::vec2(const char* name, Vec2f default_value) {
   note_query(name, "two numbers or a float", default_value);
-  const Entry* entry = use(name);
+  Entry* entry = use(name);
   if (entry == nullptr) return default_value;
   const XmlElement& target = *entry->target;
   if (target.name == "float" || target.name == "integer") {
-    const float number = *find_number(name);
-    return Vec2f{number, number};
+    const std::optional<float> number = find_number(name);
+    return number ? Vec2f{*number, *number} : default_value;
   }
-  const char* const types[] = {"vector2", "point2", "vector", "point"};
-  if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
-    fail_type(*entry, "vector2 or float");
-  expect_attributes(target, {"name", "id", "value"});
-  const std::vector<float> v = parsed(*entry, [&] {
-    return parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
-  });
-  if (v.size() != 2) fail_at(name, "has " + std::to_string(v.size()) + " numbers, expected two");
-  return Vec2f{v[0], v[1]};
+  const auto read = [&] {
+    const char* const types[] = {"vector2", "point2", "vector", "point"};
+    if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
+      fail_type(*entry, "vector2 or float");
+    expect_attributes(target, {"name", "id", "value"});
+    const std::vector<float> v =
+        parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
+    if (v.size() != 2) fail_value(*entry, "has " + std::to_string(v.size()) + " numbers, expected two");
+    return Vec2f{v[0], v[1]};
+  };
+  return attempt(*entry, read).value_or(default_value);
 }
 
 Transform Properties::transform(const char* name) {
   note_query(name, "transform", std::string("identity"));
-  const Entry* entry = use(name);
+  Entry* entry = use(name);
   if (entry == nullptr) return Transform();
-  if (entry->target->name == "animation") {
-    const std::string message = subject(*entry) + " is an <animation>, expected <transform>: it cannot move";
-    if (!context_.lenient) raise(entry, message);
-    context_.stand_in(entry->written->where, message + " (placed as at the first key)");
-    return parsed(*entry, [&] { return parse_animation(*entry->target).reference(); });
-  }
-  if (entry->target->name != "transform") fail_type(*entry, "transform");
-  return parsed(*entry, [&] { return parse_transform(*entry->target); });
+  const auto read = [&] {
+    if (entry->target->name != "transform") fail_type(*entry, "transform");
+    return parse_transform(*entry->target);
+  };
+  const auto first_key = [&] { return parse_animation(*entry->target).reference(); };
+  if (entry->target->name != "animation") return attempt(*entry, read).value_or(Transform());
+  const std::optional<Transform> at_rest = attempt(*entry, first_key);
+  if (at_rest)
+    errors().report(make_error(entry, subject(*entry) + " is an <animation>, expected <transform>: it cannot move",
+                               SceneErrorCode::kWrongType),
+                    "placed as at the first key");
+  return at_rest.value_or(Transform());
 }
 
 Placement Properties::placement(const char* name) {
   if (!is_animation(name)) return Placement(transform(name));
   note_query(name, "transform", std::string("identity"));
-  const Entry* entry = use(name);
-  return parsed(*entry, [&] { return Placement(parse_animation(*entry->target)); });
+  Entry* entry = use(name);
+  return attempt(*entry, [&] { return Placement(parse_animation(*entry->target)); }).value_or(Placement());
 }
 
 bool Properties::is_animation(const char* name) {
@@ -238,13 +226,13 @@ bool Properties::is_animation(const char* name) {
 
 std::optional<SpectrumDescription> Properties::find_spectrum(const char* name, SpectrumRole role) {
   note_query(name, "spectrum");
-  const Entry* entry = use(name);
+  Entry* entry = use(name);
   if (entry == nullptr) return std::nullopt;
-  const XmlElement& target = *entry->target;
-  const char* const types[] = {"rgb", "srgb", "color", "spectrum", "blackbody", "float", "integer"};
-  if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
-    fail_type(*entry, "rgb, srgb, spectrum or float");
-  return parsed(*entry, [&] {
+  return attempt(*entry, [&] {
+    const XmlElement& target = *entry->target;
+    const char* const types[] = {"rgb", "srgb", "color", "spectrum", "blackbody", "float", "integer"};
+    if (std::find(std::begin(types), std::end(types), target.name) == std::end(types))
+      fail_type(*entry, "rgb, srgb, spectrum or float");
     SpectrumDescription result = context_.readers.spectrum(target, role, context_);
     check_role(result, role, target.where, subject(*entry));
     return result;
@@ -260,8 +248,8 @@ SpectrumDescription Properties::spectrum(const char* name, SpectrumDescription d
 std::optional<SpectrumInput> Properties::find_spectrum_input(const char* name, SpectrumRole role) {
   note_query(name, "spectrum or texture");
   if (!is_texture(name)) return find_spectrum(name, role);
-  const Entry& entry = *use(name);
-  return parsed(entry, [&] {
+  Entry& entry = *use(name);
+  return attempt(entry, [&] {
     SpectrumInput input = context_.readers.texture(*entry.target, context_);
     if (const auto* constant = std::get_if<SpectrumDescription>(&input))
       check_role(*constant, role, entry.target->where, subject(entry));
@@ -274,27 +262,35 @@ SpectrumInput Properties::spectrum_input(const char* name, SpectrumInput default
   return find_spectrum_input(name, role).value_or(std::move(default_value));
 }
 
-std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
-  note_query(name, "float or texture");
-  const Entry* entry = look(name);
-  if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
-    return find_number(name, range);
-  const char* const types[] = {"texture", "spectrum", "rgb", "srgb", "color"};
-  if (std::find(std::begin(types), std::end(types), entry->target->name) == std::end(types))
-    fail_type(*use(name), "float or texture");
-  const std::optional<SpectrumInput> input = find_spectrum_input(name, SpectrumRole::kIor);
-  if (const auto* texture = std::get_if<TextureId>(&*input)) return context_.readers.scalar_texture(*texture, context_);
-  const SpectrumDescription& spectrum = std::get<SpectrumDescription>(*input);
+ScalarInput Properties::scalar_of(const Entry& entry, const SpectrumInput& input, NumberRange range) {
+  if (const auto* texture = std::get_if<TextureId>(&input)) return context_.readers.scalar_texture(*texture, context_);
+  const SpectrumDescription& spectrum = std::get<SpectrumDescription>(input);
   float number = 0;
   if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) {
     number = constant->value;
   } else if (const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&spectrum.value)) {
     number = luminance(rgb->value);
   } else {
-    fail_at(name, "is a spectrum, expected a number or a texture");
+    fail_value(entry, "is a spectrum, expected a number or a texture", SceneErrorCode::kWrongType);
   }
-  check_range(name, {double{number}, number_text(double{number})}, range);
+  check_range(entry, {double{number}, number_text(double{number})}, range);
   return number;
+}
+
+std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
+  note_query(name, "float or texture");
+  Entry* entry = look(name);
+  if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
+    return find_number(name, range);
+  use(name);
+  const char* const types[] = {"texture", "spectrum", "rgb", "srgb", "color"};
+  if (std::find(std::begin(types), std::end(types), entry->target->name) == std::end(types)) {
+    drop(*entry, type_error(*entry, "float or texture"));
+    return std::nullopt;
+  }
+  const std::optional<SpectrumInput> input = find_spectrum_input(name, SpectrumRole::kIor);
+  if (!input) return std::nullopt;
+  return attempt(*entry, [&] { return scalar_of(*entry, *input, range); });
 }
 
 ScalarInput Properties::scalar_input(const char* name, ScalarInput default_value, NumberRange range) {
@@ -309,38 +305,37 @@ const char* Properties::first_color() const {
   return nullptr;
 }
 
-const XmlElement* Properties::any_texture_or_color() {
-  if (const XmlElement* texture = any_texture()) return texture;
+const XmlElement* Properties::take_first(bool (*fits)(const Entry& entry), const std::string& what) {
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
-    const std::string& kind = entry.target->name;
-    if (entry.used || (kind != "rgb" && kind != "srgb" && kind != "color" && kind != "spectrum")) continue;
-    if (found != nullptr) throw ElementError(*entry.written, title() + " has a second colour, expected one");
-    found = &entry;
+    if (entry.used || entry.dropped || !fits(entry)) continue;
+    if (found != nullptr)
+      drop(entry, make_error(&entry, title() + " has a second " + what + ", expected one", SceneErrorCode::kDuplicate));
+    else
+      found = &entry;
   }
   if (found == nullptr) return nullptr;
   found->used = true;
   return found->target;
+}
+
+const XmlElement* Properties::any_texture_or_color() {
+  if (const XmlElement* texture = any_texture()) return texture;
+  const auto is_color = [](const Entry& entry) {
+    const std::string& kind = entry.target->name;
+    return kind == "rgb" || kind == "srgb" || kind == "color" || kind == "spectrum";
+  };
+  return take_first(is_color, "colour");
 }
 
 const XmlElement* Properties::any_texture() {
   note_query("texture", "texture");
-  Entry* found = nullptr;
-  for (Entry& entry : entries_) {
-    if (entry.target->name != "texture" || entry.used) continue;
-    if (found != nullptr) throw ElementError(*entry.written, title() + " has a second <texture>, expected one");
-    found = &entry;
-  }
   queried_kinds_.emplace_back("texture");
-  if (found == nullptr) return nullptr;
-  found->used = true;
-  return found->target;
+  return take_first([](const Entry& entry) { return entry.target->name == "texture"; }, "<texture>");
 }
 
 std::filesystem::path Properties::find_file(const std::string& file, const NamedValue& value) const {
-  try {
-    return context_.scene.find_file(file, entry_of(value).target->where);
-  } catch (const SceneError& error) { throw ElementError(object_, error); }
+  return context_.scene.find_file(file, entry_of(value).target->where);
 }
 
 std::vector<const XmlElement*> Properties::objects(const char* kind) {
@@ -348,7 +343,7 @@ std::vector<const XmlElement*> Properties::objects(const char* kind) {
   queried_kinds_.emplace_back(kind);
   std::vector<const XmlElement*> found;
   for (Entry& entry : entries_)
-    if (entry.key.empty() && entry.target->name == kind) {
+    if (entry.key.empty() && !entry.dropped && entry.target->name == kind) {
       entry.used = true;
       found.push_back(entry.target);
     }
@@ -357,7 +352,8 @@ std::vector<const XmlElement*> Properties::objects(const char* kind) {
 
 const XmlElement* Properties::object(const char* kind) {
   const std::vector<const XmlElement*> found = objects(kind);
-  if (found.size() > 1) fail("has " + std::to_string(found.size()) + " nested <" + kind + ">, expected one");
+  if (found.size() > 1)
+    fail("has " + std::to_string(found.size()) + " nested <" + kind + ">, expected one", SceneErrorCode::kDuplicate);
   return found.empty() ? nullptr : found[0];
 }
 
@@ -368,15 +364,23 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   const std::string key = spelling_key(name);
   Entry* found = nullptr;
   for (Entry& entry : entries_) {
-    if (!entry.key.empty() || entry.target->name != kind || spelling_key(entry.name) != key) continue;
+    if (!entry.key.empty() || entry.dropped || entry.target->name != kind || spelling_key(entry.name) != key) continue;
     if (found != nullptr)
-      throw ElementError(*entry.written, title() + " has a second <" + kind + "> of the name " + in_quotes(entry.name) +
-                                             ", expected one");
-    found = &entry;
+      drop(entry,
+           make_error(&entry,
+                      title() + " has a second <" + kind + "> of the name " + in_quotes(entry.name) + ", expected one",
+                      SceneErrorCode::kDuplicate));
+    else
+      found = &entry;
   }
   if (found == nullptr) return nullptr;
   found->used = true;
   return found->target;
+}
+
+void Properties::drop_object(const XmlElement& object) {
+  for (Entry& entry : entries_)
+    if (entry.target == &object) entry.dropped = true;
 }
 
 bool Properties::ignore_prefixed(const char* prefix) {
@@ -396,47 +400,62 @@ void Properties::ignore_all() {
 }
 
 void Properties::reject_unused() {
-  for (const Entry& entry : entries_) {
-    if (entry.used) continue;
-    if (entry.key.empty()) fail_unused_object(entry);
-    reject(entry);
+  // In strict mode, the properties of an object whose plugin is unknown are of no interest
+  const bool any_allowed = is_replaced_ && !errors().is_lenient();
+  for (Entry& entry : entries_) {
+    if (entry.used || entry.dropped || any_allowed) continue;
+    if (entry.key.empty())
+      report_unused_object(entry);
+    else
+      reject(entry);
   }
   if (QueryRecorder* recorder = QueryRecorder::active()) recorder->finished.insert(title());
 }
 
-void Properties::fail_unused_object(const Entry& entry) const {
+void Properties::report_unused_object(const Entry& entry) {
   const std::string& kind = entry.target->name;
-  if (kind == "texture") raise(&entry, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'");
+  if (kind == "texture")
+    return report_child(*entry.written, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'",
+                        SceneErrorCode::kMissing);
   std::string message = title() + " takes no nested <" + kind + ">";
   if (const auto known = queried_objects_.find(kind); known != queried_objects_.end()) {
     message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
-    message += did_you_mean(spelling_key(entry.name), known->second);
-    raise(&entry, message + known_names(known->second));
+    message += did_you_mean(spelling_key(entry.name), known->second) + known_names(known->second);
+  } else if (!queried_kinds_.empty()) {
+    message += " (known: " + joined(queried_kinds_) + ")";
   }
-  if (!queried_kinds_.empty()) message += " (known: " + joined(queried_kinds_) + ")";
-  raise(&entry, message);
+  report_child(*entry.written, message, SceneErrorCode::kUnknownName);
 }
 
-void Properties::throw_error(const NamedValue* value, const std::string& message) const {
-  throw ElementError(value != nullptr ? *entry_of(*value).written : object_, message);
+const SourceLocation& Properties::place_of(const NamedValue* value) const {
+  return value != nullptr ? entry_of(*value).written->where : object_.where;
 }
 
-void Properties::leave_out(const NamedValue& value, const std::string& message) const {
-  if (!context_.lenient) raise(&value, message);
-  context_.stand_in(entry_of(value).written->where, message + " (ignored)");
+void Properties::replace_plugin(const SceneError& error, const char* substitute) {
+  errors().report(error, "rendered as '" + std::string(substitute) + "'");
+  type_ = substitute;
+  is_replaced_ = true;
+}
+
+void Properties::report(const std::string& message, SceneErrorCode code, std::string_view substitute) {
+  errors().report(make_error(nullptr, title() + " " + message, code), substitute);
 }
 
 void Properties::fail_plugin(std::vector<std::string> known) const {
   std::sort(known.begin(), known.end());
   if (QueryRecorder* recorder = QueryRecorder::active())
     recorder->plugins[object_.name].insert(known.begin(), known.end());
-  throw ElementError(object_, "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) +
-                                  known_names(known));
+  raise(nullptr,
+        "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) + known_names(known),
+        SceneErrorCode::kUnknownName);
 }
 
-void Properties::fail_type(const Entry& entry, const char* expected) const {
-  fail_value(entry, "is given as <" + entry.target->name + ">, expected " + expected);
+SceneError Properties::type_error(const Entry& entry, const char* expected) const {
+  return make_error(&entry, subject(entry) + " is given as <" + entry.target->name + ">, expected " + expected,
+                    SceneErrorCode::kWrongType);
 }
+
+void Properties::fail_type(const Entry& entry, const char* expected) const { throw type_error(entry, expected); }
 
 std::string Properties::title() const { return object_.name + " " + in_quotes(type_); }
 

@@ -19,19 +19,6 @@ struct PhaseDescription;
 struct ReadContext;
 struct TextureDescription;
 
-/// An error about one element of the file. The scene may be readable without that element: see read_what_can_be().
-class ElementError : public SceneError {
- public:
-  ElementError(const XmlElement& element, const std::string& message)
-      : SceneError(element.where, message), element_(&element) {}
-  /// The message of `cause`, about this element.
-  ElementError(const XmlElement& element, const SceneError& cause) : SceneError(cause.what()), element_(&element) {}
-  const XmlElement& element() const { return *element_; }
-
- private:
-  const XmlElement* element_;
-};
-
 /// Reads a <texture> element: appends a texture, or returns a spectrum if the texture is constant. Each element is read
 /// only once. Throws SceneError.
 using TextureReader = SpectrumInput (*)(const XmlElement& element, ReadContext& context);
@@ -53,7 +40,7 @@ struct ReadContext {
   std::vector<TextureDescription>& texture_list;
   std::vector<MaterialDescription>& material_list;
   std::vector<PhaseDescription>& phase_list;
-  bool lenient = false;  ///< drop or replace what cannot be read
+  ErrorSink& errors;  ///< receives errors of elements that are dropped or replaced
   ElementReaders readers = {};
   bool exchanges_checkerboards = false;                      ///< see scalar_texture()
   std::map<const XmlElement*, SpectrumInput> textures = {};  ///< already read
@@ -62,63 +49,37 @@ struct ReadContext {
   std::map<const XmlElement*, MediumId> media = {};          ///< already read
   /// shape groups already read: index into Description::groups
   std::map<const XmlElement*, std::uint32_t> groups = {};
-  bool mirrors_nori_camera = true;                      ///< convention of ETH's course; see docs/scene-format/nori.md
-  std::string camera = {};                              ///< name or number of the camera; empty: the first
-  bool frames_scene = false;                            ///< an automatic camera must be placed
-  bool in_group = false;                                ///< shapes of a group are being read
-  std::set<const XmlElement*> left_out = {};            ///< elements that are ignored
-  std::map<const XmlElement*, std::string> types = {};  ///< plugins that replace the types of objects
+  bool mirrors_nori_camera = true;  ///< convention of ETH's course; see docs/scene-format/nori.md
+  std::string camera = {};          ///< name or number of the camera; empty: the first
+  bool frames_scene = false;        ///< an automatic camera must be placed
+  bool in_group = false;            ///< shapes of a group are being read
 
   /// Adds a remark for the user, without duplicates.
   void note(const SourceLocation& where, const std::string& message);
-  /// Reports that something was replaced or dropped.
-  void stand_in(const SourceLocation& where, const std::string& message);
-  /// Call in a handler of `error`. Rethrows unless the context is lenient. Otherwise drops the element that caused the
-  /// error, and returns true. Returns false if that element is `around` or was dropped before.
-  bool leave_out(const SceneError& error, const XmlElement& around);
 };
 
-/// Calls read(), which reads `element`. In a lenient context, repeats failed calls without the property or nested
-/// object that caused the error, until read() succeeds. The context records what was dropped. Returns the remaining
-/// error if the element as a whole cannot be read. Throws SceneError if not lenient.
-template <class Read>
-std::optional<std::string> read_what_can_be(const XmlElement& element, ReadContext& context, Read&& read) {
-  for (;;) {
-    try {
-      read();
-      return std::nullopt;
-    } catch (const SceneError& error) {
-      if (!context.leave_out(error, element)) return error.what();
-    }
+/// Calls read(), which reads `element`. Reports its error and returns false if the element cannot be read; it is then
+/// left out.
+template <class Read> bool read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
+  try {
+    read();
+    return true;
+  } catch (const SceneError& error) {
+    context.errors.report(error.about("<" + element.name + ">"), element.name + " ignored");
+    return false;
   }
-}
-
-/// As read_what_can_be(). An element that cannot be read is read as `plugin`, with the properties that this has.
-template <class Read>
-void read_or_as(const XmlElement& element, ReadContext& context, const char* plugin, Read&& read) {
-  const auto error = read_what_can_be(element, context, read);
-  if (!error) return;
-  context.types[&element] = plugin;
-  const bool done = !read_what_can_be(element, context, read);
-  context.remarks.stand_ins.push_back(*error + (done ? " (rendered as '" + std::string(plugin) + "')" : " (ignored)"));
-}
-
-/// As read_what_can_be(), for optional elements: reports an element that cannot be read as ignored.
-template <class Read> void read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
-  if (const auto error = read_what_can_be(element, context, read))
-    context.remarks.stand_ins.push_back(*error + " (" + element.name + " ignored)");
 }
 
 /// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.
 std::string spelling_key(std::string_view name);
 
-/// The properties and nested objects of one XML element. Names are compared by spelling_key(). All functions throw
-/// SceneError for a property of the wrong type or out of its range.
+/// The properties and nested objects of one XML element. Names are compared by spelling_key(). Properties of the wrong
+/// type or out of their range are reported and count as absent.
 class Properties : public NamedValues {
  public:
-  /// Resolves <ref>s. Throws SceneError for unknown elements, unnamed or repeated properties, missing ids, and an
-  /// object that refers to itself.
-  Properties(const XmlElement& object, ReadContext& context);
+  /// Resolves <ref>s. Reports unknown elements, unnamed or repeated properties, and missing ids. Throws SceneError for
+  /// an object that refers to itself. `plugin`: replaces the type of the object; null: none.
+  Properties(const XmlElement& object, ReadContext& context, const char* plugin = nullptr);
   ~Properties() override;
 
   const std::string& type() const { return type_; }
@@ -137,7 +98,7 @@ class Properties : public NamedValues {
   bool is_texture(const char* name);
   /// Two numbers, or one for both.
   Vec2f vec2(const char* name, Vec2f default_value);
-  /// Identity if absent. Throws SceneError for an <animation>; in lenient contexts uses its first key, with a report.
+  /// Identity if absent. Reports an <animation>, and uses its first key.
   Transform transform(const char* name);
   /// A <transform> or an <animation>; identity if absent.
   Placement placement(const char* name);
@@ -153,7 +114,7 @@ class Properties : public NamedValues {
   ScalarInput scalar_input(const char* name, ScalarInput default_value, NumberRange range);
   /// The name of the first property that is a colour or a texture, or null.
   const char* first_color() const;
-  /// The only unused <texture> of an object, with any name or none, or null. Throws SceneError if there are several.
+  /// The first unused <texture> of an object, with any name or none, or null. Reports further ones.
   const XmlElement* any_texture();
   /// any_texture(), or if null the only unused colour.
   const XmlElement* any_texture_or_color();
@@ -161,14 +122,17 @@ class Properties : public NamedValues {
   std::vector<const XmlElement*> objects(const char* kind);
   /// The nested object of a kind, or null. Throws SceneError if there are several.
   const XmlElement* object(const char* kind);
-  /// The nested object of a kind with this name (such as "interior"), or null. Throws SceneError if there are several.
+  /// The first nested object of a kind with this name (such as "interior"), or null. Reports further ones.
   const XmlElement* named_object(const char* kind, const char* name);
+
+  /// Makes a nested object count as absent, after an error has been reported.
+  void drop_object(const XmlElement& object);
 
   /// Ignores all properties with the given prefix; returns whether there are any.
   bool ignore_prefixed(const char* prefix);
   /// Ignores all remaining properties and objects.
   void ignore_all();
-  /// Throws SceneError for unused properties and objects; in lenient contexts unknown properties are only reported.
+  /// Reports unused properties and objects.
   void reject_unused();
 
   /// Returns the value of the object's plugin in `table`, such as the function that reads it. Throws SceneError for a
@@ -178,6 +142,19 @@ class Properties : public NamedValues {
     if (const Value* found = table.find(type_)) return *found;
     fail_plugin(table, others...);
   }
+  /// As plugin(). Reports an unknown plugin, and replaces it by `substitute`, which is a name of the first table.
+  template <class Value, class... More>
+  const Value& plugin_or(const char* substitute, const NameTable<Value>& table, const NameTable<More>&... others) {
+    if (const Value* found = table.find(type_)) return *found;
+    try {
+      fail_plugin(table, others...);
+    } catch (const SceneError& error) { replace_plugin(error, substitute); }
+    return *table.find(type_);
+  }
+  /// Reports an error of the object, which is read as another plugin.
+  void replace_plugin(const SceneError& error, const char* substitute);
+  /// Reports an error of the object, whose reading continues. `substitute`: see ErrorSink::report().
+  void report(const std::string& message, SceneErrorCode code, std::string_view substitute);
   /// Throws SceneError for an unknown plugin; the message lists the names in the tables.
   template <class... Values> [[noreturn]] void fail_plugin(const NameTable<Values>&... tables) const {
     std::vector<std::string> known;
@@ -201,19 +178,11 @@ class Properties : public NamedValues {
   };
 
   void add(const XmlElement& child);
-  /// Throws if the element has other attributes; in lenient contexts they are ignored with a report.
+  /// Reports attributes that are not allowed.
   void expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const;
-  /// Calls parse() and attributes its errors to the property.
-  template <class Parse> static auto parsed(const Entry& entry, Parse&& parse) {
-    try {
-      return parse();
-    } catch (const ElementError&) { throw; } catch (const SceneError& error) {
-      throw ElementError(*entry.written, error);
-    }
-  }
   static const Entry& entry_of(const NamedValue& value) { return static_cast<const Entry&>(value); }
   Entry* look(const char* name) override;
-  const Entry* use(const char* name) { return static_cast<const Entry*>(NamedValues::use(name)); }
+  Entry* use(const char* name) { return static_cast<Entry*>(NamedValues::use(name)); }
   const char* value_kind() const override { return "property"; }
   std::string key_of(std::string_view name) const override { return spelling_key(name); }
   Number read_number(const NamedValue& value) const override;
@@ -222,17 +191,25 @@ class Properties : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3d read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  [[noreturn]] void throw_error(const NamedValue* value, const std::string& message) const override;
-  void leave_out(const NamedValue& value, const std::string& message) const override;
+  const SourceLocation& place_of(const NamedValue* value) const override;
+  ErrorSink& errors() const override { return context_.errors; }
   /// The attribute `value` of a property that must have one of the types.
   const std::string& text_of(const Entry& entry, std::initializer_list<const char*> types) const;
+  /// Reports a child that is ignored.
+  void report_child(const XmlElement& child, const std::string& message, SceneErrorCode code);
   /// Reports an unused nested object.
-  [[noreturn]] void fail_unused_object(const Entry& entry) const;
+  void report_unused_object(const Entry& entry);
+  SceneError type_error(const Entry& entry, const char* expected) const;
   [[noreturn]] void fail_type(const Entry& entry, const char* expected) const;
+  /// A number as a scalar, in its range, or a texture.
+  ScalarInput scalar_of(const Entry& entry, const SpectrumInput& input, NumberRange range);
+  /// The first unused child that fits, or null. Reports further ones as a second `what`.
+  const XmlElement* take_first(bool (*fits)(const Entry& entry), const std::string& what);
 
   const XmlElement& object_;
   ReadContext& context_;
   std::string type_;
+  bool is_replaced_ = false;  ///< by replace_plugin()
   std::vector<Entry> entries_;
   std::vector<std::string> queried_kinds_;                           ///< queried kinds of nested objects
   std::map<std::string, std::vector<std::string>> queried_objects_;  ///< queried names of nested objects, by kind

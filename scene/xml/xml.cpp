@@ -3,6 +3,7 @@
 
 #include "core/io/byte_order_mark.h"
 
+#include <fmt/format.h>
 #include <pugixml.hpp>
 
 #include <algorithm>
@@ -20,11 +21,12 @@ constexpr std::uintmax_t kMaxFileSize = std::uintmax_t{1} << 30;
 std::string read_text(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0};
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw SceneError(where, "file not found");
-  if (!std::filesystem::is_regular_file(file, error)) throw SceneError(where, "not a regular file");
+  if (!std::filesystem::exists(file, error)) throw SceneError(where, "file not found", SceneErrorCode::kMissingFile);
+  if (!std::filesystem::is_regular_file(file, error))
+    throw SceneError(where, "not a regular file", SceneErrorCode::kMissingFile);
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) throw SceneError(where, "cannot be read: " + error.message());
-  if (size > kMaxFileSize) throw SceneError(where, "scene file is larger than 1 GiB");
+  if (size > kMaxFileSize) throw SceneError(where, "scene file is larger than 1 GiB", SceneErrorCode::kTooLarge);
   std::string text(static_cast<std::size_t>(size), '\0');
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(text.data(), static_cast<std::streamsize>(size))) throw SceneError(where, "cannot be read");
@@ -63,24 +65,19 @@ struct Converter {
   std::string file;
   const char* buffer;  ///< the text, parsed in place
   LineIndex lines;
-  std::vector<std::string>* left_out;
+  ErrorSink& errors;
 
   SourceLocation where(const pugi::xml_node& node) const { return {file, lines.line(node.offset_debug())}; }
 
-  /// Throws, or in lenient mode records a problem that does not stop reading.
-  void fail(const SourceLocation& place, const std::string& message, const char* instead) const {
-    const SceneError error(place, message);
-    if (left_out == nullptr) throw error;
-    left_out->push_back(std::string(error.what()) + " (" + instead + ")");
-  }
-
-  void fail_text(const pugi::xml_node& node) const {
+  void report_text(const pugi::xml_node& node) const {
     const std::string_view text = node.value();
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
     SourceLocation place = where(node);
     place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
-    fail(place, "unexpected text " + in_quotes(word) + " inside <" + node.parent().name() + ">", "ignored");
+    const std::string element = std::string("<") + node.parent().name() + ">";
+    const SceneError error(place, "unexpected text " + in_quotes(word) + " inside " + element, SceneErrorCode::kSyntax);
+    errors.report(error.about(element), "ignored");
   }
 
   /// Sets the position of a value at this offset if it contains an expression.
@@ -98,17 +95,21 @@ struct Converter {
     element.name = node.name();
     element.where = where(node);
     if (depth > kMaxDepth)
-      throw SceneError(element.where, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+      throw SceneError(element.where, fmt::format("elements are nested deeper than {} levels", kMaxDepth),
+                       SceneErrorCode::kTooLarge);
     // Copy the attributes, each once
     element.attributes.reserve(count(node.attributes()));
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
-        fail(element.where, "attribute " + in_quotes(attribute.name()) + " is set twice, expected once",
-             "the last one is used");
+        const SceneError error(element.where,
+                               "attribute " + in_quotes(attribute.name()) + " is set twice, expected once",
+                               SceneErrorCode::kDuplicate);
+        errors.report(error.about("<" + element.name + ">"), "the last one is used");
         std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == attribute.name(); });
       }
       if (element.attributes.size() == kMaxAttributes)
-        throw SceneError(element.where, "more than " + std::to_string(kMaxAttributes) + " attributes");
+        throw SceneError(element.where, fmt::format("more than {} attributes", kMaxAttributes),
+                         SceneErrorCode::kTooLarge);
       element.attributes.push_back({attribute.name(), attribute.value()});
       place_expression(element.attributes.back(), attribute.value() - buffer);
     }
@@ -118,7 +119,7 @@ struct Converter {
       if (child.type() == pugi::node_element) {
         element.children.push_back(convert(child, depth + 1));
       } else if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
-        fail_text(child);
+        report_text(child);
       }
     }
     return element;
@@ -140,31 +141,35 @@ const std::string& XmlElement::attribute(std::string_view attribute_name) const 
   std::string message = "<" + name + "> needs an attribute '" + std::string(attribute_name) + "'";
   const std::string similar = nearest_name(attribute_name, present);
   if (!similar.empty()) message += ", found " + in_quotes(similar);
-  throw SceneError(where, message);
+  throw SceneError(where, message, SceneErrorCode::kMissing).about("<" + name + ">");
 }
 
 void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) const {
   const std::vector<std::string> names(allowed.begin(), allowed.end());
   for (const XmlAttribute& a : attributes)
     if (std::find(names.begin(), names.end(), a.name) == names.end())
-      throw SceneError(where, "<" + name + "> has no attribute " + in_quotes(a.name) + did_you_mean(a.name, names));
+      throw SceneError(where, "<" + name + "> has no attribute " + in_quotes(a.name) + did_you_mean(a.name, names),
+                       SceneErrorCode::kUnknownName)
+          .about("<" + name + ">");
 }
 
-XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out) {
+XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {
   std::string text = read_text(file);
-  const Converter converter{file.string(), text.data(), LineIndex(text), left_out};
+  const Converter converter{file.string(), text.data(), LineIndex(text), errors};
   pugi::xml_document document;
   const pugi::xml_parse_result result =
       document.load_buffer_inplace(text.data(), text.size(), pugi::parse_default, pugi::encoding_utf8);
   if (result.status == pugi::status_no_document_element)
-    throw SceneError(SourceLocation{converter.file, 1}, "the file has no XML element, expected <scene>");
+    throw SceneError(SourceLocation{converter.file, 1}, "the file has no XML element, expected <scene>",
+                     SceneErrorCode::kSyntax);
   if (!result)
     throw SceneError(SourceLocation{converter.file, converter.lines.line(result.offset)},
-                     std::string("not well-formed XML: ") + result.description());
+                     std::string("not well-formed XML: ") + result.description(), SceneErrorCode::kSyntax);
   const pugi::xml_node root = document.document_element();
   for (pugi::xml_node other = root.next_sibling(); other; other = other.next_sibling())
     if (other.type() == pugi::node_element)
-      throw SceneError(converter.where(other), std::string("a second root element <") + other.name() + ">");
+      throw SceneError(converter.where(other), std::string("a second root element <") + other.name() + ">",
+                       SceneErrorCode::kSyntax);
   return converter.convert(root, 1);
 }
 

@@ -1,7 +1,7 @@
 // The XML tree of a scene file, with the line of every element. All XML parsing goes through this file.
 #pragma once
 
-#include "core/io/error.h"
+#include "scene/description/error_sink.h"
 #include "scene/xml/array_value.h"
 
 #include <filesystem>
@@ -36,9 +36,8 @@ struct XmlElement {
 };
 
 /// Reads a file into a tree of at most 100 levels. Entities of a DTD are not expanded. Throws SceneError if the file
-/// cannot be read, is not well-formed UTF-8 XML, or does not have exactly one root element. If `left_out` is not null,
-/// text inside elements is ignored and the last of duplicate attributes is used; messages about these are appended to
-/// it. Otherwise both are errors.
-XmlElement read_xml(const std::filesystem::path& file, std::vector<std::string>* left_out = nullptr);
+/// cannot be read, is not well-formed UTF-8 XML, or does not have exactly one root element. Reports text inside
+/// elements, which is ignored, and duplicate attributes, of which the last is used.
+XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors);
 
 }  // namespace sheaf

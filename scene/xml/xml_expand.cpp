@@ -4,6 +4,8 @@
 #include "scene/xml/definitions.h"
 #include "scene/xml/missing_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace sheaf {
@@ -33,17 +35,17 @@ fs::path existing(const fs::path& base, const std::string& name) {
 }
 
 fs::path find_existing(const std::string& name, const std::vector<fs::path>& search, const SourceLocation& where) {
-  if (name.empty()) throw SceneError(where, "empty file name");
+  if (name.empty()) throw SceneError(where, "empty file name", SceneErrorCode::kMissingFile);
   if (fs::path(name).is_absolute()) {
     if (fs::path found = existing({}, name); !found.empty()) return found;
-    throw SceneError(where, missing_file(name, {}));
+    throw SceneError(where, missing_file(name, {}), SceneErrorCode::kMissingFile);
   }
   std::vector<fs::path> folders = search;
   if (fs::path own = fs::path(where.file).parent_path(); std::find(search.begin(), search.end(), own) == search.end())
     folders.push_back(own);
   for (const fs::path& folder : folders)
     if (fs::path found = existing(folder, name); !found.empty()) return found;
-  throw SceneError(where, missing_file(name, folders));
+  throw SceneError(where, missing_file(name, folders), SceneErrorCode::kMissingFile);
 }
 
 }  // namespace
@@ -51,6 +53,7 @@ fs::path find_existing(const std::string& name, const std::vector<fs::path>& sea
 /// The state of one expansion: definitions and limits.
 struct ExpandedScene::Expansion {
   ExpandedScene& scene;
+  ErrorSink& errors;
   Definitions definitions;
   int includes = 0;
   std::size_t elements = 0;
@@ -60,7 +63,7 @@ struct ExpandedScene::Expansion {
     TextPlace place{where, attribute.column};
     if (attribute.line > 0) place.where.line = attribute.line;
     attribute.value = definitions.substitute(attribute.value, place,
-                                             [&](const SceneError& error) { scene.fail(error, "left empty"); });
+                                             [&](const SceneError& error) { errors.report(error, "left empty"); });
   }
 
   void define_default(const XmlElement& element) {
@@ -79,7 +82,8 @@ struct ExpandedScene::Expansion {
     const fs::path own = fs::path(element.where.file).parent_path();
     fs::path folder = fs::path(value).is_absolute() ? existing({}, value) : existing(own, value);
     if (folder.empty()) folder = find_existing(value, scene.search_, element.where);
-    if (!fs::is_directory(folder)) throw SceneError(element.where, in_quotes(value) + " is not a folder");
+    if (!fs::is_directory(folder))
+      throw SceneError(element.where, in_quotes(value) + " is not a folder", SceneErrorCode::kMissingFile);
     scene.search_.insert(scene.search_.begin(), folder);
   }
 
@@ -90,8 +94,7 @@ struct ExpandedScene::Expansion {
                                           " levels; does " + in_quotes(element.attribute("filename")) +
                                           " include itself?");
     if (++includes > kMaxIncludes) throw SceneError(element.where, "more than 10000 includes");
-    XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where),
-                                   scene.lenient_ ? &scene.left_out_ : nullptr);
+    XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where), errors);
     std::vector<XmlElement> children;
     if (included.name == "scene") {
       children = std::move(included.children);
@@ -103,11 +106,14 @@ struct ExpandedScene::Expansion {
     std::move(children.begin(), children.end(), std::back_inserter(out));
   }
 
-  /// Calls look(), which searches a file. Its errors are handled by ExpandedScene::fail().
+  /// Calls look(), which searches a file. Its errors end strict reading, because they would cause further ones.
   template <class Look> void leave_out_if_missing(Look&& look) {
     try {
       look();
-    } catch (const SceneError& error) { scene.fail(error); }
+    } catch (const SceneError& error) {
+      if (!errors.is_lenient()) throw;
+      errors.report(error, "ignored");
+    }
   }
 
   /// Expands the children of an element in place.
@@ -139,64 +145,68 @@ struct ExpandedScene::Expansion {
 ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
                              bool lenient, const std::optional<fs::path>& folder)
     : lenient_(lenient) {
-  // Read and expand the file
   search_.push_back(folder.value_or(file.parent_path()));
   files_.push_back(file);
-  root_ = read_xml(file, lenient ? &left_out_ : nullptr);
-  Expansion expansion{*this, Definitions(defines)};
-  expansion.expand(root_.children, 0);
-  expansion.definitions.reject_unused(file.string());
-  resolve_ids();
+  ErrorSink errors(lenient, stand_ins_);
+  errors.run([&] {
+    root_ = read_xml(file, errors);
+    Expansion expansion{*this, errors, Definitions(defines)};
+    expansion.expand(root_.children, 0);
+    expansion.definitions.reject_unused(file.string());
+    resolve_ids(errors);
+  });
 }
 
 ExpandedScene::ExpandedScene(XmlElement root, const fs::path& folder, bool lenient)
     : root_(std::move(root)), lenient_(lenient), search_{folder} {
-  resolve_ids();
+  ErrorSink errors(lenient_, stand_ins_);
+  resolve_ids(errors);
+  errors.throw_errors();
 }
 
 ExpandedScene::ExpandedScene(XmlElement root, const ExpandedScene& original)
     : root_(std::move(root)),
       lenient_(original.lenient_),
-      left_out_(original.left_out_),
+      stand_ins_(original.stand_ins_),
       search_(original.search_),
       files_(original.files_),
       aliases_(original.aliases_) {
-  resolve_ids();
+  ErrorSink errors(lenient_, stand_ins_);
+  resolve_ids(errors);
+  errors.throw_errors();
 }
 
-void ExpandedScene::resolve_ids() {
-  for (const XmlElement& child : root_.children) index(child);
-  apply_aliases();
+void ExpandedScene::resolve_ids(ErrorSink& errors) {
+  for (const XmlElement& child : root_.children) index(child, errors);
+  apply_aliases(errors);
   mark_references(root_);
 }
 
-void ExpandedScene::fail(const SceneError& error, const char* instead) {
-  if (!lenient_) throw error;
-  left_out_.push_back(std::string(error.what()) + " (" + instead + ")");
-}
-
-void ExpandedScene::index(const XmlElement& element) {
+void ExpandedScene::index(const XmlElement& element, ErrorSink& errors) {
   const std::string* id = element.name == "ref" ? nullptr : element.find_attribute("id");
   if (id != nullptr) {
     const auto [it, inserted] = ids_.emplace(*id, &element);
     if (!inserted) {
       const SourceLocation& first = it->second->where;
-      fail(SceneError(element.where, "id " + in_quotes(*id) + " is already taken by <" + it->second->name + "> in " +
-                                         first.file + ":" + std::to_string(first.line)),
-           "the first one is used");
+      const SceneError error(element.where,
+                             fmt::format("id {} is already taken by <{}> in {}:{}", in_quotes(*id), it->second->name,
+                                         first.file, first.line),
+                             SceneErrorCode::kDuplicate);
+      errors.report(error.about("<" + element.name + ">"), "the first one is used");
     }
   }
-  for (const XmlElement& child : element.children) index(child);
+  for (const XmlElement& child : element.children) index(child, errors);
 }
 
-void ExpandedScene::apply_aliases() {
+void ExpandedScene::apply_aliases(ErrorSink& errors) {
   for (const XmlElement& alias : aliases_) {
     try {
       alias.expect_attributes({"id", "as"});
       const XmlElement& target = find(alias.attribute("id"), alias.where);
       if (!ids_.emplace(alias.attribute("as"), &target).second)
-        throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken");
-    } catch (const SceneError& error) { fail(error); }
+        throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken",
+                         SceneErrorCode::kDuplicate);
+    } catch (const SceneError& error) { errors.report(error.about("<alias>"), "ignored"); }
   }
 }
 
@@ -225,13 +235,15 @@ const XmlElement& ExpandedScene::find(const std::string& id, const SourceLocatio
   std::vector<std::string> known;
   for (const auto& entry : ids_) known.push_back(entry.first);
   std::sort(known.begin(), known.end());
-  throw SceneError(where, "no object has the id " + in_quotes(id) + did_you_mean(id, known));
+  throw SceneError(where, "no object has the id " + in_quotes(id) + did_you_mean(id, known),
+                   SceneErrorCode::kUnknownName);
 }
 
 fs::path ExpandedScene::find_file(const std::string& name, const SourceLocation& where) const {
   fs::path found = find_existing(name, search_, where);
   std::error_code error;
-  if (!fs::is_regular_file(found, error)) throw SceneError(where, in_quotes(found.string()) + " is not a regular file");
+  if (!fs::is_regular_file(found, error))
+    throw SceneError(where, in_quotes(found.string()) + " is not a regular file", SceneErrorCode::kMissingFile);
   // Many instances may name the same file, mostly consecutively.
   found = found.lexically_normal();
   if (files_.empty() || files_.back() != found) files_.push_back(found);

@@ -21,7 +21,8 @@ std::string_view trimmed(std::string_view text) {
 
 [[noreturn]] void fail_value(std::string_view text, const SourceLocation& where, std::string_view what,
                              const char* expected) {
-  throw SceneError(where, std::string(what) + " is " + in_quotes(text) + ", expected " + expected);
+  throw SceneError(where, std::string(what) + " is " + in_quotes(text) + ", expected " + expected,
+                   SceneErrorCode::kWrongType);
 }
 
 std::string shown(const XmlElement& element) { return "<" + element.name + ">"; }
@@ -194,10 +195,8 @@ Transform parse_steps(const XmlElement& element) {
     try {
       result = parse_step(step) * result;
     } catch (const SceneError& error) {
-      // Errors of Transform lack the location.
-      const std::string message = error.what();
-      if (message.starts_with(step.where.file + ":")) throw;
-      throw SceneError(step.where, message);
+      // Errors of Transform lack the location
+      throw error.where().file.empty() ? SceneError(step.where, error) : error;
     }
   }
   return result;

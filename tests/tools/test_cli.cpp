@@ -155,6 +155,20 @@ TEST_CASE("--lenient renders invalid scenes with a warning for each problem and 
   CHECK(contains(run(folder, "info scene.xml --lenient").out, "unknown shape plugin 'torus'"));
 }
 
+TEST_CASE("all errors of a scene are printed, and a line that names --lenient") {
+  const TemporaryFolder folder;
+  std::string text = kScene;
+  text.insert(text.find("<shape"), "<mode type=\"final\"/><shape type=\"torus\"/>");
+  write_bytes(folder / "scene.xml", text);
+  for (const char* command : {"render scene.xml", "info scene.xml"}) {
+    const Outcome outcome = run(folder, command);
+    CHECK(outcome.code == 3);
+    CHECK(contains(outcome.err, "sheaf: scene.xml:12: unknown element <mode>"));
+    CHECK(contains(outcome.err, "\nsheaf: scene.xml:12: unknown shape plugin 'torus'"));
+    CHECK(outcome.err.ends_with("\nsheaf: 2 errors; --lenient substitutes or drops what cannot be read\n"));
+  }
+}
+
 TEST_CASE("info lists the contents of a scene") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

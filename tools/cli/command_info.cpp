@@ -242,8 +242,9 @@ void add_info_command(Command& program, int& exit_code) {
     CompileOptions options;
     options.report = &report;
     options.color = native_color(arguments->scene);
-    const std::unique_ptr<Scene> scene =
-        arguments->read.lenient ? compile_leniently(description, options) : compile_scene(description, options);
+    ErrorSink errors(arguments->read.lenient, description.stand_ins);
+    options.errors = &errors;
+    const std::unique_ptr<Scene> scene = compile_scene(description, options);
     const std::string text =
         arguments->json ? info_json(description, *scene, report) : printable(describe(description, *scene, report));
     std::fputs(text.c_str(), stdout);

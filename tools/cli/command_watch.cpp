@@ -19,7 +19,7 @@ int render_once(const RenderArguments& arguments, const std::vector<GivenOption>
   try {
     return render_scene(arguments, given, &render);
   } catch (const Error& error) {
-    print_message(error.what());
+    print_error(error);
     render.preview.fail();
     return static_cast<int>(error.exit_code());
   }

@@ -60,7 +60,7 @@ int run(int argc, char** argv) {
     add_help_command(program, exit_code);
     return program.parse(argc, argv).value_or(exit_code);
   } catch (const Error& error) {
-    print_message(error.what());
+    print_error(error);
     return static_cast<int>(error.exit_code());
   } catch (const std::bad_alloc&) {
     print_message("out of memory");

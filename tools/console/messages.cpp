@@ -1,6 +1,10 @@
 // The verbosity and the listener are global, because messages come from all commands and from several threads.
 #include "tools/console/messages.h"
 
+#include "scene/description/error_sink.h"
+
+#include <fmt/format.h>
+
 #include <unistd.h>
 
 #include <atomic>
@@ -48,6 +52,15 @@ std::string printable(std::string_view text) {
 }
 
 void print_message(std::string_view message) { print_from(Verbosity::kErrors, message); }
+
+void print_error(const Error& error) {
+  const auto* several = dynamic_cast<const SceneErrors*>(&error);
+  if (several == nullptr) return print_message(error.what());
+  const std::size_t count = several->all().size();
+  for (const SceneError& each : several->all()) print_message(each.what());
+  print_message(fmt::format("{}{} error{}; --lenient substitutes or drops what cannot be read",
+                            count == ErrorSink::kMaxErrors ? "stopped after " : "", count, count == 1 ? "" : "s"));
+}
 
 void print_warning(std::string_view message) { print_from(Verbosity::kWarnings, "warning: " + std::string(message)); }
 

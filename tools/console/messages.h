@@ -1,6 +1,8 @@
 // Messages to the user, on the standard error stream, and the options that select them.
 #pragma once
 
+#include "core/io/error.h"
+
 #include <functional>
 #include <string>
 #include <string_view>
@@ -24,6 +26,8 @@ std::string printable(std::string_view text);
 /// Prints a line to standard error, prefixed with "sheaf: ". For errors and other messages that are never suppressed.
 /// On terminals it replaces the progress bar. Thread-safe, as all functions below.
 void print_message(std::string_view message);
+/// Prints an error. Errors of a scene that lenient reading accepts are printed one by one, with a line on --lenient.
+void print_error(const Error& error);
 /// Prints "warning: " and the message, unless only errors are wanted.
 void print_warning(std::string_view message);
 /// Prints the message at normal verbosity.

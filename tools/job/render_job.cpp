@@ -59,8 +59,9 @@ void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry
     return bytes;
   };
   options.kept = kept;
-  loaded.scene = arguments.read.lenient ? compile_leniently(loaded.description, options)
-                                        : compile_scene(loaded.description, options);
+  ErrorSink errors(arguments.read.lenient, loaded.description.stand_ins);
+  options.errors = &errors;
+  loaded.scene = compile_scene(loaded.description, options);
   move_to_large_pages();
 }
 

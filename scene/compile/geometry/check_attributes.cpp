@@ -61,8 +61,8 @@ std::string title(const TextureDescription& texture) {
 
 }  // namespace
 
-std::vector<std::string> check_attributes(const Description& description, const SceneTables& scene,
-                                          const CompiledGeometry& geometry) {
+std::vector<std::string> check_attributes(const Description& description, const CompiledGeometry& geometry,
+                                          ErrorSink& errors, SceneTables& scene) {
   std::vector<std::string> warnings;
   if (scene.textures.required_attributes.empty()) return warnings;
   const std::map<std::uint32_t, std::uint32_t> required(scene.textures.required_attributes.begin(),
@@ -90,19 +90,27 @@ std::vector<std::string> check_attributes(const Description& description, const 
       ++(has(shape, texture) ? use.with : use.without);
     }
   }
-  const auto missing = [&](std::uint32_t texture, const char* what) {
+  std::set<std::uint32_t> missing;
+  const auto report = [&](std::uint32_t texture, const char* what) {
     const std::string& name = name_of(texture);
     std::string known;
     for (const std::string& other : geometry.known_attributes) known += (known.empty() ? "" : ", ") + other;
-    return SceneError(description.textures[texture].where,
-                      title(description.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
-                          (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) + ")" +
-                          did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()}));
+    if (!missing.insert(texture).second) return;
+    const SceneError error(description.textures[texture].where,
+                           title(description.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
+                               (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) +
+                               ")" +
+                               did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()}),
+                           SceneErrorCode::kUnknownName);
+    errors.report(error, kGreySubstitute);
   };
-  // Reject materials without any mesh that has the attribute, and warn if only some lack it
+  // Report materials without any mesh that has the attribute, and warn if only some lack it
   for (const auto& [key, use] : uses) {
     if (use.without == 0) continue;
-    if (use.with == 0) throw missing(key.second, "no mesh with this material has");
+    if (use.with == 0) {
+      report(key.second, "no mesh with this material has");
+      continue;
+    }
     const TextureDescription& texture = description.textures[key.second];
     warnings.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
                                                      std::to_string(use.with + use.without) +
@@ -110,11 +118,12 @@ std::vector<std::string> check_attributes(const Description& description, const 
                                                      name_of(key.second) + "', which is 0 there")
                            .what());
   }
-  // Reject emitters that lack it
+  // Report emitters that lack it
   for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape)
     for (const TextureId texture : emission_textures(*geometry.sources[shape].shape))
       for (const std::uint32_t shown : finder.of_texture(static_cast<std::uint32_t>(texture)))
-        if (!has(shape, shown)) throw missing(shown, "the shape that emits it lacks");
+        if (!has(shape, shown)) report(shown, "the shape that emits it lacks");
+  for (const std::uint32_t texture : missing) scene.textures.rows[texture] = grey_texture_row();
   return warnings;
 }
 

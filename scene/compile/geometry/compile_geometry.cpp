@@ -48,12 +48,13 @@ bool is_placed_by_motion(const ShapeDescription& shape) { return shape.motion.ha
 class GeometryCompiler {
  public:
   GeometryCompiler(const Description& description, MeshReader& meshes, const TextureTables& textures,
-                   const CompiledMaterials& materials, MotionCompiler& motion)
+                   const CompiledMaterials& materials, MotionCompiler& motion, ErrorSink& errors)
       : in_(description),
         meshes_(meshes),
         textures_(textures),
         materials_(materials),
         motion_(motion),
+        errors_(errors),
         out_(textures.attribute_names) {}
 
   CompiledGeometry run() {
@@ -88,7 +89,10 @@ class GeometryCompiler {
     std::optional<AddedShape> added;
     try {
       added = add_geometry(shape);
-    } catch (const SceneError& error) { throw at_place(shape.where, error); }
+    } catch (const SceneError& error) {
+      leave_out(shape, error);
+      out_.attributes.remove(static_cast<std::uint32_t>(out_.sources.size()));
+    }
     if (!added) return;
     bounds.grow(added->box);
     ShapeRow& row = added->row;
@@ -100,6 +104,10 @@ class GeometryCompiler {
     out_.tables.shapes.push_back(row);
     out_.vertex_counts.push_back(added->vertex_count);
     out_.sources.push_back(source);
+  }
+
+  void leave_out(const ShapeDescription& shape, const SceneError& error) {
+    errors_.report(at_place(shape.where, error), "shape left out");
   }
 
   std::optional<AddedShape> add_geometry(const ShapeDescription& shape) {
@@ -173,7 +181,7 @@ class GeometryCompiler {
       if (group.range.shape_count == 0) continue;
       try {
         add_moving_instance(group, {motion, motion.reference().inverse()}, {});
-      } catch (const SceneError& error) { throw at_place(shape.where, error); }
+      } catch (const SceneError& error) { leave_out(shape, error); }
     }
     motion_.tables().end_of_moving_shapes = count();
   }
@@ -232,6 +240,7 @@ class GeometryCompiler {
   const TextureTables& textures_;
   const CompiledMaterials& materials_;
   MotionCompiler& motion_;
+  ErrorSink& errors_;
   OpenBoundaries open_boundaries_;
   CompiledGeometry out_;
 };
@@ -252,8 +261,8 @@ MeshReader::MeshReader(const Description& description) {
 }
 
 CompiledGeometry compile_geometry(const Description& description, MeshReader& meshes, const TextureTables& textures,
-                                  const CompiledMaterials& materials, MotionCompiler& motion) {
-  return GeometryCompiler(description, meshes, textures, materials, motion).run();
+                                  const CompiledMaterials& materials, MotionCompiler& motion, ErrorSink& errors) {
+  return GeometryCompiler(description, meshes, textures, materials, motion, errors).run();
 }
 
 }  // namespace sheaf

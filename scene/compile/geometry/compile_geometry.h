@@ -3,6 +3,7 @@
 
 #include "scene/compile/compile_materials.h"
 #include "scene/compile/geometry/compiled_geometry.h"
+#include "scene/description/error_sink.h"
 
 namespace sheaf {
 
@@ -21,14 +22,15 @@ class MeshReader {
   std::size_t taken_ = 0;
 };
 
-/// Adds all shapes, those of groups last, and instances. Shapes with a motion become groups with one instance.
+/// Adds all shapes, those of groups last, and instances. Shapes with a motion become groups with one instance. Reports
+/// shapes that cannot be compiled, and leaves them out.
 CompiledGeometry compile_geometry(const Description& description, MeshReader& meshes, const TextureTables& textures,
-                                  const CompiledMaterials& materials, MotionCompiler& motion);
+                                  const CompiledMaterials& materials, MotionCompiler& motion, ErrorSink& errors);
 
-/// Throws if a texture uses an attribute that no mesh with its material has. Returns warnings about meshes that lack
-/// one. `scene`: with textures, materials and geometry.
-std::vector<std::string> check_attributes(const Description& description, const SceneTables& scene,
-                                          const CompiledGeometry& geometry);
+/// Reports textures that use an attribute that no mesh with their material has, and makes them grey. Returns warnings
+/// about meshes that lack one. `scene`: with textures, materials and geometry.
+std::vector<std::string> check_attributes(const Description& description, const CompiledGeometry& geometry,
+                                          ErrorSink& errors, SceneTables& scene);
 
 /// Builds the acceleration structure, or takes that of CompileOptions::kept. `scene` has all other tables.
 void build_accel(const CompiledGeometry& geometry, const CompileOptions& options, SceneTables& scene);

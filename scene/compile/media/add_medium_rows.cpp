@@ -112,7 +112,7 @@ class MediumRowBuilder {
     if (set_ == nullptr) return;
     try {
       row = set_->row(s, use);
-    } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+    } catch (const SceneError& error) { throw SceneError(where, error); }
     row.scale *= factor;
   }
 
@@ -272,13 +272,16 @@ BlackbodyTable::BlackbodyTable() {
   for (int i = 1; i < kEntries; ++i) rgb.push_back(blackbody_to_rgb(kStep * static_cast<float>(i), 1));
 }
 
-void add_medium_rows(std::span<const MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
-                     CompiledMedia& out) {
+void add_medium_rows(std::span<MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
+                     ErrorSink& errors, CompiledMedia& out) {
   MediumRowBuilder builder(set, step_size, out);
-  for (const MediumInput& medium : media) {
+  for (MediumInput& medium : media) {
     try {
       builder.add(medium, scene);
-    } catch (const SceneError& error) { throw at_place(medium.description->where, error); }
+    } catch (const SceneError& error) {
+      medium.make_empty(error, errors);
+      builder.add(medium, scene);
+    }
   }
   builder.finish();
 }

@@ -53,21 +53,38 @@ void check_at(const SceneView& scene, std::uint32_t index, const Spectrum4& lamb
         "and the grids' voxels is finite)");
 }
 
+/// Throws SceneError unless the coefficients and the emission are finite everywhere.
+void check_medium(const SceneView& scene, std::uint32_t index, const MediumTables& tables,
+                  const SourceLocation& where) {
+  const MediumRow& medium = scene.media.rows[index];
+  const std::vector<MajorantGrid>& majorants = tables.majorants;
+  const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
+  float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
+  if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.max_flakes, 1.0f);
+  if (scene.color == ColorMode::kRgb) return check_at(scene, index, {}, tables.grids, bound, where);
+  for (float nm = kWavelengthMin; nm < kWavelengthMax; nm += 4.0f)
+    check_at(scene, index, {nm, nm + 1, nm + 2, nm + 3}, tables.grids, bound, where);
+}
+
+/// Removes extinction and emission from a medium.
+void make_empty(std::uint32_t index, SceneTables& scene) {
+  MediumRow& medium = scene.media.rows[index];
+  for (float* const words : {medium.first, medium.second, medium.emission}) std::fill_n(words, 4, 0.0f);
+  medium.flags &= ~(kMediumEmits | kMediumScatters);
+  if (scene.spectra.media.empty()) return;
+  for (std::size_t i = 0; i < kMediumSpectra; ++i) scene.spectra.media[kMediumSpectra * index + i].scale = 0;
+}
+
 }  // namespace
 
-void check_media(const SceneView& scene, std::span<const MediumDescription> media, const MediumTables& tables) {
-  const std::vector<MajorantGrid>& majorants = tables.majorants;
+void check_media(std::span<const MediumDescription> media, ErrorSink& errors, SceneTables& scene) {
   for (std::uint32_t i = 0; i < media.size(); ++i) {
-    const MediumRow& medium = scene.media.rows[i];
-    const bool varies = medium.majorants != kNone && !majorants[medium.majorants].bounds.empty();
-    float bound = varies ? majorants[medium.majorants].max_value() : 1.0f;
-    if ((medium.flags & kMediumFlakes) != 0) bound *= std::max(medium.max_flakes, 1.0f);
-    if (scene.color == ColorMode::kRgb) {
-      check_at(scene, i, {}, tables.grids, bound, media[i].where);
-      continue;
+    try {
+      check_medium(scene.view(), i, scene.media, media[i].where);
+    } catch (const SceneError& error) {
+      errors.report(error, kEmptySubstitute);
+      make_empty(i, scene);
     }
-    for (float nm = kWavelengthMin; nm < kWavelengthMax; nm += 4.0f)
-      check_at(scene, i, {nm, nm + 1, nm + 2, nm + 3}, tables.grids, bound, media[i].where);
   }
 }
 

@@ -28,7 +28,8 @@ bool has_grid(const MediumInput& medium) {
 }
 
 /// The media of a description, before their shapes are known.
-std::vector<MediumInput> medium_inputs(const Description& description, const std::vector<std::uint32_t>& row_of_phase) {
+std::vector<MediumInput> medium_inputs(const Description& description, const std::vector<std::uint32_t>& row_of_phase,
+                                       ErrorSink& errors) {
   if (description.media.size() > kMaxMedia) throw SceneError("more than " + std::to_string(kMaxMedia) + " media");
   std::vector<MediumInput> media;
   for (const MediumDescription& m : description.media) {
@@ -38,24 +39,30 @@ std::vector<MediumInput> medium_inputs(const Description& description, const std
     const IntegratorSettings& integrator = description.integrator;
     if (flakes_of(media.back().phase) != nullptr && integrator.traits().has_photon_maps() &&
         integrator.photons.volume.count > 0)
-      throw SceneError(m.where,
-                       "photons cannot be gathered in a medium of microflakes (expected a phase function other than "
-                       "'sggx', or no photons in media)");
+      media.back().make_empty(SceneError(m.where,
+                                         "photons cannot be gathered in a medium of microflakes (expected a phase "
+                                         "function other than 'sggx', or no photons in media)",
+                                         SceneErrorCode::kUnsupported),
+                              errors);
   }
   return media;
 }
 
 /// Adds the boundaries of shapes, and the shapes to the media inside and outside of them.
 void add_boundaries(const CompiledGeometry& geometry, const MotionCompiler& motion, std::vector<MediumInput>& media,
-                    std::vector<ShapeRow>& shapes, std::vector<BoundaryRow>& boundaries) {
+                    ErrorSink& errors, std::vector<ShapeRow>& shapes, std::vector<BoundaryRow>& boundaries) {
   for (const BoundaryShape& boundary : geometry.boundaries) {
     const auto& [shape, group] = geometry.sources[boundary.shape];
     // The medium on a side of the shape, encoded as in BoundaryRow
     const auto hold = [&, shape = shape, group = group](const std::optional<MediumId>& id) -> std::uint32_t {
       if (!id) return 0;
       MediumInput& medium = media.at(static_cast<std::size_t>(*id));
-      if (group != nullptr && (has_grid(medium) || medium.description->emission))
-        throw SceneError(shape->where, "a medium in a shape group must be homogeneous and must not emit");
+      if (group != nullptr && (has_grid(medium) || medium.description->emission)) {
+        errors.report(SceneError(shape->where, "a medium in a shape group must be homogeneous and must not emit",
+                                 SceneErrorCode::kUnsupported),
+                      "medium left out");
+        return 0;
+      }
       medium.shapes.push_back({boundary.box, group == nullptr ? motion.transform(shape->motion) : nullptr});
       return static_cast<std::uint32_t>(*id) + 1;
     };
@@ -67,14 +74,26 @@ void add_boundaries(const CompiledGeometry& geometry, const MotionCompiler& moti
 
 }  // namespace
 
+void MediumInput::make_empty(const SceneError& error, ErrorSink& errors) {
+  errors.report(at_place(description->where, error), kEmptySubstitute);
+  static const MediumDescription kEmpty = [] {
+    MediumDescription empty;
+    empty.coefficients =
+        AbsorptionScatteringDescription{SpectrumDescription::constant(0), SpectrumDescription::constant(0)};
+    return empty;
+  }();
+  description = &kEmpty;
+  phase = nullptr;
+}
+
 CompiledMedia compile_media(const Description& description, const CompiledGeometry& geometry,
                             const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
-                            std::vector<ShapeRow>& shapes) {
+                            ErrorSink& errors, std::vector<ShapeRow>& shapes) {
   CompiledMedia out;
-  std::vector<MediumInput> media = medium_inputs(description, row_of_phase);
-  add_boundaries(geometry, motion, media, shapes, out.tables.boundaries);
-  add_medium_rows(media, geometry.bounds, set, description.integrator.step_size, out);
-  move_media(media, geometry.bounds, motion, out);
+  std::vector<MediumInput> media = medium_inputs(description, row_of_phase, errors);
+  add_boundaries(geometry, motion, media, errors, shapes, out.tables.boundaries);
+  add_medium_rows(media, geometry.bounds, set, description.integrator.step_size, errors, out);
+  move_media(media, geometry.bounds, motion, errors, out);
   const std::optional<MediumId>& camera_medium = description.camera.medium;
   if (camera_medium) out.tables.camera_medium = static_cast<std::uint32_t>(*camera_medium) + 1;
   return out;

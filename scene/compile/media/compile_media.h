@@ -22,7 +22,13 @@ struct MediumInput {
   const PhaseDescription* phase = nullptr;  ///< null: isotropic
   std::uint32_t phase_row = 0;              ///< row of its phase function's material
   std::vector<MediumShape> shapes;
+
+  /// Reports an error of the medium, which becomes empty.
+  void make_empty(const SceneError& error, ErrorSink& errors);
 };
+
+/// What becomes of a medium that cannot be compiled, for messages.
+inline constexpr const char* kEmptySubstitute = "the medium is empty";
 
 /// Tables of media, and what the compilers of other subjects need to know about them.
 struct CompiledMedia {
@@ -35,23 +41,25 @@ struct CompiledMedia {
 };
 
 /// Reads grids, makes the tables of media, majorants and boundaries, and refers to boundaries from `shapes`. `set`
-/// makes rows of spectra in spectral mode. Throws SceneError for unreadable files, grids with a wrong number of
-/// channels or different motions, singular transforms, and media that groups of shapes or photons do not support.
+/// makes rows of spectra in spectral mode. Reports media that are replaced by empty ones: unreadable files, grids with
+/// a wrong number of channels, singular transforms, and media that photons do not support. Reports grids with different
+/// motions, which stand still, and media that groups of shapes do not support, which are left out.
 CompiledMedia compile_media(const Description& description, const CompiledGeometry& geometry,
                             const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
-                            std::vector<ShapeRow>& shapes);
+                            ErrorSink& errors, std::vector<ShapeRow>& shapes);
 
 /// Adds the rows of media, grids and majorants, and describes the grids. `step_size` is that of ray marching, metres;
 /// 0: 1/100 of each medium's diagonal. `scene`: bounds of the scene, for media that no shape contains.
-void add_medium_rows(std::span<const MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
-                     CompiledMedia& out);
+void add_medium_rows(std::span<MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
+                     ErrorSink& errors, CompiledMedia& out);
 
 /// Adds the motions of media, whose rows have been added, and the boxes of the shapes relative to them.
-void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, CompiledMedia& out);
+void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, ErrorSink& errors,
+                CompiledMedia& out);
 
-/// Throws SceneError at the first medium whose coefficients or emission are not finite somewhere, because tracking
-/// would then take steps of length zero. `tables` are those of `scene`.
-void check_media(const SceneView& scene, std::span<const MediumDescription> media, const MediumTables& tables);
+/// Reports media whose coefficients or emission are not finite somewhere, because tracking would then take steps of
+/// length zero, and makes them empty.
+void check_media(std::span<const MediumDescription> media, ErrorSink& errors, SceneTables& scene);
 
 /// Ends unbounded media at a radius that contains the whole scene with its lights, if a light is at infinity.
 void end_media(const MotionCompiler& motion, SceneTables& scene);

@@ -65,13 +65,13 @@ FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLoc
       try {
         out.largest = std::max(out.largest, largest_flake_area(matrix));
       } catch (const SceneError& error) {
-        throw SceneError({file}, "voxel " + std::to_string(at / kChannels) + ": " + error.what());
+        throw SceneError({file}, "voxel " + std::to_string(at / kChannels) + ": " + error.what(), error.code());
       }
     }
     out.diagonal = take_channels(volume, 0, description.wrap);
     out.others = take_channels(volume, 3, description.wrap);
     return out;
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 }  // namespace sheaf

@@ -87,10 +87,10 @@ BrickGrid load_volume(const GridVolumeDescription& description, const SourceLoca
         }
       }
     } catch (const SceneError& error) {
-      if (file.empty() || std::string_view(error.what()).starts_with(file + ":")) throw;
-      throw SceneError({file}, error.what());
+      if (file.empty() || error.where().file == file) throw;
+      throw SceneError({file}, error);
     }
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const GridVolumeDescription& description,
@@ -99,7 +99,7 @@ BrickGridRow place_grid(const BrickGrid& grid, const Transform& to_world, const 
     return make_brick_grid_row(grid, to_world, description.filter);
   } catch (const SceneError& error) {
     const std::string file = description.file.string();
-    throw SceneError(where, (file.empty() ? "" : file + ": ") + error.what());
+    throw SceneError(where, file.empty() ? error : SceneError({file}, error));
   }
 }
 

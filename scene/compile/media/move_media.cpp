@@ -194,19 +194,23 @@ std::vector<Bounds3f> boxes_at_rest(const MediumInput& medium, const AnimatedTra
 
 }  // namespace
 
-void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, CompiledMedia& out) {
+void move_media(std::span<const MediumInput> media, const Bounds3f& scene, MotionCompiler& motion, ErrorSink& errors,
+                CompiledMedia& out) {
   out.motions.resize(media.size());
   for (std::size_t i = 0; i < media.size(); ++i) {
     const MediumInput& medium = media[i];
     const MediumRow& row = out.tables.rows[i];
+    out.boxes.emplace_back();
     try {
       const AnimatedTransform* moves = motion_of(medium, motion);
-      out.boxes.push_back(boxes_at_rest(medium, moves, motion.shutter(), box_of_extinction(row, out.grids)));
+      out.boxes.back() = boxes_at_rest(medium, moves, motion.shutter(), box_of_extinction(row, out.grids));
       if (moves == nullptr) continue;
       out.motions[i] = motion.add_from_rest(*moves, MotionProbes::of_box(box_of_grids(medium, row, out.grids, scene)));
       if (out.motions[i].segment_count > 0 && (row.flags & kMediumHomogeneous) == 0)
         MotionCompiler::set(motion.tables().media, i, out.motions[i]);
-    } catch (const Error& error) { throw at_place(medium.description->where, SceneError(error.what())); }
+    } catch (const SceneError& error) {
+      errors.report(at_place(medium.description->where, error), "the medium stands still");
+    }
   }
 }
 

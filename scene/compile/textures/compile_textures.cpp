@@ -5,22 +5,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace sheaf {
 
 namespace {
 
-/// Checks the nesting of textures.
+/// Checks the nesting of textures. Makes those grey that cannot be looked up.
 class NestingCheck {
  public:
   /// `rows`: first those of `textures`.
-  NestingCheck(const std::vector<TextureDescription>& textures, std::vector<TextureRow>& rows)
-      : textures_(textures), rows_(rows), depths_(textures.size(), 0) {}
+  NestingCheck(const std::vector<TextureDescription>& textures, std::vector<TextureRow>& rows, ErrorSink* errors)
+      : textures_(textures), rows_(rows), errors_(errors), depths_(textures.size(), 0) {}
 
-  /// Throws SceneError for a texture that contains itself or is nested too deep. Adds the needs of its inputs to those
-  /// of each texture.
+  /// Reports a texture that contains itself or is nested too deep. Adds the needs of its inputs to those of each
+  /// texture.
   void run() {
     for (std::size_t i = 0; i < textures_.size(); ++i) depth(i);
+    for (const std::size_t i : broken_) rows_[i] = grey_texture_row();
   }
 
  private:
@@ -30,9 +32,10 @@ class NestingCheck {
   int depth(std::size_t i, int outside = 0) {
     TextureRow& row = rows_[i];
     if (row.input_count == 0) return 0;
-    if (depths_[i] == kInProgress) throw TextureTableBuilder::error(textures_[i], "contains itself");
+    if (broken_.contains(i)) return 0;
+    if (depths_[i] == kInProgress) return drop(i, TextureTableBuilder::error(textures_[i], "contains itself"));
     if (depths_[i] == 0) {
-      if (outside == kMaxTextureDepth) throw too_deep(i);
+      if (outside == kMaxTextureDepth) return drop(i, too_deep(i));
       depths_[i] = kInProgress;
       int deepest = 0;
       for (const std::uint32_t input : row.used_inputs()) {
@@ -41,8 +44,15 @@ class NestingCheck {
       }
       depths_[i] = deepest + 1;
     }
-    if (outside + depths_[i] > kMaxTextureDepth) throw too_deep(i);
+    if (outside + depths_[i] > kMaxTextureDepth) return drop(i, too_deep(i));
     return depths_[i];
+  }
+
+  /// Reports an error of a texture, whose row becomes that of a constant. Returns its depth.
+  int drop(std::size_t i, const SceneError& error) {
+    report_to(errors_, error, kGreySubstitute);
+    broken_.insert(i);
+    return 0;
   }
 
   SceneError too_deep(std::size_t i) const {
@@ -52,24 +62,48 @@ class NestingCheck {
 
   const std::vector<TextureDescription>& textures_;
   std::vector<TextureRow>& rows_;
+  ErrorSink* errors_;
   std::vector<int> depths_;
+  std::set<std::size_t> broken_;
 };
+
+/// Makes the row of a texture. Throws SceneError.
+TextureRow compile_row(const TextureDescription& texture, std::size_t index, TextureTableBuilder& tables) {
+  for (const float entry : texture.to_uv)
+    if (!std::isfinite(entry))
+      throw TextureTableBuilder::error(texture, "the transform of its coordinates is not finite");
+  TextureRowCompiler builder(tables, texture, static_cast<std::uint32_t>(index));
+  return std::visit([&](const auto& model) { return builder.row(model); }, texture.model);
+}
 
 }  // namespace
 
-TextureTables compile_textures(const std::vector<TextureDescription>& textures, std::vector<PlacedGrid>* grids) {
+TextureRow grey_texture_row() {
+  TextureRow row;
+  row.kind = kTextureKind<ConstantTextureDescription>;
+  row.set_data(constant_row(SpectrumDescription::constant(0.5f)));
+  return row;
+}
+
+TextureTables compile_textures(const std::vector<TextureDescription>& textures, std::vector<PlacedGrid>* grids,
+                               ErrorSink* errors) {
   TextureTableBuilder tables(textures);
   for (std::size_t i = 0; i < textures.size(); ++i) {
-    const TextureDescription& texture = textures[i];
-    for (const float entry : texture.to_uv)
-      if (!std::isfinite(entry))
-        throw TextureTableBuilder::error(texture, "the transform of its coordinates is not finite");
-    TextureRowCompiler builder(tables, texture, static_cast<std::uint32_t>(i));
-    const TextureRow row = std::visit([&](const auto& model) { return builder.row(model); }, texture.model);
+    TextureRow row;
+    try {
+      row = compile_row(textures[i], i, tables);
+    } catch (const SceneError& error) {
+      report_to(errors, error, kGreySubstitute);
+      row = grey_texture_row();
+    }
     tables.rows()[i] = row;
   }
-  NestingCheck(textures, tables.rows()).run();
+  NestingCheck(textures, tables.rows(), errors).run();
   return tables.finish(grids);
+}
+
+void AttributeTable::remove(std::uint32_t shape) {
+  std::erase_if(added_, [&](const auto& added) { return added.first.second == shape; });
 }
 
 bool AttributeTable::wants(const std::string& name) const {

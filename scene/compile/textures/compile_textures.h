@@ -10,11 +10,15 @@
 namespace sheaf {
 
 /// Loads every image, once per way of reading it, and makes the rows. Appends the volume grids to `grids`, unless it is
-/// null. Throws SceneError at the texture's location for an image that is missing, broken, too large, has unknown
-/// channels or non-finite values; for textures nested too deep or in a cycle; for a transform that is not finite; and
-/// for grids like load_volume().
+/// null. Reports errors at the texture's location, and makes it grey (`errors` null: throws): an image that is missing,
+/// broken, too large, has unknown channels or non-finite values; for textures nested too deep or in a cycle; for a
+/// transform that is not finite; and for grids like load_volume().
 TextureTables compile_textures(const std::vector<TextureDescription>& textures,
-                               std::vector<PlacedGrid>* grids = nullptr);
+                               std::vector<PlacedGrid>* grids = nullptr, ErrorSink* errors = nullptr);
+
+/// What becomes of a texture that cannot be compiled, for messages, and its row.
+inline constexpr const char* kGreySubstitute = "the texture is grey";
+TextureRow grey_texture_row();
 
 /// Warnings about textures that are bound as reflectances and have texels or colours outside [0, 1]: location, image,
 /// number of texels, and range. Mixes are not checked.
@@ -39,6 +43,9 @@ class AttributeTable {
   /// or a duplicate name.
   void add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count, std::uint32_t vertex_count,
            const Mesh::Attribute& attribute, const SourceLocation& where);
+
+  /// Removes the attributes of a shape.
+  void remove(std::uint32_t shape);
 
   /// Lays out the table for shapes [0, shape_count). Call once, after all add().
   void finish(std::uint32_t shape_count);

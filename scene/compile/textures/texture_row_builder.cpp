@@ -32,8 +32,10 @@ double reading_bytes(const BitmapDescription& bitmap) {
 
 }  // namespace
 
-SceneError TextureTableBuilder::error(const TextureDescription& texture, const std::string& message) {
-  return {texture.where, (texture.id.empty() ? "texture: " : "texture '" + texture.id + "': ") + message};
+SceneError TextureTableBuilder::error(const TextureDescription& texture, const std::string& message,
+                                      SceneErrorCode code) {
+  const std::string title = texture.id.empty() ? "texture" : "texture '" + texture.id + "'";
+  return SceneError(texture.where, title + ": " + message, code).about(title);
 }
 
 std::uint32_t TextureTableBuilder::row_of(const SpectrumInput& input, const TextureDescription& texture) {
@@ -107,7 +109,7 @@ TiledImage TextureTableBuilder::load(const BitmapDescription& bitmap, const Text
   if (bitmap.made) return load_tiled_image(bitmap, texture.where);
   try {
     return load_tiled_image(bitmap, texture.where);
-  } catch (const SceneError& problem) { throw error(texture, problem.what()); }
+  } catch (const SceneError& problem) { throw error(texture, problem.what(), problem.code()); }
 }
 
 std::size_t TextureTableBuilder::add_image(TiledImage image) {

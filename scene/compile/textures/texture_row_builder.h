@@ -20,7 +20,8 @@ class TextureTableBuilder {
   /// Starts reading the images of the textures, which must outlive the object.
   explicit TextureTableBuilder(const std::vector<TextureDescription>& textures);
 
-  static SceneError error(const TextureDescription& texture, const std::string& message);
+  static SceneError error(const TextureDescription& texture, const std::string& message,
+                          SceneErrorCode code = SceneErrorCode::kInvalid);
 
   /// Rows of the textures, followed by those of constants.
   std::vector<TextureRow>& rows() { return out_.rows; }

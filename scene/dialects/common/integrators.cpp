@@ -28,11 +28,16 @@ std::string substitution_note(std::string_view name, const IntegratorMatch& foun
   return "integrator '" + std::string(name) + "' is rendered with '" + found.name + "', which has the same expectation";
 }
 
-void fail_integrator(const Properties& p, const std::vector<std::string>& others) {
+IntegratorMatch integrator_or_path(Properties& p, const std::vector<std::string>& others) {
+  if (const auto found = find_integrator(p.type())) return *found;
   std::vector<std::string> known = integrator_names();
   for (const std::string& other : others)
     if (!find_integrator(other)) known.push_back(other);
-  p.fail_plugin(std::move(known));
+  constexpr const char* kDefault = "path";
+  try {
+    p.fail_plugin(std::move(known));
+  } catch (const SceneError& error) { p.replace_plugin(error, kDefault); }
+  return *find_integrator(kDefault);
 }
 
 void make_white(Description& description, bool two_sided) {

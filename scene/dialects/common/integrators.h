@@ -15,8 +15,9 @@ void apply(const IntegratorMatch& found, IntegratorSettings& integrator);
 /// Returns a note for the user if the integrator replaces `name`, another one with the same expected image; else empty.
 std::string substitution_note(std::string_view name, const IntegratorMatch& found);
 
-/// Throws SceneError: the integrator of `p` is neither one of integrator_names() nor of the dialect's `others`.
-[[noreturn]] void fail_integrator(const Properties& p, const std::vector<std::string>& others);
+/// Returns the integrator of `p`. Reports an unknown one, which becomes `path`; the message names those of the dialect,
+/// `others`, too.
+IntegratorMatch integrator_or_path(Properties& p, const std::vector<std::string>& others);
 
 /// Makes all shapes white, diffuse and non-emissive, removes media and all lights. Removes null interfaces, except
 /// those in groups. `two_sided`: back sides are white, too.

@@ -72,7 +72,7 @@ bool is_usable_placement(const Placement& placement) {
   });
 }
 
-void separate_moving_shapes(Description& description, bool lenient) {
+void separate_moving_shapes(Description& description, ErrorSink& errors) {
   // Split the groups
   std::map<std::uint32_t, std::vector<MovingGroup>> split;
   const auto count = static_cast<std::uint32_t>(description.groups.size());
@@ -93,10 +93,10 @@ void separate_moving_shapes(Description& description, bool lenient) {
       const AnimatedTransform& inner = description.motions[static_cast<std::size_t>(moving.motion)];
       const std::optional<Placement> placed = moving_placement(outer, inner);
       if (!placed) {
-        const SceneError error(description.groups[moving.group].where,
-                               "an instance of a shape that moves has a transform that is singular or too extreme");
-        if (!lenient) throw error;
-        description.stand_ins.push_back(std::string(error.what()) + " (instance ignored)");
+        errors.report(SceneError(description.groups[moving.group].where,
+                                 "an instance of a shape that moves has a transform that is singular or too extreme",
+                                 SceneErrorCode::kOutOfRange),
+                      "instance ignored");
         continue;
       }
       instances.push_back({rows_of(placed->to_world), moving.group, add_motion(description.motions, *placed)});

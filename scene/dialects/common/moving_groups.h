@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/description/error_sink.h"
 #include "scene/description/placement.h"
 
 namespace sheaf {
@@ -15,6 +16,6 @@ bool is_usable_placement(const Placement& placement);
 /// Moves shapes with a motion from their groups to groups of their own, whose instances have that motion first. So the
 /// shapes of all groups are at rest. Throws SceneError if the product of both is singular or too extreme; if `lenient`,
 /// drops such instances and reports it.
-void separate_moving_shapes(Description& description, bool lenient);
+void separate_moving_shapes(Description& description, ErrorSink& errors);
 
 }  // namespace sheaf

@@ -24,8 +24,8 @@ constexpr BsdfPlugin kPlugins[] = {
     {"mirror", [](Properties&, const BsdfDialect&) -> MaterialModel { return ConductorDescription{}; }},
 };
 
-MaterialId read_bsdf(const XmlElement& bsdf, Reader& reader) {
-  Properties p(bsdf, reader.context);
+MaterialId read_bsdf(const XmlElement& bsdf, const char* plugin, Reader& reader) {
+  Properties p(bsdf, reader.context, plugin);
   const BsdfDialect dialect{.nested = [&](const XmlElement& nested) { return material_of(nested, reader); },
                             .phase = find_phase,
                             .before_version_2 = reader.before_version_2};
@@ -36,8 +36,9 @@ MaterialId read_bsdf(const XmlElement& bsdf, Reader& reader) {
 
 MaterialId material_of(const XmlElement& bsdf, Reader& reader) {
   if (auto it = reader.materials.find(&bsdf); it != reader.materials.end()) return it->second;
-  const MaterialId id =
-      read_bsdf_leniently(bsdf, reader.context, [&](const XmlElement& element) { return read_bsdf(element, reader); });
+  const MaterialId id = read_bsdf_or_substitute(
+      bsdf, reader.context,
+      [&](const XmlElement& element, const char* plugin) { return read_bsdf(element, plugin, reader); });
   reader.materials.emplace(&bsdf, id);
   return id;
 }

@@ -14,7 +14,8 @@ void read_point_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<PointLightDescription>();
   const bool placed = p.has("to_world");
   light.position = p.point("position", {0, 0, 0});
-  if (placed && p.has("position")) p.fail("has both 'position' and 'to_world', expected one");
+  if (placed && p.has("position"))
+    p.report("has both 'position' and 'to_world', expected one", SceneErrorCode::kDuplicate, "'position' ignored");
   if (placed) light.position = p.placement("to_world").to_world.translation();
   light.intensity = p.spectrum("intensity", SpectrumDescription::constant(1), SpectrumRole::kEmission);
 }
@@ -27,8 +28,12 @@ void read_spot_light(Properties& p, LightDescription& out) {
   light.beam_width = p.number("beam_width", 0.75f * light.cutoff_angle, {0, light.cutoff_angle, false});
   const std::optional<SpectrumInput> texture = p.find_spectrum_input("texture", SpectrumRole::kEmission);
   if (!texture) return;
-  if (!(light.cutoff_angle < 90))
-    p.fail_at("cutoff_angle", "is too large for a spot with a texture, expected less than 90 degrees");
+  if (!(light.cutoff_angle < 90)) {
+    p.report_at("cutoff_angle", "is too large for a spot with a texture, expected less than 90 degrees",
+                SceneErrorCode::kOutOfRange);
+    light.cutoff_angle = 20;
+    light.beam_width = std::min(light.beam_width, light.cutoff_angle);
+  }
   light.texture = texture_showing(*texture, p.where(), p.context());
 }
 

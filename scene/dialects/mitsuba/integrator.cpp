@@ -58,9 +58,11 @@ void read_direct(Properties& p, const IntegratorMatch& found, IntegratorSettings
   const int shading = p.integer("shading_samples", 1, 1, kMax);
   const int lights = p.integer("emitter_samples", shading, 0, kMax);
   const int bsdfs = p.integer("bsdf_samples", shading, 0, kMax);
-  if (lights + bsdfs == 0) p.fail("has 0 'emitter_samples' and 0 'bsdf_samples', expected at least 1 of either");
-  if (bsdfs == 0) integrator.strategy = LightStrategy::kLightOnly;
-  if (lights == 0) integrator.strategy = LightStrategy::kBsdfOnly;
+  if (lights + bsdfs == 0)
+    p.report("has 0 'emitter_samples' and 0 'bsdf_samples', expected at least 1 of either", SceneErrorCode::kOutOfRange,
+             "rendered with 1 of both");
+  if (bsdfs == 0 && lights > 0) integrator.strategy = LightStrategy::kLightOnly;
+  if (lights == 0 && bsdfs > 0) integrator.strategy = LightStrategy::kBsdfOnly;
   read_light_sampling(p, integrator);
   read_medium_estimation(p, integrator);
   if (std::max(lights, bsdfs) > 1)
@@ -74,7 +76,7 @@ void read_wrapper(Properties& p, Reader& reader) {
     p.context().note(p.where(), "'aovs' ignored: choose layers with --aov");
   if (p.type() == "stokes") p.context().note(p.where(), "integrator 'stokes' ignored: polarization is not simulated");
   const std::vector<const XmlElement*> nested = p.objects("integrator");
-  if (nested.empty()) p.fail("has no nested <integrator>, expected one");
+  if (nested.empty()) p.fail("has no nested <integrator>, expected one", SceneErrorCode::kMissing);
   if (nested.size() > 1 && p.type() != "multichannel")
     p.fail("has " + std::to_string(nested.size()) + " nested <integrator>, expected one");
   p.ignore_all();
@@ -97,30 +99,25 @@ void read_visibility(Properties& p, const IntegratorMatch& found) {
   white_scene(found, length, true, p.context().description);
 }
 
-void read_plugin(const XmlElement& element, Reader& reader) {
-  Properties p(element, reader.context);
-  IntegratorSettings& integrator = reader.context.description.integrator;
-  if (const auto* read = kWrappers.find(p.type())) return (*read)(p, reader);
-  const std::optional<IntegratorMatch> found = find_integrator(p.type());
-  if (!found) fail_integrator(p, kWrappers.names());
-  if (found->entry->whitens_scene) return read_visibility(p, *found);
-  if (found->is_substitute) {
-    read_stand_in(p, *found, integrator);
-  } else if (p.type() == "direct") {
-    read_direct(p, *found, integrator);
-  } else if (traits_of(found->entry->kind).uses_lights()) {
-    read_path_like(p, *found, integrator);
-  } else {
-    apply(*found, integrator);
-    p.ignore({"samples_per_pass", "block_size", "timeout"});
-  }
-  p.reject_unused();
-}
-
 }  // namespace
 
 void read_integrator(const XmlElement& element, Reader& reader) {
-  read_or_as(element, reader.context, "path", [&] { read_plugin(element, reader); });
+  Properties p(element, reader.context);
+  IntegratorSettings& integrator = reader.context.description.integrator;
+  if (const auto* read = kWrappers.find(p.type())) return (*read)(p, reader);
+  const IntegratorMatch found = integrator_or_path(p, kWrappers.names());
+  if (found.entry->whitens_scene) return read_visibility(p, found);
+  if (found.is_substitute) {
+    read_stand_in(p, found, integrator);
+  } else if (p.type() == "direct") {
+    read_direct(p, found, integrator);
+  } else if (traits_of(found.entry->kind).uses_lights()) {
+    read_path_like(p, found, integrator);
+  } else {
+    apply(found, integrator);
+    p.ignore({"samples_per_pass", "block_size", "timeout"});
+  }
+  p.reject_unused();
 }
 
 }  // namespace sheaf::mitsuba

@@ -6,19 +6,20 @@
 namespace sheaf::mitsuba {
 
 const MeasuredMedium& read_measured_medium(Properties& p) {
-  const std::string name = p.string("material", "skin1");
-  const MeasuredMedium* found = find_measured_medium(name);
-  if (found == nullptr) {
-    p.fail_at("material", "is " + in_quotes(name) + ", expected the name of a measured medium" +
-                              did_you_mean(name, measured_medium_names()) + known_names(measured_medium_names()) +
-                              "; use 'sigma_s' and 'sigma_a' for others");
-  }
-  return *found;
+  constexpr const char* kDefault = "skin1";
+  const std::string name = p.string("material", kDefault);
+  if (const MeasuredMedium* found = find_measured_medium(name)) return *found;
+  p.report_at("material",
+              "is " + in_quotes(name) + ", expected the name of a measured medium" +
+                  did_you_mean(name, measured_medium_names()) + known_names(measured_medium_names()) +
+                  "; use 'sigma_s' and 'sigma_a' for others",
+              SceneErrorCode::kUnknownName);
+  return *find_measured_medium(kDefault);
 }
 
 void read_measured_coefficients(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   if (read_coefficients(p, dialect, medium)) {
-    if (p.has("material")) p.fail_at("material", "is set together with coefficients, expected one of them");
+    if (p.has("material")) p.report_conflict("material", "coefficients");
     return;
   }
   const MeasuredMedium& measured = read_measured_medium(p);
@@ -42,7 +43,7 @@ void read_homogeneous(Properties& p, const VolumeDialect& dialect, bool before_v
 void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   ExtinctionAlbedoDescription pair;
   const auto density = find_volume_input(p, "density", SpectrumRole::kIor, dialect);
-  if (!density) p.fail("needs the <volume> 'density'");
+  if (!density) p.fail("needs the <volume> 'density'", SceneErrorCode::kMissing);
   pair.sigma_t = *density;
   pair.albedo =
       volume_input(p, "albedo", std::get<SpectrumDescription>(pair.albedo), SpectrumRole::kReflectance, dialect);

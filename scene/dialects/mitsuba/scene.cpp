@@ -28,7 +28,8 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
                                           "rgb",        "default", "include", "path",       "alias",
                                           "medium",     "phase",   "volume",  "subsurface", "animation"};
   throw SceneError(element.where,
-                   "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known));
+                   "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known),
+                   SceneErrorCode::kUnknownName);
 }
 
 bool is_spectrum(const XmlElement& e) {
@@ -62,7 +63,8 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
     last.sensors.push_back(&child);
   } else if (kind == "integrator") {
     if (context.scene.is_referenced(child)) return;
-    if (last.integrator != nullptr) throw SceneError(child.where, "a second <integrator>, expected one");
+    if (last.integrator != nullptr)
+      throw SceneError(child.where, "a second <integrator>, expected one", SceneErrorCode::kDuplicate);
     last.integrator = &child;
   } else if (kind == "film" || kind == "sampler") {
     expect_referenced(child, "inside a <sensor>", context);
@@ -96,10 +98,10 @@ void read_camera(mitsuba::Reader& reader, const std::vector<const XmlElement*>& 
   for (std::size_t i = 1; i < all.size() && context.camera.empty(); ++i)
     context.note(all[i]->where, "sensor ignored: only the first one is rendered (choose another by --camera)");
   if (chosen < sensors.size()) {
-    read_or_as(*all[chosen], context, "perspective", [&] { mitsuba::read_sensor(*all[chosen], reader); });
+    read_or_leave_out(*all[chosen], context, [&] { mitsuba::read_sensor(*all[chosen], reader); });
   } else {
     const mitsuba::ShapeSensor& sensor = reader.shape_sensors[chosen - sensors.size()];
-    read_or_as(*all[chosen], context, "irradiancemeter", [&] { mitsuba::read_shape_sensor(sensor, reader); });
+    read_or_leave_out(*all[chosen], context, [&] { mitsuba::read_shape_sensor(sensor, reader); });
   }
 }
 
@@ -113,11 +115,11 @@ void read_mitsuba(ReadContext& context) {
   Last last;
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
-  separate_moving_shapes(context.description, context.lenient);
+  separate_moving_shapes(context.description, context.errors);
   // Read the camera, then the integrator
   read_camera(reader, last.sensors);
   if (last.integrator != nullptr) {
-    mitsuba::read_integrator(*last.integrator, reader);
+    read_or_leave_out(*last.integrator, context, [&] { mitsuba::read_integrator(*last.integrator, reader); });
   } else {
     context.note(root.where, "the scene has no <integrator>, rendered with 'path'");
   }

@@ -6,6 +6,8 @@
 
 #include "scene/xml/xml_values.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -54,7 +56,7 @@ constexpr NameTable<PixelFilter (*)(Properties&)> kFilters{
 
 PixelFilter read_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  const PixelFilter filter = p.plugin(kFilters)(p);
+  const PixelFilter filter = p.plugin_or("gaussian", kFilters)(p);
   p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
@@ -68,9 +70,9 @@ void read_crop(Properties& p, FilmSettings& film) {
   const int height = p.integer("crop_height", film.height - y0, 1, kLargest);
   if (!cropped) return;
   if (width < 1 || height < 1 || x0 > film.width - width || y0 > film.height - height)
-    p.fail("crop window (offset " + std::to_string(x0) + ", " + std::to_string(y0) + ", size " + std::to_string(width) +
-           " x " + std::to_string(height) + ") reaches beyond the film of " + std::to_string(film.width) + " x " +
-           std::to_string(film.height) + " pixels");
+    return p.report(fmt::format("crop window (offset {}, {}, size {} x {}) reaches beyond the film of {} x {} pixels",
+                                x0, y0, width, height, film.width, film.height),
+                    SceneErrorCode::kOutOfRange, "ignored");
   film.crop = PixelRect{x0, y0, x0 + width, y0 + height};
 }
 
@@ -97,13 +99,13 @@ constexpr NameTable<void (*)(Properties&)> kFilms{{{"hdrfilm", [](Properties&) {
 
 void read_film(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  p.plugin(kFilms)(p);
+  p.plugin_or("hdrfilm", kFilms)(p);
   FilmSettings& film = context.description.film;
   read_frame(p, film);
   read_crop(p, film);
   film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
-    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_filter(*filter, context); });
+    read_or_leave_out(*filter, context, [&] { film.filter = read_filter(*filter, context); });
   if (p.ignore_prefixed("label[")) context.note(p.where(), "film labels ignored");
   if (p.ignore_prefixed("metadata[")) context.note(p.where(), "film metadata ignored");
   if (p.find_string("channel_names")) context.note(p.where(), "'channelNames' ignored: choose layers with --aov");
@@ -115,7 +117,7 @@ void read_film(const XmlElement& element, ReadContext& context) {
 void read_sampler(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   SamplerSettings& sampler = context.description.sampler;
-  sampler.kind = read_sampler_kind(p);
+  sampler.kind = read_sampler_kind(p, "sobol");
   sampler.sample_count = static_cast<std::uint32_t>(p.integer("sample_count", 4, 1, kMaxSampleCount));
   sampler.seed = static_cast<std::uint32_t>(p.integer("seed", 0, 0, std::numeric_limits<int>::max()));
   if (sampler.kind != SamplerKind::kIndependent) p.ignore({"dimension", "scramble", "jitter", "strength"});
@@ -126,15 +128,19 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
 float parse_focal_length(Properties& p, std::string text) {
   if (text.ends_with("mm")) text.resize(text.size() - 2);
   const float length = parse_float(text, p.where(), "property 'focal_length'");
-  if (!(length > 0)) p.fail_at("focal_length", "is " + in_quotes(text) + ", expected a positive length");
+  if (!(length > 0))
+    p.fail_at("focal_length", "is " + in_quotes(text) + ", expected a positive length", SceneErrorCode::kOutOfRange);
   return length;
 }
 
 /// Reads the distortion coefficients `kc`: a string of two numbers.
 std::array<float, 2> read_distortion(Properties& p) {
-  const std::vector<float> kc = parse_floats(p.string("kc", "0, 0"), p.where(), "kc");
-  if (kc.size() != 2) p.fail_at("kc", "has " + std::to_string(kc.size()) + " numbers, expected two");
-  return {kc[0], kc[1]};
+  const auto read = [&] {
+    const std::vector<float> kc = parse_floats(p.string("kc", "0, 0"), p.where(), "kc");
+    if (kc.size() != 2) p.fail_at("kc", "has " + std::to_string(kc.size()) + " numbers, expected two");
+    return std::array{kc[0], kc[1]};
+  };
+  return p.attempt("kc", read).value_or(std::array{0.0f, 0.0f});
 }
 
 constexpr float kNearClip = 0.01f;
@@ -156,11 +162,13 @@ Transform aim(Vec3d origin, Vec3f direction) {
   return Transform::look_at(origin, origin + Vec3d(normalize(direction)), up);
 }
 
+/// Reads the direction of a sensor: +z if it is invalid.
 Vec3f read_sensor_direction(Properties& p) {
-  const Vec3f direction = *p.find_vec3("direction");
+  const Vec3f direction = p.vec3("direction", {0, 0, 1});
   const float length = sheaf::length(direction);
-  if (!(length > 0.0f) || !std::isfinite(length)) p.fail_at("direction", "has no length");
-  return direction;
+  if (length > 0.0f && std::isfinite(length)) return direction;
+  p.report_at("direction", "has no length", SceneErrorCode::kOutOfRange);
+  return {0, 0, 1};
 }
 
 void read_radiance_meter(Properties& p, CameraDescription& camera) {
@@ -169,8 +177,9 @@ void read_radiance_meter(Properties& p, CameraDescription& camera) {
   const bool origin = p.has("origin"), direction = p.has("direction");
   if (p.has("to_world")) return p.ignore({"origin", "direction"});
   if (origin != direction)
-    p.fail_at(origin ? "origin" : "direction", "is set without the other, expected both 'origin' and 'direction'");
-  if (origin) camera.to_world = aim(p.point("origin", {0, 0, 0}), read_sensor_direction(p));
+    p.report_at(origin ? "origin" : "direction", "is set without the other, expected both 'origin' and 'direction'",
+                SceneErrorCode::kMissing);
+  if (origin && direction) camera.to_world = aim(p.point("origin", {0, 0, 0}), read_sensor_direction(p));
 }
 
 /// Reads the target shape of a distant sensor.
@@ -190,11 +199,13 @@ void read_distant(Properties& p, CameraDescription& camera) {
   camera.near_clip = 0;
   const bool placed = p.has("to_world");
   if (p.has("direction")) {
-    if (placed) p.fail_at("direction", "is set together with 'to_world', expected one of them");
-    camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
+    if (placed)
+      p.report_conflict("direction", "'to_world'");
+    else
+      camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
   }
   if (const XmlElement* shape = p.object("shape")) {
-    camera.target = read_target(*shape, p.context());
+    read_or_leave_out(*shape, p.context(), [&] { camera.target = read_target(*shape, p.context()); });
   } else if (const auto point = p.find_point("target")) {
     camera.target = *point;
   }
@@ -208,8 +219,8 @@ void read_thin_lens(Properties& p, CameraDescription& camera) {
   read_clip(p, camera, kNearClip);
   read_fov(p, camera);
   const std::optional<float> radius = p.find_number("aperture_radius", kNotNegative);
-  if (!radius) p.fail("has no 'aperture_radius'");
-  camera.aperture_radius = *radius;
+  if (!radius) p.report("has no 'aperture_radius'", SceneErrorCode::kMissing, "rendered as 'perspective'");
+  camera.aperture_radius = radius.value_or(0);
   camera.focus_distance = p.number("focus_distance", camera.far_clip, kPositive);
 }
 
@@ -256,10 +267,11 @@ void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) 
   reader.context.description.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   read_frame(p, reader.context.description.film);
   if (const XmlElement* film = p.object("film"))
-    read_or_as(*film, reader.context, "hdrfilm", [&] { read_film(*film, reader.context); });
+    read_or_leave_out(*film, reader.context, [&] { read_film(*film, reader.context); });
   if (const XmlElement* sampler = p.object("sampler"))
-    read_or_as(*sampler, reader.context, "sobol", [&] { read_sampler(*sampler, reader.context); });
-  if (const XmlElement* medium = p.object("medium")) camera.medium = medium_of(*medium, reader);
+    read_or_leave_out(*sampler, reader.context, [&] { read_sampler(*sampler, reader.context); });
+  if (const XmlElement* medium = p.object("medium"))
+    read_or_leave_out(*medium, reader.context, [&] { camera.medium = medium_of(*medium, reader); });
   check_meter(p, camera);
 }
 
@@ -299,6 +311,10 @@ constexpr NameTable<void (*)(Properties&, Reader&)> kOtherSensors{
     {{"batch", read_batch},
      {"irradiancemeter", [](Properties& p, Reader&) { p.fail("must be nested in a <shape>"); }}}};
 
+/// Sensors nested in shapes.
+constexpr NameTable<CameraDescription::Projection> kShapeSensors{
+    {{"irradiancemeter", CameraDescription::Projection::kIrradianceMeter}}};
+
 }  // namespace
 
 void read_fov(Properties& p, CameraDescription& camera) {
@@ -306,11 +322,13 @@ void read_fov(Properties& p, CameraDescription& camera) {
   const std::optional<float> fov = p.find_number("fov", {0, 180, true});
   std::optional<float> focal_length;
   if (p.is_string("focal_length")) {
-    focal_length = parse_focal_length(p, *p.find_string("focal_length"));
+    const std::string text = p.string("focal_length", "50mm");
+    focal_length = p.attempt("focal_length", [&] { return parse_focal_length(p, text); });
   } else {
     focal_length = p.find_number("focal_length", kPositive);
   }
-  if (fov && focal_length) p.fail("has both 'fov' and 'focal_length', expected one");
+  if (fov && focal_length)
+    p.report("has both 'fov' and 'focal_length', expected one", SceneErrorCode::kDuplicate, "'focal_length' ignored");
   if (fov) {
     camera.fov = *fov;
     return;
@@ -325,7 +343,7 @@ void read_sensor(const XmlElement& element, Reader& reader) {
   if (const auto* read = kOtherSensors.find(p.type())) {
     (*read)(p, reader);
   } else {
-    read_camera(p, p.plugin(kCameras, kOtherSensors), camera);
+    read_camera(p, p.plugin_or("perspective", kCameras, kOtherSensors), camera);
     reader.context.description.shutter = read_shutter(p);
   }
   camera.where = element.where;
@@ -335,11 +353,10 @@ void read_sensor(const XmlElement& element, Reader& reader) {
 
 void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   Properties p(*sensor.element, reader.context);
-  if (p.type() != "irradiancemeter") p.fail_plugin({"irradiancemeter"});
   if (sensor.shape_type != "rectangle") p.fail("is in a " + in_quotes(sensor.shape_type) + ", expected a 'rectangle'");
   CameraDescription& camera = reader.context.description.camera;
   camera.where = sensor.element->where;
-  camera.projection = CameraDescription::Projection::kIrradianceMeter;
+  camera.projection = p.plugin_or("irradiancemeter", kShapeSensors);
   camera.to_world = sensor.placement.to_world;
   camera.motion = add_motion(reader.context.description.motions, sensor.placement);
   reader.context.description.shutter = read_shutter(p);

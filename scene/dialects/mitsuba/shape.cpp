@@ -58,7 +58,8 @@ decltype(DeformingMesh::Key::mesh) mesh_at_key(const XmlElement& element, const 
   if (const auto* mesh = std::get_if<Mesh>(&shape.geometry)) return *mesh;
   if (std::holds_alternative<RectangleShape>(shape.geometry)) return rectangle_mesh();
   if (std::holds_alternative<CubeShape>(shape.geometry)) return cube_mesh();
-  throw ElementError(element, "is not a mesh, expected only meshes or only curves in a 'deformable' shape");
+  throw SceneError(element.where, "is not a mesh, expected only meshes or only curves in a 'deformable' shape",
+                   SceneErrorCode::kWrongType);
 }
 
 /// Reads a mesh or curves that deform: nested shapes for the times of the string `times`, as in Mitsuba 0.6. They have
@@ -90,7 +91,8 @@ void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
       mesh.keys.push_back({double{times[i]}, mesh_at_key(*children[i], at_key), to_shape});
     }
     if (!mesh.keys.empty() && !curves.keys.empty())
-      throw ElementError(*children[i], "follows shapes of another kind, expected only meshes or only curves");
+      throw SceneError(children[i]->where, "follows shapes of another kind, expected only meshes or only curves",
+                       SceneErrorCode::kWrongType);
     // Read what the first shape decides
     if (i == 0) {
       shape.face_normals = at_key.face_normals;
@@ -111,8 +113,10 @@ void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
 constexpr NameTable<void (*)(Properties&, Reader&, ShapeDescription&)> kDeformable{{{"deformable", read_deformable}}};
 
 void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
-  if (const XmlElement* medium = p.named_object("medium", "interior")) shape.interior = medium_of(*medium, reader);
-  if (const XmlElement* medium = p.named_object("medium", "exterior")) shape.exterior = medium_of(*medium, reader);
+  if (const XmlElement* medium = p.named_object("medium", "interior"))
+    read_or_leave_out(*medium, reader.context, [&] { shape.interior = medium_of(*medium, reader); });
+  if (const XmlElement* medium = p.named_object("medium", "exterior"))
+    read_or_leave_out(*medium, reader.context, [&] { shape.exterior = medium_of(*medium, reader); });
 }
 
 }  // namespace
@@ -143,7 +147,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
   // Read material, emitter and sensor
   if (const XmlElement* bsdf = p.object("bsdf")) shape.material = material_of(*bsdf, reader);
   if (const XmlElement* emitter = p.object("emitter"))
-    read_area_emitter(*emitter, reader.context, shape,
+    find_area_emitter(*emitter, reader.context, shape,
                       {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
   if (const XmlElement* sensor = p.object("sensor")) {
     const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
@@ -152,8 +156,11 @@ void read_shape(const XmlElement& element, Reader& reader) {
   // Read the media
   read_media(p, reader, shape);
   if (const XmlElement* subsurface = p.object("subsurface")) {
-    if (shape.interior) p.fail("has an interior medium and a <subsurface>, expected one of them");
-    read_subsurface(*subsurface, reader, shape);
+    if (shape.interior)
+      p.report("has an interior medium and a <subsurface>, expected one of them", SceneErrorCode::kDuplicate,
+               "subsurface ignored");
+    else
+      read_or_leave_out(*subsurface, reader.context, [&] { read_subsurface(*subsurface, reader, shape); });
   }
   if (shape.radiance && !shape.material) shape.material = black_material(reader);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))

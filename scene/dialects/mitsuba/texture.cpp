@@ -25,7 +25,7 @@ SpectrumInput read_volume_texture(Properties& p) {
 SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, int depth = 0) {
   if (const auto* constant = std::get_if<SpectrumDescription>(&input)) return scaled(*constant, by);
   constexpr int kMaxNesting = 8;
-  if (depth > kMaxNesting) p.fail("has textures nested deeper than 8 levels");
+  if (depth > kMaxNesting) p.fail("has textures nested deeper than 8 levels", SceneErrorCode::kTooLarge);
   std::vector<TextureDescription>& textures = p.context().description.textures;
   TextureDescription copy = textures.at(static_cast<std::size_t>(std::get<TextureId>(input)));
   copy.model = scaled_texture(std::move(copy.model), by,
@@ -38,7 +38,7 @@ SpectrumInput scaled_input(Properties& p, const SpectrumInput& input, float by, 
 SpectrumInput read_scaled(Properties& p) {
   const float by = p.number("scale", 1, kNotNegative);
   const XmlElement* nested = p.any_texture_or_color();
-  if (nested == nullptr) p.fail("needs a nested <texture>");
+  if (nested == nullptr) p.fail("needs a nested <texture>", SceneErrorCode::kMissing);
   SpectrumInput result = scaled_input(p, texture_of(*nested, p.context()), by);
   p.reject_unused();
   p.context().textures.emplace(&p.element(), result);

@@ -89,7 +89,7 @@ void grow(Box& box, const ShapeDescription& shape) {
   }
 }
 
-Box read_box(std::vector<ShapeDescription>& shapes, Description& description, bool lenient) {
+Box read_box(std::vector<ShapeDescription>& shapes, Description& description, ErrorSink& errors) {
   Box box;
   std::vector<ShapeDescription> read;
   read.reserve(shapes.size());
@@ -98,8 +98,7 @@ Box read_box(std::vector<ShapeDescription>& shapes, Description& description, bo
       if (const auto* file = std::get_if<MeshFileShape>(&shape.geometry))
         load(shape, MeshFileShape(*file), description);
     } catch (const SceneError& error) {
-      if (!lenient) throw;
-      description.stand_ins.push_back(std::string(error.what()) + " (shape ignored)");
+      errors.report(error, "shape ignored");
       continue;
     }
     grow(box, shape);
@@ -127,10 +126,10 @@ Vec3f up_vector(const ModelView& view) {
   return view.up == ModelView::Up::kY ? Vec3f{0, 1, 0} : Vec3f{0, 0, 1};
 }
 
-std::array<Vec3d, 2> read_bounds(Description& description, bool lenient) {
-  Box box = read_box(description.shapes, description, lenient);
+std::array<Vec3d, 2> read_bounds(Description& description, ErrorSink& errors) {
+  Box box = read_box(description.shapes, description, errors);
   std::vector<Box> groups;
-  for (ShapeGroup& group : description.groups) groups.push_back(read_box(group.shapes, description, lenient));
+  for (ShapeGroup& group : description.groups) groups.push_back(read_box(group.shapes, description, errors));
   for (const InstanceDescription& instance : description.instances) {
     const Box& group = groups[instance.group];
     if (group.empty()) continue;
@@ -159,9 +158,8 @@ void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Descripti
 }
 
 void stand_in_camera(const XmlElement& root, const char* what, ReadContext& context) {
-  const std::string message = std::string("the scene has no ") + what;
-  if (!context.lenient) throw SceneError(root.where, message);
-  context.stand_in(root.where, message + " (rendered with an automatic camera)");
+  context.errors.report(SceneError(root.where, std::string("the scene has no ") + what, SceneErrorCode::kMissing),
+                        "rendered with an automatic camera");
   context.frames_scene = true;
 }
 

@@ -1,6 +1,7 @@
 // Automatic camera placement: a camera that sees all shapes of a scene.
 #pragma once
 
+#include "scene/description/error_sink.h"
 #include "scene/dialects/model/model_view.h"
 #include "scene/xml/properties.h"
 
@@ -11,7 +12,7 @@ namespace sheaf {
 /// Returns the world-space bounds of all shapes except infinite ones; [0, 0] for a scene without shapes. Loads mesh
 /// files; the shapes keep the loaded meshes. If `lenient`, drops shapes whose files cannot be read; otherwise throws
 /// SceneError.
-std::array<Vec3d, 2> read_bounds(Description& description, bool lenient);
+std::array<Vec3d, 2> read_bounds(Description& description, ErrorSink& errors);
 
 /// The unit vector that points up.
 Vec3f up_vector(const ModelView& view);

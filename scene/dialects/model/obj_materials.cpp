@@ -198,7 +198,7 @@ bool may_use_materials(const std::filesystem::path& file) {
 /// Materials of MTL libraries. Each is read and added once.
 class MaterialLibraries {
  public:
-  MaterialLibraries(Description& description, bool lenient) : description_(description), lenient_(lenient) {}
+  MaterialLibraries(Description& description, ErrorSink& errors) : description_(description), errors_(errors) {}
 
   /// Returns the existing libraries in file order. Adds notes for missing ones; sets `complete` if all exist.
   std::vector<const MtlLibrary*> find(const std::vector<ObjLibrary>& named, bool& complete) {
@@ -238,11 +238,9 @@ class MaterialLibraries {
   void note(const SourceLocation& where, const std::string& message) {
     description_.notes.push_back(SceneError(where, message).what());
   }
-  /// Throws, or if lenient, reports that a diffuse material is substituted.
-  void fail(const SourceLocation& where, const std::string& message) {
-    const SceneError error(where, message);
-    if (!lenient_) throw error;
-    description_.stand_ins.push_back(std::string(error.what()) + " (rendered as a diffuse surface)");
+  /// Reports an unknown material, which becomes a diffuse surface.
+  void report(const SourceLocation& where, const std::string& message) {
+    errors_.report(SceneError(where, message, SceneErrorCode::kUnknownName), "rendered as a diffuse surface");
   }
 
  private:
@@ -278,7 +276,7 @@ class MaterialLibraries {
   }
 
   Description& description_;
-  bool lenient_;
+  ErrorSink& errors_;
   std::map<std::filesystem::path, MtlLibrary> libraries_;
   std::map<std::pair<const MtlMaterial*, bool>, MaterialId> ids_;
 };
@@ -309,7 +307,7 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
     const SourceLocation where{file, obj.material_lines[i]};
     const std::string similar = did_you_mean(name, names);
     if (complete) {
-      libraries.fail(where, "material '" + name + "' is in no material library of the file" + similar);
+      libraries.report(where, "material '" + name + "' is in no material library of the file" + similar);
     } else {
       libraries.note(where, "material '" + name + "' is in no material library, rendered as diffuse" + similar);
     }
@@ -397,8 +395,7 @@ std::vector<ReadAhead<std::optional<ObjFile>>::Job> obj_jobs(const std::vector<S
   return jobs;
 }
 
-void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, std::vector<std::string>* left_out,
-            bool creased) {
+void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries, ErrorSink& errors, bool creased) {
   std::vector<ShapeDescription> expanded;
   expanded.reserve(shapes.size());
   ReadAhead<std::optional<ObjFile>> files(obj_jobs(shapes, creased), read_ahead_bytes());
@@ -411,9 +408,7 @@ void expand(std::vector<ShapeDescription>& shapes, MaterialLibraries& libraries,
           parts = cut(shape, std::move(*obj), libraries, creased);
       } catch (const SceneError& error) {
         // A model without a scene file has no line; the error already names the file.
-        const SceneError placed = shape.where.line > 0 ? SceneError(shape.where, error.what()) : error;
-        if (left_out == nullptr) throw placed;
-        left_out->push_back(std::string(placed.what()) + " (shape ignored)");
+        errors.report(shape.where.line > 0 ? SceneError(shape.where, error) : error, "shape ignored");
         continue;
       }
     }
@@ -429,11 +424,10 @@ MaterialId add_mtl_material(const MtlMaterial& material, bool flip_tex_coords, D
   return MaterialBuilder(material, flip_tex_coords, description).build();
 }
 
-void expand_obj_materials(Description& description, bool lenient, bool creased) {
-  MaterialLibraries libraries(description, lenient);
-  std::vector<std::string>* left_out = lenient ? &description.stand_ins : nullptr;
-  expand(description.shapes, libraries, left_out, creased);
-  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries, left_out, creased);
+void expand_obj_materials(Description& description, ErrorSink& errors, bool creased) {
+  MaterialLibraries libraries(description, errors);
+  expand(description.shapes, libraries, errors, creased);
+  for (ShapeGroup& group : description.groups) expand(group.shapes, libraries, errors, creased);
 }
 
 }  // namespace sheaf

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/description/error_sink.h"
 #include "scene/formats/mtl.h"
 
 namespace sheaf {
@@ -13,7 +14,7 @@ namespace sheaf {
 /// features and for missing libraries. A shape without radiance gets the radiance Ke of its material, times its
 /// opacity. Throws SceneError for malformed OBJ and MTL files. Throws it for materials that no library defines, if all
 /// libraries were found. `lenient`: drops such shapes, or leaves them without a material, and reports it.
-void expand_obj_materials(Description& description, bool lenient = false, bool creased = false);
+void expand_obj_materials(Description& description, ErrorSink& errors, bool creased = false);
 
 /// Adds `material` with its textures to the description. `flip_tex_coords`: the flag passed to read_obj(). Selects the
 /// first model whose conditions hold:

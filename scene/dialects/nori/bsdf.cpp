@@ -34,14 +34,17 @@ void read_absorption(Properties& p, std::optional<SpectrumDescription>& absorpti
   if (p.type() != "dielectric" && p.type() != "roughdielectric" && p.type() != "null") return;
   const auto sigma_a = p.find_spectrum("sigmaA", SpectrumRole::kIor);
   if (!sigma_a) return;
-  if (absorption) p.fail_at("sigmaA", "is set by two materials of one surface, expected one");
-  absorption = *sigma_a;
+  if (absorption)
+    p.report_at("sigmaA", "is set by two materials of one surface, expected one", SceneErrorCode::kDuplicate);
+  else
+    absorption = *sigma_a;
 }
 
 /// Wraps `nested` in a normal map if the material has a `normal` texture.
 MaterialId with_normal_map(Properties& p, MaterialId nested) {
   if (!p.is_texture("normal")) return nested;
   const std::optional<SpectrumInput> map = p.find_spectrum_input("normal", SpectrumRole::kIor);
+  if (!map) return nested;
   const TextureId texture = texture_showing(*map, p.where(), p.context());
   if (auto* bitmap =
           std::get_if<BitmapDescription>(&p.context().description.textures[static_cast<std::size_t>(texture)].model))
@@ -52,9 +55,9 @@ MaterialId with_normal_map(Properties& p, MaterialId nested) {
   return add_material(p.context(), std::move(mapped));
 }
 
-MaterialId read_plugin(const XmlElement& element, ReadContext& context,
+MaterialId read_plugin(const XmlElement& element, const char* plugin, ReadContext& context,
                        std::optional<SpectrumDescription>& absorption) {
-  Properties p(element, context);
+  Properties p(element, context, plugin);
   const BsdfDialect dialect{.nested = [&](const XmlElement& nested) { return read_bsdf(nested, context, absorption); },
                             .phase = find_phase,
                             .names_disperse = true};
@@ -71,8 +74,9 @@ MaterialId read_plugin(const XmlElement& element, ReadContext& context,
 }  // namespace
 
 MaterialId read_bsdf(const XmlElement& element, ReadContext& context, std::optional<SpectrumDescription>& absorption) {
-  return read_bsdf_leniently(element, context,
-                             [&](const XmlElement& e) { return read_plugin(e, context, absorption); });
+  return read_bsdf_or_substitute(element, context, [&](const XmlElement& e, const char* plugin) {
+    return read_plugin(e, plugin, context, absorption);
+  });
 }
 
 }  // namespace sheaf::nori

@@ -12,12 +12,19 @@ namespace sheaf::nori {
 
 namespace {
 
+/// Reports that two alternatives are set. `ignored`: the property that has no effect.
+void report_both(Properties& p, const std::string& first, const std::string& second, const std::string& ignored) {
+  p.report("has both '" + first + " and '" + second + ", expected one", SceneErrorCode::kDuplicate,
+           "'" + ignored + "' ignored");
+  p.ignore({ignored.c_str()});
+}
+
 void read_point_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<PointLightDescription>();
   light.position = p.point("position", {0, 0, 0});
   light.intensity = p.spectrum("intensity", light.intensity, SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
-  if (power && p.has("intensity")) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (power && p.has("intensity")) report_both(p, "power' (W)", "intensity' (W/sr)", "intensity");
   if (power) light.intensity = scaled(*power, 1.0f / (4.0f * std::numbers::pi_v<float>));
 }
 
@@ -39,16 +46,15 @@ Transform read_placement(Properties& p) {
   const bool position = p.has("position"), direction = p.has("direction"), look_at = p.has("lookAt");
   if (p.has("toWorld")) {
     for (const char* other : {"position", "direction", "lookAt"})
-      if (p.has(other)) p.fail("has both 'toWorld' and '" + std::string(other) + "', expected one");
+      if (p.has(other)) report_both(p, "toWorld'", std::string(other) + "'", other);
     return p.transform("toWorld");
   }
-  if (direction && look_at) p.fail("has both 'direction' and 'lookAt', expected one");
+  if (direction && look_at) report_both(p, "direction'", "lookAt'", "direction");
   if (!position && !direction && !look_at) return Transform();
   const Vec3d origin = p.point("position", {0, 0, 0});
   Vec3f towards = p.vec3("direction", {0, 0, 1});
   if (look_at) towards = (p.point("lookAt", {0, 0, 0}) - origin).rounded();
-  check_direction(p, look_at ? "lookAt" : "direction", towards);
-  return aim(origin, towards);
+  return aim(origin, checked_direction(p, look_at ? "lookAt" : "direction", towards));
 }
 
 /// Solid angle (sr) that converts a spot light's intensity to its power. The cosine of its cone is the mean of the
@@ -64,7 +70,7 @@ void read_spot_light(Properties& p, LightDescription& out) {
   light.to_world = read_placement(p);
   light.intensity = p.spectrum("intensity", light.intensity, SpectrumRole::kEmission);
   const auto power = p.find_spectrum("power", SpectrumRole::kEmission);
-  if (power && p.has("intensity")) p.fail("has both 'power' (W) and 'intensity' (W/sr), expected one");
+  if (power && p.has("intensity")) report_both(p, "power' (W)", "intensity' (W/sr)", "intensity");
   light.cutoff_angle = p.number("totalWidth", 30, {0, 180, true});
   constexpr float kUsualEdge = 5;
   const float usual = std::max(light.cutoff_angle - kUsualEdge, 0.0f);
@@ -76,7 +82,7 @@ void read_spot_light(Properties& p, LightDescription& out) {
 void read_directional_light(Properties& p, LightDescription& out) {
   auto& light = out.model.emplace<DirectionalLightDescription>();
   light.direction = read_direction(p, "toWorld");
-  if (p.has("irradiance") && p.has("intensity")) p.fail("has both 'irradiance' and 'intensity', expected one");
+  if (p.has("irradiance") && p.has("intensity")) report_both(p, "irradiance'", "intensity'", "irradiance");
   const char* name = p.has("intensity") ? "intensity" : "irradiance";
   light.irradiance = p.spectrum(name, light.irradiance, SpectrumRole::kEmission);
 }

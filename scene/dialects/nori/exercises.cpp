@@ -29,7 +29,8 @@ bool read_exercise(Properties& p) {
     (*read)(p, description);
   } else if (const auto found = find_integrator(p.type()); found && found->entry->whitens_scene) {
     const auto length = p.find_number("length", kPositive);
-    if (traits_of(found->entry->kind).measures_visibility && !length) p.fail("needs the float 'length'");
+    if (traits_of(found->entry->kind).measures_visibility && !length)
+      p.fail("needs the float 'length'", SceneErrorCode::kMissing);
     white_scene(*found, length.value_or(kInfinity), false, description);
   } else {
     return false;

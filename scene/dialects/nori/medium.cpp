@@ -45,11 +45,13 @@ void read_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumDescr
   read_coefficients(p, dialect, medium);
   read_density(p, dialect, medium);
   if (p.has("filename")) {
-    if (medium.density) p.fail_at("filename", "is set together with the <volume> 'density', expected one of them");
-    medium.density = read_grid(p, dialect);
+    if (medium.density)
+      p.report_conflict("filename", "the <volume> 'density'");
+    else
+      medium.density = read_grid(p, dialect);
   }
   read_medium_rest(p, dialect, medium);
-  if (!has_grid(medium)) p.fail("needs the <volume> 'density' or the string 'filename'");
+  if (!has_grid(medium)) p.fail("needs the <volume> 'density' or the string 'filename'", SceneErrorCode::kMissing);
 }
 
 constexpr NameTable<void (*)(Properties&, const VolumeDialect&, MediumDescription&)> kMedia{

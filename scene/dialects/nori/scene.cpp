@@ -55,7 +55,7 @@ constexpr NameTable<PixelFilter (*)(Properties&)> kFilters{{{"box",
 
 PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  const PixelFilter filter = p.plugin(kFilters)(p);
+  const PixelFilter filter = p.plugin_or("gaussian", kFilters)(p);
   p.reject_unused();
   check_filter_radius(static_cast<double>(filter.radius), p.where());
   return filter;
@@ -63,7 +63,11 @@ PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
 
 /// The name of a property that has two alternative names: the one that is present, or null.
 const char* find_either(Properties& p, const char* name, const char* other) {
-  if (p.has(name) && p.has(other)) p.fail("has both '" + std::string(name) + "' and '" + other + "', expected one");
+  if (p.has(name) && p.has(other)) {
+    p.report("has both '" + std::string(name) + "' and '" + other + "', expected one", SceneErrorCode::kDuplicate,
+             "'" + std::string(other) + "' ignored");
+    p.ignore({other});
+  }
   return p.has(name) ? name : p.has(other) ? other : nullptr;
 }
 
@@ -71,25 +75,29 @@ const char* find_either(Properties& p, const char* name, const char* other) {
 void read_lens(Properties& p, CameraDescription& camera) {
   const char* radius = find_either(p, "apertureRadius", "lensRadius");
   const char* distance = find_either(p, "focusDistance", "focalDistance");
-  if (p.type() == "thinlens" && radius == nullptr) p.fail("needs the float 'apertureRadius'");
+  if (p.type() == "thinlens" && radius == nullptr)
+    p.report("needs the float 'apertureRadius'", SceneErrorCode::kMissing, "rendered as 'perspective'");
   camera.aperture_radius = p.number(radius != nullptr ? radius : "apertureRadius", 0, kNotNegative);
-  camera.focus_distance = distance != nullptr ? *p.find_number(distance, kPositive) : kInfinity;
-  if (camera.aperture_radius > 0 && distance == nullptr) p.fail("has a lens but no 'focusDistance', expected both");
+  camera.focus_distance = distance != nullptr ? p.find_number(distance, kPositive).value_or(kInfinity) : kInfinity;
+  if (!(camera.aperture_radius > 0) || distance != nullptr) return;
+  p.report("has a lens but no 'focusDistance', expected both", SceneErrorCode::kMissing, "rendered as 'perspective'");
+  camera.aperture_radius = 0;
 }
 
 void read_camera(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
-  if (p.type() != "perspective" && p.type() != "thinlens" && p.type() != "orthographic")
-    p.fail_plugin({"orthographic", "perspective", "thinlens"});
+  using Projection = CameraDescription::Projection;
+  static constexpr NameTable<Projection> kCameras{{{"orthographic", Projection::kOrthographic},
+                                                   {"perspective", Projection::kPerspective},
+                                                   {"thinlens", Projection::kPerspective}}};
   CameraDescription& camera = context.description.camera;
   FilmSettings& film = context.description.film;
   camera.where = element.where;
   // Nori's camera space has +x to the right in ETH's version, to the left upstream; see docs/scene-format/nori.md.
   camera.to_world = p.transform("toWorld");
   if (context.mirrors_nori_camera) camera.to_world = camera.to_world * Transform::scale({-1, 1, 1});
-  if (p.type() == "orthographic") {
-    camera.projection = CameraDescription::Projection::kOrthographic;
-  } else {
+  camera.projection = p.plugin_or("perspective", kCameras);
+  if (camera.projection == Projection::kPerspective) {
     camera.fov = p.number("fov", 30, {0, 180, true});
     camera.fov_axis = read_fov_axis(p);
     read_lens(p, camera);
@@ -100,14 +108,14 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   check_frame(film.width, film.height, element.where);
   film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* filter = p.object("rfilter"))
-    read_or_as(*filter, context, "gaussian", [&] { film.filter = read_nori_filter(*filter, context); });
+    read_or_leave_out(*filter, context, [&] { film.filter = read_nori_filter(*filter, context); });
   p.reject_unused();
 }
 
 void read_sampler(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   SamplerSettings& sampler = context.description.sampler;
-  sampler.kind = read_sampler_kind(p);
+  sampler.kind = read_sampler_kind(p, "independent");
   sampler.sample_count = static_cast<std::uint32_t>(p.integer("sampleCount", 1, 1, kMaxSampleCount));
   p.reject_unused();
 }
@@ -116,13 +124,12 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   if (nori::read_exercise(p)) return p.reject_unused();
   // Find the integrator
-  const std::optional<IntegratorMatch> found = find_integrator(p.type());
-  if (!found) fail_integrator(p, nori::kExercises.names());
+  const IntegratorMatch found = integrator_or_path(p, nori::kExercises.names());
   IntegratorSettings& integrator = context.description.integrator;
-  apply(*found, integrator);
+  apply(found, integrator);
   // Read its properties
   if (integrator.traits().uses_lights()) {
-    if (!found->entry->is_direct) {
+    if (!found.entry->is_direct) {
       integrator.max_depth = p.integer("maxDepth", -1, -1, 1'000'000);
       if (p.has("rrDepth")) integrator.rr_depth = p.integer("rrDepth", 0, 1, 1'000'000);
     }
@@ -132,9 +139,9 @@ void read_integrator(const XmlElement& element, ReadContext& context) {
     if (integrator.traits().has_photon_maps()) read_photon_mapping(p, integrator.photons);
     p.ignore({"inmedium"});  // whether the camera is in a medium; found from the surrounding shapes
   }
-  if (found->is_substitute) {
+  if (found.is_substitute) {
     p.ignore_all();
-    context.note(element.where, substitution_note(p.type(), *found));
+    context.note(element.where, substitution_note(p.type(), found));
   }
   p.reject_unused();
 }
@@ -144,7 +151,7 @@ void read_parallelogram(Properties& p, bool, ShapeDescription& shape) {
   const Vec3d origin = p.point("origin", {0, 0, 0});
   const Vec3f u = p.vec3("u", {1, 0, 0}), v = p.vec3("v", {0, 1, 0});
   const Vec3f n = cross(u, v);
-  if (!(length_squared(n) > 0.0f)) p.fail("has no area: 'u' and 'v' are parallel");
+  if (!(length_squared(n) > 0.0f)) p.fail("has no area: 'u' and 'v' are parallel", SceneErrorCode::kOutOfRange);
   const Vec3d columns[4] = {u * 0.5f, v * 0.5f, normalize(n), origin + Vec3d(u) * 0.5 + Vec3d(v) * 0.5};
   Matrix4 m;
   for (std::size_t j = 0; j < 4; ++j) {
@@ -165,9 +172,12 @@ void read_inside(Properties& p, ShapeDescription& shape) {
   const XmlElement* bsdf = p.object("bsdf");
   const XmlElement* medium = p.object("medium");
   if (bsdf != nullptr) shape.material = nori::read_bsdf(*bsdf, context, absorption);
-  if (absorption && medium != nullptr) p.fail("has a <medium> and a bsdf with 'sigmaA', expected one of them");
-  if (medium != nullptr) shape.interior = nori::read_medium(*medium, context, true);
-  if (absorption) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
+  if (absorption && medium != nullptr)
+    p.report("has a <medium> and a bsdf with 'sigmaA', expected one of them", SceneErrorCode::kDuplicate,
+             "'sigmaA' ignored");
+  if (medium != nullptr)
+    read_or_leave_out(*medium, context, [&] { shape.interior = nori::read_medium(*medium, context, true); });
+  if (absorption && medium == nullptr) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
   shape.exterior_is_surrounding = shape.interior.has_value();
   if (medium == nullptr || bsdf != nullptr) return;
   MaterialDescription boundary;
@@ -188,7 +198,7 @@ void read_mesh(const XmlElement& element, ReadContext& context) {
   shape.to_world = p.transform("toWorld") * shape.to_world;
   p.ignore({"name"});
   read_inside(p, shape);
-  if (const XmlElement* emitter = p.object("emitter")) read_area_emitter(*emitter, context, shape);
+  if (const XmlElement* emitter = p.object("emitter")) find_area_emitter(*emitter, context, shape);
   p.reject_unused();
   context.description.shapes.push_back(std::move(shape));
 }
@@ -201,7 +211,8 @@ struct LastElements {
 };
 
 void keep(const XmlElement*& slot, const XmlElement& element) {
-  if (slot != nullptr) throw SceneError(element.where, "a second <" + element.name + ">, expected one");
+  if (slot != nullptr)
+    throw SceneError(element.where, "a second <" + element.name + ">, expected one", SceneErrorCode::kDuplicate);
   slot = &element;
 }
 
@@ -215,16 +226,18 @@ void read_child(const XmlElement& child, ReadContext& context, LastElements& las
   } else if (child.name == "mesh") {
     read_mesh(child, context);
   } else if (child.name == "medium") {
-    if (context.description.camera.medium) throw SceneError(child.where, "a second <medium>, expected one");
+    if (context.description.camera.medium)
+      throw SceneError(child.where, "a second <medium>, expected one", SceneErrorCode::kDuplicate);
     context.description.camera.medium = nori::read_medium(child, context, false);
   } else if (child.name == "emitter") {
     nori::read_emitter(child, context);
   } else if (child.name == "denoiser") {
     context.note(child.where, "<denoiser> ignored: use --denoise");
   } else {
-    throw SceneError(child.where, "unknown element <" + child.name + "> in a Nori scene" +
-                                      did_you_mean(child.name, {"camera", "sampler", "integrator", "mesh", "emitter",
-                                                                "medium", "denoiser"}));
+    const std::vector<std::string> known = {"camera", "sampler", "integrator", "mesh", "emitter", "medium", "denoiser"};
+    throw SceneError(child.where,
+                     "unknown element <" + child.name + "> in a Nori scene" + did_you_mean(child.name, known),
+                     SceneErrorCode::kUnknownName);
   }
 }
 
@@ -237,19 +250,18 @@ void read_nori(ReadContext& context) {
   for (const XmlElement& child : root.children)
     read_or_leave_out(child, context, [&] { read_child(child, context, last); });
   if (last.camera != nullptr) {
-    read_or_as(*last.camera, context, "perspective", [&] { read_camera(*last.camera, context); });
+    read_or_leave_out(*last.camera, context, [&] { read_camera(*last.camera, context); });
   } else {
     stand_in_camera(root, "<camera>", context);
   }
   if (last.integrator != nullptr) {
-    read_or_as(*last.integrator, context, "path", [&] { read_integrator(*last.integrator, context); });
+    read_or_leave_out(*last.integrator, context, [&] { read_integrator(*last.integrator, context); });
   } else {
-    if (!context.lenient) throw SceneError(root.where, "the scene has no <integrator>");
-    context.stand_in(root.where, "the scene has no <integrator> (rendered with 'path')");
+    context.errors.report(SceneError(root.where, "the scene has no <integrator>", SceneErrorCode::kMissing),
+                          "rendered with 'path'");
   }
   context.description.sampler.sample_count = 1;
-  if (last.sampler != nullptr)
-    read_or_as(*last.sampler, context, "independent", [&] { read_sampler(*last.sampler, context); });
+  if (last.sampler != nullptr) read_or_leave_out(*last.sampler, context, [&] { read_sampler(*last.sampler, context); });
 }
 
 }  // namespace sheaf

@@ -9,8 +9,12 @@ namespace {
 
 /// Reads `scale`, the size of a repeated unit in uv, and `delta`, its uv offset.
 std::array<float, 6> read_placement(Properties& p, float repeated) {
-  const Vec2f scale = p.vec2("scale", {1, 1}), delta = p.vec2("delta", {0, 0});
-  if (scale.x == 0 || scale.y == 0) p.fail_at("scale", "is 0 along an axis, expected other factors");
+  Vec2f scale = p.vec2("scale", {1, 1});
+  const Vec2f delta = p.vec2("delta", {0, 0});
+  if (scale.x == 0 || scale.y == 0) {
+    p.report_at("scale", "is 0 along an axis, expected other factors", SceneErrorCode::kOutOfRange);
+    scale = {1, 1};
+  }
   const float u = 1 / (repeated * scale.x), v = 1 / (repeated * scale.y);
   return {u, 0, -delta.x * u, 0, v, -delta.y * v};
 }
@@ -28,7 +32,7 @@ void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) 
 /// have spherical texture coordinates.
 void read_turn(Properties& p) {
   if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0})
-    p.fail_at("eulerAngles", "is not 0 0 0: rotation of images is not supported");
+    p.report_at("eulerAngles", "is not 0 0 0: rotation of images is not supported", SceneErrorCode::kUnsupported);
   p.ignore({"sphericalTexture"});
 }
 

@@ -196,7 +196,8 @@ void read_film(Reader& reader, Entity entity, float shutter) {
   const std::vector<std::string> known = {"gbuffer", "rgb", "spectral"};
   if (std::find(known.begin(), known.end(), entity.type) == known.end())
     throw SceneError(entity.where,
-                     "unknown film '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known));
+                     "unknown film '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known),
+                     SceneErrorCode::kUnknownName);
   FilmSettings& film = reader.description.film;
   film.width = p.integer("xresolution", 1280, 1, 1'000'000'000);
   film.height = p.integer("yresolution", 720, 1, 1'000'000'000);

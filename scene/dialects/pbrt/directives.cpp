@@ -57,7 +57,8 @@ Attributes SceneBuilder::restore(const char* by) {
 void SceneBuilder::accelerator(Tokens& tokens) { read_entity(tokens, "accelerator"); }
 
 void SceneBuilder::area_light_source(Tokens& tokens) {
-  reader_.attributes.area_light = read_area_light(reader_, read_entity(tokens, "light"));
+  Entity entity = read_entity(tokens, "light");
+  read_or_leave_out("light", [&] { reader_.attributes.area_light = read_area_light(reader_, std::move(entity)); });
 }
 
 void SceneBuilder::attribute(Tokens& tokens) {
@@ -111,7 +112,11 @@ void SceneBuilder::include(Tokens& tokens) {
 }
 
 void SceneBuilder::integrator(Tokens& tokens) { options_["Integrator"] = read_entity(tokens, "integrator"); }
-void SceneBuilder::light_source(Tokens& tokens) { read_light(reader_, read_entity(tokens, "light")); }
+
+void SceneBuilder::light_source(Tokens& tokens) {
+  Entity entity = read_entity(tokens, "light");
+  read_or_leave_out("light", [&] { read_light(reader_, std::move(entity)); });
+}
 
 void SceneBuilder::make_named_material(Tokens& tokens) {
   Entity entity = read_entity(tokens, "material");
@@ -207,7 +212,10 @@ void SceneBuilder::option(Tokens& tokens) {
 void SceneBuilder::pixel_filter(Tokens& tokens) { options_["PixelFilter"] = read_entity(tokens, "filter"); }
 void SceneBuilder::sampler(Tokens& tokens) { options_["Sampler"] = read_entity(tokens, "sampler"); }
 
-void SceneBuilder::shape(Tokens& tokens) { read_shape(reader_, read_entity(tokens, "shape")); }
+void SceneBuilder::shape(Tokens& tokens) {
+  Entity entity = read_entity(tokens, "shape");
+  read_or_leave_out("shape", [&] { read_shape(reader_, std::move(entity)); });
+}
 
 void SceneBuilder::texture(Tokens& tokens) {
   const std::string name = read_string(tokens, "a name"), kind = read_string(tokens, "float or spectrum");

@@ -94,7 +94,7 @@ Image read_linear_image(const std::filesystem::path& file, bool raw, const Sourc
         out.data[3 * pixel + c] = decode ? srgb_to_linear(value) : value;
       }
     return out;
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 double mean_luminance(const Image& image, double (*weight)(const double* about, double x, double y),

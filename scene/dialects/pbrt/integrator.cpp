@@ -42,7 +42,8 @@ IntegratorMatch find_entity(Parameters& p, const Entity& entity) {
   std::vector<std::string> known = integrator_names();
   known.emplace_back("function");
   throw SceneError(entity.where,
-                   "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known));
+                   "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known),
+                   SceneErrorCode::kUnknownName);
 }
 
 }  // namespace

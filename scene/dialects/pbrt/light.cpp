@@ -190,13 +190,15 @@ void read_light(Reader& reader, Entity entity) {
     }
     known.emplace_back(light.name);
   }
-  throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known));
+  throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known),
+                   SceneErrorCode::kUnknownName);
 }
 
 AreaLight read_area_light(Reader& reader, Entity entity) {
   Parameters p(reader, "AreaLightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
   if (entity.type != "diffuse" && entity.type != "area")
-    throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}));
+    throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}),
+                     SceneErrorCode::kUnknownName);
   AreaLight light;
   light.where = entity.where;
   // Read the power and the radiance, which may be an image

@@ -326,7 +326,8 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     const std::vector<std::string> known = {
         "coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",       "diffusetransmission", "hair",
         "interface",       "measured",      "mix",       "subsurface", "thindielectric"};
-    throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known));
+    throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known),
+                     SceneErrorCode::kUnknownName);
   }
   // Wrap it in maps and as two-sided
   MaterialId id = mapped(p, add(reader, std::move(model), entity.where), entity.where);

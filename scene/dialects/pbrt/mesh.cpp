@@ -135,7 +135,7 @@ Mesh read_subdivision(Parameters& p, bool textured) {
   try {
     Mesh mesh = subdivide({control.positions, {}, {}, control.triangles}, levels);
     return textured ? with_coordinates(mesh) : mesh;
-  } catch (const SceneError& error) { p.fail(std::string(": ") + error.what()); }
+  } catch (const SceneError& error) { p.fail(std::string(": ") + error.what(), error.code()); }
 }
 
 Mesh read_bilinear_mesh(Parameters& p) {

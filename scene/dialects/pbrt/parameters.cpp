@@ -113,7 +113,8 @@ Parameters::Parameters(Reader& reader, std::string title, SourceLocation where, 
     : reader_(reader), title_(std::move(title)), where_(std::move(where)), list_(std::move(list)) {}
 
 Parameter* Parameters::look(const char* name) {
-  const auto found = std::find_if(list_.begin(), list_.end(), [&](const Parameter& p) { return p.name == name; });
+  const auto found =
+      std::find_if(list_.begin(), list_.end(), [&](const Parameter& p) { return p.name == name && !p.dropped; });
   return found != list_.end() ? &*found : nullptr;
 }
 
@@ -121,9 +122,12 @@ const Parameter& Parameters::expect(const NamedValue& value, std::initializer_li
                                     std::size_t count) const {
   const auto& parameter = static_cast<const Parameter&>(value);
   if (std::find(types.begin(), types.end(), parameter.type) == types.end())
-    fail_value(value, "is of the type " + parameter.type + ", expected " + one_of({types.begin(), types.end()}));
+    fail_value(value, "is of the type " + parameter.type + ", expected " + one_of({types.begin(), types.end()}),
+               SceneErrorCode::kWrongType);
   const std::size_t found = parameter.numbers.size() + parameter.strings.size();
-  if (found != count) fail_value(value, "has " + std::to_string(found) + " values, expected " + std::to_string(count));
+  if (found != count)
+    fail_value(value, "has " + std::to_string(found) + " values, expected " + std::to_string(count),
+               SceneErrorCode::kWrongType);
   return parameter;
 }
 
@@ -161,18 +165,15 @@ std::filesystem::path Parameters::find_file(const std::string& file, const Named
 }
 
 void Parameters::reject_unused() {
-  for (const Parameter& parameter : list_)
+  for (Parameter& parameter : list_)
     if (!parameter.used && !parameter.optional) reject(parameter);
 }
 
-void Parameters::throw_error(const NamedValue* value, const std::string& message) const {
-  throw SceneError(value != nullptr ? static_cast<const Parameter&>(*value).where : where_, message);
+const SourceLocation& Parameters::place_of(const NamedValue* value) const {
+  return value != nullptr ? static_cast<const Parameter&>(*value).where : where_;
 }
 
-void Parameters::leave_out(const NamedValue& value, const std::string& message) const {
-  if (!reader_.lenient) raise(&value, message);
-  reader_.stand_in(static_cast<const Parameter&>(value).where, message + " (ignored)");
-}
+ErrorSink& Parameters::errors() const { return reader_.errors; }
 
 void Parameters::unsupported(const std::string& what, const std::string& instead) const {
   reader_.unsupported(where_, title_ + ": " + what, instead);

@@ -23,7 +23,7 @@ struct Parameter : NamedValue {
 /// parameters.
 std::vector<Parameter> read_parameters(Tokens& tokens);
 
-/// The parameters of one object. All functions throw SceneError for values of the wrong type, count or range.
+/// The parameters of one object. Values of the wrong type, count or range are reported and count as absent.
 class Parameters : public NamedValues {
  public:
   /// `title` names the object in messages: "Shape 'sphere'". The first of several parameters with the same name counts.
@@ -38,9 +38,9 @@ class Parameters : public NamedValues {
   /// Returns all numbers of a parameter; their count is a multiple of `stride`. Empty if the parameter is absent.
   std::vector<float> numbers(const char* name, std::size_t stride);
 
-  /// Throws SceneError for unused parameters; reports them instead if the reader is lenient.
+  /// Reports unused parameters.
   void reject_unused();
-  /// Throws SceneError that `what` is not supported; if the reader is lenient, reports it and the replacement.
+  /// Reports that `what` is not supported, and the replacement.
   void unsupported(const std::string& what, const std::string& instead) const;
 
  private:
@@ -52,8 +52,8 @@ class Parameters : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3d read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  [[noreturn]] void throw_error(const NamedValue* value, const std::string& message) const override;
-  void leave_out(const NamedValue& value, const std::string& message) const override;
+  const SourceLocation& place_of(const NamedValue* value) const override;
+  ErrorSink& errors() const override;
   /// Checks the type and the number of values of a parameter, and returns it.
   const Parameter& expect(const NamedValue& value, std::initializer_list<const char*> types, std::size_t count) const;
 

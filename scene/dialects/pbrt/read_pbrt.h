@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/description.h"
+#include "scene/description/error_sink.h"
 
 #include <filesystem>
 #include <string>
@@ -14,6 +15,6 @@ namespace sheaf {
 /// in words and strings. If `lenient`, substitutes or drops unsupported features. Throws SceneError, also for a define
 /// that the scene does not use.
 void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
-               const std::vector<std::pair<std::string, std::string>>& defines, bool lenient);
+               const std::vector<std::pair<std::string, std::string>>& defines, ErrorSink& errors);
 
 }  // namespace sheaf

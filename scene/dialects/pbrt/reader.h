@@ -70,7 +70,7 @@ struct Object {
 /// State while a pbrt scene is read.
 struct Reader {
   Description& description;
-  bool lenient = false;
+  ErrorSink& errors;
   std::filesystem::path folder;  ///< of the scene file; base of relative names
 
   Attributes attributes;
@@ -109,9 +109,7 @@ struct Reader {
   void note_once(const SourceLocation& where, const std::string& message);
   /// Adds a warning about an error that is corrected.
   void warn(const SourceLocation& where, const std::string& message);
-  /// Reports that an element is replaced or dropped.
-  void stand_in(const SourceLocation& where, const std::string& message);
-  /// Throws SceneError that `what` is not supported; if lenient, reports it and the replacement `instead`.
+  /// Reports that `what` is not supported, and the replacement `instead`.
   void unsupported(const SourceLocation& where, const std::string& what, const std::string& instead);
   /// The placement that a pair of matrices describes. Motions between a transform and a mirrored one are errors.
   Placement placement(const TransformPair& transform, const SourceLocation& where);
@@ -132,7 +130,8 @@ const Value& plugin(const NameTable<Value>& table, const char* kind, const std::
   if (const Value* found = table.find(type)) return *found;
   const std::vector<std::string> known = table.names();
   throw SceneError(where,
-                   std::string("unknown ") + kind + " '" + type + "'" + did_you_mean(type, known) + known_names(known));
+                   std::string("unknown ") + kind + " '" + type + "'" + did_you_mean(type, known) + known_names(known),
+                   SceneErrorCode::kUnknownName);
 }
 
 // spectrum.cpp

@@ -32,14 +32,8 @@ void Reader::warn(const SourceLocation& where, const std::string& message) {
   description.warnings.push_back(SceneError(where, message).what());
 }
 
-void Reader::stand_in(const SourceLocation& where, const std::string& message) {
-  description.stand_ins.push_back(SceneError(where, message).what());
-}
-
 void Reader::unsupported(const SourceLocation& where, const std::string& what, const std::string& instead) {
-  const std::string message = what + ": not supported";
-  if (!lenient) throw SceneError(where, message);
-  stand_in(where, message + " (" + instead + ")");
+  errors.report(SceneError(where, what + ": not supported", SceneErrorCode::kUnsupported), instead);
 }
 
 Placement Reader::placement(const TransformPair& transform, const SourceLocation& where) {
@@ -50,7 +44,7 @@ Placement Reader::placement(const TransformPair& transform, const SourceLocation
   }
   try {
     return Placement(AnimatedTransform({{start_time, transform.start}, {end_time, transform.end}}));
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 std::optional<MotionId> Reader::motion_of(const TransformPair& transform, const Transform& local,
@@ -81,11 +75,11 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
     if (std::find(files.begin(), files.end(), candidate) == files.end()) files.push_back(candidate);
     return candidate;
   }
-  throw SceneError(where, missing_file(name, {folder}));
+  throw SceneError(where, missing_file(name, {folder}), SceneErrorCode::kMissingFile);
 }
 
-SceneBuilder::SceneBuilder(Description& description, const Defines& defines, bool lenient)
-    : reader_{description, lenient, {}, {}}, definitions_(defines) {}
+SceneBuilder::SceneBuilder(Description& description, const Defines& defines, ErrorSink& errors)
+    : reader_{description, errors, {}, {}}, definitions_(defines) {}
 
 std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
   using B = SceneBuilder;
@@ -194,7 +188,7 @@ void SceneBuilder::finish() {
     for (InstanceDescription& instance : object.instances) instance.group = group;
     std::move(object.instances.begin(), object.instances.end(), std::back_inserter(description.instances));
   }
-  separate_moving_shapes(description, reader_.lenient);
+  separate_moving_shapes(description, reader_.errors);
   for (MediumDescription& medium : description.media) medium.emission_scale *= reader_.exposure;
   if (reader_.visibility) white_scene(reader_.visibility->found, reader_.visibility->length, true, description);
 }
@@ -204,8 +198,8 @@ void SceneBuilder::finish() {
 namespace sheaf {
 
 void read_pbrt(const std::filesystem::path& file, const std::filesystem::path& folder, Description& description,
-               const std::vector<std::pair<std::string, std::string>>& defines, bool lenient) {
-  pbrt::SceneBuilder(description, defines, lenient).read(file, folder);
+               const std::vector<std::pair<std::string, std::string>>& defines, ErrorSink& errors) {
+  pbrt::SceneBuilder(description, defines, errors).read(file, folder);
 }
 
 }  // namespace sheaf

@@ -12,7 +12,7 @@ class SceneBuilder {
  public:
   using Defines = std::vector<std::pair<std::string, std::string>>;
 
-  SceneBuilder(Description& description, const Defines& defines, bool lenient);
+  SceneBuilder(Description& description, const Defines& defines, ErrorSink& errors);
 
   /// Reads the scene file, whose relative paths refer to `folder`, and finishes the description. Throws SceneError.
   void read(const std::filesystem::path& file, const std::filesystem::path& folder);
@@ -36,6 +36,12 @@ class SceneBuilder {
   static const Directive& directive(const Token& token, const SourceLocation& where);
   void read_file(const std::filesystem::path& file, const SourceLocation& where);
   void read_directive(Tokens& tokens);
+  /// Calls read() for an entity. Reports its error; the entity is then left out.
+  template <class Read> void read_or_leave_out(const char* what, Read&& read) {
+    try {
+      read();
+    } catch (const SceneError& error) { reader_.errors.report(error.about(what), std::string(what) + " ignored"); }
+  }
   void finish();
 
   // directives.cpp

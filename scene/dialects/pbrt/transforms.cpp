@@ -40,7 +40,7 @@ Matrix4 read_matrix(Tokens& tokens) {
 template <class Make> Transform transform_at(const SourceLocation& where, Make make) {
   try {
     return make();
-  } catch (const SceneError& error) { throw SceneError(where, error.what()); }
+  } catch (const SceneError& error) { throw SceneError(where, error); }
 }
 
 }  // namespace

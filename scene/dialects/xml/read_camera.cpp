@@ -6,20 +6,27 @@
 namespace sheaf {
 
 void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
+  constexpr float kFarClip = 10'000;
   camera.near_clip = p.number("near_clip", near_clip, kPositive);
-  camera.far_clip = p.number("far_clip", 10'000, kPositive);
+  camera.far_clip = p.number("far_clip", kFarClip, kPositive);
   if (camera.near_clip < camera.far_clip) return;
-  p.fail_at(p.has("far_clip") ? "far_clip" : "near_clip", "puts the far plane at " + std::to_string(camera.far_clip) +
-                                                              ", expected it beyond the near plane at " +
-                                                              std::to_string(camera.near_clip));
+  p.report_at(p.has("far_clip") ? "far_clip" : "near_clip",
+              "puts the far plane at " + std::to_string(camera.far_clip) + ", expected it beyond the near plane at " +
+                  std::to_string(camera.near_clip),
+              SceneErrorCode::kOutOfRange);
+  if (!(camera.near_clip < kFarClip)) camera.near_clip = near_clip;
+  camera.far_clip = kFarClip;
 }
 
 ShutterDescription read_shutter(Properties& p) {
   const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
-  if (close < open)
-    p.fail_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
-              "makes the shutter open at " + number_text(double{open}) + " and close at " + number_text(double{close}) +
-                  ", expected it to close at the same time or later");
+  if (close < open) {
+    p.report_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
+                "makes the shutter open at " + number_text(double{open}) + " and close at " +
+                    number_text(double{close}) + ", expected it to close at the same time or later",
+                SceneErrorCode::kOutOfRange);
+    return {double{open}, double{open}, 0};
+  }
   return {double{open}, double{close}, p.number("shutter_ramp", 0, {0, 0.5, false})};
 }
 
@@ -33,8 +40,8 @@ CameraDescription::FovAxis read_fov_axis(NamedValues& p) {
   return p.choice("fov_axis", kAxes, Axis::kX);
 }
 
-SamplerKind read_sampler_kind(Properties& p) {
-  const SamplerKind kind = p.plugin(kSamplers);
+SamplerKind read_sampler_kind(Properties& p, const char* substitute) {
+  const SamplerKind kind = p.plugin_or(substitute, kSamplers);
   if (const std::string note = stand_in_sampler_note(p.type()); !note.empty()) p.context().note(p.where(), note);
   return kind;
 }

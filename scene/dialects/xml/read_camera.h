@@ -17,6 +17,6 @@ ShutterDescription read_shutter(Properties& p);
 
 /// Returns the kind for a sampler's plugin name, with a note if another sampler replaces it. Throws SceneError for an
 /// unknown name.
-SamplerKind read_sampler_kind(Properties& p);
+SamplerKind read_sampler_kind(Properties& p, const char* substitute);
 
 }  // namespace sheaf

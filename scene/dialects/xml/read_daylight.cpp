@@ -56,11 +56,13 @@ SunTime read_time(Properties& p) {
 Vec3f read_sun(Properties& p, const DaylightSpace& space) {
   if (!p.has("sun_direction")) return space.direction(sun_position(read_time(p)));
   for (const char* other : {"year", "month", "day", "hour", "minute", "second", "latitude", "longitude", "timezone"})
-    if (p.has(other)) p.fail_at(other, "is set together with 'sun_direction', expected one of them");
-  const Vec3f direction = *p.find_vec3("sun_direction");
-  const float length = sheaf::length(direction);
-  if (!(length > 0.0f) || !std::isfinite(length)) p.fail_at("sun_direction", "has no length");
-  return direction * (1.0f / length);
+    if (p.has(other)) p.report_conflict(other, "'sun_direction'");
+  const std::optional<Vec3f> direction = p.find_vec3("sun_direction");
+  if (!direction) return space.direction(sun_position(SunTime()));
+  const float length = sheaf::length(*direction);
+  if (length > 0.0f && std::isfinite(length)) return *direction * (1.0f / length);
+  p.report_at("sun_direction", "has no length", SceneErrorCode::kOutOfRange);
+  return space.direction(sun_position(SunTime()));
 }
 
 /// Returns sun positions at times that spread over the days of a date range and over the hours of each day.
@@ -77,7 +79,8 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   end.day = p.integer("end_day", begin.day, 1, 31);
   const double days = days_since_2000(end) - days_since_2000(begin);
   if (days < 0)
-    p.fail_at("end_year", "puts the last day " + std::to_string(-days) + " days before the first, expected it after");
+    p.report_at("end_year", "puts the last day " + std::to_string(-days) + " days before the first, expected it after",
+                SceneErrorCode::kOutOfRange);
   const double first_hour = double(p.number("window_start_time", 7, {0, 24, false}));
   const double last_hour = double(p.number("window_end_time", 19, {first_hour, 24, false}));
   p.ignore({"shutter_open", "shutter_close"});
@@ -95,8 +98,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
 
 /// Reads the angular radius of the sun, degrees.
 float read_radius(Properties& p) {
-  if (p.has("sun_aperture") && p.has("sun_radius_scale"))
-    p.fail_at("sun_aperture", "is set together with 'sunRadiusScale', expected one of them");
+  if (p.has("sun_aperture") && p.has("sun_radius_scale")) p.report_conflict("sun_aperture", "'sunRadiusScale'");
   const bool by_aperture = p.has("sun_aperture");
   const float aperture = p.number("sun_aperture", 2 * SunDescription::kSunRadius, {0, 180, true});
   const float scale = p.number("sun_radius_scale", 1, {0, 89 / double(SunDescription::kSunRadius), false});

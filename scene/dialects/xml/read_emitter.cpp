@@ -5,17 +5,27 @@
 
 namespace sheaf {
 
+namespace {
+
 void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
                        std::initializer_list<const char*> ignored) {
   Properties p(element, context);
-  if (const std::string* id = element.find_attribute("id")) shape.emitter_id = *id;
-  shape.emits_along_normal = p.type() == "directionalarea";
   // Some files name the emitter after its shape.
   const bool is_area = p.type() == "area" || p.type().ends_with("_emitter");
-  if (!is_area && !shape.emits_along_normal) p.fail_plugin({"area", "directionalarea"});
+  const bool along_normal = p.type() == "directionalarea";
+  if (!is_area && !along_normal) p.fail_plugin({"area", "directionalarea"});
+  if (const std::string* id = element.find_attribute("id")) shape.emitter_id = *id;
+  shape.emits_along_normal = along_normal;
   shape.radiance = p.spectrum_input("radiance", SpectrumDescription::constant(1), SpectrumRole::kEmission);
   p.ignore(ignored);
   p.reject_unused();
+}
+
+}  // namespace
+
+void find_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
+                       std::initializer_list<const char*> ignored) {
+  read_or_leave_out(element, context, [&] { read_area_emitter(element, context, shape, ignored); });
 }
 
 void read_light_motion(Properties& p, const char* to_world, LightDescription& light) {
@@ -25,16 +35,17 @@ void read_light_motion(Properties& p, const char* to_world, LightDescription& li
 
 Vec3f read_direction(Properties& p, const char* to_world) {
   const bool placed = p.has(to_world);
-  if (placed && p.has("direction")) p.fail(std::string("has both 'direction' and '") + to_world + "', expected one");
-  Vec3f direction = p.vec3("direction", {0, 0, 1});
-  if (placed) direction = p.placement(to_world).to_world.vector({0, 0, 1});
-  check_direction(p, "direction", direction);
-  return direction;
+  if (placed && p.has("direction"))
+    p.fail(std::string("has both 'direction' and '") + to_world + "', expected one", SceneErrorCode::kDuplicate);
+  const Vec3f direction = placed ? p.placement(to_world).to_world.vector({0, 0, 1}) : p.vec3("direction", {0, 0, 1});
+  return checked_direction(p, "direction", direction);
 }
 
-void check_direction(Properties& p, const char* name, Vec3f direction) {
+Vec3f checked_direction(Properties& p, const char* name, Vec3f direction) {
   const float squared = length_squared(direction);
-  if (!(squared > 0.0f) || !is_finite(squared)) p.fail_at(name, "has no length");
+  if (squared > 0.0f && is_finite(squared)) return direction;
+  p.report_at(name, "has no length", SceneErrorCode::kOutOfRange);
+  return {0, 0, 1};
 }
 
 }  // namespace sheaf

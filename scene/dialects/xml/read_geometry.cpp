@@ -42,7 +42,7 @@ void read_cylinder(Properties& p, bool, ShapeDescription& shape) {
   cylinder.p0 = p.point("p0", cylinder.p0);
   cylinder.p1 = p.point("p1", cylinder.p1);
   cylinder.radius = p.number("radius", 1, kPositive);
-  if (cylinder.p0 == cylinder.p1) p.fail("has no length: 'p0' and 'p1' coincide");
+  if (cylinder.p0 == cylinder.p1) p.fail("has no length: 'p0' and 'p1' coincide", SceneErrorCode::kOutOfRange);
   shape.geometry = cylinder;
 }
 
@@ -60,7 +60,10 @@ void read_hair(Properties& p, ShapeDescription& shape, bool keep_straight) {
   reading.radius *= length(p.placement("to_world").to_world.vector({0, 0, 1}));
   reading.angle_threshold = p.number("angle_threshold", reading.angle_threshold, {0, 90, false});
   reading.reduction = p.number("reduction", reading.reduction, kUnitInterval);
-  if (reading.reduction == 1) p.fail_at("reduction", "is 1, expected less than 1");
+  if (reading.reduction == 1) {
+    p.report_at("reduction", "is 1, expected less than 1", SceneErrorCode::kOutOfRange);
+    reading.reduction = HairReading().reduction;
+  }
   shape.geometry = read_hair_file(p.file("filename"), reading);
 }
 
@@ -81,7 +84,7 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
     shape.geometry = read_height_field(p.file("filename"), scale, smooth, false);
     return;
   }
-  if (p.has("filename")) p.fail_at("filename", "is set together with a texture, expected one of them");
+  if (p.has("filename")) p.report_conflict("filename", "a texture");
   // Read heights from a texture; a bitmap counts as an image
   const SpectrumInput input = p.context().readers.texture(*nested, p.context());
   const auto* id = std::get_if<TextureId>(&input);
@@ -94,9 +97,9 @@ void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
     return;
   }
   if (bitmap->change.invert || bitmap->change.exponent != 1.0f || bitmap->channel != BitmapDescription::Channel::kColor)
-    throw ElementError(*nested,
-                       "is inverted, raised to a power or a single channel, expected a plain texture for a height "
-                       "field");
+    throw SceneError(nested->where,
+                     "is inverted, raised to a power or a single channel, expected a plain texture for a height field",
+                     SceneErrorCode::kUnsupported);
   shape.geometry = read_height_field(bitmap->file, scale * bitmap->change.scale, smooth, bitmap->raw);
 }
 

@@ -19,7 +19,8 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   std::vector<ShapeDescription>& shapes = context.description.shapes;
   const auto first = static_cast<std::ptrdiff_t>(shapes.size());
   context.in_group = true;
-  for (const XmlElement* child : p.objects(element.name.c_str())) read_shape(*child);
+  for (const XmlElement* child : p.objects(element.name.c_str()))
+    read_or_leave_out(*child, context, [&] { read_shape(*child); });
   context.in_group = false;
   p.reject_unused();
   std::move(shapes.begin() + first, shapes.end(), std::back_inserter(group.shapes));
@@ -38,22 +39,27 @@ const XmlElement* find_named_group(Properties& p) {
     const std::string *type = child.find_attribute("type"), *own = child.find_attribute("name");
     if (type != nullptr && is_group(*type) && own != nullptr && *own == *name) return &child;
   }
-  p.fail_at("ref", "is " + in_quotes(*name) + ", expected the name of a shape group");
+  p.fail_at("ref", "is " + in_quotes(*name) + ", expected the name of a shape group", SceneErrorCode::kUnknownName);
 }
 
 void read_instance(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
   Properties p(element, context);
   const XmlElement* target = p.object(element.name.c_str());
   if (target == nullptr) target = find_named_group(p);
-  if (target == nullptr) p.fail("needs a <ref> to a shapegroup");
+  if (target == nullptr) p.fail("needs a <ref> to a shapegroup", SceneErrorCode::kMissing);
   if (!is_group(target->attribute("type")))
     p.fail("refers to a " + in_quotes(target->attribute("type")) + ", expected a 'shapegroup'");
   InstanceDescription instance;
   instance.group = group_of(*target, context, read_shape);
-  const Placement placement = p.placement("to_world");
+  const auto read = [&] {
+    Placement given = p.placement("to_world");
+    if (!is_usable_placement(given))
+      p.fail_at("to_world", "is singular or too extreme, expected scale factors between 1e-9 and 1e9",
+                SceneErrorCode::kOutOfRange);
+    return given;
+  };
+  const Placement placement = p.attempt("to_world", read).value_or(Placement());
   instance.to_world = rows_of(placement.to_world);
-  if (!is_usable_placement(placement))
-    p.fail_at("to_world", "is singular or too extreme, expected scale factors between 1e-9 and 1e9");
   p.reject_unused();
   instance.motion = add_motion(context.description.motions, placement);
   context.description.instances.push_back(instance);

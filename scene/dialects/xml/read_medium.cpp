@@ -13,7 +13,9 @@ bool is_grid(const VolumeInput& input) { return std::holds_alternative<GridVolum
 void read_temperature(Properties& p, const VolumeDialect& dialect, MediumDescription& medium) {
   const auto temperature = find_volume_input(p, "temperature", SpectrumRole::kIor, dialect);
   if (!temperature) return;
-  if (medium.emission) p.fail("has both 'emission' and 'temperature', expected one");
+  if (medium.emission)
+    return p.report("has both 'emission' and 'temperature', expected one", SceneErrorCode::kDuplicate,
+                    "'temperature' ignored");
   if (const auto* grid = std::get_if<GridVolumeDescription>(&*temperature)) {
     medium.temperature = *grid;
     return;

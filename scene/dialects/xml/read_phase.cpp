@@ -29,14 +29,15 @@ PhaseModel read_blend(Properties& p) {
   if (const auto weight = find_constant_volume(p, "weight", SpectrumRole::kReflectance, {}))
     blend.weight = number_of(p, "weight", *weight);
   const std::vector<const XmlElement*> both = nested_phases(p);
-  if (both.size() != 2) p.fail("has " + std::to_string(both.size()) + " nested <phase>, expected two");
+  if (both.size() != 2)
+    p.fail("has " + std::to_string(both.size()) + " nested <phase>, expected two", SceneErrorCode::kMissing);
   for (std::size_t i = 0; i < 2; ++i) blend.nested[i] = read_phase(*both[i], p.context());
   return blend;
 }
 
 PhaseModel read_sggx(Properties& p) {
   const XmlElement* matrix = p.named_object("volume", "S");
-  if (matrix == nullptr) p.fail("needs the <volume> 'S'");
+  if (matrix == nullptr) p.fail("needs the <volume> 'S'", SceneErrorCode::kMissing);
   return SggxDescription{read_matrix_volume(*matrix, p.context(), {.may_move = true})};
 }
 
@@ -78,7 +79,7 @@ PhaseId read_mixture(Properties& p) {
 }
 
 PhaseModel read_table(Properties& p) {
-  if (!p.has("values")) p.fail("needs the string 'values'");
+  if (!p.has("values")) p.fail("needs the string 'values'", SceneErrorCode::kMissing);
   const std::vector<float> values = read_numbers(p, "values");
   if (values.size() < 2)
     p.fail_at("values", "has " + std::to_string(values.size()) + " numbers, expected at least two");
@@ -128,9 +129,11 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
 
 std::optional<PhaseId> find_phase(Properties& p) {
   const std::vector<const XmlElement*> found = nested_phases(p);
-  if (found.size() > 1) p.fail("has " + std::to_string(found.size()) + " nested <phase>, expected one");
-  if (found.empty()) return std::nullopt;
-  return read_phase(*found[0], p.context());
+  if (found.size() > 1)
+    p.fail("has " + std::to_string(found.size()) + " nested <phase>, expected one", SceneErrorCode::kDuplicate);
+  std::optional<PhaseId> phase;
+  if (!found.empty()) read_or_leave_out(*found[0], p.context(), [&] { phase = read_phase(*found[0], p.context()); });
+  return phase;
 }
 
 }  // namespace sheaf

@@ -22,15 +22,15 @@ SpectrumDescription read_illuminant(Properties& p) {
 
 /// Reads `value`: a number, or three numbers without colour conversion.
 SpectrumDescription read_raw_constant(Properties& p) {
-  if (!p.has("value")) p.fail("needs the property 'value'");
+  if (!p.has("value")) p.fail("needs the property 'value'", SceneErrorCode::kMissing);
   const auto is_vector = [](const XmlElement& child) {
     return child.find_attribute("name") != nullptr && child.attribute("name") == "value" &&
            (child.name == "vector" || child.name == "point");
   };
   const std::vector<XmlElement>& children = p.element().children;
   if (std::any_of(children.begin(), children.end(), is_vector))
-    return {SpectrumDescription::Rgb{*p.find_vec3("value")}};
-  return *p.find_spectrum("value", SpectrumRole::kIor);
+    return {SpectrumDescription::Rgb{p.find_vec3("value").value_or(Vec3f{1, 1, 1})}};
+  return p.find_spectrum("value", SpectrumRole::kIor).value_or(SpectrumDescription::constant(1));
 }
 
 SpectrumDescription read_uniform(Properties& p) {
@@ -44,13 +44,13 @@ SpectrumDescription read_d65(Properties& p) {
 
 SpectrumDescription read_srgb(Properties& p) {
   std::optional<SpectrumDescription> color = p.find_spectrum("color", SpectrumRole::kIor);
-  if (!color) p.fail("needs the property 'color'");
+  if (!color) p.fail("needs the property 'color'", SceneErrorCode::kMissing);
   return *std::move(color);
 }
 
 SpectrumDescription read_blackbody_plugin(Properties& p) {
   const std::optional<float> temperature = p.find_number("temperature", kPositive);
-  if (!temperature) p.fail("needs the float 'temperature' (kelvin)");
+  if (!temperature) p.fail("needs the float 'temperature' (kelvin)", SceneErrorCode::kMissing);
   p.ignore({"wavelength_min", "wavelength_max"});
   return {SpectrumDescription::Blackbody{*temperature, p.number("scale", 1, kNotNegative)}};
 }

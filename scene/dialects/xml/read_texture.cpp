@@ -22,7 +22,7 @@ std::array<float, 6> read_to_uv(Properties& p) {
   const bool given = p.has("to_uv");
   const std::array<float, 6> to_uv = from_transform(p.transform("to_uv"));
   for (const char* name : {"uscale", "vscale", "uvscale", "uoffset", "voffset"})
-    if (p.has(name) && given) p.fail_at(name, "is set together with 'to_uv', expected one of them");
+    if (p.has(name) && given) p.report_conflict(name, "'to_uv'");
   if (given) return to_uv;
   const float both = p.number("uvscale", 1);
   const float u_scale = p.number("uscale", both), v_scale = p.number("vscale", both);

@@ -82,8 +82,10 @@ void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
   grid.motion = add_motion(p.context().description.motions, placement);
   if (!dialect.fits_shapes) return;
   grid.fit_to_shape = p.boolean("fitToShape", dialect.in_shape && !placed);
-  if (grid.fit_to_shape && placed) p.fail_at("fitToShape", "is true together with 'toWorld', expected one of them");
-  if (grid.fit_to_shape && !dialect.in_shape) p.fail_at("fitToShape", "is true in a medium without a shape");
+  if (!grid.fit_to_shape || (!placed && dialect.in_shape)) return;
+  p.report_at("fitToShape",
+              placed ? "is true together with 'toWorld', expected one of them" : "is true in a medium without a shape");
+  grid.fit_to_shape = dialect.in_shape && !placed;
 }
 
 VolumeInput read_volume(const XmlElement& element, ReadContext& context, SpectrumRole role,
@@ -91,7 +93,7 @@ VolumeInput read_volume(const XmlElement& element, ReadContext& context, Spectru
 
 VolumeInput read_constant(Properties& p, SpectrumRole role, const VolumeDialect&) {
   const auto value = p.find_spectrum("value", role);
-  if (!value) p.fail("needs the spectrum 'value'");
+  if (!value) p.fail("needs the spectrum 'value'", SceneErrorCode::kMissing);
   p.ignore({"to_world"});
   return *value;
 }
@@ -106,7 +108,7 @@ template <Grid::Format kFormat> VolumeInput read_grid_of(Properties& p, Spectrum
 VolumeInput read_cache(Properties& p, SpectrumRole role, const VolumeDialect& dialect) {
   p.ignore({"block_size", "voxel_width", "memory_limit", "step_size_multiplier"});
   const XmlElement* cached = p.object("volume");
-  if (cached == nullptr) p.fail("has no <volume>, expected one");
+  if (cached == nullptr) p.fail("has no <volume>, expected one", SceneErrorCode::kMissing);
   return read_volume(*cached, p.context(), role, dialect);
 }
 
@@ -130,7 +132,7 @@ using MatrixVolume = std::variant<std::array<float, 6>, Grid>;
 
 MatrixVolume read_constant_matrix(Properties& p, const VolumeDialect&) {
   const auto text = p.find_string("value");
-  if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz");
+  if (!text) p.fail("needs the string 'value': six numbers, xx yy zz xy xz yz", SceneErrorCode::kMissing);
   const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
   std::array<float, 6> matrix;
   if (numbers.size() != matrix.size())
@@ -221,8 +223,10 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
     p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
                               (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
   grid.grid = p.string("grid_name", "");
-  if (!grid.grid.empty() && grid.format != Grid::Format::kNanoVdb)
-    p.fail_at("grid_name", "is set for a .vol file or an array, expected a .nvdb file");
+  if (!grid.grid.empty() && grid.format != Grid::Format::kNanoVdb) {
+    p.report_at("grid_name", "is set for a .vol file or an array, expected a .nvdb file");
+    grid.grid.clear();
+  }
   read_placement(p, dialect, grid);
   grid.filter = read_grid_filter(p);
   grid.wrap = read_wrap(p);
@@ -234,11 +238,15 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
 std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
                                              const VolumeDialect& dialect) {
   const XmlElement* nested = p.named_object("volume", name);
-  if (nested != nullptr && p.has(name))
-    p.fail_at(name, "is set together with a <volume> of this name, expected one of them");
-  if (nested != nullptr) return read_volume(*nested, p.context(), role, dialect);
-  if (const auto spectrum = p.find_spectrum(name, role)) return *spectrum;
-  return std::nullopt;
+  if (nested != nullptr && p.has(name)) p.report_conflict(name, "a <volume> of this name");
+  std::optional<VolumeInput> volume;
+  if (nested != nullptr) {
+    const auto read = [&] { volume = read_volume(*nested, p.context(), role, dialect); };
+    if (!read_or_leave_out(*nested, p.context(), read)) p.drop_object(*nested);
+  } else if (const auto spectrum = p.find_spectrum(name, role)) {
+    volume = *spectrum;
+  }
+  return volume;
 }
 
 VolumeInput volume_input(Properties& p, const char* name, const SpectrumDescription& default_value, SpectrumRole role,

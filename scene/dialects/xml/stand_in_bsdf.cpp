@@ -56,56 +56,61 @@ std::string nearest_plugin(Properties& p) {
   return {};
 }
 
-/// Adds a diffuse material with the object's first readable colour, or the default colour.
-MaterialId add_diffuse(const XmlElement& bsdf, ReadContext& context) {
-  MaterialDescription material;
-  read_what_can_be(bsdf, context, [&] {
-    DiffuseDescription diffuse;
-    Properties p(bsdf, context);
-    if (const char* name = p.first_color())
-      diffuse.reflectance = p.spectrum_input(name, diffuse.reflectance, SpectrumRole::kReflectance);
-    material.model = std::move(diffuse);
-  });
-  material.where = bsdf.where;
-  return add_material(context, std::move(material));
-}
+/// What a material that cannot be read offers for its replacement.
+struct Substitutes {
+  const XmlElement* nested = nullptr;  ///< its first nested material
+  std::string plugin;                  ///< the most similar other plugin; may be empty
+  DiffuseDescription diffuse;          ///< with its first readable colour, or the default colour
+};
 
-/// Returns the first nested material, or null.
-const XmlElement* held_material(const XmlElement& bsdf, ReadContext& context) {
-  const XmlElement* held = nullptr;
-  read_what_can_be(bsdf, context, [&] {
+Substitutes substitutes_of(const XmlElement& bsdf, ReadContext& context) {
+  Substitutes found;
+  try {
     Properties p(bsdf, context);
     const std::vector<const XmlElement*> all = p.objects("bsdf");
-    held = all.empty() ? nullptr : all[0];
-  });
-  return held;
+    if (!all.empty()) found.nested = all[0];
+    found.plugin = nearest_plugin(p);
+    if (found.plugin == p.type()) found.plugin.clear();
+    if (const char* name = p.first_color())
+      found.diffuse.reflectance =
+          p.spectrum_input(name, std::move(found.diffuse.reflectance), SpectrumRole::kReflectance);
+  } catch (const SceneError&) {
+    // The element is unreadable, or refers to itself
+  }
+  return found;
+}
+
+/// Replaces a material that cannot be read because of `error`.
+MaterialId substitute(const XmlElement& bsdf, const SceneError& error, ReadContext& context,
+                      const BsdfPluginReader& read) {
+  const auto report = [&](const std::string& by) { context.errors.report(error.about("<bsdf>"), by); };
+  MaterialDescription diffuse;
+  diffuse.where = bsdf.where;
+  if (context.errors.is_lenient()) {
+    Substitutes known = substitutes_of(bsdf, context);
+    if (known.nested != nullptr) {
+      report("rendered as its nested material");
+      return read_bsdf_or_substitute(*known.nested, context, read);
+    }
+    if (!known.plugin.empty()) try {
+        const MaterialId id = read(bsdf, known.plugin.c_str());
+        report("rendered as '" + known.plugin + "'");
+        return id;
+      } catch (const SceneError&) {
+        // Not similar enough
+      }
+    diffuse.model = std::move(known.diffuse);
+  }
+  report("rendered as a diffuse surface");
+  return add_material(context, std::move(diffuse));
 }
 
 }  // namespace
 
-MaterialId read_bsdf_leniently(const XmlElement& bsdf, ReadContext& context,
-                               const std::function<MaterialId(const XmlElement&)>& read) {
-  MaterialId id{};
-  const auto error = read_what_can_be(bsdf, context, [&] { id = read(bsdf); });
-  if (!error) return id;
-  const auto say = [&](const std::string& what) { context.description.stand_ins.push_back(*error + what); };
-  // Try the nested material, then a similar plugin, then a diffuse surface
-  if (const XmlElement* held = held_material(bsdf, context)) {
-    say(" (rendered as its nested material)");
-    return read_bsdf_leniently(*held, context, read);
-  }
-  std::string nearest;
-  read_what_can_be(bsdf, context, [&] {
-    Properties p(bsdf, context);
-    nearest = nearest_plugin(p);
-  });
-  if (!nearest.empty() && context.types.emplace(&bsdf, nearest).second &&
-      !read_what_can_be(bsdf, context, [&] { id = read(bsdf); })) {
-    say(" (rendered as '" + nearest + "')");
-    return id;
-  }
-  say(" (rendered as a diffuse surface)");
-  return add_diffuse(bsdf, context);
+MaterialId read_bsdf_or_substitute(const XmlElement& bsdf, ReadContext& context, const BsdfPluginReader& read) {
+  try {
+    return read(bsdf, nullptr);
+  } catch (const SceneError& error) { return substitute(bsdf, error, context, read); }
 }
 
 }  // namespace sheaf

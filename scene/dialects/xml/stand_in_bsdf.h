@@ -7,10 +7,11 @@
 
 namespace sheaf {
 
-/// Reads a <bsdf> by `read`, which appends a material. If the context is lenient, replaces an unreadable material. The
-/// replacement is a nested material, the known plugin with the most similar name or parameters, or a diffuse surface in
-/// its first colour. Throws SceneError if not lenient.
-MaterialId read_bsdf_leniently(const XmlElement& bsdf, ReadContext& context,
-                               const std::function<MaterialId(const XmlElement&)>& read);
+/// Reads a <bsdf> as `plugin` (null: of its own type), and appends a material. Throws SceneError.
+using BsdfPluginReader = std::function<MaterialId(const XmlElement&, const char* plugin)>;
+
+/// Reads a <bsdf> by `read`. Reports an unreadable material and replaces it: by a nested material, the known plugin
+/// with the most similar name or parameters, or a diffuse surface in its first colour.
+MaterialId read_bsdf_or_substitute(const XmlElement& bsdf, ReadContext& context, const BsdfPluginReader& read);
 
 }  // namespace sheaf

@@ -91,6 +91,12 @@ struct ObjScene {
   }
 };
 
+/// Calls expand_obj_materials().
+void expand(Description& description, bool lenient = false) {
+  ErrorSink errors(lenient, description.stand_ins);
+  errors.run([&] { expand_obj_materials(description, errors); });
+}
+
 /// A tent of two rectangles that share the edge 2 3, with materials `left` and `right`.
 std::string tent(const std::string& left, const std::string& right, const std::string& library = "lib.mtl") {
   return "mtllib " + library + "\nv 0 0 0\nv 0 1 0\nv 1 1 1\nv 1 0 1\nv 2 1 0\nv 2 0 0\nusemtl " + left +
@@ -300,7 +306,7 @@ TEST_CASE("obj materials: each material becomes a shape with the flags and radia
   ObjScene scene(tent("red", "blue") + "usemtl red\nf 1 2 4\n", kRedAndBlue + "newmtl unused\nmap_Kd nowhere.png\n");
   scene.shape().flip_normals = true;
   scene.shape().to_world = Transform::translate({0, 0, 5});
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   const Description& d = scene.description;
   REQUIRE(d.shapes.size() == 2);
   CHECK(d.textures.empty());
@@ -328,7 +334,7 @@ TEST_CASE("obj materials: normals are those of the undivided mesh") {
       transform_mesh(whole, scene.shape().to_world);
       drop_degenerate_triangles(whole);
       compute_vertex_normals(whole);
-      expand_obj_materials(scene.description);
+      expand(scene.description);
       REQUIRE(scene.description.shapes.size() == 2);
       CHECK(scene.has_note("scene.xml:7: 1 degenerate or non-finite triangles ignored"));
       for (std::size_t i = 0; i < 2; ++i) {
@@ -347,13 +353,13 @@ TEST_CASE("obj materials: normals are those of the undivided mesh") {
 TEST_CASE("obj materials: emission becomes an area light unless the shape emits already") {
   const std::string mtl = "newmtl red\nKe 3 2 1\nnewmtl blue\nKe 0 0 0\n";
   ObjScene scene(tent("red", "blue"), mtl);
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   REQUIRE(scene.description.shapes.size() == 2);
   CHECK(rgb(scene.description.shapes[0].radiance.value()) == Vec3f{3, 2, 1});
   CHECK_FALSE(scene.description.shapes[1].radiance);
   ObjScene lamp(tent("red", "blue"), mtl);
   lamp.shape().radiance = SpectrumDescription::rgb(7, 7, 7);
-  expand_obj_materials(lamp.description);
+  expand(lamp.description);
   for (const ShapeDescription& part : lamp.description.shapes) CHECK(rgb(part.radiance.value()) == Vec3f{7, 7, 7});
 }
 
@@ -362,7 +368,7 @@ TEST_CASE("obj materials: shapes in groups are divided") {
   scene.description.groups.resize(1);
   scene.description.groups[0].shapes = std::move(scene.description.shapes);
   scene.description.shapes.clear();
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   const std::vector<ShapeDescription>& shapes = scene.description.groups[0].shapes;
   REQUIRE(shapes.size() == 2);
   for (const ShapeDescription& shape : shapes) CHECK(shape.material);
@@ -372,7 +378,7 @@ TEST_CASE("obj materials: shapes in groups are divided") {
 
 TEST_CASE("obj materials: shapes with a BSDF of their own or without usable materials are not divided") {
   const auto check_uncut = [](ObjScene& scene) {
-    expand_obj_materials(scene.description);
+    expand(scene.description);
     CHECK(scene.description.shapes.size() == 1);
     CHECK_FALSE(scene.is_cut());
   };
@@ -399,7 +405,7 @@ TEST_CASE("obj materials: faces may lack a material and libraries may be several
   ObjScene scene("mtllib no.mtl lib.mtl\nmtllib my own lib.mtl\n" + tent("red", "steel", "") + "usemtl lost\nf 1 2 5\n",
                  kRedAndBlue);
   write_bytes(scene.folder / "my own lib.mtl", "newmtl steel\nPm 1\nnewmtl red\nKd 0 0 0\n");
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   const Description& d = scene.description;
   REQUIRE(d.shapes.size() == 3);
   CHECK(d.materials.at(static_cast<std::size_t>(*d.shapes[0].material)).where.line == 1);
@@ -412,10 +418,10 @@ TEST_CASE("obj materials: faces may lack a material and libraries may be several
 TEST_CASE("obj materials: a missing material is an error with file and line and diffuse in lenient mode") {
   const std::string obj = tent("red", "blu");
   ObjScene scene(obj, kRedAndBlue);
-  const std::string message = error_of([&] { expand_obj_materials(scene.description); });
+  const std::string message = error_of([&] { expand(scene.description); });
   CHECK(contains(message, "mesh.obj:10: material 'blu' is in no material library of the file, did you mean 'blue'?"));
   ObjScene lenient(obj, kRedAndBlue);
-  expand_obj_materials(lenient.description, true);
+  expand(lenient.description, true);
   REQUIRE(lenient.description.shapes.size() == 2);
   CHECK_FALSE(lenient.description.shapes[1].material);
   REQUIRE(lenient.description.stand_ins.size() == 1);
@@ -426,7 +432,7 @@ TEST_CASE("obj materials: a missing material is an error with file and line and 
 TEST_CASE("obj materials: names may be quoted") {
   ObjScene scene("mtllib \"my lib.mtl\" lib.mtl\n" + tent("\"red paint\"", "blue", ""), kRedAndBlue);
   write_bytes(scene.folder / "my lib.mtl", "newmtl \"red paint\"\nKd 1 0 0\n");
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   const Description& d = scene.description;
   REQUIRE(d.shapes.size() == 2);
   CHECK(d.notes.empty());
@@ -475,7 +481,7 @@ TEST_CASE("mtl: options may follow a file name and names may be quoted or contai
 TEST_CASE("obj materials: shapes of the same file share materials") {
   ObjScene scene(tent("red", "blue"), kRedAndBlue);
   scene.description.shapes.push_back(scene.shape());
-  expand_obj_materials(scene.description);
+  expand(scene.description);
   const auto& shapes = scene.description.shapes;
   REQUIRE(shapes.size() == 4);
   CHECK(shapes[0].material == shapes[2].material);
@@ -485,11 +491,11 @@ TEST_CASE("obj materials: shapes of the same file share materials") {
 
 TEST_CASE("obj materials: errors have scene and file and line") {
   ObjScene bad_library(tent("red", "blue"), "newmtl red\nKd x\n");
-  std::string message = error_of([&] { expand_obj_materials(bad_library.description); });
+  std::string message = error_of([&] { expand(bad_library.description); });
   CHECK(contains(message, "scene.xml:7: "));
   CHECK(contains(message, "lib.mtl:2: expected a number after 'Kd', found 'x'"));
   ObjScene bad_mesh(tent("red", "blue") + "f 1 2 9\n", kRedAndBlue);
-  message = error_of([&] { expand_obj_materials(bad_mesh.description); });
+  message = error_of([&] { expand(bad_mesh.description); });
   CHECK(contains(message, "scene.xml:7: "));
   CHECK(contains(message, "mesh.obj:12: a face refers to vertex 9"));
 }

@@ -8,7 +8,9 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstring>
+#include <fstream>
 
 namespace sheaf::test_reading_ahead {
 
@@ -71,11 +73,24 @@ std::unique_ptr<Scene> compile_with(int threads, const Description& description)
   return scene;
 }
 
-std::string error_with(int threads, const Description& description) {
+/// The messages of the errors of strict compilation, in order.
+std::vector<std::string> errors_with(int threads, const Description& description) {
+  std::vector<std::string> messages;
   try {
     compile_with(threads, description);
-  } catch (const SceneError& error) { return error.what(); }
-  return {};
+  } catch (const SceneErrors& errors) {
+    for (const SceneError& error : errors.all()) messages.emplace_back(error.what());
+  }
+  return messages;
+}
+
+/// Bytes that the process has read from files so far.
+double bytes_read() {
+  std::ifstream counters("/proc/self/io");
+  std::string name;
+  double bytes = 0;
+  while (counters >> name >> bytes && name != "rchar:") {}
+  return bytes;
 }
 
 template <class Row> bool same_bytes(const Row* a, const Row* b, std::size_t count) {
@@ -105,7 +120,7 @@ TEST_CASE("reading ahead: tables and warnings do not depend on the number of thr
   }
 }
 
-TEST_CASE("reading ahead: the first error in the order of the scene counts") {
+TEST_CASE("reading ahead: errors are reported in the order of the scene") {
   const TemporaryFolder folder;
   const Description description = read_scene(write_scene(folder));
   // Broken later files are read first if earlier ones take longer.
@@ -113,14 +128,19 @@ TEST_CASE("reading ahead: the first error in the order of the scene counts") {
   std::string late = std::string(4'000'000, '\n') + "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n";
   write_bytes(folder / name_of(12), late);
   write_bytes(folder / name_of(13), "not a ply file");
-  const std::string expected = error_with(1, description);
-  CHECK(contains(expected, "mesh12.obj:4000004: expected a face corner"));
-  for (int repetition = 0; repetition < 5; ++repetition) CHECK(error_with(8, description) == expected);
+  const std::vector<std::string> expected = errors_with(1, description);
+  REQUIRE(expected.size() == 3);
+  CHECK(contains(expected[0], "mesh12.obj:4000004: expected a face corner"));
+  CHECK(contains(expected[1], name_of(13)));
+  CHECK(contains(expected[2], name_of(20)));
+  for (int repetition = 0; repetition < 5; ++repetition) CHECK(errors_with(8, description) == expected);
   // Textures come before shapes.
   write_bytes(folder / "image6.ppm", "broken");
-  const std::string image = error_with(1, description);
-  CHECK(contains(image, "image6.ppm"));
-  for (int repetition = 0; repetition < 5; ++repetition) CHECK(error_with(8, description) == image);
+  const std::vector<std::string> all = errors_with(1, description);
+  REQUIRE(all.size() == 4);
+  CHECK(contains(all[0], "image6.ppm"));
+  CHECK(std::equal(all.begin() + 1, all.end(), expected.begin()));
+  for (int repetition = 0; repetition < 5; ++repetition) CHECK(errors_with(8, description) == all);
 }
 
 TEST_CASE("reading ahead: lenient compilation leaves out the same shapes") {
@@ -129,14 +149,49 @@ TEST_CASE("reading ahead: lenient compilation leaves out the same shapes") {
   for (const int i : {3, 31, 32}) write_bytes(folder / name_of(i), "broken");
   const auto leniently = [&](int threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    Description d = description;
-    tbb::task_arena(threads).execute([&] { CHECK(compile_leniently(d)->info().shapes == kMeshes - 3); });
-    return d.stand_ins;
+    std::vector<std::string> stand_ins;
+    ErrorSink errors(true, stand_ins);
+    CompileOptions options;
+    options.errors = &errors;
+    tbb::task_arena(threads).execute([&] { CHECK(compile_scene(description, options)->info().shapes == kMeshes - 3); });
+    return stand_ins;
   };
   const std::vector<std::string> alone = leniently(1);
   REQUIRE(alone.size() == 3);
   CHECK(contains(alone[0], name_of(3)));
   CHECK(leniently(8) == alone);
+}
+
+TEST_CASE("reading ahead: a scene with many broken elements is compiled once") {
+  constexpr std::size_t kBroken = 50;
+  const TemporaryFolder folder;
+  const std::string large = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" + std::string(1'000'000, '\n');
+  write_bytes(folder / "large.obj", large);
+  std::string inside = "<shape type='obj'><string name='filename' value='large.obj'/></shape>\n";
+  for (std::size_t i = 0; i < kBroken; ++i) {
+    const std::string name = "broken" + std::to_string(i) + (i % 2 == 0 ? ".obj" : ".png");
+    write_bytes(folder / name, i % 2 == 0 ? "v 1 2\n" : "no image");
+    const std::string file = "<string name='filename' value='" + name + "'/>";
+    inside += i % 2 == 0 ? "<shape type='obj'>" + file + "</shape>\n"
+                         : "<shape type='cube'><bsdf type='diffuse'><texture name='reflectance' type='bitmap'>" + file +
+                               "</texture></bsdf></shape>\n";
+  }
+  const Description description = read_scene(write_below(folder, "scene.xml", mitsuba_scene(inside)));
+  std::vector<std::string> stand_ins;
+  ErrorSink errors(true, stand_ins);
+  CompileOptions options;
+  options.errors = &errors;
+  const double before = bytes_read();
+  CHECK(compile_scene(description, options)->info().shapes == 1 + kBroken / 2);
+  CHECK(bytes_read() - before < 2.5 * static_cast<double>(large.size()));
+  REQUIRE(errors.errors().size() == kBroken);
+  // Textures come before shapes
+  for (std::size_t i = 0; i < kBroken; ++i) {
+    const std::size_t element = i < kBroken / 2 ? 2 * i + 1 : 2 * (i - kBroken / 2);
+    CHECK(errors.errors()[i].where().line == static_cast<int>(element) + 5);
+  }
+  // In strict mode, the first 20 are reported
+  CHECK(errors_with(8, description).size() == ErrorSink::kMaxErrors);
 }
 
 }  // namespace sheaf::test_reading_ahead

@@ -43,7 +43,10 @@ Outcome compile(const std::string& inside, bool lenient = false) {
   Description d =
       read_scene(write_below(folder, "scene.xml", mitsuba_scene(inside + "<emitter type='constant'/>")), options);
   try {
-    outcome.warnings = (lenient ? compile_leniently(d) : compile_scene(d))->warnings();
+    ErrorSink errors(lenient, d.stand_ins);
+    CompileOptions compiling;
+    compiling.errors = &errors;
+    outcome.warnings = compile_scene(d, compiling)->warnings();
   } catch (const SceneError& error) { outcome.error = error.what(); }
   if (lenient) outcome.warnings = d.stand_ins;
   return outcome;

@@ -45,12 +45,15 @@ std::string read_xml_values(const std::string& properties, Values* values) {
   const ExpandedScene scene(
       write_below(folder, "scene.xml", "<scene>\n<shape type='ball'>\n" + properties + "</shape>\n</scene>\n"), {});
   Description description;
-  ReadContext context{scene, description, description, description.textures, description.materials, description.phases};
+  ErrorSink errors(false, description.stand_ins);
+  ReadContext context{scene, description, description, description.textures, description.materials, description.phases,
+                      errors};
   try {
     Properties p(scene.root().children.at(0), context);
     const Values read = read_values(p);
     if (values != nullptr) *values = read;
     p.reject_unused();
+    errors.throw_errors();
   } catch (const SceneError& error) { return error.what(); }
   return {};
 }
@@ -58,13 +61,15 @@ std::string read_xml_values(const std::string& properties, Values* values) {
 /// The values of a pbrt directive, or the message of the error.
 std::string read_pbrt_values(const std::string& parameters, Values* values) {
   Description description;
-  pbrt::Reader reader{description, false, {}, {}};
+  ErrorSink errors(false, description.stand_ins);
+  pbrt::Reader reader{description, errors, {}, {}};
   try {
     pbrt::Tokens tokens(parameters, "scene.pbrt");
     pbrt::Parameters p(reader, "Shape 'ball'", {"scene.pbrt", 1}, pbrt::read_parameters(tokens));
     const Values read = read_values(p);
     if (values != nullptr) *values = read;
     p.reject_unused();
+    errors.throw_errors();
   } catch (const SceneError& error) { return error.what(); }
   return {};
 }

@@ -41,6 +41,18 @@ inline std::string error_of(const std::filesystem::path& file, const ReadOptions
   return {};
 }
 
+/// The errors that reading `text` as scene.xml reports, in order.
+inline std::vector<SceneError> errors_of_text(const std::string& text, const ReadOptions& options = {}) {
+  const TemporaryFolder folder;
+  for (const char* name : {"mesh.obj", "image.png"}) write_below(folder, name, "");
+  try {
+    read_scene(write_below(folder, "scene.xml", text), options);
+  } catch (const SceneErrors& errors) { return errors.all(); } catch (const SceneError& error) {
+    return {error};
+  }
+  return {};
+}
+
 inline std::string error_of_text(const std::string& text, const ReadOptions& options = {}) {
   const TemporaryFolder folder;
   for (const char* name : {"mesh.obj", "image.png"}) write_below(folder, name, "");
