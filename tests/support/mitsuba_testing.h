@@ -19,6 +19,18 @@ inline std::string material(const std::string& type, const std::string& inside =
   return dump(read_text(mitsuba_scene(bsdf(type, inside))).materials.back());
 }
 
+/// The number of a constant spectrum or scalar. Throws std::bad_variant_access for others.
+inline float constant_of(const SpectrumDescription& spectrum) {
+  return std::get<SpectrumDescription::Constant>(spectrum.value).value;
+}
+inline float constant_of(const SpectrumInput& input) { return constant_of(std::get<SpectrumDescription>(input)); }
+inline float constant_of(const ScalarInput& input) { return std::get<float>(input); }
+
+/// The values of a colour. Throws std::bad_variant_access for other spectra.
+inline Vec3f rgb_of(const SpectrumInput& input) {
+  return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(input).value).value;
+}
+
 /// The outermost material of a BSDF, which is of type T.
 template <class T> T read_material(const std::string& type, const std::string& inside = "") {
   return std::get<T>(read_text(mitsuba_scene(bsdf(type, inside))).materials.back().model);

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -15,30 +16,113 @@ namespace sheaf::test_mitsuba_bsdf {
 
 using namespace test;
 
+namespace {
+
+void check_constants(const std::vector<ScalarInput>& values, const std::vector<float>& expected) {
+  REQUIRE(values.size() == expected.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    CAPTURE(i);
+    CHECK(constant_of(values[i]) == expected[i]);
+  }
+}
+
+void check_roughness(const std::optional<RoughnessDescription>& roughness, bool is_ggx, float alpha_u, float alpha_v) {
+  REQUIRE(roughness.has_value());
+  CHECK(roughness->is_ggx() == is_ggx);
+  check_constants({roughness->alpha_u, roughness->alpha_v}, {alpha_u, alpha_v});
+}
+
+/// The distinct textures of a material's own parameters.
+std::set<TextureId> textures_of(const MaterialDescription& material) {
+  std::set<TextureId> found;
+  const auto add = [&]<class Value>(const auto& self, const Value& value) -> void {
+    if constexpr (std::is_same_v<Value, ScalarInput> || std::is_same_v<Value, SpectrumInput>) {
+      if (const auto* texture = std::get_if<TextureId>(&value)) found.insert(*texture);
+    } else if constexpr (requires { value.has_value(); }) {
+      if (value) self(self, *value);
+    } else if constexpr (requires { value.alpha_u; }) {
+      self(self, value.alpha_u), self(self, value.alpha_v);
+    } else if constexpr (requires { value.eta, value.k; }) {
+      self(self, value.eta), self(self, value.k);
+    }
+  };
+  const auto visit = [&]<class Model>(const Model& model) {
+    std::apply([&](const auto&... field) { (add(add, field), ...); }, Model::fields(model));
+  };
+  std::visit(visit, material.model);
+  return found;
+}
+
+/// The numbers of a principled material but for roughness, in the order of its fields.
+std::vector<ScalarInput> numbers_of(const PrincipledDescription& m) {
+  return {m.anisotropic, m.metallic, m.spec_trans, m.spec_tint,      m.sheen,
+          m.sheen_tint,  m.flatness, m.clearcoat,  m.clearcoat_gloss};
+}
+std::vector<ScalarInput> numbers_of(const PrincipledThinDescription& m) {
+  return {m.anisotropic, m.spec_trans, m.eta, m.spec_tint, m.sheen, m.sheen_tint, m.flatness, m.diff_trans};
+}
+
+}  // namespace
+
 TEST_CASE("Mitsuba materials: defaults match the documentation") {
-  const std::string one = " constant 0x1p+0", half = " constant 0x1p-1";
-  const std::string glass = dump_all(1.5046f, 1.000277f) + one + one;
-  const std::string rough = dump_all(" beckmann", 0.1f, 0.1f);
-  const std::string unscaled = " 0x1p+0 constant 0x1p+0";  // specular and specular_color, which glTF sets
-  CHECK(material("diffuse") == "diffuse" + half);
-  CHECK(material("conductor") == "conductor" + one);
-  CHECK(material("roughconductor") == "conductor" + one + rough);
-  CHECK(material("dielectric") == "dielectric " + glass + " 0" + unscaled);
-  CHECK(material("thindielectric") == "dielectric " + glass + " 1" + unscaled);
-  CHECK(material("roughdielectric") == "dielectric " + glass + " 0" + rough + unscaled);
-  CHECK(material("plastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0");
-  CHECK(material("roughplastic") == "plastic " + dump_all(1.49f, 1.000277f) + half + one + " 0" + rough);
-  CHECK(material("principled") == "principled" + half + dump_all(" ", 0.5f).substr(1) + " 0x0p+0 0x0p+0 0x0p+0 0x0p+0" +
-                                      " 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.8p+0");
-  CHECK(material("principledthin") ==
-        "principledthin" + half + " 0x1p-1 0x0p+0 0x0p+0 0x1.8p+0 0x0p+0 0x0p+0 0x0p+0" + " 0x0p+0 0x0p+0");
-  CHECK(material("hair") == "hair 0 " + dump_all(1.3f, 0.2f, 0.3f, 0.3f, 2.0f, 1.55f, 1.000277f));
-  CHECK(material("null") == "null");
-  CHECK(material("mask", bsdf("diffuse")) == "mask 0x1p-1 0");
-  CHECK(material("blendbsdf", bsdf("diffuse") + bsdf("plastic")) == "blendbsdf 0x1p-1 0 1");
+  CHECK(constant_of(read_material<DiffuseDescription>("diffuse").reflectance) == 0.5f);
+  for (const bool rough : {false, true}) {
+    CAPTURE(rough);
+    const auto conductor = read_material<ConductorDescription>(rough ? "roughconductor" : "conductor");
+    CHECK_FALSE(conductor.ior.has_value());
+    CHECK(constant_of(conductor.specular_reflectance) == 1.0f);
+    const auto plastic = read_material<PlasticDescription>(rough ? "roughplastic" : "plastic");
+    CHECK(plastic.int_ior == 1.49f);
+    CHECK(plastic.ext_ior == 1.000277f);
+    CHECK(constant_of(plastic.diffuse_reflectance) == 0.5f);
+    CHECK(constant_of(plastic.specular_reflectance) == 1.0f);
+    CHECK_FALSE(plastic.nonlinear);
+    CHECK(conductor.roughness.has_value() == rough);
+    CHECK(plastic.roughness.has_value() == rough);
+    if (rough) check_roughness(conductor.roughness, false, 0.1f, 0.1f);
+    if (rough) check_roughness(plastic.roughness, false, 0.1f, 0.1f);
+  }
+  for (const char* type : {"dielectric", "thindielectric", "roughdielectric"}) {
+    CAPTURE(std::string(type));
+    const auto glass = read_material<DielectricDescription>(type);
+    CHECK(glass.int_ior == 1.5046f);
+    CHECK(glass.ext_ior == 1.000277f);
+    CHECK(constant_of(glass.specular_reflectance) == 1.0f);
+    CHECK(constant_of(glass.specular_transmittance) == 1.0f);
+    CHECK(constant_of(glass.specular) == 1.0f);
+    CHECK(constant_of(glass.specular_color) == 1.0f);
+    CHECK(glass.thin == (std::string(type) == "thindielectric"));
+    CHECK(glass.roughness.has_value() == (std::string(type) == "roughdielectric"));
+  }
+  check_roughness(read_material<DielectricDescription>("roughdielectric").roughness, false, 0.1f, 0.1f);
+  const auto principled = read_material<PrincipledDescription>("principled");
+  CHECK(constant_of(principled.base_color) == 0.5f);
+  CHECK(constant_of(principled.roughness) == 0.5f);
+  check_constants(numbers_of(principled), {0, 0, 0, 0, 0, 0, 0, 0, 0});
+  CHECK(principled.eta == 1.5f);
+  const auto thin = read_material<PrincipledThinDescription>("principledthin");
+  CHECK(constant_of(thin.base_color) == 0.5f);
+  CHECK(constant_of(thin.roughness) == 0.5f);
+  check_constants(numbers_of(thin), {0, 0, 1.5f, 0, 0, 0, 0, 0});
+  const auto hair = read_material<HairDescription>("hair");
+  const auto& melanin = std::get<HairDescription::Melanin>(hair.color);
+  check_constants({melanin.eumelanin, melanin.pheomelanin, hair.longitudinal_roughness, hair.azimuthal_roughness},
+                  {1.3f, 0.2f, 0.3f, 0.3f});
+  CHECK(hair.scale_tilt == 2.0f);
+  CHECK(hair.int_ior == 1.55f);
+  CHECK(hair.ext_ior == 1.000277f);
+  read_material<NullDescription>("null");
+  CHECK(constant_of(read_material<MaskDescription>("mask", bsdf("diffuse")).opacity) == 0.5f);
+  const auto blend = read_material<BlendDescription>("blendbsdf", bsdf("diffuse") + bsdf("plastic"));
+  CHECK(constant_of(blend.weight) == 0.5f);
+  CHECK(blend.nested[0] == MaterialId{0});
+  CHECK(blend.nested[1] == MaterialId{1});
   const std::string image = "<texture type='bitmap' name='any'>" + word("filename", "image.png") + "</texture>";
-  CHECK(material("bumpmap", bsdf("diffuse") + image) == "bumpmap 0 0x1p+0 0");
-  CHECK(material("normalmap", bsdf("diffuse") + image) == "normalmap 0 0 0 0x1p+0 0");
+  CHECK(read_material<BumpMapDescription>("bumpmap", bsdf("diffuse") + image).scale == 1.0f);
+  const auto normal_map = read_material<NormalMapDescription>("normalmap", bsdf("diffuse") + image);
+  CHECK_FALSE(normal_map.flip_green);
+  CHECK(normal_map.scale == 1.0f);
+  CHECK_FALSE(normal_map.follows_uv);
 }
 
 TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for other names by default") {
@@ -77,44 +161,75 @@ TEST_CASE("Mitsuba materials: every number and colour and switch is read in both
     const std::string visible =
         "<boolean name='" + std::string(name("sample_visible", "sampleVisible")) + "' value='false'/>";
     const std::string base = number(name("base_color", "baseColor"), "0.5");
-    CHECK(material("dielectric", iors + speculars) ==
-          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 0 0x1p+0 constant 0x1p+0"));
-    CHECK(material("thindielectric", iors + speculars) ==
-          dump_all("dielectric", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 0x1p+0 constant 0x1p+0"));
-    CHECK(material("roughdielectric", iors + speculars + along + visible + word("distribution", "ggx")) ==
-          dump_all("dielectric", 1.333f, 1.25f,
-                   "constant 0x1p-2 constant 0x1.8p-1 0 ggx 0x1p-1 0x1p-2 0x1p+0 constant 0x1p+0"));
-    CHECK(material("roughconductor", along + visible + number("eta", "2") + number("k", "3") +
-                                         number(name("specular_reflectance", "specularReflectance"), "0.25")) ==
-          "conductor constant 0x1p-2 constant 0x1p+1 constant 0x1.8p+1 beckmann 0x1p-1 0x1p-2");
+    for (const char* type : {"dielectric", "thindielectric", "roughdielectric"}) {
+      CAPTURE(std::string(type));
+      const bool rough = std::string(type) == "roughdielectric";
+      const auto glass = read_material<DielectricDescription>(
+          type, iors + speculars + (rough ? along + visible + word("distribution", "ggx") : ""));
+      CHECK(glass.int_ior == 1.333f);
+      CHECK(glass.ext_ior == 1.25f);
+      CHECK(constant_of(glass.specular_reflectance) == 0.25f);
+      CHECK(constant_of(glass.specular_transmittance) == 0.75f);
+      if (rough) check_roughness(glass.roughness, true, 0.5f, 0.25f);
+    }
+    const auto metal = read_material<ConductorDescription>(
+        "roughconductor", along + visible + number("eta", "2") + number("k", "3") +
+                              number(name("specular_reflectance", "specularReflectance"), "0.25"));
+    REQUIRE(metal.ior.has_value());
+    CHECK(constant_of(metal.ior->eta) == 2.0f);
+    CHECK(constant_of(metal.ior->k) == 3.0f);
+    CHECK(constant_of(metal.specular_reflectance) == 0.25f);
+    check_roughness(metal.roughness, false, 0.5f, 0.25f);
     const std::string plastic = iors + number(name("diffuse_reflectance", "diffuseReflectance"), "0.25") +
                                 number(name("specular_reflectance", "specularReflectance"), "0.75") +
                                 "<boolean name='nonlinear' value='true'/>";
-    CHECK(material("plastic", plastic) == dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1"));
-    CHECK(material("roughplastic", plastic + visible + number("alpha", "0.5") + word("distribution", "ggx")) ==
-          dump_all("plastic", 1.333f, 1.25f, "constant 0x1p-2 constant 0x1.8p-1 1 ggx 0x1p-1 0x1p-1"));
+    for (const bool rough : {false, true}) {
+      CAPTURE(rough);
+      const auto coated = read_material<PlasticDescription>(
+          rough ? "roughplastic" : "plastic",
+          plastic + (rough ? visible + number("alpha", "0.5") + word("distribution", "ggx") : ""));
+      CHECK(coated.int_ior == 1.333f);
+      CHECK(coated.ext_ior == 1.25f);
+      CHECK(constant_of(coated.diffuse_reflectance) == 0.25f);
+      CHECK(constant_of(coated.specular_reflectance) == 0.75f);
+      CHECK(coated.nonlinear);
+      if (rough) check_roughness(coated.roughness, true, 0.5f, 0.5f);
+    }
     const std::string common = base + number("roughness", "0.125") + number("anisotropic", "0.25") +
                                number(name("spec_trans", "specTrans"), "0.375") +
                                number(name("spec_tint", "specTint"), "0.5") + number("sheen", "0.625") +
                                number(name("sheen_tint", "sheenTint"), "0.75") + number("flatness", "0.875") +
                                number(name("diffuse_reflectance_sampling_rate", "diffuseReflectanceSamplingRate"), "2");
-    CHECK(material("principled", common + number("metallic", "0.0625") + number("clearcoat", "0.1875") +
-                                     number(name("clearcoat_gloss", "clearcoatGloss"), "0.3125") + number("eta", "2") +
-                                     number(name("main_specular_sampling_rate", "mainSpecularSamplingRate"), "2") +
-                                     number(name("clearcoat_sampling_rate", "clearcoatSamplingRate"), "2")) ==
-          dump_all("principled constant 0x1p-1", 0.125f, 0.25f, 0.0625f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f, 0.1875f,
-                   0.3125f, 2.0f));
-    CHECK(material("principledthin",
-                   common + number("eta", "2") + number(name("diff_trans", "diffTrans"), "1.5") +
-                       number(name("specular_reflectance_sampling_rate", "specularReflectanceSamplingRate"), "2") +
-                       number("specular_transmittance_sampling_rate", "2") +
-                       number("diffuse_transmittance_sampling_rate", "2")) ==
-          dump_all("principledthin constant 0x1p-1", 0.125f, 0.25f, 0.375f, 2.0f, 0.5f, 0.625f, 0.75f, 0.875f, 1.5f));
+    const auto principled = read_material<PrincipledDescription>(
+        "principled", common + number("metallic", "0.0625") + number("clearcoat", "0.1875") +
+                          number(name("clearcoat_gloss", "clearcoatGloss"), "0.3125") + number("eta", "2") +
+                          number(name("main_specular_sampling_rate", "mainSpecularSamplingRate"), "2") +
+                          number(name("clearcoat_sampling_rate", "clearcoatSamplingRate"), "2"));
+    CHECK(constant_of(principled.base_color) == 0.5f);
+    CHECK(constant_of(principled.roughness) == 0.125f);
+    check_constants(numbers_of(principled), {0.25f, 0.0625f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f, 0.1875f, 0.3125f});
+    CHECK(principled.eta == 2.0f);
+    const auto thin = read_material<PrincipledThinDescription>(
+        "principledthin",
+        common + number("eta", "2") + number(name("diff_trans", "diffTrans"), "1.5") +
+            number(name("specular_reflectance_sampling_rate", "specularReflectanceSamplingRate"), "2") +
+            number("specular_transmittance_sampling_rate", "2") + number("diffuse_transmittance_sampling_rate", "2"));
+    CHECK(constant_of(thin.base_color) == 0.5f);
+    CHECK(constant_of(thin.roughness) == 0.125f);
+    check_constants(numbers_of(thin), {0.25f, 0.375f, 2.0f, 0.5f, 0.625f, 0.75f, 0.875f, 1.5f});
   }
-  CHECK(material("mask", number("opacity", "0.25") + bsdf("diffuse")) == "mask 0x1p-2 0");
-  CHECK(material("mask", "<rgb name='opacity' value='0.25'/>" + bsdf("diffuse")) == dump_all("mask", 0.25f, 0));
-  CHECK(material("mask", "<spectrum name='opacity' value='0.25'/>" + bsdf("diffuse")) == "mask 0x1p-2 0");
-  CHECK(material("blendbsdf", bsdf("null") + number("weight", "0.75") + bsdf("diffuse")) == "blendbsdf 0x1.8p-1 0 1");
+  for (const char* element : {"float", "rgb", "spectrum"}) {
+    CAPTURE(std::string(element));
+    const auto mask = read_material<MaskDescription>(
+        "mask", "<" + std::string(element) + " name='opacity' value='0.25'/>" + bsdf("diffuse"));
+    CHECK(constant_of(mask.opacity) == 0.25f);
+    CHECK(mask.nested == MaterialId{0});
+  }
+  const auto blend =
+      read_material<BlendDescription>("blendbsdf", bsdf("null") + number("weight", "0.75") + bsdf("diffuse"));
+  CHECK(constant_of(blend.weight) == 0.75f);
+  CHECK(blend.nested[0] == MaterialId{0});
+  CHECK(blend.nested[1] == MaterialId{1});
 }
 
 TEST_CASE("Mitsuba materials: specular of principled becomes an index of refraction") {
@@ -149,17 +264,36 @@ TEST_CASE("Mitsuba materials: a principled metal that specular 0 turns black giv
 TEST_CASE("Mitsuba materials: hair is defined by pigments or by absorption") {
   const std::string rest = number("longitudinal_roughness", "0.1") + number("azimuthal_roughness", "0.2") +
                            number("scale_tilt", "3") + number("int_ior", "1.4") + number("ext_ior", "1.1");
-  const std::string expected = dump_all(0.1f, 0.2f, 3.0f, 1.4f, 1.1f);
-  CHECK(material("hair", number("pheomelanin", "0.5") + rest) == "hair 0 " + dump_all(1.3f, 0.5f) + " " + expected);
   const std::string sigma_a = "<rgb name='sigma_a' value='0.25, 0.5, 4'/>";
-  CHECK(material("hair", sigma_a + number("scale", "10") + rest) ==
-        "hair 1 " + dump_all(SpectrumDescription::rgb(0.25f, 0.5f, 4), 10.0f) + " " + expected);
+  for (const bool absorbs : {false, true}) {
+    CAPTURE(absorbs);
+    const auto hair = read_material<HairDescription>(
+        "hair", (absorbs ? sigma_a + number("scale", "10") : number("pheomelanin", "0.5")) + rest);
+    if (absorbs) {
+      const auto& absorption = std::get<HairDescription::Absorption>(hair.color);
+      CHECK(rgb_of(absorption.sigma_a) == Vec3f{0.25f, 0.5f, 4});
+      CHECK(absorption.scale == 10.0f);
+    } else {
+      const auto& melanin = std::get<HairDescription::Melanin>(hair.color);
+      check_constants({melanin.eumelanin, melanin.pheomelanin}, {1.3f, 0.5f});
+    }
+    check_constants({hair.longitudinal_roughness, hair.azimuthal_roughness}, {0.1f, 0.2f});
+    CHECK(hair.scale_tilt == 3.0f);
+    CHECK(hair.int_ior == 1.4f);
+    CHECK(hair.ext_ior == 1.1f);
+  }
   const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
   std::string textures;
   for (const char* name : {"eumelanin", "pheomelanin", "longitudinal_roughness", "azimuthal_roughness"})
     textures += std::string("<texture name='") + name + "'" + attribute;
-  CHECK(contains(material("hair", textures), "hair 0 texture 0 texture 1 texture 2 texture 3 "));
-  CHECK(contains(material("hair", std::string("<texture name='sigma_a'") + attribute), "hair 1 texture 0 "));
+  const auto textured = read_material<HairDescription>("hair", textures);
+  const auto& pigments = std::get<HairDescription::Melanin>(textured.color);
+  CHECK(std::get<TextureId>(pigments.eumelanin) == TextureId{0});
+  CHECK(std::get<TextureId>(pigments.pheomelanin) == TextureId{1});
+  CHECK(std::get<TextureId>(textured.longitudinal_roughness) == TextureId{2});
+  CHECK(std::get<TextureId>(textured.azimuthal_roughness) == TextureId{3});
+  const auto dyed = read_material<HairDescription>("hair", std::string("<texture name='sigma_a'") + attribute);
+  CHECK(std::get<TextureId>(std::get<HairDescription::Absorption>(dyed.color).sigma_a) == TextureId{0});
 
   CHECK(
       contains(error_of_elements(bsdf("hair", sigma_a + number("eumelanin", "1"))), "is set together with 'sigma_a'"));
@@ -237,14 +371,12 @@ TEST_CASE("Mitsuba materials: every parameter that may be textured is") {
     if (std::string(c.type) == "blendbsdf") inside += bsdf("null") + bsdf("null");
     const Description d = read_text(mitsuba_scene(bsdf(c.type, inside)));
     CHECK(d.textures.size() == static_cast<std::size_t>(count));
-    const std::string text = dump(d.materials.back());
-    for (int i = 0; i < count; ++i) {
-      CAPTURE(text);
-      CHECK(contains(text + " ", " texture " + std::to_string(i) + " "));
-    }
+    CHECK(textures_of(d.materials.back()).size() == static_cast<std::size_t>(count));
   }
-  CHECK(material("roughconductor", "<texture name='alpha'" + attribute) ==
-        "conductor constant 0x1p+0 beckmann texture 0 texture 0");
+  const auto rough =
+      *read_material<ConductorDescription>("roughconductor", "<texture name='alpha'" + attribute).roughness;
+  CHECK(std::get<TextureId>(rough.alpha_u) == TextureId{0});
+  CHECK(std::get<TextureId>(rough.alpha_v) == TextureId{0});
 }
 
 TEST_CASE("Mitsuba materials: metals are found by name") {
@@ -269,18 +401,23 @@ TEST_CASE("Mitsuba materials: metals are found by name") {
   CHECK(std::get<SpectrumDescription::Table>(in_water.value).values.at(3) == near(table.values.at(3) / 1.333));
   const SpectrumDescription given =
       eta_of("<spectrum name='eta' value='3'/><rgb name='k' value='1,2,3'/>" + number("extEta", "1.5"));
-  CHECK(dump(given) == "constant 0x1p+1");
+  CHECK(constant_of(given) == 2.0f);
 }
 
 TEST_CASE("Mitsuba materials: two-sided materials may have one or two children") {
-  auto sides = [](const std::string& inside) { return material("twosided", inside); };
-  CHECK(sides(bsdf("diffuse") + bsdf("plastic")) == "twosided 0 1");
-  CHECK(sides(bsdf("principled")) == "twosided 0 0");
-  CHECK(sides(bsdf("principled", number("spec_trans", "0"))) == "twosided 0 0");
-  CHECK(sides(bsdf("twosided", bsdf("diffuse") + bsdf("plastic"))) == "twosided 0 0");
-  CHECK(sides(bsdf("blendbsdf", bsdf("diffuse") + bsdf("plastic"))) == "twosided 2 2");
+  const auto check_sides = [](const std::string& inside, unsigned front, unsigned back) {
+    CAPTURE(inside);
+    const auto sides = read_material<TwoSidedDescription>("twosided", inside);
+    CHECK(sides.front == MaterialId{front});
+    CHECK(sides.back == MaterialId{back});
+  };
+  check_sides(bsdf("diffuse") + bsdf("plastic"), 0, 1);
+  check_sides(bsdf("principled"), 0, 0);
+  check_sides(bsdf("principled", number("spec_trans", "0")), 0, 0);
+  check_sides(bsdf("twosided", bsdf("diffuse") + bsdf("plastic")), 0, 0);
+  check_sides(bsdf("blendbsdf", bsdf("diffuse") + bsdf("plastic")), 2, 2);
   const std::string map = "<texture type='checkerboard'/>";
-  CHECK(sides(bsdf("bumpmap", map + bsdf("diffuse"))) == "twosided 1 1");
+  check_sides(bsdf("bumpmap", map + bsdf("diffuse")), 1, 1);
   const std::string transmitting[] = {bsdf("dielectric"),
                                       bsdf("thindielectric"),
                                       bsdf("roughdielectric"),
@@ -308,26 +445,40 @@ TEST_CASE("Mitsuba materials: bump and normal maps are read") {
   };
   for (const char* name : {"", "normalmap", "bump", "arbitrary", "scale"}) {
     CAPTURE(std::string(name));
-    if (std::string(name) != "scale") CHECK(material("bumpmap", bsdf("diffuse") + named(name)) == "bumpmap 0 0x1p+0 0");
-    CHECK(material("normalmap", bsdf("diffuse") + named(name)) == "normalmap 0 0 0 0x1p+0 0");
+    if (std::string(name) != "scale") {
+      const auto bumps = read_material<BumpMapDescription>("bumpmap", bsdf("diffuse") + named(name));
+      CHECK(bumps.displacement == TextureId{0});
+      CHECK(bumps.scale == 1.0f);
+      CHECK(bumps.nested == MaterialId{0});
+    }
+    const auto normals = read_material<NormalMapDescription>("normalmap", bsdf("diffuse") + named(name));
+    CHECK(normals.normals == TextureId{0});
+    CHECK_FALSE(normals.flip_green);
+    CHECK(normals.nested == MaterialId{0});
   }
-  CHECK(material("bumpmap", bsdf("diffuse") + named("a") + number("scale", "-2")) == "bumpmap 0 -0x1p+1 0");
-  CHECK(material("normalmap", bsdf("diffuse") + named("a") + "<boolean name='flip_green' value='true'/>") ==
-        "normalmap 0 1 0 0x1p+0 0");
+  const std::string start = bsdf("diffuse") + named("a");
+  CHECK(read_material<BumpMapDescription>("bumpmap", start + number("scale", "-2")).scale == -2.0f);
+  CHECK(
+      read_material<NormalMapDescription>("normalmap", start + "<boolean name='flip_green' value='true'/>").flip_green);
   for (const char* type : {"normalmap", "bumpmap"}) {
-    const std::string start = bsdf("diffuse") + named("a");
-    CHECK(contains(material(type, start + "<boolean name='flip_invalid_normals' value='false'/>"), " keep_normals"));
-    CHECK(contains(material(type, start + "<boolean name='useShadowingFunction' value='false'/>"), " hard_terminator"));
-    CHECK_FALSE(contains(material(type, start), "keep_normals"));
+    const auto options = [&](const std::string& inside) {
+      const bool bumps = std::string(type) == "bumpmap";
+      return bumps ? read_material<BumpMapDescription>(type, start + inside).options
+                   : read_material<NormalMapDescription>(type, start + inside).options;
+    };
+    CHECK_FALSE(options("<boolean name='flip_invalid_normals' value='false'/>").fix_invalid_normals);
+    CHECK_FALSE(options("<boolean name='useShadowingFunction' value='false'/>").soften_terminator);
+    CHECK(options("").fix_invalid_normals);
+    CHECK(options("").soften_terminator);
   }
   // Before version 2, a texture around another one scales it.
   const Description old = read_mitsuba06(
       bsdf("bumpmap", bsdf("diffuse") + "<texture type='scale'>" + number("scale", "10") + named("") + "</texture>"));
-  CHECK(dump(old.materials.back()) == "bumpmap 0 0x1.4p+3 0");
+  CHECK(std::get<BumpMapDescription>(old.materials.back().model).scale == 10.0f);
   const Description referred =
       read_mitsuba06("<texture type='scale' id='s'><float name='scale' value='2'/>" + named("") + "</texture>" +
                      bsdf("bumpmap", bsdf("diffuse") + "<ref id='s'/>"));
-  CHECK(dump(referred.materials.back()) == "bumpmap 0 0x1p+1 0");
+  CHECK(std::get<BumpMapDescription>(referred.materials.back().model).scale == 2.0f);
 }
 
 TEST_CASE("Mitsuba materials: polarisers transmit half of the light with a note") {
