@@ -1,8 +1,12 @@
 // Detection of file formats by content and file extension, for messages about unsupported files.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace sheaf {
 
@@ -24,7 +28,18 @@ struct FileFormat {
   bool by_content = false;  ///< recognised by its content, not only by its extension
 };
 
-/// Checks the first bytes, then the file extension. Returns kUnknown if `file` is not a regular file or cannot be read.
-FileFormat file_format(const std::filesystem::path& file);
+/// How to recognize a format.
+struct KnownFormat {
+  FileUse use;
+  const char* name;                            ///< as in FileFormat
+  std::array<std::string_view, 4> beginnings;  ///< magic numbers; unused entries are empty
+  std::array<std::string_view, 7> extensions;  ///< likewise
+  /// For formats without a magic number: whether a file of `size` bytes that starts with these bytes has the format.
+  bool (*matches)(std::string_view bytes, std::uintmax_t size) = nullptr;
+};
+
+/// Checks the first bytes, then the file extension: for the formats in `more`, and for those of files that Sheaf does
+/// not read as models. Returns kUnknown if `file` is not a regular file or cannot be read.
+FileFormat file_format(const std::filesystem::path& file, std::span<const KnownFormat> more = {});
 
 }  // namespace sheaf

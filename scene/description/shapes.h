@@ -42,13 +42,13 @@ struct Mesh {
   std::vector<MeshTangent> tangents = {};
 };
 
-/// A triangle mesh in a file (.obj, .ply, .serialized, .stl, .off).
+/// A triangle mesh in a file.
 struct MeshFileShape {
-  std::filesystem::path file;  ///< resolved path
-  enum class Format { kObj, kPly, kSerialized, kStl, kOff } format = Format::kObj;
+  std::filesystem::path file;   ///< resolved path
+  std::string format = "obj";   ///< ModelFormat::key (scene/formats/model_formats.h)
   bool flip_tex_coords = true;  ///< replace v by 1 - v (Mitsuba's default for OBJ)
   bool smooth_normals = true;   ///< compute smooth normals for vertices without normals
-  int shape_index = 0;          ///< kSerialized: index of the mesh in the file
+  int shape_index = 0;          ///< index of the mesh in a serialized file
   /// Faces with invalid vertex indices are errors, or are dropped with a warning.
   enum class BadFaces { kError, kDrop } bad_faces = BadFaces::kError;
 };

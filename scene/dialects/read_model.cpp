@@ -7,11 +7,10 @@
 #include "scene/dialects/model/surroundings.h"
 #include "scene/formats/mesh.h"
 #include "scene/formats/mesh_io.h"
-#include "scene/formats/model_import.h"
+#include "scene/formats/model_formats.h"
 #include "scene/formats/smooth_normals.h"
 
 #include <algorithm>
-#include <cctype>
 
 namespace sheaf {
 
@@ -69,37 +68,26 @@ void load_model(ShapeDescription& shape, const MeshFileShape& from, Description&
   shape.geometry = std::move(mesh);
 }
 
-std::string lower_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 }  // namespace
 
 bool reads_as_gltf(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
-  return extension == ".gltf" || extension == ".glb" || is_imported_model(file);
+  const ModelFormat* const format = find_model_format(file);
+  return format != nullptr && format->read == nullptr;
 }
 
-std::optional<MeshFileShape::Format> model_format(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
-  if (extension == ".obj") return MeshFileShape::Format::kObj;
-  if (extension == ".ply") return MeshFileShape::Format::kPly;
-  if (extension == ".serialized") return MeshFileShape::Format::kSerialized;
-  if (extension == ".stl") return MeshFileShape::Format::kStl;
-  if (extension == ".off") return MeshFileShape::Format::kOff;
-  return std::nullopt;
+bool reads_as_mesh(const std::filesystem::path& file) {
+  const ModelFormat* const format = find_model_format(file);
+  return format != nullptr && format->read != nullptr;
 }
 
-Description read_model(const std::filesystem::path& file, MeshFileShape::Format format, const ModelView& view,
-                       const ModelSurroundings& surroundings, bool lenient) {
+Description read_model(const std::filesystem::path& file, const ModelView& view, const ModelSurroundings& surroundings,
+                       bool lenient) {
   Description description;
   description.file = file;
   description.files = {file};
   ShapeDescription shape;
   // Flip v of OBJ and PLY files; the textures that they name undo the flip.
-  MeshFileShape mesh{file, format, format != MeshFileShape::Format::kSerialized};
+  MeshFileShape mesh{file, find_model_format(file)->key, true};
   if (lenient) mesh.bad_faces = MeshFileShape::BadFaces::kDrop;
   shape.geometry = std::move(mesh);
   shape.where = {file.string(), 0};

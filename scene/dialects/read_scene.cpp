@@ -1,7 +1,6 @@
 // Selection of the scene dialect: pbrt by file name, XML dialects by content.
 #include "scene/dialects/read_scene.h"
 
-#include "core/io/file_format.h"
 #include "scene/dialects/mitsuba/read_mitsuba.h"
 #include "scene/dialects/model/auto_camera.h"
 #include "scene/dialects/model/obj_materials.h"
@@ -11,6 +10,7 @@
 #include "scene/dialects/read_model.h"
 #include "scene/dialects/xml/read_spectrum.h"
 #include "scene/dialects/xml/read_texture.h"
+#include "scene/formats/model_formats.h"
 
 #include <algorithm>
 
@@ -89,17 +89,18 @@ std::string conversion(FileUse use) {
 
 /// Throws SceneError for files that are neither scenes nor models.
 void check_format(const std::filesystem::path& file) {
-  const auto model = model_format(file);
-  if (reads_as_gltf(file) || model == MeshFileShape::Format::kStl || model == MeshFileShape::Format::kOff) return;
-  const FileFormat format = file_format(file);
+  const ModelFormat* const model = find_model_format(file);
+  const FileFormat format = file_or_model_format(file);
   if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
-  // For empty files with a known extension, the readers report better errors.
-  const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model;
+  // For models of a wrong content that has no magic number, and for empty files with a known extension, the readers
+  // report better errors.
+  if (model != nullptr && (!format.by_content || format.name == model->known.name)) return;
+  const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model != nullptr;
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError({file.string(), 0}, "is " + format.name +
                                            ", expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), "
                                            "or a model (" +
-                                           kModelExtensions + ")" + conversion(format.use));
+                                           model_extensions() + ")" + conversion(format.use));
 }
 
 /// Makes file meshes drop faces that refer to missing vertices.
@@ -120,7 +121,7 @@ void drop_bad_faces(Description& description) {
 void reject_camera_choice(const ReadOptions& options) {
   if (!options.camera.empty())
     throw Error(ExitCode::kUsage,
-                std::string("--camera applies to scenes of Mitsuba and to models (") + kSceneModelExtensions + ")");
+                "--camera applies to scenes of Mitsuba and to models (" + scene_model_extensions() + ")");
 }
 
 /// Reads a scene of an XML dialect, which it detects. `file`: for messages.
@@ -164,13 +165,12 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
 
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
-  const auto format = model_format(file);
-  if ((reads_as_gltf(file) || format) && !options.defines.empty())
+  if (find_model_format(file) != nullptr && !options.defines.empty())
     throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
   if (reads_as_gltf(file)) return read_gltf_scene(file, options);
-  if (format) {
+  if (reads_as_mesh(file)) {
     reject_camera_choice(options);
-    return read_model(file, *format, options.view, options.surroundings, options.lenient);
+    return read_model(file, options.view, options.surroundings, options.lenient);
   }
   if (is_pbrt_scene(file)) {
     reject_camera_choice(options);
@@ -208,7 +208,7 @@ Description completed(Description description, const ReadOptions& options) {
 }  // namespace
 
 bool is_xml_scene(const std::filesystem::path& file) {
-  return !reads_as_gltf(file) && !model_format(file) && !is_pbrt_scene(file);
+  return find_model_format(file) == nullptr && !is_pbrt_scene(file);
 }
 
 ExpandedScene expand_scene(const std::filesystem::path& file, const ReadOptions& options) {

@@ -32,10 +32,10 @@ struct ReadOptions {
 };
 
 /// Reads a scene file. Files named .pbrt or .pbrt.gz are pbrt-v4. XML files are Nori (`camera`, no version) or Mitsuba
-/// 0.6 to 3 (`sensor`, `version`), chosen by content. glTF (.gltf, .glb) and what is imported as such
-/// (scene/formats/model_import.h) may be a scene or a model. Models (.obj, .ply, .stl, .off, .serialized) are placed on
-/// a floor under a sky. Mesh files are located but not loaded, except for models and
-/// for OBJ files whose materials are used (scene/dialects/model/obj_materials.h). Throws SceneError.
+/// 0.6 to 3 (`sensor`, `version`), chosen by content. Files of the formats of scene/formats/model_formats.h are models:
+/// glTF and imported ones may be a whole scene, meshes are placed on a floor under a sky. Mesh files are located but
+/// not loaded, except for models and for OBJ files whose materials are used (scene/dialects/model/obj_materials.h).
+/// Throws SceneError.
 Description read_scene(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// Whether read_scene() reads the file as XML: neither pbrt nor glTF nor a model.

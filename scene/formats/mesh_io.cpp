@@ -5,9 +5,7 @@
 #include "core/io/file_cache.h"
 #include "core/io/inflate.h"
 #include "core/soa/large_pages.h"
-#include "scene/formats/off.h"
-#include "scene/formats/serialized.h"
-#include "scene/formats/stl.h"
+#include "scene/formats/model_formats.h"
 
 #include <fstream>
 #include <system_error>
@@ -69,40 +67,20 @@ std::string read_mesh_text(const std::filesystem::path& file, std::string_view w
   return text;
 }
 
-namespace {
-
-MeshFile read_mesh_format(const MeshFileShape& shape) {
-  switch (shape.format) {
-    case MeshFileShape::Format::kPly:
-      return read_ply(shape.file, shape.flip_tex_coords, shape.bad_faces);
-    case MeshFileShape::Format::kSerialized:
-      return read_serialized(shape.file, shape.shape_index, shape.bad_faces);
-    case MeshFileShape::Format::kStl:
-      return read_stl(shape.file);
-    case MeshFileShape::Format::kOff:
-      return read_off(shape.file, shape.bad_faces);
-    default:
-      return read_obj(shape.file, shape.flip_tex_coords, shape.bad_faces);
-  }
-}
-
-}  // namespace
-
 double mesh_reading_bytes(const MeshFileShape& shape) {
   constexpr double kPlain = 5;          // text or binary numbers, lists of corners, and the mesh
   constexpr double kCompressed = 1030;  // the highest ratio of deflate
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(shape.file, failure);
-  const bool is_compressed = shape.file.extension() == ".gz" || shape.format == MeshFileShape::Format::kSerialized;
+  const bool is_compressed = shape.file.extension() == ".gz" || mesh_format(shape.format).is_compressed;
   return failure ? 0 : (is_compressed ? kCompressed : kPlain) * static_cast<double>(size);
 }
 
 MeshFile read_mesh(const MeshFileShape& shape) {
-  std::string key = "mesh";
-  for (const int option : {static_cast<int>(shape.format), int{shape.flip_tex_coords}, shape.shape_index,
-                           static_cast<int>(shape.bad_faces)})
+  std::string key = "mesh " + shape.format;
+  for (const int option : {int{shape.flip_tex_coords}, shape.shape_index, static_cast<int>(shape.bad_faces)})
     key += " " + std::to_string(option);
-  return cached(shape.file, key, [&] { return read_mesh_format(shape); });
+  return cached(shape.file, key, [&] { return mesh_format(shape.format).read(shape); });
 }
 
 }  // namespace sheaf

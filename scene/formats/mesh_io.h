@@ -43,8 +43,7 @@ MeshFile read_obj(const std::filesystem::path& file, bool flip_tex_coords, BadFa
 MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords = false,
                   BadFaces bad_faces = BadFaces::kError);
 
-/// Calls read_obj(), read_ply(), read_serialized() (scene/formats/serialized.h), read_stl() (scene/formats/stl.h) or
-/// read_off() (scene/formats/off.h) by the shape's format. A FileCache keeps the result.
+/// Calls the reader of the shape's format (scene/formats/model_formats.h). A FileCache keeps the result.
 MeshFile read_mesh(const MeshFileShape& shape);
 
 /// Estimated peak memory of read_mesh(), in bytes; 0 if the file cannot be read.

@@ -4,6 +4,7 @@
 #include "core/io/file_cache.h"
 #include "core/io/memory.h"
 #include "core/io/program_file.h"
+#include "scene/formats/model_formats.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -152,10 +153,8 @@ std::string run_importer(const fs::path& file) {
 }  // namespace
 
 bool is_imported_model(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr std::array kExtensions = {".dae", ".fbx", ".3ds"};
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  const ModelFormat* const format = find_model_format(file);
+  return format != nullptr && format->is_imported;
 }
 
 bool can_import_models() { return !importer().empty(); }

@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// Whether a file has such a format by its extension (.dae, .fbx, .3ds, in any case).
+/// Whether a file has such a format by its extension; see ModelFormat::is_imported.
 bool is_imported_model(const std::filesystem::path& file);
 
 /// Whether sheaf_import_model exists, next to the program or in ../lib/sheaf. Builds without Assimp lack it.

@@ -182,16 +182,11 @@ void add_import_parts(Seeds& seeds) {
 }
 
 void add_models(Seeds& seeds) {
-  const std::string off = test::cube_off();
-  seeds.add("off", '\0' + off);
-  seeds.add("off", '\1' + off);
-  seeds.add("off", std::string(1, '\0') +
-                       "STCNOFF\n3 1 3\n0 0 0 0 0 1 255 0 0 1 0 0\n1 0 0 0 0 1 0 128 0 1 1 0\n"
-                       "0 1 0 0 0 1 0 0 0 1 0 1\n3 0 1 2 7\n");
-  seeds.add_words("off", {"scene/formats/off"});
   seeds.add("import", '\0' + test::cube_dae());
   seeds.add("import", '\1' + test::cube_fbx());
   seeds.add("import", '\2' + test::cube_3ds());
+  seeds.add("import", '\3' + test::cube_off());
+  seeds.add("import", "\3COFF\n3 1 3\n0 0 0 255 0 0 255\n1 0 0 0 128 0 255\n0 1 0 0 0 255 0\n3 0 1 2\n");
   add_import_parts(seeds);
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/io/error.h"
 #include "core/io/output_file.h"
+#include "scene/formats/model_formats.h"
 #include "tools/console/messages.h"
 
 #include <unistd.h>
@@ -40,35 +41,14 @@ bool copy_to_output(const fs::path& file) {
   return from.eof() && std::fflush(stdout) == 0;
 }
 
-/// The first word that is not in a comment.
-std::string_view first_word(std::string_view text) {
-  constexpr std::string_view kSpaces = " \t\r\n";
-  for (;;) {
-    text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
-    if (!text.starts_with('#')) return text.substr(0, text.find_first_of(kSpaces));
-    text.remove_prefix(std::min(text.find('\n'), text.size()));
-  }
-}
-
 }  // namespace
 
 std::string scene_extension(std::string_view bytes) {
-  constexpr std::string_view kObjWords[] = {"v", "vt", "vn", "f", "o", "g", "s", "l", "mtllib", "usemtl"};
   if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // byte order mark
   if (bytes.starts_with("\x1f\x8b")) return ".pbrt.gz";
-  if (bytes.starts_with("\x1c\x04")) return ".serialized";
-  if (bytes.starts_with("glTF")) return ".glb";
-  if (bytes.starts_with("Kaydara FBX Binary")) return ".fbx";
-  if (bytes.starts_with("MM")) return ".3ds";
-  const std::string_view word = first_word(bytes);
-  if (word.starts_with('<') && bytes.find("<COLLADA") != bytes.npos) return ".dae";
-  if (word.empty() || word.starts_with('<')) return ".xml";
-  if (word.starts_with('{')) return ".gltf";
-  if (word == "ply" || word == "solid") return word == "ply" ? ".ply" : ".stl";
-  if (word.ends_with("OFF")) return ".off";
-  if (word == ";") return ".fbx";
-  const bool is_obj = std::find(std::begin(kObjWords), std::end(kObjWords), word) != std::end(kObjWords);
-  return is_obj ? ".obj" : ".pbrt";
+  if (const ModelFormat* const model = detect_model_format(bytes)) return std::string(model->known.extensions[0]);
+  const std::size_t first = bytes.find_first_not_of(" \t\r\n");
+  return first == bytes.npos || bytes[first] == '<' ? ".xml" : ".pbrt";
 }
 
 StandardStreams::~StandardStreams() {

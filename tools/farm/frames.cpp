@@ -2,6 +2,7 @@
 
 #include "core/io/error.h"
 #include "scene/dialects/read_model.h"
+#include "scene/formats/model_formats.h"
 #include "tools/console/duration.h"
 #include "tools/console/interrupt.h"
 #include "tools/console/messages.h"
@@ -84,9 +85,9 @@ void check_frame_options(const RenderArguments& arguments) {
       throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
   if (reads_as_gltf(arguments.scene) && arguments.read.time)
     throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
-  if (model_format(arguments.scene))
-    throw Error(ExitCode::kUsage, std::string("--frames applies to scenes and animated models (") +
-                                      kSceneModelExtensions + "), not to models that do not move");
+  if (reads_as_mesh(arguments.scene))
+    throw Error(ExitCode::kUsage, "--frames applies to scenes and animated models (" + scene_model_extensions() +
+                                      "), not to models that do not move");
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)

@@ -3,10 +3,10 @@
 #include "core/image/image_encoding.h"
 #include "core/image/image_library.h"
 #include "core/io/error.h"
-#include "core/io/file_format.h"
 #include "core/io/name_table.h"
 #include "core/io/output_file.h"
 #include "kernels/denoise/denoise.h"
+#include "scene/formats/model_formats.h"
 #include "tools/console/messages.h"
 #include "tools/job/interrupted_image.h"
 
@@ -68,7 +68,7 @@ std::vector<NamedFile> named_images(const std::vector<std::string>& files) {
 
 void check_is_exr(const fs::path& file) {
   if (!fs::is_regular_file(file) || is_exr(file)) return;
-  const FileFormat format = file_format(file);
+  const FileFormat format = file_or_model_format(file);
   const std::string expected = ", expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'";
   if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "has an unknown format" + expected);
   if (extension_of(file) == ".exr" && !format.by_content)
@@ -80,7 +80,7 @@ void check_is_exr(const fs::path& file) {
 
 void check_is_image(const fs::path& file) {
   if (!fs::is_regular_file(file)) return;
-  const FileFormat format = file_format(file);
+  const FileFormat format = file_or_model_format(file);
   if (format.use == FileUse::kImage) {
     if (extension_of(file) == ".exr") check_is_exr(file);
     return;

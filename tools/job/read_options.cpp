@@ -3,6 +3,7 @@
 #include "core/io/error.h"
 #include "core/io/name_table.h"
 #include "scene/dialects/read_model.h"
+#include "scene/formats/model_formats.h"
 #include "tools/options/option_groups.h"
 
 #include <algorithm>
@@ -23,21 +24,19 @@ std::pair<std::string, std::string> split_definition(const std::string& definiti
 
 /// Throws Error for options that do not apply to a file of this kind.
 void check_model_options(const std::filesystem::path& file, const ReadArguments& arguments) {
-  const bool gltf = reads_as_gltf(file), model = gltf || model_format(file).has_value();
+  const bool gltf = reads_as_gltf(file), model = find_model_format(file) != nullptr;
   const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
   if (viewed && !model && !arguments.lenient)
-    throw Error(ExitCode::kUsage,
-                std::string("--view, --up and --fov apply to models (") + kModelExtensions + "), not to scenes");
+    throw Error(ExitCode::kUsage, "--view, --up and --fov apply to models (" + model_extensions() + "), not to scenes");
   if ((!arguments.environment.empty() || arguments.no_floor) && !model)
     throw Error(ExitCode::kUsage, "--env and --no-floor apply to models, not to scenes");
   if (!gltf && (arguments.time || !arguments.animation.empty()))
-    throw Error(ExitCode::kUsage,
-                std::string("--time and --animation apply to animated models (") + kSceneModelExtensions + ")");
+    throw Error(ExitCode::kUsage, "--time and --animation apply to animated models (" + scene_model_extensions() + ")");
   if (!arguments.animation.empty() && !arguments.time) throw Error(ExitCode::kUsage, "--animation requires --time");
   if (arguments.shutter.empty()) return;
   if (model && !gltf)
-    throw Error(ExitCode::kUsage, std::string("--shutter applies to scenes and animated models (") +
-                                      kSceneModelExtensions + "), not to models that do not move");
+    throw Error(ExitCode::kUsage, "--shutter applies to scenes and animated models (" + scene_model_extensions() +
+                                      "), not to models that do not move");
   if (gltf && !arguments.time) throw Error(ExitCode::kUsage, "--shutter requires --time or --frames for a model");
 }
 

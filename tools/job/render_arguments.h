@@ -9,6 +9,7 @@
 #include "kernels/training/guiding_mode.h"
 #include "scene/compile/compile.h"
 #include "scene/dialects/common/setting_names.h"
+#include "scene/formats/model_formats.h"
 #include "scene/tables/render_settings.h"
 #include "tools/job/checkpointing.h"
 #include "tools/job/image_files.h"
@@ -362,9 +363,8 @@ struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, Run
 /// long as `program`.
 inline Command add_render_options(
     Command& program, RenderArguments& arguments, const std::string& name = "render",
-    const std::string& help =
-        "Render a scene file (Mitsuba, Nori, pbrt-v4 or glTF) or a model (.dae, .fbx, .3ds, .obj, .ply, .stl, .off, "
-        ".serialized) to images.") {
+    const std::string& help = "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (" + model_extensions() +
+                              ") to images.") {
   Command command = program.add_command(name, help);
   for (const char* const title : {kSceneOptions, kImageOptions, kSamplingOptions, kTransportOptions, kOutputOptions,
                                   kPreviewOptions, kResourceOptions, kAdvancedOptions})

@@ -376,7 +376,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
 /// Whether a shape is an OBJ file whose materials count.
 bool takes_materials(const ShapeDescription& shape) {
   const auto* file = std::get_if<MeshFileShape>(&shape.geometry);
-  return file != nullptr && file->format == MeshFileShape::Format::kObj && !shape.material;
+  return file != nullptr && file->format == "obj" && !shape.material;
 }
 
 /// The jobs that read the OBJ files of shapes in order. Files without materials are not read; all are if `creased`.

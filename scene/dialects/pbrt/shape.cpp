@@ -119,7 +119,7 @@ Geometry ply_geometry(const std::filesystem::path& file) {
 Geometry read_ply_shape(Parameters& p, ShapeDescription& shape, bool) {
   MeshFileShape mesh;
   mesh.file = p.file("filename");
-  mesh.format = MeshFileShape::Format::kPly;
+  mesh.format = "ply";
   mesh.flip_tex_coords = false;
   mesh.smooth_normals = false;
   if (p.has("displacement")) {

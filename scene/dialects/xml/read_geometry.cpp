@@ -14,21 +14,20 @@ namespace {
 
 void read_mesh_file(Properties& p, bool flips_obj, ShapeDescription& shape) {
   MeshFileShape mesh;
-  using Format = MeshFileShape::Format;
-  mesh.format = p.type() == "ply" ? Format::kPly : p.type() == "serialized" ? Format::kSerialized : Format::kObj;
+  mesh.format = p.type();
   mesh.file = p.file("filename");
   shape.face_normals = p.boolean("face_normals", false);
   mesh.smooth_normals = flips_obj;
-  if (mesh.format == Format::kSerialized) {
+  if (mesh.format == "serialized") {
     mesh.flip_tex_coords = false;
     mesh.shape_index = p.integer("shape_index", 0, 0, std::numeric_limits<int>::max());
   } else {
-    mesh.flip_tex_coords = p.boolean("flip_tex_coords", flips_obj && mesh.format == Format::kObj);
+    mesh.flip_tex_coords = p.boolean("flip_tex_coords", flips_obj && mesh.format == "obj");
   }
   if (p.find_number("max_smooth_angle"))
     p.context().note(p.where(), "'max_smooth_angle' ignored: normals follow 'face_normals' and the file");
   p.ignore({"collapse"});
-  if (mesh.format == Format::kPly) p.ignore({"srgb"});
+  if (mesh.format == "ply") p.ignore({"srgb"});
   shape.geometry = std::move(mesh);
 }
 

@@ -44,12 +44,12 @@ TEST_CASE("Mitsuba: shapes have the documented parameters") {
   const ShapeDescription obj = shape_of(
       "<shape type='obj'><string name='filename' value='mesh.obj'/><boolean name='faceNormals' value='true'/>"
       "<boolean name='flip_normals' value='true'/><boolean name='collapse' value='true'/></shape>");
-  CHECK(std::get<MeshFileShape>(obj.geometry).format == MeshFileShape::Format::kObj);
+  CHECK(std::get<MeshFileShape>(obj.geometry).format == "obj");
   CHECK(std::get<MeshFileShape>(obj.geometry).flip_tex_coords);
   CHECK(obj.face_normals);
   CHECK(obj.flip_normals);
   const ShapeDescription ply = shape_of("<shape type='ply'><string name='filename' value='mesh.ply'/></shape>");
-  CHECK(std::get<MeshFileShape>(ply.geometry).format == MeshFileShape::Format::kPly);
+  CHECK(std::get<MeshFileShape>(ply.geometry).format == "ply");
   CHECK_FALSE(std::get<MeshFileShape>(ply.geometry).flip_tex_coords);
   const ShapeDescription sphere =
       shape_of("<shape type='sphere'><point name='center' x='1' z='3'/><float name='radius' value='2'/></shape>");

@@ -114,7 +114,7 @@ TEST_CASE("serialized: shapes read their mesh by file name and index") {
   const TemporaryFile file("mesh.serialized", file_of({{}, {0, 4, 0x041c, 4, 2, {0, 1, 2, 0, 2, 3}, 7}}));
   MeshFileShape shape;
   shape.file = file.path();
-  shape.format = MeshFileShape::Format::kSerialized;
+  shape.format = "serialized";
   shape.shape_index = 1;
   CHECK(read_mesh(shape).mesh.positions[1].x == 7.0f);
 }

@@ -226,7 +226,7 @@ inline std::string dump(const ShapeDescription& s) {
   std::ostringstream out;
   out << std::hexfloat << "shape " << s.geometry.index();
   if (const auto* mesh = std::get_if<MeshFileShape>(&s.geometry))
-    out << ' ' << mesh->file.filename() << ' ' << static_cast<int>(mesh->format) << ' ' << mesh->flip_tex_coords;
+    out << ' ' << mesh->file.filename() << ' ' << mesh->format << ' ' << mesh->flip_tex_coords;
   if (const auto* sphere = std::get_if<SphereShape>(&s.geometry))
     out << ' ' << sphere->center.x << ' ' << sphere->center.y << ' ' << sphere->center.z << ' ' << sphere->radius;
   if (const auto* c = std::get_if<CylinderShape>(&s.geometry))
