@@ -31,7 +31,7 @@ struct Options {
     try {
       command.set({{name, value}});
     } catch (const Error& error) {
-      CHECK(error.code() == ExitCode::kUsage);
+      CHECK(error.exit_code() == ExitCode::kUsage);
       return error.what();
     }
     return "";

@@ -31,7 +31,7 @@ std::string error_of(const SceneSettings& scene, const RenderRequest& request) {
   try {
     resolved(scene, request);
   } catch (const Error& error) {
-    CHECK(error.code() == ExitCode::kUsage);
+    CHECK(error.exit_code() == ExitCode::kUsage);
     return error.what();
   }
   return "";
