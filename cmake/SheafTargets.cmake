@@ -152,7 +152,7 @@ function(sheaf_python_module)
   set_target_properties(sheaf_python_module PROPERTIES PREFIX "" OUTPUT_NAME _sheaf SUFFIX ".so"
     LIBRARY_OUTPUT_DIRECTORY "${package}")
   file(MAKE_DIRECTORY "${package}")
-  sheaf_sources(files python/sheaf/*.py python/sheaf/*.pyi tools/python/sheaf/py.typed)
+  sheaf_sources(files tools/python/sheaf/*.py tools/python/sheaf/*.pyi tools/python/sheaf/py.typed)
   foreach(file IN LISTS files)
     cmake_path(GET file FILENAME name)
     file(CREATE_LINK "${file}" "${package}/${name}" SYMBOLIC)

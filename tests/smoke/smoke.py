@@ -112,7 +112,6 @@ EXEMPT = {
     "tools/farm/slurm.sh": "needs root and Slurm; the test slurm runs it",
     "tools/check_format.sh": "a test of its own, format",
     "tools/test.sh": "builds, and runs this test; .ci/run runs it",
-    "bench/rendering.py": "a module, which other scripts import",
     "sheaf": "smoke_scenes runs it",
     "sheaf_bench": "smoke_benchmarks runs it",
 }
