@@ -2,6 +2,7 @@
 // less noise, and bits that do not depend on threads or waves.
 #include "core/io/error.h"
 #include "kernels/bsdf/fresnel.h"
+#include "scene/dialects/common/integrators.h"
 #include "tests/support/capture.h"
 #include "tests/support/caustic_testing.h"
 #include "tests/support/media_testing.h"
@@ -263,12 +264,11 @@ TEST_CASE("caustics: integrators and scenes without support are rejected") {
   };
   add_sphere(d, {0, 0, 1}, 0.6f, add_glass(d));
   CHECK(error().empty());
-  d.integrator.strategy = LightStrategy::kBsdfOnly;
+  apply_integrator_name("path_mats", d);
   CHECK(error().find("path_mats") != std::string::npos);
-  d.integrator.strategy = LightStrategy::kMis;
-  d.integrator.kind = IntegratorKind::kPhotonMapper;
+  apply_integrator_name("photonmapper", d);
   CHECK(error().find("photonmapper") != std::string::npos);
-  d.integrator.kind = IntegratorKind::kPath;
+  apply_integrator_name("path", d);
   d.camera.medium = add_medium(d, fog(0.2f, 0.9f));
   CHECK(error().find("participating media") != std::string::npos);
 }
