@@ -93,8 +93,10 @@ Description read_model(const std::filesystem::path& file, const ModelView& view,
   shape.where = {file.string(), 0};
   description.shapes.push_back(std::move(shape));
   ErrorSink errors(lenient, description.stand_ins);
-  errors.run([&] { expand_obj_materials(description, errors, true); });
+  expand_obj_materials(description, errors, true);
+  // Nothing replaces the only shape
   if (description.shapes.empty()) throw errors.errors().back();
+  errors.throw_errors();
   // Load the model and place the camera
   for (ShapeDescription& part : description.shapes)
     if (const auto* from = std::get_if<MeshFileShape>(&part.geometry))
