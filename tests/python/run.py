@@ -38,7 +38,7 @@ def main():
     except ImportError:
         print("coverage.py is not installed: the coverage is not measured")
         return 0 if run(arguments.names) else 1
-    measured = coverage.Coverage(source=[str(ROOT / "python" / "sheaf"), arguments.package + "/sheaf"], data_file=None)
+    measured = coverage.Coverage(source=[str(ROOT / "tools/python/sheaf"), arguments.package + "/sheaf"], data_file=None)
     measured.start()
     passed = run(arguments.names)
     measured.stop()

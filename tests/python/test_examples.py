@@ -15,7 +15,7 @@ import scenes
 import sheaf
 
 os.environ["MPLBACKEND"] = "Agg"
-EXAMPLES = scenes.ROOT / "python/examples"
+EXAMPLES = scenes.ROOT / "tools/python/examples"
 TINY = ["--size", "16", "12", "--spp", "2"]
 ARGUMENTS = {
     "bsdf_lobes.py": ["{out}/lobes.png", "--samples", "50"],
