@@ -78,7 +78,7 @@ int run(const std::string& in, const std::string& out) {
     grids.push_back({base->getName(), &voxels.back(), map_of(*base)});
   }
   // Write them
-  if (grids.empty()) throw SceneError({in}, "contains no float fog volumes");
+  if (grids.empty()) throw SceneError(SourceLocation{in}, "contains no float fog volumes");
   write_nanovdb(out, grids);
   return 0;
 }

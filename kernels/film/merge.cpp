@@ -46,8 +46,9 @@ void check_overlaps(std::span<const ImagePart> parts) {
       const SampleRange& a = parts[i].samples;
       const SampleRange& b = parts[k].samples;
       const std::uint32_t first = std::max(a.first, b.first), end = std::min(a.end(), b.end());
-      throw SceneError({parts[i].name, 0}, fmt::format("shares samples with '{}': {}:{} of pixel {},{}", parts[k].name,
-                                                       first, end - first, both.x0, both.y0));
+      throw SceneError(SourceLocation{parts[i].name, 0},
+                       fmt::format("shares samples with '{}': {}:{} of pixel {},{}", parts[k].name, first, end - first,
+                                   both.x0, both.y0));
     }
 }
 
@@ -151,17 +152,19 @@ void ImageMerger::begin_sums() {
 
 void ImageMerger::add(const ImagePart& part, const Image& image) {
   const PixelRect there{image.x0, image.y0, image.x0 + image.width, image.y0 + image.height};
-  if (!(there == part.pixels)) throw SceneError({part.name, 0}, "the data window does not match the header");
+  if (!(there == part.pixels))
+    throw SceneError(SourceLocation{part.name, 0}, "the data window does not match the header");
   std::vector<int> from;
   for (const std::string& name : image_.channels) {
     from.push_back(image.find_channel(name));
-    if (from.back() < 0) throw SceneError({part.name, 0}, fmt::format("has no layer '{}'", name));
+    if (from.back() < 0) throw SceneError(SourceLocation{part.name, 0}, fmt::format("has no layer '{}'", name));
   }
   const PixelRect pixels = part.pixels.intersection(whole_);
   if (part.samples == SampleRange{0, samples_}) return copy(image, from, pixels);
   const std::string missing = missing_part_layer(image);
   if (!missing.empty())
-    throw SceneError({part.name, 0}, fmt::format("has no layer '{}', which merging sample ranges requires", missing));
+    throw SceneError(SourceLocation{part.name, 0},
+                     fmt::format("has no layer '{}', which merging sample ranges requires", missing));
   begin_sums();
   add_sums(part, image, from, pixels);
 }
@@ -225,7 +228,7 @@ void ImageMerger::add_sums(const ImagePart& part, const Image& image, const std:
       // Add the weights of ids.
       for (std::size_t kind = 0; kind < kNameKinds; ++kind)
         if (!coverage_[kind].empty() && !names[kind].add(in, coverage_[kind][pixel]))
-          throw SceneError({part.name, 0}, "contains an invalid object or material number");
+          throw SceneError(SourceLocation{part.name, 0}, "contains an invalid object or material number");
     }
 }
 

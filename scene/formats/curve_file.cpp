@@ -40,7 +40,7 @@ Curves read_curve_file(const std::filesystem::path& file, Curves::Basis basis) {
     curves.points.push_back({{numbers[0], numbers[1], numbers[2]}, numbers[3]});
   }
   if (inside) end_curve(curves, lines);
-  if (curves.points.empty()) throw SceneError({name}, "the file holds no curve");
+  if (curves.points.empty()) throw SceneError(SourceLocation{name}, "the file holds no curve");
   return curves;
 }
 

@@ -65,7 +65,7 @@ std::vector<Transform> read_ellipsoids(const std::filesystem::path& file, float 
   // Find the columns of the ellipsoids
   const PlyHeader header = parse_ply_header(bytes, name);
   if (header.elements.empty() || header.elements[0].count == 0)
-    throw SceneError({name}, "the file holds no ellipsoids");
+    throw SceneError(SourceLocation{name}, "the file holds no ellipsoids");
   const PlyElement& element = header.elements[0];
   const std::vector<int> columns = columns_of(element, name);
   // Read the rows

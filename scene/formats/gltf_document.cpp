@@ -24,19 +24,20 @@ constexpr int kMaxDepth = 64;
 
 json parse_json(std::string_view text, const std::filesystem::path& file) {
   const auto check_depth = [&](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxDepth) throw SceneError({file.string(), 0}, "the JSON is nested too deeply");
+    if (depth > kMaxDepth) throw SceneError(SourceLocation{file.string(), 0}, "the JSON is nested too deeply");
     return true;
   };
   try {
     json document = json::parse(text.begin(), text.end(), check_depth);
-    if (!document.is_object()) throw SceneError({file.string(), 1}, "is not a glTF document: the JSON is no object");
+    if (!document.is_object())
+      throw SceneError(SourceLocation{file.string(), 1}, "is not a glTF document: the JSON is no object");
     return document;
   } catch (const json::out_of_range&) {
-    throw SceneError({file.string(), 0}, "has a number that is too large");
+    throw SceneError(SourceLocation{file.string(), 0}, "has a number that is too large");
   } catch (const json::parse_error& error) {
     const std::size_t end = std::min(error.byte, text.size());
     const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
-    throw SceneError({file.string(), line + 1}, "is not valid JSON");
+    throw SceneError(SourceLocation{file.string(), line + 1}, "is not valid JSON");
   }
 }
 
@@ -44,7 +45,9 @@ json parse_json(std::string_view text, const std::filesystem::path& file) {
 GltfDocument split_binary(const std::string& bytes, GltfFile& out) {
   constexpr std::size_t kHeader = 12, kChunkHeader = 8;
   constexpr std::uint32_t kJson = 0x4e4f534a, kBinary = 0x004e4942, kVersion = 2;
-  const auto fail = [&](const std::string& message) { return SceneError({out.file.string(), 0}, message); };
+  const auto fail = [&](const std::string& message) {
+    return SceneError(SourceLocation{out.file.string(), 0}, message);
+  };
   const auto number = [&](std::size_t at) { return std::size_t{little_endian<std::uint32_t>(bytes.data() + at)}; };
   if (bytes.size() < kHeader + kChunkHeader) throw fail("is truncated");
   if (number(4) != kVersion) throw fail("has version " + std::to_string(number(4)) + " of glTF, expected 2");
@@ -237,7 +240,7 @@ class ByteLoader {
 GltfDocument read_gltf_document(GltfFile& out) {
   const std::filesystem::path& file = out.file;
   const std::string bytes = is_imported_model(file) ? import_model(file) : read_mesh_bytes(file, "glTF file");
-  if (bytes.empty()) throw SceneError({file.string(), 0}, "is empty");
+  if (bytes.empty()) throw SceneError(SourceLocation{file.string(), 0}, "is empty");
   if (bytes.starts_with("glTF")) return split_binary(bytes, out);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   const std::string_view text = bytes;

@@ -396,7 +396,7 @@ void check_version(const nlohmann::json& document, GltfFile& out) {
   };
   const std::string version = member("version"), needed = member("minVersion");
   if (!version.empty() && !version.starts_with("2."))
-    throw SceneError({out.file.string(), 0},
+    throw SceneError(SourceLocation{out.file.string(), 0},
                      "has version " + version + " of glTF, expected 2; convert it with a tool for glTF 1");
   if (std::strtod(needed.c_str(), nullptr) > 2)
     throw out.error("asset", "'minVersion' is " + in_quotes(needed) + ", but Sheaf reads version 2.0");
@@ -411,7 +411,8 @@ tinygltf::Model parse(const GltfDocument& document, const std::filesystem::path&
   bool parsed = false;
   try {
     const std::string text = document.json->dump();
-    if (text.size() > 0xffffffffu) throw SceneError({file.string(), 0}, "has a document of more than 4 GB");
+    if (text.size() > 0xffffffffu)
+      throw SceneError(SourceLocation{file.string(), 0}, "has a document of more than 4 GB");
     parsed = parser.LoadASCIIFromString(&model, &error, &warning, text.data(), static_cast<unsigned int>(text.size()),
                                         "", tinygltf::REQUIRE_VERSION);
   } catch (const Error&) { throw; } catch (const std::exception& failure) {
@@ -419,7 +420,7 @@ tinygltf::Model parse(const GltfDocument& document, const std::filesystem::path&
   }
   if (parsed && error.empty()) return model;
   error.erase(std::min(error.find('\n'), error.size()));
-  throw SceneError({file.string(), 0}, "is not a valid glTF document: " + error);
+  throw SceneError(SourceLocation{file.string(), 0}, "is not a valid glTF document: " + error);
 }
 
 }  // namespace

@@ -80,12 +80,14 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
   std::size_t at = kBinary.size();
   const auto take = [&](std::size_t point) {
     if (bytes.size() - at < 4)
-      throw SceneError({file}, "the file is truncated: it ends within point " + std::to_string(point + 1));
+      throw SceneError(SourceLocation{file},
+                       "the file is truncated: it ends within point " + std::to_string(point + 1));
     at += 4;
     return word_at(bytes, at - 4);
   };
   // Read the number of points
-  if (bytes.size() < at + 4) throw SceneError({file}, "the file is truncated: it has no number of points");
+  if (bytes.size() < at + 4)
+    throw SceneError(SourceLocation{file}, "the file is truncated: it has no number of points");
   const std::size_t count = take(0);
   hairs.begin();
   for (std::size_t point = 0; point < count; ++point) {
@@ -97,7 +99,7 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
     }
     const float y = std::bit_cast<float>(take(point));
     const Vec3f p{x, y, std::bit_cast<float>(take(point))};
-    if (!is_finite(p)) throw SceneError({file}, "point " + std::to_string(point + 1) + " is not finite");
+    if (!is_finite(p)) throw SceneError(SourceLocation{file}, "point " + std::to_string(point + 1) + " is not finite");
     hairs.add(p);
   }
 }
@@ -124,7 +126,7 @@ Curves read_hair_file(const std::filesystem::path& file, const HairReading& read
     }
   }
   Curves curves = hairs.finish();
-  if (curves.points.empty()) throw SceneError({name}, "the file holds no hair of two points or more");
+  if (curves.points.empty()) throw SceneError(SourceLocation{name}, "the file holds no hair of two points or more");
   return curves;
 }
 

@@ -162,8 +162,8 @@ bool can_import_models() { return !importer().empty(); }
 std::string import_model(const fs::path& file) {
   std::error_code failure;
   const fs::file_status status = fs::status(file, failure);
-  if (!fs::exists(status)) throw SceneError({file.string(), 0}, "model not found");
-  if (!fs::is_regular_file(status)) throw SceneError({file.string(), 0}, "model is not a regular file");
+  if (!fs::exists(status)) throw SceneError(SourceLocation{file.string(), 0}, "model not found");
+  if (!fs::is_regular_file(status)) throw SceneError(SourceLocation{file.string(), 0}, "model is not a regular file");
   return cached(file, "import", [&] { return run_importer(file); });
 }
 

@@ -75,7 +75,7 @@ class Directory {
  private:
   static constexpr std::uint64_t kSegmentSize = 16, kEntrySize = 176;
 
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{file_}, message); }
 
   static bool is_magic(const char* bytes) {  // "NanoVDB0", or since version 11 "NanoVDB2"
     return std::memcmp(bytes, "NanoVDB", 7) == 0 && (bytes[7] == '0' || bytes[7] == '2');
@@ -152,7 +152,7 @@ class GridMemory {
   std::uint64_t size() const { return entry_.size; }
   std::size_t stored_bytes() const { return entry_.stored.size(); }
   [[noreturn]] void fail(const std::string& message) const {
-    throw SceneError({file_}, "grid '" + shown(entry_.name) + "': " + message);
+    throw SceneError(SourceLocation{file_}, "grid '" + shown(entry_.name) + "': " + message);
   }
 
  private:

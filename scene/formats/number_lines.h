@@ -22,7 +22,9 @@ class NumberLines {
   /// Reads the numbers of the line into `numbers`. Throws SceneError if their count differs, or if one is malformed or
   /// not finite. `what` names them in the message.
   void read(std::span<float> numbers, const char* what) const;
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_, number_}, message); }
+  [[noreturn]] void fail(const std::string& message) const {
+    throw SceneError(SourceLocation{file_, number_}, message);
+  }
 
  private:
   std::string_view rest_, line_;

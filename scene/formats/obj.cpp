@@ -240,7 +240,8 @@ ObjFile read_obj_with_materials(const std::filesystem::path& file, bool flip_tex
   }
   const std::string first_bad = content.positions.first_bad;
   ObjFile obj = build_obj_mesh(std::move(content));
-  if (obj.file.mesh.triangles.empty()) throw SceneError({file.string()}, "no face is complete: " + first_bad);
+  if (obj.file.mesh.triangles.empty())
+    throw SceneError(SourceLocation{file.string()}, "no face is complete: " + first_bad);
   return obj;
 }
 

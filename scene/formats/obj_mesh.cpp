@@ -28,7 +28,7 @@ class Joiner {
     content_.pieces = std::move(pieces);
     reserve();
     for (ObjPiece& piece : content_.pieces) add(piece);
-    if (content_.runs.empty()) throw SceneError({text_.file()}, "the OBJ file holds no faces");
+    if (content_.runs.empty()) throw SceneError(SourceLocation{text_.file()}, "the OBJ file holds no faces");
     check_highest(content_.positions, "vertex", &ObjCorner::position);
     check_highest(content_.uvs, "texture coordinate", &ObjCorner::uv);
     check_highest(content_.normals, "normal", &ObjCorner::normal);

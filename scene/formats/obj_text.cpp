@@ -20,7 +20,7 @@ std::size_t line_end_width(std::string_view text, std::size_t position) {
 }  // namespace
 
 ObjText::ObjText(const std::filesystem::path& file) : file_(file.string()), text_(read_mesh_text(file, "OBJ file")) {
-  if (text_.empty()) throw SceneError({file_}, "expected an OBJ file, found an empty file");
+  if (text_.empty()) throw SceneError(SourceLocation{file_}, "expected an OBJ file, found an empty file");
   if (!text_.ends_with('\n')) text_.push_back('\n');
   join_continued_lines();
 }

@@ -390,9 +390,9 @@ std::uint64_t count_vertices(const PlyHeader& header, const std::string& file) {
   for (const PlyElement& element : header.elements) {
     if (element.name != "vertex") continue;
     if (element.count <= std::numeric_limits<std::uint32_t>::max()) return element.count;
-    throw SceneError({file}, "a mesh of more than 2^32 - 1 vertices");
+    throw SceneError(SourceLocation{file}, "a mesh of more than 2^32 - 1 vertices");
   }
-  throw SceneError({file}, "the PLY file has no element 'vertex'");
+  throw SceneError(SourceLocation{file}, "the PLY file has no element 'vertex'");
 }
 
 /// Converts a polygon attribute to one of the triangles.
@@ -417,10 +417,10 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFa
                            ? read_body<AsciiSource>(bytes, header, vertices, name)
                            : read_body<BinarySource>(bytes, header, vertices, name);
   // Check the counts and resolve texture coordinates
-  if (content.polygons.ends.empty()) throw SceneError({name}, "the PLY file holds no faces");
+  if (content.polygons.ends.empty()) throw SceneError(SourceLocation{name}, "the PLY file holds no faces");
   const bool has_corner_uvs = !content.corner_uvs.empty();
   if (content.mesh.positions.size() + content.polygons.corners.size() >= std::numeric_limits<std::uint32_t>::max())
-    throw SceneError({name}, "a mesh of more than 2^32 - 1 vertices and corners");
+    throw SceneError(SourceLocation{name}, "a mesh of more than 2^32 - 1 vertices and corners");
   if (has_corner_uvs) split_by_corner_uvs(content);
   if (flip_tex_coords) {
     for (Vec2f& uv : content.mesh.uvs) uv.y = 1 - uv.y;
@@ -430,7 +430,8 @@ MeshFile read_ply(const std::filesystem::path& file, bool flip_tex_coords, BadFa
   result.is_split = has_corner_uvs;
   result.texture = header.texture;
   const std::vector<std::uint32_t> sources = append_polygons(content.polygons, result.mesh, result.warnings);
-  if (result.mesh.triangles.empty()) throw SceneError({name}, "no face is complete: " + content.polygons.first_missing);
+  if (result.mesh.triangles.empty())
+    throw SceneError(SourceLocation{name}, "no face is complete: " + content.polygons.first_missing);
   for (Mesh::Attribute& attribute : content.polygon_attributes) {
     attribute.values.resize(content.polygons.ends.size() * static_cast<std::size_t>(attribute.channels));
     result.mesh.attributes.push_back(spread(attribute, sources));

@@ -83,7 +83,7 @@ class HeaderParser {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_, line_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{file_, line_}, message); }
 
   /// Reads the first line, and detects the line ending: LF, CR LF or CR.
   void read_magic() {
@@ -176,9 +176,10 @@ class HeaderParser {
     for (const PlyElement& element : header_.elements) {
       const std::uint64_t row = smallest_row(element);
       if (row == 0 || element.count <= available / row) continue;
-      throw SceneError({file_}, "element " + quote(element.name) + " claims " + std::to_string(element.count) +
-                                    " rows of at least " + std::to_string(row) + " bytes, but only " +
-                                    std::to_string(available - 1) + " bytes follow the header: truncated?");
+      throw SceneError(SourceLocation{file_},
+                       "element " + quote(element.name) + " claims " + std::to_string(element.count) +
+                           " rows of at least " + std::to_string(row) + " bytes, but only " +
+                           std::to_string(available - 1) + " bytes follow the header: truncated?");
     }
   }
 

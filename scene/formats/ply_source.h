@@ -26,8 +26,8 @@ class Cursor {
 
  protected:
   [[noreturn]] void fail(const std::string& message, int line) const {
-    throw SceneError({file_, line}, "row " + std::to_string(row_) + " of element '" + element_->name + "' (" +
-                                        std::to_string(element_->count) + " rows): " + message);
+    throw SceneError(SourceLocation{file_, line}, "row " + std::to_string(row_) + " of element '" + element_->name +
+                                                      "' (" + std::to_string(element_->count) + " rows): " + message);
   }
   std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - at_); }
 

@@ -63,7 +63,7 @@ class ObjectDirectory {
   static constexpr std::uint64_t kHeaderSize = 4;
 
  private:
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{file_}, message); }
 
   std::uint16_t check_header(std::uint64_t offset) const {
     if (bytes_.size() - offset < kHeaderSize ||
@@ -126,7 +126,7 @@ class MeshStream {
     return values;
   }
 
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{file_}, message); }
 
  private:
   void read(std::span<char> out) {

@@ -129,7 +129,9 @@ class Words {
       fail(in_quotes(word) + " is too large for single precision");
     return static_cast<float>(*value);
   }
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_.string(), line_}, message); }
+  [[noreturn]] void fail(const std::string& message) const {
+    throw SceneError(SourceLocation{file_.string(), line_}, message);
+  }
 
  private:
   void go_to(const Words& other) {

@@ -41,7 +41,7 @@ class TensorFile {
   std::span<const char> bytes(const std::string& name) const;
 
   /// Throws SceneError located at the file.
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({name_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{name_}, message); }
 
  private:
   struct Field {

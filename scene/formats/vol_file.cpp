@@ -96,7 +96,7 @@ class VolReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& message) const { throw SceneError({file_}, message); }
+  [[noreturn]] void fail(const std::string& message) const { throw SceneError(SourceLocation{file_}, message); }
 
   [[noreturn]] void fail_at(const VolHeader& h, std::size_t i) const {
     const std::size_t voxel = i / static_cast<std::size_t>(h.channels), x = static_cast<std::size_t>(h.size[0]),

@@ -40,7 +40,8 @@ void check_complete(const MergeOptions& options, const std::vector<PartFile>& fi
   if (options.incomplete) return;
   for (const PartFile& file : files)
     if (file.interrupted)
-      throw SceneError({file.part.name, 0}, "was interrupted before it was complete (--incomplete accepts it)");
+      throw SceneError(SourceLocation{file.part.name, 0},
+                       "was interrupted before it was complete (--incomplete accepts it)");
   const std::uint32_t samples = files.front().samples_per_pixel;
   if (const auto gap = find_gap(parts, whole, samples))
     throw SceneError(
@@ -59,7 +60,7 @@ std::array<std::vector<float>, kNameKinds> find_ids(const std::vector<PartFile>&
     for (const PartFile& file : files)
       if (ids[kind].empty()) {
         const auto found = ids_from_attribute(file.text(part_id_attribute(kind)));
-        if (!found) throw SceneError({file.part.name, 0}, "the list of ids in the header is malformed");
+        if (!found) throw SceneError(SourceLocation{file.part.name, 0}, "the list of ids in the header is malformed");
         ids[kind] = *found;
       }
   return ids;
@@ -100,7 +101,7 @@ MergedImage merge_parts(const std::vector<MergeSource>& sources, const MergeOpti
   check_overlaps(parts);
   check_complete(options, files, parts, whole);
   if (whole.area() * first.channels.size() * sizeof(float) > kMaxImageBytes)
-    throw SceneError({first.part.name, 0}, "is part of an image that is too large");
+    throw SceneError(SourceLocation{first.part.name, 0}, "is part of an image that is too large");
   // Merge the parts
   ImageMerger merger(first.frame_width, first.frame_height, whole, first.channels, first.samples_per_pixel,
                      find_ids(files));

@@ -70,11 +70,13 @@ void check_is_exr(const fs::path& file) {
   if (!fs::is_regular_file(file) || is_exr(file)) return;
   const FileFormat format = file_or_model_format(file);
   const std::string expected = ", expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'";
-  if (format.use == FileUse::kUnknown) throw SceneError({file.string(), 0}, "has an unknown format" + expected);
+  if (format.use == FileUse::kUnknown)
+    throw SceneError(SourceLocation{file.string(), 0}, "has an unknown format" + expected);
   if (extension_of(file) == ".exr" && !format.by_content)
-    throw SceneError({file.string(), 0}, "does not start like an OpenEXR file: it is damaged or has another format");
+    throw SceneError(SourceLocation{file.string(), 0},
+                     "does not start like an OpenEXR file: it is damaged or has another format");
   const bool loses = format.use == FileUse::kImage;
-  throw SceneError({file.string(), 0},
+  throw SceneError(SourceLocation{file.string(), 0},
                    "is " + format.name + expected + (loses ? "; other formats lack the required layers" : ""));
 }
 

@@ -72,7 +72,8 @@ double count_in(const PartFile& part, const char* name) {
   constexpr double kMaxCount = 0x1p53;
   const std::optional<double> count = part.number(name);
   if (count && *count >= 0 && *count <= kMaxCount) return *count;
-  throw SceneError({part.part.name, 0}, fmt::format("the attribute '{}' in the header is not a number", name));
+  throw SceneError(SourceLocation{part.part.name, 0},
+                   fmt::format("the attribute '{}' in the header is not a number", name));
 }
 
 }  // namespace

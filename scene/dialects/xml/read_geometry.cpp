@@ -106,11 +106,12 @@ void read_sdf_grid(Properties& p, bool, ShapeDescription& shape) {
   const std::filesystem::path file = p.file("filename");
   DenseVolume volume = read_vol(file, false);
   if (volume.channels != 1)
-    throw SceneError({file.string()}, "is a grid of colours, expected one channel of distances");
+    throw SceneError(SourceLocation{file.string()}, "is a grid of colours, expected one channel of distances");
   SdfGrid grid{volume.size, std::move(volume.values)};
   for (const int side : grid.size)
     if (side < 2)
-      throw SceneError({file.string()}, "has a side of 1 point, expected at least 2 points along each axis");
+      throw SceneError(SourceLocation{file.string()},
+                       "has a side of 1 point, expected at least 2 points along each axis");
   static constexpr NameTable<bool> kNormals{{{"smooth", true}, {"analytic", false}}};
   grid.smooth_normals = p.choice("normals", kNormals, true);
   shape.geometry = std::move(grid);

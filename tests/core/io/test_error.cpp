@@ -7,9 +7,9 @@ namespace sheaf::test_error {
 
 TEST_CASE("error: messages begin with their file and line") {
   CHECK(std::string(Error(ExitCode::kUsage, "no input").what()) == "no input");
-  CHECK(std::string(SceneError({"a.xml", 12}, "bad").what()) == "a.xml:12: bad");
-  CHECK(std::string(SceneError({"a.xml", 0}, "bad").what()) == "a.xml: bad");
-  CHECK(std::string(SceneError({"", 7}, "bad").what()) == "bad");
+  CHECK(std::string(SceneError(SourceLocation{"a.xml", 12}, "bad").what()) == "a.xml:12: bad");
+  CHECK(std::string(SceneError(SourceLocation{"a.xml", 0}, "bad").what()) == "a.xml: bad");
+  CHECK(std::string(SceneError(SourceLocation{"", 7}, "bad").what()) == "bad");
 }
 
 TEST_CASE("error: errors of scenes carry their place and element and code") {
@@ -18,7 +18,7 @@ TEST_CASE("error: errors of scenes carry their place and element and code") {
   CHECK(plain.where() == SourceLocation{});
   CHECK(plain.element().empty());
   CHECK(plain.code() == Code::kInvalid);
-  const SceneError error = SceneError({"a.ply", 12}, "bad", Code::kTooLarge).about("<shape>");
+  const SceneError error = SceneError(SourceLocation{"a.ply", 12}, "bad", Code::kTooLarge).about("<shape>");
   CHECK(error.where() == SourceLocation{"a.ply", 12});
   CHECK(error.about("<scene>").element() == "<shape>");
   // Another place precedes the message
