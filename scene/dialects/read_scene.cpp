@@ -92,9 +92,8 @@ void check_format(const std::filesystem::path& file) {
   const ModelFormat* const model = find_model_format(file);
   const FileFormat format = file_or_model_format(file);
   if (format.use == FileUse::kUnknown || (format.use == FileUse::kArchive && is_pbrt_scene(file))) return;
-  // For models of a wrong content that has no magic number, and for empty files with a known extension, the readers
-  // report better errors.
-  if (model != nullptr && (!format.by_content || format.name == model->known.name)) return;
+  // The readers report better errors of their own formats, and of empty files with a known extension.
+  if (model != nullptr && (model->read == nullptr || !format.by_content || format.name == model->known.name)) return;
   const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model != nullptr;
   if (format.use == FileUse::kEmpty && is_named) return;
   throw SceneError({file.string(), 0}, "is " + format.name +

@@ -42,6 +42,9 @@ nlohmann::json mesh_of(Conversion& to, const aiMesh& mesh);
 /// Replaces all polygons by triangles. Adds a note if some intersect themselves.
 void triangulate(aiScene& scene, std::vector<std::string>& notes);
 
+/// Splits the vertices of an OFF model, which its faces share, and makes its colors linear. Throws ImportError.
+void prepare_off(aiScene& scene);
+
 /// The cameras and lights that Assimp has read, by their nodes.
 FileParts assimp_parts(const aiScene& scene);
 

@@ -123,6 +123,7 @@ std::string convert(const std::string& format, std::string bytes) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   if (importer.ReadFile(name, aiProcess_ValidateDataStructure) == nullptr) fail(importer);
+  if (format == "off") prepare_off(const_cast<aiScene&>(*importer.GetScene()));
   // Triangulate before the steps that compute normals from triangles
   triangulate(const_cast<aiScene&>(*importer.GetScene()), parts.notes);
   const aiScene* const scene = importer.ApplyPostProcessing(

@@ -2,7 +2,6 @@
 #include "tools/importer/conversion.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sheaf::importer {
 
@@ -25,26 +24,6 @@ int add_differences(Conversion& to, const aiVector3D* from, const aiVector3D* ba
   return add_vectors(to, differences.data(), count);
 }
 
-/// Inverse of the transfer function of sRGB (IEC 61966-2-1).
-float srgb_to_linear(float encoded) {
-  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
-/// Linear colors of the vertices. Those of OFF files are bytes in sRGB if one of them is larger than 1.
-std::vector<float> colors_of(const Conversion& to, const aiMesh& mesh) {
-  constexpr float kByte = 255;
-  bool has_bytes = false;
-  for (std::size_t i = 0; i < mesh.mNumVertices && to.format == "off"; ++i)
-    for (unsigned k = 0; k < 4; ++k) has_bytes = has_bytes || mesh.mColors[0][i][k] > 1;
-  std::vector<float> values;
-  for (std::size_t i = 0; i < mesh.mNumVertices; ++i) {
-    const aiColor4D& c = mesh.mColors[0][i];
-    for (const float value : {c.r, c.g, c.b}) values.push_back(has_bytes ? srgb_to_linear(value / kByte) : value);
-    values.push_back(has_bytes ? c.a / kByte : c.a);
-  }
-  return values;
-}
-
 json attributes_of(Conversion& to, const aiMesh& mesh) {
   const std::size_t count = mesh.mNumVertices;
   json attributes = {{"POSITION", add_vectors(to, mesh.mVertices, count)}};
@@ -58,7 +37,12 @@ json attributes_of(Conversion& to, const aiMesh& mesh) {
     attributes["TEXCOORD_" + std::to_string(set)] = to.glb.add_accessor(values, count, "VEC2");
   }
   if (mesh.mColors[0] == nullptr) return attributes;
-  attributes["COLOR_0"] = to.glb.add_accessor(colors_of(to, mesh), count, "VEC4");
+  values.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const aiColor4D& c = mesh.mColors[0][i];
+    values.insert(values.end(), {c.r, c.g, c.b, c.a});
+  }
+  attributes["COLOR_0"] = to.glb.add_accessor(values, count, "VEC4");
   return attributes;
 }
 

@@ -51,7 +51,8 @@ TEST_CASE("off: colors of vertices are bytes in sRGB or linear fractions") {
   const auto colors = [](const std::string& numbers) {
     const Mesh mesh =
         read("COFF\n3 1 3\n0 0 0 " + numbers + "\n1 0 0 " + numbers + "\n0 1 0 " + numbers + "\n3 0 1 2\n");
-    REQUIRE(mesh.attributes.size() == 1);
+    REQUIRE_FALSE(mesh.attributes.empty());
+    CHECK(mesh.attributes[0].name == "vertex_color");
     return mesh.attributes[0].values;
   };
   const std::vector<float> fractions = colors("0.5 0.25 0 1"), bytes = colors("255 128 0 255");
