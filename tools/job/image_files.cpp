@@ -89,7 +89,7 @@ void check_is_image(const fs::path& file) {
   }
   if (format.use == FileUse::kUnknown) return;
   throw SceneError(
-      {file.string(), 0},
+      SourceLocation{file.string(), 0},
       "is " + format.name + ", expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, WebP, TGA or BMP");
 }
 
