@@ -1,11 +1,11 @@
 // Headers that nearly every file includes and that rarely change. They are parsed once per build folder.
 #pragma once
 
+#include "core/color/spectrum.h"
 #include "core/math/frame.h"
+#include "core/math/vec.h"
 #include "core/simd/simd.h"
 #include "core/soa/soa.h"
-#include "core/color/spectrum.h"
-#include "core/math/vec.h"
 
 #include <algorithm>
 #include <array>

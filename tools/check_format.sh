@@ -14,4 +14,4 @@ if [[ -z $program ]] || ! "$program" --version | grep -q "version $version\."; t
 fi
 mode=(--dry-run -Werror)
 [[ ${1:-} != --fix ]] || mode=(-i)
-find bench core kernels scene scenes/make tests tools \( -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 "$program" "${mode[@]}"
+find bench cmake core kernels scene scenes/make tests tools \( -name '*.h' -o -name '*.cpp' \) -print0 | xargs -0 "$program" "${mode[@]}"

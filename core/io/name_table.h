@@ -19,7 +19,7 @@ std::string known_names(const std::vector<std::string>& names);
 /// Formats a list of choices for messages: "a, b or c".
 std::string one_of(const std::vector<std::string>& names);
 
-/// The message about a name that is none of `known`: "unknown WHAT 'NAME'" with the nearest name and all names.
+/// Message for an unknown name: "unknown WHAT 'NAME'", the nearest name and all known names.
 std::string unknown_option(std::string_view what, std::string_view name, const std::vector<std::string>& known);
 
 /// A table of names and their values. Define it `constexpr` in a namespace or `static constexpr` in a function, because

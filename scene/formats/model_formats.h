@@ -32,7 +32,7 @@ const ModelFormat* find_model_format(const std::filesystem::path& file);
 /// The format of a mesh with this key. Throws Error for others.
 const ModelFormat& mesh_format(std::string_view key);
 
-/// The format of a model from the standard input, null if it is none.
+/// The format of a model on the standard input; null if it is not recognized.
 const ModelFormat* detect_model_format(std::string_view bytes);
 
 /// file_format() with the formats of models.
