@@ -102,7 +102,7 @@ template <class L> void lookup(benchmark::State& state, std::uint32_t width, boo
 }
 
 template <class L> void add_map(std::uint32_t width, bool sky, const std::string& lane) {
-  const std::string map = std::string(sky ? "/sky" : "/noise") + "/width:" + std::to_string(width) + "/" + lane;
+  const std::string map = fmt::format("{}/width:{}/{}", sky ? "/sky" : "/noise", width, lane);
   benchmark::RegisterBenchmark(("envmap/sample" + map).c_str(), sample<L>, width, sky);
   benchmark::RegisterBenchmark(("envmap/sample_ahead" + map).c_str(), sample_ahead<L>, width, sky);
   benchmark::RegisterBenchmark(("envmap/lookup" + map).c_str(), lookup<L>, width, sky);

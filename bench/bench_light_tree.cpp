@@ -6,6 +6,7 @@
 #include "kernels/lights/light_tree.h"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <bit>
 #include <string>
@@ -152,16 +153,19 @@ void build(benchmark::State& state, std::uint32_t count) {
 [[maybe_unused]] const bool registered = [] {
   const auto add = [](const std::string& name, auto&& f) { return benchmark::RegisterBenchmark(name.c_str(), f); };
   for (const std::uint32_t count : {10u, 100u, 1000u, 100000u}) {
-    const std::string lights = "/lights:" + std::to_string(count);
-    add("light_tree/sample" + lights + "/scalar", [=](benchmark::State& s) { sample<Scalar>(s, count); });
-    add("light_tree/sample" + lights + "/wide", [=](benchmark::State& s) { sample<Wide>(s, count); });
-    add("light_tree/candidates" + lights + "/scalar", [=](benchmark::State& s) { candidates<Scalar>(s, count); });
-    add("light_tree/candidates" + lights + "/wide", [=](benchmark::State& s) { candidates<Wide>(s, count); });
-    add("light_tree/probability" + lights + "/scalar", [=](benchmark::State& s) { probability<Scalar>(s, count); });
-    add("light_tree/probability" + lights + "/wide", [=](benchmark::State& s) { probability<Wide>(s, count); });
+    const std::string lights = fmt::format("/lights:{}", count);
+    add(fmt::format("light_tree/sample{}/scalar", lights), [=](benchmark::State& s) { sample<Scalar>(s, count); });
+    add(fmt::format("light_tree/sample{}/wide", lights), [=](benchmark::State& s) { sample<Wide>(s, count); });
+    add(fmt::format("light_tree/candidates{}/scalar", lights),
+        [=](benchmark::State& s) { candidates<Scalar>(s, count); });
+    add(fmt::format("light_tree/candidates{}/wide", lights), [=](benchmark::State& s) { candidates<Wide>(s, count); });
+    add(fmt::format("light_tree/probability{}/scalar", lights),
+        [=](benchmark::State& s) { probability<Scalar>(s, count); });
+    add(fmt::format("light_tree/probability{}/wide", lights),
+        [=](benchmark::State& s) { probability<Wide>(s, count); });
   }
   for (const std::uint32_t count : {1000u, 100000u})
-    add("light_tree/build/lights:" + std::to_string(count), [=](benchmark::State& s) {
+    add(fmt::format("light_tree/build/lights:{}", count), [=](benchmark::State& s) {
       build(s, count);
     })->Unit(benchmark::kMillisecond);
   return true;

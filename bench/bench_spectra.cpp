@@ -145,7 +145,7 @@ BENCHMARK(fit_one)->Name("spectra/fit_one_color");
 
 template <class L> void register_lane(const std::string& lane) {
   const auto add = [&](const char* name, auto&& f) {
-    benchmark::RegisterBenchmark(("spectra/" + std::string(name) + "/" + lane).c_str(), f);
+    benchmark::RegisterBenchmark(fmt::format("spectra/{}/{}", name, lane).c_str(), f);
   };
   add("wavelengths", wavelengths<L>);
   add("sensor", sensor<L>);

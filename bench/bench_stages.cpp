@@ -125,7 +125,7 @@ void run_stage(benchmark::State& state, const char* file, const StageEntry& stag
 template <class L> void add_stages(const std::string& scene, const char* file, const char* lane) {
   for (const StageEntry& stage : kStages<L>) {
     if (stage.takes_part == condition::in_debug_pass) continue;
-    const std::string name = scene + "/" + std::string(stage.name) + "/" + lane;
+    const std::string name = fmt::format("{}/{}/{}", scene, stage.name, lane);
     benchmark::RegisterBenchmark(name.c_str(), run_stage, file, stage)->UseManualTime();
   }
 }

@@ -6,6 +6,7 @@
 #include "scene/compile/media/make_majorants.h"
 
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <memory>
 #include <string>
@@ -180,22 +181,22 @@ void make_majorants(benchmark::State& state, int side, float thickness) {
     for (const int side : {32, 56, 256})  // 150 KB, 1 MB and 94 MB of one channel
       for (const bool is_chain : {false, true}) {
         if (c.channels == 3 && side == 256) continue;
-        add(std::string("volume/") + c.name + "/side:" + std::to_string(side) + (is_chain ? "/chain" : "/free"),
+        add(fmt::format("volume/{}/side:{}{}", c.name, side, is_chain ? "/chain" : "/free"),
             [&c, side, is_chain](benchmark::State& s) { lookup(s, c, side, is_chain); });
       }
   for (const int cells : {1, 4, 16, 64}) {
-    add("volume/majorant_step/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, false); });
-    add("volume/majorant_ray/cells:" + std::to_string(cells), [cells](benchmark::State& s) { walk(s, cells, true); });
+    add(fmt::format("volume/majorant_step/cells:{}", cells), [cells](benchmark::State& s) { walk(s, cells, false); });
+    add(fmt::format("volume/majorant_ray/cells:{}", cells), [cells](benchmark::State& s) { walk(s, cells, true); });
   }
   for (const int side : {32, 256}) {
-    const std::string end = "/side:" + std::to_string(side);
+    const std::string end = fmt::format("/side:{}", side);
     add("volume/scattering/one" + end, tracking_of<Scalar, DensityTracking::kScattering>(side));
     add("volume/scattering/many" + end, tracking_of<Wide, DensityTracking::kScattering>(side));
     add("volume/transmittance/one" + end, tracking_of<Scalar, DensityTracking::kTransmittance>(side));
     add("volume/transmittance/many" + end, tracking_of<Wide, DensityTracking::kTransmittance>(side));
   }
   for (const float thickness : {0.0f, 0.1f})
-    add("volume/make_majorants/thickness:" + std::to_string(thickness),
+    add(fmt::format("volume/make_majorants/thickness:{}", thickness),
         [thickness](benchmark::State& s) { make_majorants(s, 128, thickness); });
   return true;
 }();

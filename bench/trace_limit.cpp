@@ -52,7 +52,7 @@ std::unique_ptr<Scene> load(const Arguments& arguments) {
   for (const std::string& definition : arguments.definitions) {
     const std::size_t equals = definition.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
+      throw Error(ExitCode::kUsage, fmt::format("-D {}: expected name=value", definition));
     options.defines.emplace_back(definition.substr(0, equals), definition.substr(equals + 1));
   }
   Description description = read_scene(arguments.scene, options);

@@ -10,8 +10,8 @@ void remove_byte_order_mark(std::string& text, const std::string& file) {
   if (text.starts_with("\xef\xbb\xbf"sv)) text.erase(0, 3);
   const bool wide = text.starts_with("\xff\xfe\0\0"sv) || text.starts_with("\0\0\xfe\xff"sv);
   if (wide || text.starts_with("\xff\xfe"sv) || text.starts_with("\xfe\xff"sv))
-    throw SceneError({file, 1}, std::string("the file is text in ") + (wide ? "UTF-32" : "UTF-16") +
-                                    " (expected UTF-8: save it in that encoding)");
+    throw SceneError({file, 1}, fmt::format("the file is text in {} (expected UTF-8: save it in that encoding)",
+                                            wide ? "UTF-32" : "UTF-16"));
 }
 
 }  // namespace sheaf

@@ -11,8 +11,8 @@ namespace {
 
 std::string with_place(const SourceLocation& where, const std::string& message) {
   if (where.file.empty()) return message;
-  if (where.line <= 0) return where.file + ": " + message;
-  return where.file + ":" + std::to_string(where.line) + ": " + message;
+  if (where.line <= 0) return fmt::format("{}: {}", where.file, message);
+  return fmt::format("{}:{}: {}", where.file, where.line, message);
 }
 
 /// The form of a name for comparisons: lower case, without leading dashes.
@@ -85,12 +85,12 @@ std::string in_quotes(std::string_view text) {
   for (char& c : shown)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
   if (text.size() > kLongest) shown += "...";
-  return "'" + shown + "'";
+  return fmt::format("'{}'", shown);
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string nearest = nearest_name(name, candidates);
-  return nearest.empty() ? std::string() : ", did you mean '" + nearest + "'?";
+  return nearest.empty() ? std::string() : fmt::format(", did you mean '{}'?", nearest);
 }
 
 }  // namespace sheaf

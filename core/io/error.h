@@ -1,6 +1,8 @@
 // Errors with a message for the user, a location in a file, and an exit code.
 #pragma once
 
+#include <fmt/format.h>  // also for files that throw: messages are formatted
+
 #include <stdexcept>
 #include <string>
 #include <string_view>

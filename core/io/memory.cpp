@@ -79,7 +79,7 @@ double free_in_groups() {
     const std::string kind = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
     if (kind.empty()) {
       available = std::min(available, free_in_group("/sys/fs/cgroup", group, "memory.max", "memory.current"));
-    } else if (("," + kind + ",").find(",memory,") != std::string::npos) {
+    } else if (fmt::format(",{},", kind).find(",memory,") != std::string::npos) {
       available = std::min(
           available, free_in_group("/sys/fs/cgroup/memory", group, "memory.limit_in_bytes", "memory.usage_in_bytes"));
     }

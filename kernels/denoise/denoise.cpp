@@ -93,7 +93,7 @@ Planes3 denoise_nl_means(const Image& image, std::string& description) {
   input.features = find_features(image, input.correlation);
   // Run all filters and combine the best ones per pixel.
   input.epsilon = sqr(kMinDifference * static_cast<float>(mean_of(color))) + 1e-20f;
-  description = std::string("nlm: ") + (dual ? "two halves" : "one buffer") + describe_features(image);
+  description = fmt::format("nlm: {}{}", dual ? "two halves" : "one buffer", describe_features(image));
   return select_filters(nl_means(input, NlMeansSettings{}), color, variance);
 }
 

@@ -132,10 +132,10 @@ std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, Pho
   if (rate > 0 && needed <= static_cast<double>(max_emitted)) return static_cast<std::uint64_t>(needed);
   const std::uint64_t emitted = rate > 0 ? max_emitted : count;
   if (!tracing.stopped())
-    tracing.warnings.push_back("the " + std::string(kMapNames[map_of(kind)]) + " holds about " +
-                               std::to_string(std::llround(rate * static_cast<double>(emitted))) + " of the " +
-                               std::to_string(count) + " requested photons: too few of the " + std::to_string(emitted) +
-                               " emitted photons reach places where they are stored");
+    tracing.warnings.push_back(
+        fmt::format("the {} holds about {} of the {} requested photons: too few of the {} emitted photons reach places "
+                    "where they are stored",
+                    kMapNames[map_of(kind)], std::llround(rate * static_cast<double>(emitted)), count, emitted));
   return emitted;
 }
 

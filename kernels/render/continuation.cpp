@@ -9,7 +9,7 @@ namespace {
 /// Whether a sampler gives the same numbers for sets of any size.
 bool is_sequence(SamplerKind kind) { return kind == SamplerKind::kSobol || kind == SamplerKind::kIndependent; }
 
-std::string count_text(std::uint32_t samples) { return std::to_string(samples) + " samples"; }
+std::string count_text(std::uint32_t samples) { return fmt::format("{} samples", samples); }
 
 /// Why the samples of the checkpoint are not the first ones of the layout; empty if they are.
 std::string sampling_problem(const RenderSettings& settings, const RenderState& state) {
@@ -17,17 +17,19 @@ std::string sampling_problem(const RenderSettings& settings, const RenderState& 
   const bool is_one_set = before.replicate_samples >= before.spp;
   if (settings.replicate_samples != before.replicate_samples && !is_sequence(settings.sampler.kind))
     return is_one_set ? "the sampler distributes all samples of a pixel over one grid or sequence"
-                      : "the sampler distributes sets of " + count_text(before.replicate_samples) +
-                            ", but the new sets have " + count_text(settings.replicate_samples);
+                      : fmt::format("the sampler distributes sets of {}, but the new sets have {}",
+                                    count_text(before.replicate_samples), count_text(settings.replicate_samples));
   const std::uint32_t end = state.tiles.empty() ? state.first_sample : state.first_sample + 1;
   if (begins_with(settings, before, end)) return "";
   if (before.half_samples > 0) return "the layer half holds the first half of the samples";
   if (!is_one_set)
-    return "its samples form sets of " + count_text(before.replicate_samples) + ", but the new sets have " +
-           count_text(settings.replicate_samples) + " (choose a multiple of the set size as --spp)";
+    return fmt::format(
+        "its samples form sets of {}, but the new sets have {} (choose a multiple of the set size as --spp)",
+        count_text(before.replicate_samples), count_text(settings.replicate_samples));
   if (settings.replicate_samples < settings.spp)
-    return "its samples form one set, but the new ones are divided into sets of " +
-           count_text(settings.replicate_samples) + " (--replicates 1 keeps one set)";
+    return fmt::format(
+        "its samples form one set, but the new ones are divided into sets of {} (--replicates 1 keeps one set)",
+        count_text(settings.replicate_samples));
   return "one set can only be continued from a multiple of " + count_text(before.max_pass_samples);
 }
 

@@ -73,7 +73,7 @@ RenderReport ProgressReporter::report(const SamplePlan& plan, const TaskStatisti
   report.candidates = tasks.candidates;
   add_workers(tasks.workers, plan.settings().frame, dropped_so_far(plan, tasks.workers), report, warnings);
   for (const SourceLocation& place : scene_.light_source_locations())
-    report.light_source_locations.push_back(place.line > 0 ? place.file + ":" + std::to_string(place.line)
+    report.light_source_locations.push_back(place.line > 0 ? fmt::format("{}:{}", place.file, place.line)
                                                            : std::string());
   return report;
 }

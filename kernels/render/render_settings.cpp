@@ -36,8 +36,10 @@ constexpr std::uint32_t kTypicalSamples = 64;
 void check_frame(const FilmSettings& film, const SampledFrame& frame) {
   constexpr std::int64_t kMaxPixels = std::numeric_limits<std::int32_t>::max();
   if (std::int64_t{frame.row_length()} * (film.height + 2 * frame.border) <= kMaxPixels) return;
-  refuse("a frame of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
-         " pixels is too large (expected at most 2^31 pixels; this limit also applies to renders with a crop window)");
+  refuse(
+      fmt::format("a frame of {} x {} pixels is too large (expected at most 2^31 pixels; this limit also applies to "
+                  "renders with a crop window)",
+                  film.width, film.height));
 }
 
 void check_spectral_bins(const RenderSettings& settings) {
@@ -66,8 +68,9 @@ void check_layers(const RenderSettings& settings) {
   const IntegratorSettings& transport = settings.integrator;
   const bool of_surfaces = settings.aovs.contains(AovSource::kVertex) || settings.aovs.contains(AovSource::kSurfaceId);
   if ((settings.light_groups || of_surfaces) && !transport.traits().follows_camera_paths())
-    refuse("surface layers and light groups need an integrator that traces paths from the camera, such as path (got '" +
-           transport.name() + "')");
+    refuse(fmt::format(
+        "surface layers and light groups need an integrator that traces paths from the camera, such as path (got '{}')",
+        transport.name()));
   if (of_surfaces && transport.max_depth == 1) refuse("surface layers need a max depth of at least 2");
   if (settings.aovs.contains(aov_named("half")) && transport.traits().connects_photons())
     refuse("the layer half is not available with ptracer, because it needs camera samples");
@@ -81,24 +84,25 @@ void check_adaptive(const RenderSettings& settings) {
   if (sampler != SamplerKind::kSobol && sampler != SamplerKind::kIndependent)
     refuse("a noise target or a time limit needs a sampler without a fixed sample count: sobol or independent");
   if (!transport.traits().supports_adaptive)
-    refuse("a noise target or a time limit needs an integrator that traces paths from the camera, such as path (got '" +
-           transport.name() + "')");
+    refuse(fmt::format(
+        "a noise target or a time limit needs an integrator that traces paths from the camera, such as path (got '{}')",
+        transport.name()));
   if (settings.spp < AdaptiveFilm::kSets) refuse("a noise target or a time limit needs at least 4 samples per pixel");
 }
 
 void check_guiding(const IntegratorSettings& integrator) {
   if (can_guide(integrator)) return;
-  refuse("guiding needs an integrator that traces paths from the camera, such as path (got '" + integrator.name() +
-         "')");
+  refuse(fmt::format("guiding needs an integrator that traces paths from the camera, such as path (got '{}')",
+                     integrator.name()));
 }
 
 /// Manifold next-event estimation replaces BSDF sampling of specular chains behind vertices that sample lights.
 void check_caustics(const IntegratorSettings& integrator) {
   if (!can_guide(integrator) || integrator.strategy == LightStrategy::kBsdfOnly)
     refuse(
-        "caustics by mnee need an integrator that traces paths from the camera and samples lights, such as path "
-        "(got '" +
-        integrator.name() + "')");
+        fmt::format("caustics by mnee need an integrator that traces paths from the camera and samples lights, such as "
+                    "path (got '{}')",
+                    integrator.name()));
 }
 
 /// Number of sets of samples if none is requested; see RenderRequest::replicates.
@@ -134,8 +138,8 @@ void set_range(const std::optional<SampleRange>& requested, RenderSettings& sett
     refuse(fmt::format("the samples {} are out of range (expected samples from 0 to {} of each pixel)", name,
                        samples - 1));
   if (settings.integrator.traits().connects_photons())
-    refuse("sample ranges need an integrator that traces paths from the camera, such as path (got '" +
-           settings.integrator.name() + "')");
+    refuse(fmt::format("sample ranges need an integrator that traces paths from the camera, such as path (got '{}')",
+                       settings.integrator.name()));
   if (settings.adapts) refuse("sample ranges cannot be combined with a noise target or a time limit");
   const SampleRange range{requested->first * settings.rays, requested->count * settings.rays};
   settings.range = range;

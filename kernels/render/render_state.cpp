@@ -17,7 +17,7 @@ constexpr std::size_t kMaxReported = 5;
 
 RecordedSettings get_settings(BinaryInput& in) {
   const auto count = in.get<std::uint32_t>();
-  if (count > kMaxSettings) in.fail("is damaged (it lists " + std::to_string(count) + " settings)");
+  if (count > kMaxSettings) in.fail(fmt::format("is damaged (it lists {} settings)", count));
   RecordedSettings settings;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::string name = in.get_text();
@@ -45,15 +45,15 @@ std::vector<std::string> differences(const RecordedSettings& here, const Recorde
     if (may_differ(name)) continue;
     const std::string* other = find(there, name);
     if (other == nullptr)
-      found.push_back(name + " is '" + value + "', but was not given before");
+      found.push_back(fmt::format("{} is '{}', but was not given before", name, value));
     else if (*other != value)
-      found.push_back(name + " is '" + value + "', but the checkpoint has '" + *other + "'");
+      found.push_back(fmt::format("{} is '{}', but the checkpoint has '{}'", name, value, *other));
   }
   for (const auto& [name, value, kind] : there)
     if (!may_differ(name) && find(here, name) == nullptr)
-      found.push_back(name + " is not given, but the checkpoint has '" + value + "'");
+      found.push_back(fmt::format("{} is not given, but the checkpoint has '{}'", name, value));
   if (found.size() <= kMaxReported) return found;
-  const std::string more = "and " + std::to_string(found.size() - kMaxReported) + " more";
+  const std::string more = fmt::format("and {} more", found.size() - kMaxReported);
   found.resize(kMaxReported);
   found.push_back(more);
   return found;

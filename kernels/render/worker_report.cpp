@@ -10,12 +10,11 @@ namespace sheaf {
 namespace {
 
 std::string dropped_message(const Stats::Dropped& dropped, const Wave::Dropped& first, const SampledFrame& frame) {
-  const std::string what = "dropped " + std::to_string(dropped.rays) + " non-finite rays and " +
-                           std::to_string(dropped.samples) + " non-finite or negative samples; the first: ";
+  const std::string what = fmt::format(
+      "dropped {} non-finite rays and {} non-finite or negative samples; the first: ", dropped.rays, dropped.samples);
   if (first.pixel >= kPhotonPixel)
-    return what + "photon " + std::to_string(std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
-  return what + "pixel (" + std::to_string(frame.x(first.pixel)) + ", " + std::to_string(frame.y(first.pixel)) +
-         "), sample " + std::to_string(first.sample);
+    return fmt::format("{}photon {}", what, std::uint64_t{first.pixel - kPhotonPixel} << 32 | first.sample);
+  return fmt::format("{}pixel ({}, {}), sample {}", what, frame.x(first.pixel), frame.y(first.pixel), first.sample);
 }
 
 }  // namespace
@@ -34,8 +33,9 @@ void add_workers(const Workers& workers, const SampledFrame& frame, const Stats:
   report.stats.dropped = dropped;
   if (first) warnings.push_back(dropped_message(dropped, *first, frame));
   if (const std::uint64_t abandoned = report.stats.collisions.abandoned; abandoned > 0)
-    warnings.push_back(std::to_string(abandoned) + " rays were abandoned in a medium after " +
-                       std::to_string(kMaxCollisions) + " collisions each: the range of its voxel values is too large");
+    warnings.push_back(fmt::format(
+        "{} rays were abandoned in a medium after {} collisions each: the range of its voxel values is too large",
+        abandoned, kMaxCollisions));
 }
 
 }  // namespace sheaf

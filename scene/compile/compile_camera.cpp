@@ -13,13 +13,13 @@ namespace {
 
 void check(const CameraDescription& d) {
   if (!(d.near_clip >= 0.0f && d.near_clip < d.far_clip))
-    throw SceneError(d.where, "clip distances must be in order and not negative, found " + std::to_string(d.near_clip) +
-                                  " (near) and " + std::to_string(d.far_clip) + " (far)");
-  if (!(d.aperture_radius >= 0.0f && d.aperture_radius < kInfinity))
     throw SceneError(d.where,
-                     "radius of the aperture must not be negative, found " + std::to_string(d.aperture_radius));
+                     fmt::format("clip distances must be in order and not negative, found {} (near) and {} (far)",
+                                 d.near_clip, d.far_clip));
+  if (!(d.aperture_radius >= 0.0f && d.aperture_radius < kInfinity))
+    throw SceneError(d.where, fmt::format("radius of the aperture must not be negative, found {}", d.aperture_radius));
   if (!(d.focus_distance > 0.0f))
-    throw SceneError(d.where, "focus distance must be positive, found " + std::to_string(d.focus_distance));
+    throw SceneError(d.where, fmt::format("focus distance must be positive, found {}", d.focus_distance));
 }
 
 /// Direction in world space of a vector in camera space, normalised. Throws SceneError if its length is zero or not
@@ -49,7 +49,7 @@ void check_distortion(const CameraDescription& d, double radius) {
   for (double r = 0; r * (1 + r * r * (k1 + r * r * k2)) < radius; r += radius / kSteps) {
     const double slope = 1 + r * r * (3 * k1 + r * r * 5 * k2);
     if (!(slope > 1e-3))
-      throw SceneError(d.where, "the distortion 'kc' folds the image on the film, at the tangent " + std::to_string(r));
+      throw SceneError(d.where, fmt::format("the distortion 'kc' folds the image on the film, at the tangent {}", r));
   }
 }
 
@@ -118,9 +118,9 @@ CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion, E
   SensorTables& sensor = out.tables;
   const auto count = static_cast<int>(in.more_cameras.size()) + 1;
   if (in.film.width % count != 0)
-    throw SceneError(in.camera.where, "the film's width of " + std::to_string(in.film.width) +
-                                          " pixels is not a multiple of the number of cameras, " +
-                                          std::to_string(count));
+    throw SceneError(in.camera.where,
+                     fmt::format("the film's width of {} pixels is not a multiple of the number of cameras, {}",
+                                 in.film.width, count));
   // Place the cameras
   out.at_open.push_back(at_open(in.camera, 0, motion));
   for (const CameraDescription& camera : in.more_cameras)

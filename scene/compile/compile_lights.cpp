@@ -190,7 +190,7 @@ class LightTableBuilder {
     AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
     constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
     if (kRowWords * (lights_.triangles.size() + light.triangles.size()) > kMaxTableWords)
-      throw SceneError("the lights have more than " + std::to_string(kMaxTableWords / kRowWords) + " triangles in all");
+      throw SceneError(fmt::format("the lights have more than {} triangles in all", kMaxTableWords / kRowWords));
     // Scale it to the given power
     SpectrumRow spectrum = emitter.emission.spectrum;
     if (emitter.emission.power) {

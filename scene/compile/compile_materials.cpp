@@ -16,8 +16,7 @@ std::uint32_t flatten_phase(MaterialFlattener& flat, const std::vector<PhaseDesc
                             int depth = 0) {
   const PhaseDescription& phase = phases.at(static_cast<std::size_t>(id));
   if (depth > kMaxMaterialDepth)
-    throw SceneError(phase.where,
-                     "phase functions are nested more than " + std::to_string(kMaxMaterialDepth) + " deep");
+    throw SceneError(phase.where, fmt::format("phase functions are nested more than {} deep", kMaxMaterialDepth));
   if (const auto* blend = std::get_if<BlendPhaseDescription>(&phase.model)) {
     const std::uint32_t first = flatten_phase(flat, phases, blend->nested[0], depth + 1);
     return flat.push_choice(first, flatten_phase(flat, phases, blend->nested[1], depth + 1), blend->weight);

@@ -35,14 +35,14 @@ std::uint32_t SceneNaming::index_of(const std::string& name, Index& index, std::
 
 void SceneNaming::add_materials(const std::vector<MaterialDescription>& materials) {
   for (const MaterialDescription& material : materials)
-    names_.materials.push_back(material.id.empty() ? "material_" + std::to_string(names_.materials.size() + 1)
+    names_.materials.push_back(material.id.empty() ? fmt::format("material_{}", names_.materials.size() + 1)
                                                    : material.id);
   names_.materials.emplace_back("default");
 }
 
 void SceneNaming::add_shape(const ShapeDescription& shape, const ShapeGroup* group) {
   const std::string& given = shape.id.empty() && group != nullptr ? group->id : shape.id;
-  const std::string name = given.empty() ? kind_of(shape) + "_" + std::to_string(names_.objects.size() + 1) : given;
+  const std::string name = given.empty() ? fmt::format("{}_{}", kind_of(shape), names_.objects.size() + 1) : given;
   names_.object_of_shape.push_back(index_of(name, objects_, names_.objects));
   const std::size_t no_material = names_.materials.size() - 1;
   const std::size_t material = shape.material ? static_cast<std::size_t>(*shape.material) : no_material;

@@ -8,7 +8,7 @@ namespace sheaf {
 double half_width_of(float fov, CameraDescription::FovAxis axis, double width, double height,
                      const SourceLocation& where) {
   if (!(fov > 0.0f && fov < 180.0f))
-    throw SceneError(where, "field of view must lie between 0 and 180 degrees, found " + std::to_string(fov));
+    throw SceneError(where, fmt::format("field of view must lie between 0 and 180 degrees, found {}", fov));
   const double t = std::tan(0.5 * fov * (3.14159265358979323846 / 180.0));
   using Axis = CameraDescription::FovAxis;
   switch (axis) {

@@ -41,7 +41,7 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
       texture.to_uv = {1, 0, 0, 0, -1, 1};  // undoes the flip of v in read_model()
       return add_textured(description, std::move(texture), file);
     }
-    description.notes.push_back(SceneError({file.string(), 0}, "texture '" + name + "' not found").what());
+    description.notes.push_back(SceneError({file.string(), 0}, fmt::format("texture '{}' not found", name)).what());
   }
   for (const char* name : {"vertex_color", "face_color"})
     for (const Mesh::Attribute& attribute : model.mesh.attributes) {
@@ -56,13 +56,13 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
 void load_model(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile model = read_mesh(from);
   Mesh& mesh = model.mesh;
-  for (const std::string& w : model.warnings) description.notes.push_back(from.file.string() + ": " + w);
+  for (const std::string& w : model.warnings) description.notes.push_back(fmt::format("{}: {}", from.file.string(), w));
   check_mesh(mesh, shape.where);
   shape.face_normals = model.face_normals;
   const std::size_t dropped = drop_degenerate_triangles(mesh);
   if (dropped > 0)
-    description.notes.push_back(from.file.string() + ": " + std::to_string(dropped) +
-                                " degenerate or non-finite triangles ignored");
+    description.notes.push_back(
+        fmt::format("{}: {} degenerate or non-finite triangles ignored", from.file.string(), dropped));
   if (!shape.face_normals && mesh.normals.empty()) compute_creased_normals(mesh, {});
   shape.material = color_material(model, from.file, description);
   shape.geometry = std::move(mesh);

@@ -96,10 +96,10 @@ void check_format(const std::filesystem::path& file) {
   if (model != nullptr && (model->read == nullptr || !format.by_content || format.name == model->known.name)) return;
   const bool is_named = file.extension() == ".xml" || is_pbrt_scene(file) || model != nullptr;
   if (format.use == FileUse::kEmpty && is_named) return;
-  throw SceneError({file.string(), 0}, "is " + format.name +
-                                           ", expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), "
-                                           "or a model (" +
-                                           model_extensions() + ")" + conversion(format.use));
+  throw SceneError(
+      {file.string(), 0},
+      fmt::format("is {}, expected a scene of Mitsuba or Nori (.xml) or of pbrt (.pbrt, .pbrt.gz), or a model ({}){}",
+                  format.name, model_extensions(), conversion(format.use)));
 }
 
 /// Makes file meshes drop faces that refer to missing vertices.
@@ -120,13 +120,14 @@ void drop_bad_faces(Description& description) {
 void reject_camera_choice(const ReadOptions& options) {
   if (!options.camera.empty())
     throw Error(ExitCode::kUsage,
-                "--camera applies to scenes of Mitsuba and to models (" + scene_model_extensions() + ")");
+                fmt::format("--camera applies to scenes of Mitsuba and to models ({})", scene_model_extensions()));
 }
 
 /// Reads a scene of an XML dialect, which it detects. `file`: for messages.
 Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& file, const ReadOptions& options) {
   const XmlElement& root = scene.root();
-  if (root.name != "scene") throw SceneError(root.where, "root element is <" + root.name + ">, expected <scene>");
+  if (root.name != "scene")
+    throw SceneError(root.where, fmt::format("root element is <{}>, expected <scene>", root.name));
   Description description;
   description.file = file;
   description.stand_ins = scene.stand_ins();
@@ -165,7 +166,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
 Description read_format(const std::filesystem::path& file, const ReadOptions& options) {
   check_format(file);
   if (find_model_format(file) != nullptr && !options.defines.empty())
-    throw Error(ExitCode::kUsage, "-D " + options.defines[0].first + ": models have no parameters");
+    throw Error(ExitCode::kUsage, fmt::format("-D {}: models have no parameters", options.defines[0].first));
   if (reads_as_gltf(file)) return read_gltf_scene(file, options);
   if (reads_as_mesh(file)) {
     reject_camera_choice(options);
@@ -189,9 +190,10 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
 void note_closed_shutter(Description& description, const ReadOptions& options) {
   const ShutterDescription& shutter = description.shutter;
   if (description.motions.empty() || options.shutter || shutter.close > shutter.open) return;
-  description.notes.push_back(description.file.string() + ": moving objects rendered as at the time " +
-                              number_text(shutter.open) +
-                              ": the shutter is not open (set 'shutter_close' of the sensor, or --shutter)");
+  description.notes.push_back(
+      fmt::format("{}: moving objects rendered as at the time {}: the shutter is not open (set 'shutter_close' of the "
+                  "sensor, or --shutter)",
+                  description.file.string(), number_text(shutter.open)));
 }
 
 /// Applies the options that do not depend on the format, and defaults that depend on the whole scene.

@@ -12,8 +12,7 @@ namespace {
 void end_curve(const Curves& curves, const NumberLines& lines) {
   const std::size_t count = curves.points.size() - curves.starts.back();
   if (count < curves.order())
-    lines.fail("the curve that ends here has " + std::to_string(count) + " points (expected at least " +
-               std::to_string(curves.order()) + ")");
+    lines.fail(fmt::format("the curve that ends here has {} points (expected at least {})", count, curves.order()));
 }
 
 }  // namespace
@@ -34,7 +33,7 @@ Curves read_curve_file(const std::filesystem::path& file, Curves::Basis basis) {
     // Read a control point
     float numbers[4];
     lines.read(numbers, "x y z radius");
-    if (numbers[3] < 0) lines.fail("the radius " + std::to_string(numbers[3]) + " is negative");
+    if (numbers[3] < 0) lines.fail(fmt::format("the radius {} is negative", numbers[3]));
     if (!inside) curves.starts.push_back(static_cast<std::uint32_t>(curves.points.size()));
     inside = true;
     curves.points.push_back({{numbers[0], numbers[1], numbers[2]}, numbers[3]});

@@ -23,8 +23,8 @@ std::vector<int> columns_of(const PlyElement& element, const std::string& file) 
     const auto found = std::find_if(element.properties.begin(), element.properties.end(),
                                     [&](const PlyProperty& p) { return !p.count_type && p.name == kColumns[c]; });
     if (found == element.properties.end())
-      throw SceneError(SourceLocation{file}, "the element '" + element.name + "' has no property '" + kColumns[c] +
-                                                 "' (expected ellipsoids)");
+      throw SceneError(SourceLocation{file}, fmt::format("the element '{}' has no property '{}' (expected ellipsoids)",
+                                                         element.name, kColumns[c]));
     columns[static_cast<std::size_t>(found - element.properties.begin())] = static_cast<int>(c);
   }
   return columns;

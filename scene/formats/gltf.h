@@ -219,7 +219,7 @@ struct GltfFile {
 
   /// Error or note about a part of the file, such as "materials[3]".
   SceneError error(const std::string& part, const std::string& message) const {
-    return SceneError(SourceLocation{file.string(), 0}, part + ": " + message);
+    return SceneError(SourceLocation{file.string(), 0}, fmt::format("{}: {}", part, message));
   }
 };
 

@@ -110,9 +110,8 @@ template <class Out> std::vector<Out> read_elements(const GltfFile& file, const 
 const GltfAccessor& checked(const GltfFile& file, int index, int components) {
   const GltfAccessor& accessor = file.accessors[static_cast<std::size_t>(index)];
   if (accessor.components == components) return accessor;
-  throw file.error(
-      "accessors[" + std::to_string(index) + "]",
-      "has " + std::to_string(accessor.components) + " numbers per element, expected " + std::to_string(components));
+  throw file.error(fmt::format("accessors[{}]", index),
+                   fmt::format("has {} numbers per element, expected {}", accessor.components, components));
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ std::vector<std::uint32_t> read_integers(const GltfFile& file, int accessor, int
   const GltfAccessor& a = checked(file, accessor, components);
   const bool is_unsigned = a.type == GltfComponent::kUnsignedByte || a.type == GltfComponent::kUnsignedShort ||
                            a.type == GltfComponent::kUnsignedInt;
-  if (!is_unsigned) throw file.error("accessors[" + std::to_string(accessor) + "]", "does not have unsigned integers");
+  if (!is_unsigned) throw file.error(fmt::format("accessors[{}]", accessor), "does not have unsigned integers");
   return read_elements<std::uint32_t>(file, a);
 }
 

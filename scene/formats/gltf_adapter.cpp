@@ -67,9 +67,8 @@ void adapt_animations(json& document, GltfFile& out) {
     if (found == animation.end() || !found->is_array()) return;
     const std::size_t removed = std::erase_if(found->get_ref<json::array_t&>(), lacks_node);
     if (removed == 0) return;
-    const std::string what = removed == 1 ? "1 channel does" : std::to_string(removed) + " channels do";
-    out.notes.push_back(
-        out.error("animations[" + std::to_string(i) + "]", what + " not animate a node (ignored)").what());
+    const std::string what = removed == 1 ? "1 channel does" : fmt::format("{} channels do", removed);
+    out.notes.push_back(out.error(fmt::format("animations[{}]", i), what + " not animate a node (ignored)").what());
   });
 }
 

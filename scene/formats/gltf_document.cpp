@@ -50,10 +50,9 @@ GltfDocument split_binary(const std::string& bytes, GltfFile& out) {
   };
   const auto number = [&](std::size_t at) { return std::size_t{little_endian<std::uint32_t>(bytes.data() + at)}; };
   if (bytes.size() < kHeader + kChunkHeader) throw fail("is truncated");
-  if (number(4) != kVersion) throw fail("has version " + std::to_string(number(4)) + " of glTF, expected 2");
+  if (number(4) != kVersion) throw fail(fmt::format("has version {} of glTF, expected 2", number(4)));
   const std::size_t size = number(8);
-  if (size > bytes.size())
-    throw fail("is truncated: it has " + std::to_string(bytes.size()) + " of " + std::to_string(size) + " bytes");
+  if (size > bytes.size()) throw fail(fmt::format("is truncated: it has {} of {} bytes", bytes.size(), size));
   GltfDocument document;
   std::string_view text;
   std::size_t end = 0;
@@ -70,12 +69,12 @@ GltfDocument split_binary(const std::string& bytes, GltfFile& out) {
     at = begin + (length + 3) / 4 * 4;
   }
   if (end > size) {
-    out.notes.push_back(fail("its header gives " + std::to_string(size) + " bytes, but its last chunk ends at byte " +
-                             std::to_string(end) + " (read to there)")
-                            .what());
+    out.notes.push_back(
+        fail(fmt::format("its header gives {} bytes, but its last chunk ends at byte {} (read to there)", size, end))
+            .what());
   } else if (bytes.size() > size) {
     out.notes.push_back(
-        fail(std::to_string(bytes.size() - size) + " bytes behind the end that its header gives are ignored").what());
+        fail(fmt::format("{} bytes behind the end that its header gives are ignored", bytes.size() - size)).what());
   }
   *document.json = parse_json(text, out.file);
   return document;
@@ -112,7 +111,7 @@ void take_import(json& document, GltfFile& out) {
   const json::json_pointer notes("/asset/extras/notes");
   if (document.contains(notes) && document[notes].is_array())
     for (const json& note : document[notes])
-      if (note.is_string()) out.notes.push_back(out.file.string() + ": " + note.get<std::string>());
+      if (note.is_string()) out.notes.push_back(fmt::format("{}: {}", out.file.string(), note.get<std::string>()));
   if (!document.contains("images") || !document["images"].is_array()) return;
   for (json& image : document["images"])
     if (image.is_object() && image.contains("uri") && image["uri"].is_string())
@@ -127,7 +126,7 @@ class ByteLoader {
   void load_buffers() {
     json& buffers = list("buffers");
     for (std::size_t i = 0; i < buffers.size(); ++i) {
-      const std::string part = "buffers[" + std::to_string(i) + "]";
+      const std::string part = fmt::format("buffers[{}]", i);
       out_.buffers.push_back(buffer(buffers[i], i, part));
       buffers[i] = {{"byteLength", 1}, {"uri", "data:application/octet-stream;base64,AA=="}};
     }
@@ -137,7 +136,7 @@ class ByteLoader {
   void load_images() {
     json& images = list("images");
     for (std::size_t i = 0; i < images.size(); ++i) {
-      const std::string part = "images[" + std::to_string(i) + "]";
+      const std::string part = fmt::format("images[{}]", i);
       if (!images[i].is_object()) throw out_.error(part, "is not an object");
       GltfImage image;
       if (images[i].contains("uri")) {
@@ -163,7 +162,7 @@ class ByteLoader {
   }
 
   std::string text(const json& object, const char* name, const std::string& part) const {
-    if (!object[name].is_string()) throw out_.error(part, "'" + std::string(name) + "' is not a string");
+    if (!object[name].is_string()) throw out_.error(part, fmt::format("'{}' is not a string", name));
     return object[name].get<std::string>();
   }
 
@@ -184,8 +183,7 @@ class ByteLoader {
       throw out_.error(part, "has no 'uri', and the file has no binary chunk for it");
     }
     if (bytes.size() < size)
-      throw out_.error(part,
-                       "has " + std::to_string(bytes.size()) + " bytes, but 'byteLength' is " + std::to_string(size));
+      throw out_.error(part, fmt::format("has {} bytes, but 'byteLength' is {}", bytes.size(), size));
     bytes.resize(size);
     return bytes;
   }
@@ -200,7 +198,8 @@ class ByteLoader {
   std::filesystem::path path_of(const std::string& uri, const std::string& part) {
     const std::filesystem::path path = decode_uri(uri);
     if (uri.find("://") != std::string::npos || path.is_absolute() || path.empty())
-      throw out_.error(part, "'uri' is " + in_quotes(uri) + ", expected a path relative to the file or a data URI");
+      throw out_.error(part,
+                       fmt::format("'uri' is {}, expected a path relative to the file or a data URI", in_quotes(uri)));
     return out_.folder / path;
   }
 
@@ -215,8 +214,8 @@ class ByteLoader {
   GltfImage image_at(const std::string& uri, const std::string& part) {
     GltfImage image;
     if (uri.starts_with("data:")) {
-      image.encoded =
-          std::make_shared<const EncodedImage>(EncodedImage{data(uri, part), out_.file.string() + ": " + part});
+      image.encoded = std::make_shared<const EncodedImage>(
+          EncodedImage{data(uri, part), fmt::format("{}: {}", out_.file.string(), part)});
     } else {
       image.file = path_of(uri, part);
       out_.files.push_back(image.file);

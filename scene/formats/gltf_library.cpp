@@ -46,7 +46,7 @@ constexpr std::string_view kSupported[] = {
     "KHR_xmp_json_ld",
 };
 
-std::string at(const char* list, std::size_t i) { return std::string(list) + "[" + std::to_string(i) + "]"; }
+std::string at(const char* list, std::size_t i) { return fmt::format("{}[{}]", list, i); }
 
 /// Converts a parsed document.
 class Converter : GltfChecker {
@@ -79,7 +79,8 @@ class Converter : GltfChecker {
     };
     for (const std::string& name : model.extensionsRequired)
       if (!supported(name))
-        throw out.error("extensionsRequired", "the file needs " + in_quotes(name) + ", which Sheaf does not support");
+        throw out.error("extensionsRequired",
+                        fmt::format("the file needs {}, which Sheaf does not support", in_quotes(name)));
     for (const std::string& name : model.extensionsUsed)
       if (!supported(name))
         out.notes.push_back(out.error("extensionsUsed", in_quotes(name) + " is not supported (ignored)").what());
@@ -105,12 +106,12 @@ class Converter : GltfChecker {
   void check_range(const GltfView& view, const std::string& part) const {
     const std::size_t size = out.buffers[static_cast<std::size_t>(view.buffer)].size();
     if (view.offset <= size && view.length <= size - view.offset) return;
-    throw out.error(part, "ends behind its buffer of " + std::to_string(size) + " bytes");
+    throw out.error(part, fmt::format("ends behind its buffer of {} bytes", size));
   }
 
   std::size_t size(const tinygltf::Value& object, const char* name, const std::string& part) const {
     const int value = integer(object, name, 0, part);
-    if (value < 0) throw out.error(part, "'" + std::string(name) + "' is negative");
+    if (value < 0) throw out.error(part, fmt::format("'{}' is negative", name));
     return static_cast<std::size_t>(value);
   }
 
@@ -133,7 +134,7 @@ class Converter : GltfChecker {
          {GltfComponent::kByte, GltfComponent::kUnsignedByte, GltfComponent::kShort, GltfComponent::kUnsignedShort,
           GltfComponent::kUnsignedInt, GltfComponent::kFloat})
       if (static_cast<int>(known) == type) return known;
-    throw out.error(part, "'componentType' is " + std::to_string(type) + ", expected 5120 to 5123, 5125 or 5126");
+    throw out.error(part, fmt::format("'componentType' is {}, expected 5120 to 5123, 5125 or 5126", type));
   }
 
   /// Throws SceneError unless `count` elements lie inside the view.
@@ -159,7 +160,7 @@ class Converter : GltfChecker {
     if (to.view != kNoIndex) {
       check_elements(to.view, to.offset, to.count, element, part);
     } else if (to.count > kMaxZeros) {
-      throw out.error(part, "has " + std::to_string(to.count) + " elements without data");
+      throw out.error(part, fmt::format("has {} elements without data", to.count));
     }
     if (from.sparse.isSparse) to.sparse = sparse(from, to, element, part);
     return to;
@@ -196,7 +197,7 @@ class Converter : GltfChecker {
       const GltfView& view = out.views[static_cast<std::size_t>(view_index)];
       const std::uint8_t* first = out.buffers[static_cast<std::size_t>(view.buffer)].data() + view.offset;
       out.images[i].encoded = std::make_shared<const EncodedImage>(
-          EncodedImage{{first, first + view.length}, out.file.string() + ": " + part});
+          EncodedImage{{first, first + view.length}, fmt::format("{}: {}", out.file.string(), part)});
     }
   }
 
@@ -209,7 +210,7 @@ class Converter : GltfChecker {
     GltfMesh to;
     to.name = from.name;
     for (std::size_t i = 0; i < from.primitives.size(); ++i)
-      to.primitives.push_back(primitive(from.primitives[i], part + "." + at("primitives", i)));
+      to.primitives.push_back(primitive(from.primitives[i], fmt::format("{}.{}", part, at("primitives", i))));
     for (const double weight : from.weights) to.weights.push_back(number(weight, part, "weights"));
     return to;
   }
@@ -224,7 +225,7 @@ class Converter : GltfChecker {
     to.indices = index(indices, out.accessors.size(), part, "indices");
     to.material = index(from.material, out.materials.size(), part, "material");
     if (from.mode < 0 || from.mode > TINYGLTF_MODE_TRIANGLE_FAN)
-      throw out.error(part, "'mode' is " + std::to_string(from.mode) + ", expected 0 to 6");
+      throw out.error(part, fmt::format("'mode' is {}, expected 0 to 6", from.mode));
     to.mode = static_cast<GltfPrimitive::Mode>(from.mode);
     for (const auto& target : from.targets) to.targets.push_back(attributes(target, part));
     const auto draco = from.extensions.find("KHR_draco_mesh_compression");
@@ -248,7 +249,8 @@ class Converter : GltfChecker {
       } else if (from.type == "spot") {
         to.kind = GltfLight::Kind::kSpot;
       } else if (from.type != "point") {
-        throw out.error(part, "'type' is " + in_quotes(from.type) + ", expected 'directional', 'point' or 'spot'");
+        throw out.error(part,
+                        fmt::format("'type' is {}, expected 'directional', 'point' or 'spot'", in_quotes(from.type)));
       }
       if (from.color.size() == 3)
         to.color = {number(from.color[0], part, "color"), number(from.color[1], part, "color"),
@@ -302,8 +304,7 @@ class Converter : GltfChecker {
            const char* name) const {
     if (from.empty()) return;
     if (from.size() != kSize)
-      throw out.error(part, "'" + std::string(name) + "' has " + std::to_string(from.size()) + " numbers, expected " +
-                                std::to_string(kSize));
+      throw out.error(part, fmt::format("'{}' has {} numbers, expected {}", name, from.size(), kSize));
     for (std::size_t i = 0; i < kSize; ++i) to[i] = precise_number(from[i], part, name);
   }
 
@@ -342,7 +343,7 @@ class Converter : GltfChecker {
     GltfAnimation to;
     to.name = from.name;
     for (std::size_t i = 0; i < from.channels.size(); ++i) {
-      const std::string place = part + "." + at("channels", i);
+      const std::string place = fmt::format("{}.{}", part, at("channels", i));
       const tinygltf::AnimationChannel& channel = from.channels[i];
       if (channel.target_node == kNoIndex) continue;  // the target is defined by an extension
       const auto path = std::find(std::begin(kPaths), std::end(kPaths), channel.target_path);
@@ -381,7 +382,7 @@ class Converter : GltfChecker {
         const std::string part = at("scenes", chosen);
         required(root, out.nodes.size(), part, "nodes");
         if (parents[static_cast<std::size_t>(root)] != kNoIndex)
-          throw out.error(part, "node " + std::to_string(root) + " is no root");
+          throw out.error(part, fmt::format("node {} is no root", root));
         if (roots.insert(root).second) out.roots.push_back(root);
       }
     }
@@ -397,11 +398,11 @@ void check_version(const nlohmann::json& document, GltfFile& out) {
   const std::string version = member("version"), needed = member("minVersion");
   if (!version.empty() && !version.starts_with("2."))
     throw SceneError(SourceLocation{out.file.string(), 0},
-                     "has version " + version + " of glTF, expected 2; convert it with a tool for glTF 1");
+                     fmt::format("has version {} of glTF, expected 2; convert it with a tool for glTF 1", version));
   if (std::strtod(needed.c_str(), nullptr) > 2)
-    throw out.error("asset", "'minVersion' is " + in_quotes(needed) + ", but Sheaf reads version 2.0");
+    throw out.error("asset", fmt::format("'minVersion' is {}, but Sheaf reads version 2.0", in_quotes(needed)));
   if (!version.empty() && version != "2.0")
-    out.notes.push_back(out.error("asset", "has version " + version + " (read as version 2.0)").what());
+    out.notes.push_back(out.error("asset", fmt::format("has version {} (read as version 2.0)", version)).what());
 }
 
 tinygltf::Model parse(const GltfDocument& document, const std::filesystem::path& file) {

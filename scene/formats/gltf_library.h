@@ -21,18 +21,17 @@ class GltfChecker {
   /// Throws SceneError unless `value` is kNoIndex or an index into `count` elements.
   int index(int value, std::size_t count, const std::string& part, const char* name) const {
     if (value == kNoIndex || (value >= 0 && static_cast<std::size_t>(value) < count)) return value;
-    throw out.error(
-        part, "'" + std::string(name) + "' is " + std::to_string(value) + ", but there are " + std::to_string(count));
+    throw out.error(part, fmt::format("'{}' is {}, but there are {}", name, value, count));
   }
   /// index() of a reference that must exist.
   int required(int value, std::size_t count, const std::string& part, const char* name) const {
-    if (value == kNoIndex) throw out.error(part, "'" + std::string(name) + "' is missing");
+    if (value == kNoIndex) throw out.error(part, fmt::format("'{}' is missing", name));
     return index(value, count, part, name);
   }
 
   double precise_number(double value, const std::string& part, const char* name) const {
     if (!std::isfinite(value) || std::abs(value) > kLargest)
-      throw out.error(part, "'" + std::string(name) + "' is not a finite number");
+      throw out.error(part, fmt::format("'{}' is not a finite number", name));
     return value;
   }
   float number(double value, const std::string& part, const char* name) const {
@@ -46,13 +45,13 @@ class GltfChecker {
   float number(const tinygltf::Value& object, const char* name, float otherwise, const std::string& part) const {
     const tinygltf::Value* value = find(object, name);
     if (value == nullptr) return otherwise;
-    if (!value->IsNumber()) throw out.error(part, "'" + std::string(name) + "' is not a number");
+    if (!value->IsNumber()) throw out.error(part, fmt::format("'{}' is not a number", name));
     return number(value->GetNumberAsDouble(), part, name);
   }
   int integer(const tinygltf::Value& object, const char* name, int otherwise, const std::string& part) const {
     const tinygltf::Value* value = find(object, name);
     if (value == nullptr) return otherwise;
-    if (!value->IsInt()) throw out.error(part, "'" + std::string(name) + "' is not an integer");
+    if (!value->IsInt()) throw out.error(part, fmt::format("'{}' is not an integer", name));
     return value->GetNumberAsInt();
   }
   std::string text(const tinygltf::Value& object, const char* name, const std::string& otherwise) const {

@@ -11,7 +11,7 @@ namespace {
 class MaterialConverter {
  public:
   MaterialConverter(const GltfChecker& from, std::size_t index)
-      : from_(from), m_(from.model.materials[index]), part_("materials[" + std::to_string(index) + "]") {}
+      : from_(from), m_(from.model.materials[index]), part_(fmt::format("materials[{}]", index)) {}
 
   GltfMaterial convert() {
     to_.name = m_.name;
@@ -125,12 +125,12 @@ class MaterialConverter {
 
   float positive(double value, const char* name) const {
     const float number = from_.number(value, part_, name);
-    if (number < 0) note("'" + std::string(name) + "' is negative (rendered as 0)");
+    if (number < 0) note(fmt::format("'{}' is negative (rendered as 0)", name));
     return std::max(number, 0.0f);
   }
   float fraction(double value, const char* name) const {
     const float number = positive(value, name);
-    if (number > 1) note("'" + std::string(name) + "' is greater than 1 (rendered as 1)");
+    if (number > 1) note(fmt::format("'{}' is greater than 1 (rendered as 1)", name));
     return std::min(number, 1.0f);
   }
   float factor(const Value& object, const char* name) const {
@@ -138,7 +138,7 @@ class MaterialConverter {
   }
   float component(const Value& array, std::size_t k) const {
     if (!array.IsArray() || array.ArrayLen() <= k || !array.Get(k).IsNumber())
-      throw from_.out.error(part_, "a colour has less than " + std::to_string(k + 1) + " numbers");
+      throw from_.out.error(part_, fmt::format("a colour has less than {} numbers", k + 1));
     return positive(array.Get(k).GetNumberAsDouble(), "a colour");
   }
   Vec3f color(const Value& object, const char* name, float otherwise) const {
@@ -168,7 +168,7 @@ class MaterialConverter {
     const auto& model = from_.model;
     const int checked = from_.required(index, model.textures.size(), part_, "index");
     const tinygltf::Texture& texture = model.textures[static_cast<std::size_t>(checked)];
-    const std::string part = "textures[" + std::to_string(index) + "]";
+    const std::string part = fmt::format("textures[{}]", index);
     GltfTextureUse use;
     use.image = image_of(texture, part);
     if (use.image == kNoIndex) {
@@ -205,8 +205,7 @@ class MaterialConverter {
     if (mode == TINYGLTF_TEXTURE_WRAP_REPEAT) return GltfTextureUse::Wrap::kRepeat;
     if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return GltfTextureUse::Wrap::kClamp;
     if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return GltfTextureUse::Wrap::kMirror;
-    throw from_.out.error(part,
-                          "its sampler's wrap mode is " + std::to_string(mode) + ", expected 10497, 33071 or 33648");
+    throw from_.out.error(part, fmt::format("its sampler's wrap mode is {}, expected 10497, 33071 or 33648", mode));
   }
 
   void read_pair(const Value& object, const char* name, float (&to)[2]) const {
@@ -214,7 +213,7 @@ class MaterialConverter {
     if (value == nullptr) return;
     for (std::size_t k = 0; k < 2; ++k) {
       if (!value->IsArray() || value->ArrayLen() != 2 || !value->Get(k).IsNumber())
-        throw from_.out.error(part_, "'" + std::string(name) + "' is not a pair of numbers");
+        throw from_.out.error(part_, fmt::format("'{}' is not a pair of numbers", name));
       to[k] = from_.number(value->Get(k).GetNumberAsDouble(), part_, name);
     }
   }

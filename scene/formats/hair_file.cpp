@@ -80,8 +80,7 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
   std::size_t at = kBinary.size();
   const auto take = [&](std::size_t point) {
     if (bytes.size() - at < 4)
-      throw SceneError(SourceLocation{file},
-                       "the file is truncated: it ends within point " + std::to_string(point + 1));
+      throw SceneError(SourceLocation{file}, fmt::format("the file is truncated: it ends within point {}", point + 1));
     at += 4;
     return word_at(bytes, at - 4);
   };
@@ -99,7 +98,7 @@ void read_binary(std::string_view bytes, const std::string& file, HairBuilder& h
     }
     const float y = std::bit_cast<float>(take(point));
     const Vec3f p{x, y, std::bit_cast<float>(take(point))};
-    if (!is_finite(p)) throw SceneError(SourceLocation{file}, "point " + std::to_string(point + 1) + " is not finite");
+    if (!is_finite(p)) throw SceneError(SourceLocation{file}, fmt::format("point {} is not finite", point + 1));
     hairs.add(p);
   }
 }

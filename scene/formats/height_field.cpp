@@ -18,8 +18,8 @@ Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
   // Check the size and find the channels
   Heights out{static_cast<std::size_t>(image.width), static_cast<std::size_t>(image.height), {}};
   if (out.width < 2 || out.height < 2 || out.width * out.height > kMaxHeights)
-    throw SceneError(where, "an image of " + std::to_string(out.width) + " x " + std::to_string(out.height) +
-                                " pixels (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
+    throw SceneError(where, fmt::format("an image of {} x {} pixels (expected at least 2 x 2 and at most {})",
+                                        out.width, out.height, kMaxHeights));
   const std::vector<std::size_t> channels = find_color_channels(image.channels, where).channels;
   const bool bytes = !image.bytes.empty(), decode = !raw && (bytes || image.integers);
   // Convert pixels to heights
@@ -33,8 +33,8 @@ Heights read_heights(const std::filesystem::path& file, float scale, bool raw) {
     }
     out.z[i] = scale * (channels.size() == 1 ? value[0] : luminance({value[0], value[1], value[2]}));
     if (!std::isfinite(out.z[i]))
-      throw SceneError(where, "the pixel in column " + std::to_string(i % out.width) + ", row " +
-                                  std::to_string(i / out.width) + " (from the upper left) is not a finite number");
+      throw SceneError(where, fmt::format("the pixel in column {}, row {} (from the upper left) is not a finite number",
+                                          i % out.width, i / out.width));
   }
   return out;
 }

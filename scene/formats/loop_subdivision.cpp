@@ -34,12 +34,12 @@ class Neighbours {
     for (const Triangle& t : triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
-        if (a == b) throw SceneError("a triangle of the control mesh has the vertex " + std::to_string(a) + " twice");
+        if (a == b) throw SceneError(fmt::format("a triangle of the control mesh has the vertex {} twice", a));
         if (!across_.emplace(directed(a, b), c).second)
           throw SceneError(
-              "the edge from vertex " + std::to_string(a) + " to " + std::to_string(b) +
-              " of the control mesh has several triangles on the same side (expected one or two of the same "
-              "orientation)");
+              fmt::format("the edge from vertex {} to {} of the control mesh has several triangles on the same side "
+                          "(expected one or two of the same orientation)",
+                          a, b));
         if (first_[a] == kNobody) first_[a] = b;
         ++corners_[a];
       }
@@ -79,8 +79,7 @@ class Neighbours {
     } while (at != kNobody && at != begin);
     const std::size_t corners = out.vertices.size() - (out.closed ? 0 : 1);
     if (corners != corners_[vertex])
-      throw SceneError("vertex " + std::to_string(vertex) +
-                       " of the control mesh joins parts that share no edge there");
+      throw SceneError(fmt::format("vertex {} of the control mesh joins parts that share no edge there", vertex));
     return out;
   }
 
@@ -181,7 +180,7 @@ Mesh subdivide(const Mesh& control, int levels) {
   for (const Vec3f p : control.positions) points.push_back({double{p.x}, double{p.y}, double{p.z}});
   std::vector<Triangle> triangles = control.triangles;
   if (triangles.size() > kMaxSubdivided >> (2 * levels))
-    throw SceneError("the surface would have more than " + std::to_string(kMaxSubdivided) + " triangles");
+    throw SceneError(fmt::format("the surface would have more than {} triangles", kMaxSubdivided));
   for (int level = 0; level < levels; ++level) refine(points, triangles);
   // Project the vertices to the limit surface
   const Neighbours neighbours(triangles, points.size());

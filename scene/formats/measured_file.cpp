@@ -38,27 +38,24 @@ class MeasuredReader {
     const char* name = spectra ? "spectra" : "rgb";
     out.values = grids(name, {out.phi.size(), out.theta.size(), out.channels});
     if (out.values.width != out.luminance.width || out.values.height != out.luminance.height)
-      file_.fail(std::string("field '") + name + "' has grids of " + sides(out.values) + ", expected " +
-                 sides(out.luminance) + " as of field 'luminance'");
+      file_.fail(fmt::format("field '{}' has grids of {}, expected {} as of field 'luminance'", name, sides(out.values),
+                             sides(out.luminance)));
     const auto jacobian = file_.bytes("jacobian");
     out.jacobian = jacobian[0] != 0;
     return out;
   }
 
  private:
-  static std::string sides(const MeasuredBrdf::Grids& g) {
-    return std::to_string(g.height) + " x " + std::to_string(g.width);
-  }
+  static std::string sides(const MeasuredBrdf::Grids& g) { return fmt::format("{} x {}", g.height, g.width); }
 
   /// Reads a list of increasing numbers.
   std::vector<float> list(const char* name) const {
     const std::uint64_t size = file_.shape(name, 1)[0];
     if (size > kMaxSide)
-      file_.fail(std::string("field '") + name + "' has " + std::to_string(size) + " numbers, expected at most " +
-                 std::to_string(kMaxSide));
+      file_.fail(fmt::format("field '{}' has {} numbers, expected at most {}", name, size, kMaxSide));
     std::vector<float> numbers = file_.floats(name);
     if (std::adjacent_find(numbers.begin(), numbers.end(), [](float a, float b) { return !(a < b); }) != numbers.end())
-      file_.fail(std::string("field '") + name + "': its numbers do not increase");
+      file_.fail(fmt::format("field '{}': its numbers do not increase", name));
     return numbers;
   }
 
@@ -67,21 +64,20 @@ class MeasuredReader {
     const double turns = 6.283185307179586 / (double(brdf.phi.back()) - double(brdf.phi.front()));
     const double whole = std::rint(turns);
     if (whole != 1 && whole != 2 && whole != 4)
-      file_.fail("field 'phi_i' goes from " + std::to_string(brdf.phi.front()) + " to " +
-                 std::to_string(brdf.phi.back()) + " (expected a full, half or quarter turn, in radians)");
+      file_.fail(fmt::format("field 'phi_i' goes from {} to {} (expected a full, half or quarter turn, in radians)",
+                             brdf.phi.front(), brdf.phi.back()));
   }
 
   /// Reads grids in the last two dimensions; the leading dimensions must equal `outer`.
   MeasuredBrdf::Grids grids(const char* name, const TensorFile::Shape& outer) const {
     const TensorFile::Shape& shape = file_.shape(name, outer.size() + 2);
     if (!std::equal(outer.begin(), outer.end(), shape.begin()))
-      file_.fail(std::string("field '") + name + "' has " + to_string(shape) + " numbers, expected " +
-                 to_string(outer) + " grids");
+      file_.fail(fmt::format("field '{}' has {} numbers, expected {} grids", name, to_string(shape), to_string(outer)));
     MeasuredBrdf::Grids out;
     for (const std::uint64_t side : {shape[outer.size()], shape[outer.size() + 1]})
       if (side < 2 || side > kMaxSide)
-        file_.fail(std::string("field '") + name + "' has grids with a side of " + std::to_string(side) +
-                   " points, expected 2 to " + std::to_string(kMaxSide));
+        file_.fail(
+            fmt::format("field '{}' has grids with a side of {} points, expected 2 to {}", name, side, kMaxSide));
     out.height = shape[outer.size()], out.width = shape[outer.size() + 1];
     out.values = file_.floats(name);
     for (float& value : out.values) value = std::max(value, 0.0f);

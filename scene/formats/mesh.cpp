@@ -144,8 +144,7 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
   const std::size_t count = mesh.positions.size();
   const auto check_length = [&](std::size_t length, const char* what) {
     if (length == 0 || length == count) return;
-    throw SceneError(
-        where, "a mesh has " + std::to_string(length) + " " + what + " for " + std::to_string(count) + " vertices");
+    throw SceneError(where, fmt::format("a mesh has {} {} for {} vertices", length, what, count));
   };
   // Check vertex data and attributes
   check_length(mesh.normals.size(), "normals");
@@ -155,15 +154,14 @@ void check_mesh(const Mesh& mesh, const SourceLocation& where) {
     const std::size_t rows = is_per_vertex(attribute) ? count : mesh.triangles.size();
     const auto channels = static_cast<std::size_t>(std::max(attribute.channels, 1));
     if (attribute.values.size() == rows * channels) continue;
-    throw SceneError(where, "attribute '" + attribute.name + "' has " + std::to_string(attribute.values.size()) +
-                                " values, expected " + std::to_string(channels) + " for each of " +
-                                std::to_string(rows));
+    throw SceneError(where, fmt::format("attribute '{}' has {} values, expected {} for each of {}", attribute.name,
+                                        attribute.values.size(), channels, rows));
   }
   for (const Triangle& t : mesh.triangles) {
     const std::uint32_t highest = std::max({t[0], t[1], t[2]});
     if (highest < count) continue;
-    throw SceneError(where, "a triangle refers to vertex " + std::to_string(highest) +
-                                " (counted from 0), but there are " + std::to_string(count));
+    throw SceneError(where,
+                     fmt::format("a triangle refers to vertex {} (counted from 0), but there are {}", highest, count));
   }
 }
 

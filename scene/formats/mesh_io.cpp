@@ -30,7 +30,7 @@ std::string inflated(std::string_view bytes, const SourceLocation& where, std::s
       out.resize(size + found);
     }
   } catch (const SceneError&) { throw; } catch (const Error& error) {
-    throw SceneError(where, std::string(what) + ": " + error.what());
+    throw SceneError(where, fmt::format("{}: {}", what, error.what()));
   }
   if (inflater.max_remaining() != 0) throw SceneError(where, std::string(what) + " is truncated");
   return out;
@@ -79,7 +79,7 @@ double mesh_reading_bytes(const MeshFileShape& shape) {
 MeshFile read_mesh(const MeshFileShape& shape) {
   std::string key = "mesh " + shape.format;
   for (const int option : {int{shape.flip_tex_coords}, shape.shape_index, static_cast<int>(shape.bad_faces)})
-    key += " " + std::to_string(option);
+    key += fmt::format(" {}", option);
   return cached(shape.file, key, [&] { return mesh_format(shape.format).read(shape); });
 }
 

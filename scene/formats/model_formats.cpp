@@ -128,7 +128,7 @@ const ModelFormat* find_model_format(const std::filesystem::path& file) {
 const ModelFormat& mesh_format(std::string_view key) {
   for (const ModelFormat& format : kFormats)
     if (format.key == key && format.read != nullptr) return format;
-  throw Error(ExitCode::kRuntime, "unknown format of meshes '" + std::string(key) + "'");
+  throw Error(ExitCode::kRuntime, fmt::format("unknown format of meshes '{}'", key));
 }
 
 const ModelFormat* detect_model_format(std::string_view bytes) {

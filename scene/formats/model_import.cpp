@@ -58,7 +58,7 @@ class Process {
     close(ends[1]);
     if (failure == 0) return;
     close(output_);
-    throw Error(ExitCode::kRuntime, "cannot start '" + name + "': " + message(failure));
+    throw Error(ExitCode::kRuntime, fmt::format("cannot start '{}': {}", name, message(failure)));
   }
   ~Process() {
     close(output_);
@@ -130,9 +130,11 @@ std::string run_importer(const fs::path& file) {
   const SourceLocation where{file.string(), 0};
   const fs::path program = importer();
   if (program.empty())
-    throw SceneError(where, "this build of Sheaf cannot read " + file.extension().string() +
-                                " files: it was built without Assimp (package libassimp-dev), or " + kImporter +
-                                " is missing next to the program; convert the file to glTF, for example with Blender");
+    throw SceneError(
+        where,
+        fmt::format("this build of Sheaf cannot read {} files: it was built without Assimp (package libassimp-dev), or "
+                    "{} is missing next to the program; convert the file to glTF, for example with Blender",
+                    file.extension().string(), kImporter));
   std::error_code failure;
   const std::uintmax_t size = fs::file_size(file, failure);
   constexpr std::uintmax_t kMaxSize = std::uintmax_t{1} << 30;

@@ -134,7 +134,7 @@ class MtlReader {
     } else if (keyword == "illum") {
       const float model = take_number(keyword, arguments);
       if (!(model >= 0 && model <= 10 && model == std::floor(model))) {
-        fail("expected an illumination model from 0 to 10, found " + std::to_string(model));
+        fail(fmt::format("expected an illumination model from 0 to 10, found {}", model));
       }
       material().illum = static_cast<int>(model);
     } else if (color != kColors.end()) {
@@ -149,13 +149,13 @@ class MtlReader {
   float take_number(std::string_view keyword, std::string_view& arguments) const {
     const std::string_view word = take_word(arguments);
     if (const auto number = to_number(word)) return *number;
-    fail("expected a number after '" + std::string(keyword) + "', found " + quoted(word));
+    fail(fmt::format("expected a number after '{}', found {}", keyword, quoted(word)));
   }
 
   /// A single number stands for all three channels.
   void read_color(std::string_view keyword, std::string_view arguments, std::optional<Vec3f>& color) {
     if (arguments.starts_with("spectral") || arguments.starts_with("xyz")) {
-      note("'" + std::string(keyword) + "' by 'spectral' or 'xyz' is not supported: ignored");
+      note(fmt::format("'{}' by 'spectral' or 'xyz' is not supported: ignored", keyword));
       return;
     }
     const float r = take_number(keyword, arguments);
@@ -172,7 +172,7 @@ class MtlReader {
     texture.where = where_;
     while (is_option(arguments)) read_option(keyword, arguments, texture, false);
     const std::string_view name = take_image_name(arguments);
-    if (name.empty()) fail("expected the name of an image after '" + std::string(keyword) + "'");
+    if (name.empty()) fail(fmt::format("expected the name of an image after '{}'", keyword));
     while (is_option(arguments)) read_option(keyword, arguments, texture, true);
     if (!arguments.empty() && arguments.front() != '#')
       fail("expected nothing or an option after the name of an image, found " + quoted(arguments));
@@ -234,8 +234,8 @@ class MtlReader {
     } else if (is_known_option(option)) {
       take_word(arguments);
     } else {
-      fail("unknown option " + quoted(option) + " of '" + std::string(keyword) + "'" +
-           did_you_mean(option, {kOptions.begin(), kOptions.end()}));
+      fail(fmt::format("unknown option {} of '{}'{}", quoted(option), keyword,
+                       did_you_mean(option, {kOptions.begin(), kOptions.end()})));
     }
   }
 
@@ -277,7 +277,7 @@ class MtlReader {
     for (const auto& known : kNumbers) names.emplace_back(known.name);
     for (const auto& known : kColors) names.emplace_back(known.name);
     for (const auto& known : kTextures) names.emplace_back(known.name);
-    note("unknown keyword " + quoted(keyword) + " ignored" + did_you_mean(keyword, names));
+    note(fmt::format("unknown keyword {} ignored{}", quoted(keyword), did_you_mean(keyword, names)));
   }
 
   MtlMaterial& material() { return library_.materials.back(); }

@@ -69,7 +69,7 @@ class Directory {
       if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
     }
     if (names.size() > kMaxListed) list += " and others";
-    fail("no grid '" + name + "' (the file holds " + list + ")" + did_you_mean(name, names));
+    fail(fmt::format("no grid '{}' (the file holds {}){}", name, list, did_you_mean(name, names)));
   }
 
  private:
@@ -104,11 +104,10 @@ class Directory {
 
   void read_segment() {
     const char* const header = take(kSegmentSize);
-    if (!is_magic(header)) fail("expected a segment of grids at byte " + std::to_string(at_ - kSegmentSize));
+    if (!is_magic(header)) fail(fmt::format("expected a segment of grids at byte {}", at_ - kSegmentSize));
     const std::uint32_t major = value_at<std::uint32_t>(header + 8) >> 21;
     if (major != NANOVDB_MAJOR_VERSION_NUMBER) {
-      fail("expected version " + std::to_string(NANOVDB_MAJOR_VERSION_NUMBER) + " of NanoVDB's format, found " +
-           std::to_string(major));
+      fail(fmt::format("expected version {} of NanoVDB's format, found {}", NANOVDB_MAJOR_VERSION_NUMBER, major));
     }
     const auto count = value_at<std::uint16_t>(header + 12), codec = value_at<std::uint16_t>(header + 14);
     std::vector<std::uint64_t> sizes;
@@ -144,7 +143,7 @@ class GridMemory {
         decompress_blosc();
         break;
       default:
-        fail("compressed with the unknown codec " + std::to_string(entry.codec));
+        fail(fmt::format("compressed with the unknown codec {}", entry.codec));
     }
   }
 
@@ -152,7 +151,7 @@ class GridMemory {
   std::uint64_t size() const { return entry_.size; }
   std::size_t stored_bytes() const { return entry_.stored.size(); }
   [[noreturn]] void fail(const std::string& message) const {
-    throw SceneError(SourceLocation{file_}, "grid '" + shown(entry_.name) + "': " + message);
+    throw SceneError(SourceLocation{file_}, fmt::format("grid '{}': {}", shown(entry_.name), message));
   }
 
  private:
@@ -164,7 +163,7 @@ class GridMemory {
   /// produce.
   void allocate(std::uint64_t max_size) {
     if (entry_.size > max_size) {
-      fail("claims " + std::to_string(entry_.size) + " bytes of memory, more than the file's size allows");
+      fail(fmt::format("claims {} bytes of memory, more than the file's size allows", entry_.size));
     }
     if (entry_.size < sizeof(nanovdb::GridData)) fail("the grid is smaller than its header");
     chunks_.resize((entry_.size + sizeof(Chunk) - 1) / sizeof(Chunk));

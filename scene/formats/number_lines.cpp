@@ -27,8 +27,8 @@ void NumberLines::read(std::span<float> numbers, const char* what) const {
   constexpr std::size_t kShown = 60;
   const auto malformed = [&] {
     const std::string shown(line_.substr(0, kShown));
-    fail("expected " + std::to_string(numbers.size()) + " finite numbers (" + what + "), found '" + shown +
-         (line_.size() > kShown ? "...'" : "'"));
+    fail(fmt::format("expected {} finite numbers ({}), found '{}{}", numbers.size(), what, shown,
+                     line_.size() > kShown ? "...'" : "'"));
   };
   std::string_view rest = line_;
   for (float& number : numbers) {

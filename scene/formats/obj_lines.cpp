@@ -160,14 +160,12 @@ class LineParser {
     for (std::string_view token; !(token = next_token(p, end_)).empty(); ++count) {
       float number = 0;
       if (!parse_number(token, number)) {
-        if (!is_non_finite(token)) fail("expected a number in " + std::string(what) + ", found " + quoted(token));
+        if (!is_non_finite(token)) fail(fmt::format("expected a number in {}, found {}", what, quoted(token)));
         if (count < max_count) parsed_.is_non_finite = true;
       }
       if (count < max_count) numbers[static_cast<std::size_t>(count)] = number;
     }
-    if (count < min_count)
-      fail("expected at least " + std::to_string(min_count) + " numbers in " + std::string(what) + ", found " +
-           std::to_string(count));
+    if (count < min_count) fail(fmt::format("expected at least {} numbers in {}, found {}", min_count, what, count));
     parsed_.numbers = {numbers[0], numbers[1], numbers[2]};
   }
 

@@ -15,8 +15,7 @@ constexpr int kAbsent = -1;      ///< attribute absent
 constexpr int kOutOfRange = -2;  ///< index without a value in the file
 
 std::string out_of_range(const char* name, int index, std::size_t count) {
-  return "a face refers to " + std::string(name) + " " + std::to_string(index) + ", but there are " +
-         std::to_string(count);
+  return fmt::format("a face refers to {} {}, but there are {}", name, index, count);
 }
 
 /// Joins the pieces of a text.
@@ -113,7 +112,7 @@ class Joiner {
   template <class T> void report(ObjContent::Attributes<T>& list, const char* line, const std::string& message) {
     const SourceLocation where = text_.where(line);
     if (bad_faces_ == BadFaces::kError) throw SceneError(where, message);
-    if (list.first_bad.empty()) list.first_bad = "line " + std::to_string(where.line) + ": " + message;
+    if (list.first_bad.empty()) list.first_bad = fmt::format("line {}: {}", where.line, message);
   }
 
   void apply(const ObjPiece::Statement& statement) {

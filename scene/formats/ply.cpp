@@ -175,8 +175,8 @@ std::uint32_t check_index(const Source& source, double index, const PlyVertices&
   constexpr double kMaxExact = 1e15;
   const bool is_whole = std::abs(index) < kMaxExact && index == std::floor(index);
   const auto message = [&] {
-    return "expected the index of one of " + std::to_string(vertices.count) + " vertices, found " +
-           (is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index));
+    return fmt::format("expected the index of one of {} vertices, found {}", vertices.count,
+                       is_whole ? std::to_string(static_cast<std::int64_t>(index)) : std::to_string(index));
   };
   if (vertices.bad_faces == BadFaces::kError) source.fail(message());
   if (polygons.first_missing.empty()) polygons.first_missing = message();
@@ -279,7 +279,7 @@ void read_strips(Source& source, const PlyElement& element, const PlyVertices& v
 template <class Source> void read_corner_uvs(Source& source, const PlyProperty& list, std::vector<Vec2f>& uvs) {
   const std::uint64_t length = list_length(source, list);
   if (length % 2 != 0)
-    source.fail("list '" + list.name + "' has " + std::to_string(length) + " numbers, expected two for each corner");
+    source.fail(fmt::format("list '{}' has {} numbers, expected two for each corner", list.name, length));
   uvs.clear();
   for (std::uint64_t i = 0; i < length; i += 2) {
     const auto u = static_cast<float>(source.number(list.type)), v = static_cast<float>(source.number(list.type));
@@ -317,8 +317,8 @@ void read_faces(Source& source, const PlyElement& element, const PlyVertices& ve
     if (!has_uvs || (uvs.empty() && content.corner_uvs.empty())) continue;
     const std::size_t corners = content.polygons.corners.size() - begin;
     if (!uvs.empty() && uvs.size() != corners)
-      source.fail("list '" + element.properties[uv_list].name + "' has " + std::to_string(2 * uvs.size()) +
-                  " numbers, expected two for each of " + std::to_string(corners) + " corners");
+      source.fail(fmt::format("list '{}' has {} numbers, expected two for each of {} corners",
+                              element.properties[uv_list].name, 2 * uvs.size(), corners));
     content.corner_uvs.resize(begin);
     uvs.resize(corners);
     content.corner_uvs.insert(content.corner_uvs.end(), uvs.begin(), uvs.end());
@@ -376,7 +376,7 @@ PlyContent read_body(const std::string& bytes, const PlyHeader& header, const Pl
     } else if (element.name == "tristrips") {
       read_strips(source, element, vertices, content);
     } else {
-      content.warnings.push_back("element '" + element.name.substr(0, 40) + "' not understood: left out");
+      content.warnings.push_back(fmt::format("element '{}' not understood: left out", element.name.substr(0, 40)));
       for (std::uint64_t row = 0; row < element.count && !element.properties.empty(); ++row) {
         source.enter_row(row);
         for (const PlyProperty& property : element.properties) skip_property(source, property);

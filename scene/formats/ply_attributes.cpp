@@ -65,7 +65,7 @@ class AttributeFinder {
     const auto endings =
         std::find_if(kEndings.begin(), kEndings.end(), [&](std::string_view e) { return e.front() == first->ending; });
     if (endings == kEndings.end()) return begin + 1;
-    PlyAttribute attribute{element_.name + "_" + std::string(first->prefix), {}};
+    PlyAttribute attribute{fmt::format("{}_{}", element_.name, first->prefix), {}};
     if (*endings == kColorEndings) attribute.name += "_color";
     std::size_t i = begin;
     for (const char ending : *endings) {
@@ -80,7 +80,7 @@ class AttributeFinder {
   void add(PlyAttribute attribute) {
     const std::size_t channels = attribute.properties.size();
     if (channels != 1 && channels != 3) {
-      leave_out(attribute, "has " + std::to_string(channels) + " channels, expected 1 or 3");
+      leave_out(attribute, fmt::format("has {} channels, expected 1 or 3", channels));
     } else if (std::any_of(attributes_.begin(), attributes_.end(),
                            [&](const PlyAttribute& other) { return other.name == attribute.name; })) {
       leave_out(attribute, "appears twice");
@@ -91,7 +91,7 @@ class AttributeFinder {
 
   /// Warns that the attribute is not read.
   void leave_out(const PlyAttribute& attribute, const std::string& reason) {
-    warnings_.push_back("attribute '" + attribute.name + "' " + reason + ": left out");
+    warnings_.push_back(fmt::format("attribute '{}' {}: left out", attribute.name, reason));
     left_out_.insert(left_out_.end(), attribute.properties.begin(), attribute.properties.end());
   }
 
@@ -134,9 +134,9 @@ std::string unknown_properties_warning(const PlyElement& element, const std::vec
   std::string names;
   for (std::size_t i = 0; i < std::min(properties.size(), kMaxNamed); ++i)
     names += (i == 0 ? "'" : ", '") + element.properties[properties[i]].name.substr(0, kMaxLength) + "'";
-  if (properties.size() > kMaxNamed) names += " and " + std::to_string(properties.size() - kMaxNamed) + " more";
-  return "element '" + element.name + "': " + (properties.size() == 1 ? "property " : "properties ") + names +
-         " not understood: left out";
+  if (properties.size() > kMaxNamed) names += fmt::format(" and {} more", properties.size() - kMaxNamed);
+  return fmt::format("element '{}': {}{} not understood: left out", element.name,
+                     properties.size() == 1 ? "property " : "properties ", names);
 }
 
 float ply_attribute_value(PlyType type, double value) {

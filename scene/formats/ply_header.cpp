@@ -32,7 +32,7 @@ constexpr std::array<TypeName, 16> kTypeNames{{{"char", PlyType::kInt8},
 
 std::string quote(std::string_view text) {
   constexpr std::size_t kLongest = 40;
-  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+  return fmt::format("'{}{}", text.substr(0, kLongest), text.size() > kLongest ? "...'" : "'");
 }
 
 std::vector<std::string_view> split_words(std::string_view line) {
@@ -70,8 +70,9 @@ class HeaderParser {
       } else if (words[0] == "property") {
         read_property(words);
       } else {
-        fail("expected a PLY header line, found " + quote(words[0]) +
-             did_you_mean(words[0], {"format", "comment", "obj_info", "element", "property", "end_header"}));
+        fail(fmt::format(
+            "expected a PLY header line, found {}{}", quote(words[0]),
+            did_you_mean(words[0], {"format", "comment", "obj_info", "element", "property", "end_header"})));
       }
     }
     // Check the header
@@ -121,8 +122,8 @@ class HeaderParser {
     } else if (words[1] == "binary_big_endian") {
       header_.encoding = Encoding::kBigEndian;
     } else {
-      fail("unknown PLY encoding " + quote(words[1]) +
-           did_you_mean(words[1], {"ascii", "binary_little_endian", "binary_big_endian"}));
+      fail(fmt::format("unknown PLY encoding {}{}", quote(words[1]),
+                       did_you_mean(words[1], {"ascii", "binary_little_endian", "binary_big_endian"})));
     }
   }
 
@@ -131,10 +132,10 @@ class HeaderParser {
     PlyElement element{std::string(words[1]), 0, {}};
     const auto [end, failure] = std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
     if (failure != std::errc{} || end != words[2].data() + words[2].size()) {
-      fail("expected the number of rows of element " + quote(words[1]) + ", found " + quote(words[2]));
+      fail(fmt::format("expected the number of rows of element {}, found {}", quote(words[1]), quote(words[2])));
     }
     for (const PlyElement& other : header_.elements) {
-      if (other.name == element.name) fail("element " + quote(words[1]) + " appears twice");
+      if (other.name == element.name) fail(fmt::format("element {} appears twice", quote(words[1])));
     }
     header_.elements.push_back(std::move(element));
   }
@@ -147,7 +148,8 @@ class HeaderParser {
     if (is_list) {
       property.count_type = type_named(words[2]);
       if (property.count_type == PlyType::kFloat32 || property.count_type == PlyType::kFloat64) {
-        fail("expected an integer type for the length of list " + quote(words.back()) + ", found " + quote(words[2]));
+        fail(fmt::format("expected an integer type for the length of list {}, found {}", quote(words.back()),
+                         quote(words[2])));
       }
     }
     header_.elements.back().properties.push_back(std::move(property));
@@ -159,7 +161,7 @@ class HeaderParser {
       if (known.name == name) return known.type;
       names.emplace_back(known.name);
     }
-    fail("unknown PLY type " + quote(name) + did_you_mean(name, names));
+    fail(fmt::format("unknown PLY type {}{}", quote(name), did_you_mean(name, names)));
   }
 
   /// Returns the minimum size of a row in bytes: empty lists; in ASCII, one digit and one blank per number.
@@ -176,10 +178,10 @@ class HeaderParser {
     for (const PlyElement& element : header_.elements) {
       const std::uint64_t row = smallest_row(element);
       if (row == 0 || element.count <= available / row) continue;
-      throw SceneError(SourceLocation{file_},
-                       "element " + quote(element.name) + " claims " + std::to_string(element.count) +
-                           " rows of at least " + std::to_string(row) + " bytes, but only " +
-                           std::to_string(available - 1) + " bytes follow the header: truncated?");
+      throw SceneError(
+          SourceLocation{file_},
+          fmt::format("element {} claims {} rows of at least {} bytes, but only {} bytes follow the header: truncated?",
+                      quote(element.name), element.count, row, available - 1));
     }
   }
 

@@ -26,8 +26,8 @@ class Cursor {
 
  protected:
   [[noreturn]] void fail(const std::string& message, int line) const {
-    throw SceneError(SourceLocation{file_, line}, "row " + std::to_string(row_) + " of element '" + element_->name +
-                                                      "' (" + std::to_string(element_->count) + " rows): " + message);
+    throw SceneError(SourceLocation{file_, line}, fmt::format("row {} of element '{}' ({} rows): {}", row_,
+                                                              element_->name, element_->count, message));
   }
   std::uint64_t bytes_left() const { return static_cast<std::uint64_t>(end_ - at_); }
 
@@ -132,7 +132,7 @@ class AsciiSource : public Cursor {
     const char* const end = token.data() + token.size();
     const auto [stop, failure] = std::from_chars(token.data(), end, value);
     if (stop != end || token.empty() || failure == std::errc::invalid_argument) {
-      fail("expected a number, found '" + std::string(found.substr(0, 40)) + "'");
+      fail(fmt::format("expected a number, found '{}'", found.substr(0, 40)));
     }
     if (failure == std::errc::result_out_of_range) {
       const bool is_tiny = token.find("e-") != token.npos || token.find("E-") != token.npos;
@@ -169,7 +169,7 @@ class AsciiSource : public Cursor {
 template <class Source> std::uint64_t list_length(Source& source, const PlyProperty& list) {
   const double length = source.number(*list.count_type);
   if (!(length >= 0 && length < 1e18 && length == std::floor(length))) {
-    source.fail("list '" + list.name + "' has an impossible length");
+    source.fail(fmt::format("list '{}' has an impossible length", list.name));
   }
   const auto count = static_cast<std::uint64_t>(length);
   source.require(list.type, count);

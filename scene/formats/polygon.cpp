@@ -38,12 +38,11 @@ std::vector<std::uint32_t> append_polygons(const PolygonList& polygons, Mesh& me
     for (const PolygonTriangle& t : triangles) add(vertices[t[0]], vertices[t[1]], vertices[t[2]], polygon);
   }
   if (polygons.too_short > 0) {
-    warnings.push_back(std::to_string(polygons.too_short) + " faces with fewer than three corners left out");
+    warnings.push_back(fmt::format("{} faces with fewer than three corners left out", polygons.too_short));
   }
-  if (incomplete > 0)
-    warnings.push_back("faces left out: " + std::to_string(incomplete) + " (" + polygons.first_missing + ")");
+  if (incomplete > 0) warnings.push_back(fmt::format("faces left out: {} ({})", incomplete, polygons.first_missing));
   if (crossed > 0)
-    warnings.push_back(std::to_string(crossed) + " self-intersecting polygons are triangulated approximately");
+    warnings.push_back(fmt::format("{} self-intersecting polygons are triangulated approximately", crossed));
   return sources;
 }
 

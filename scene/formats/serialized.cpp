@@ -29,7 +29,7 @@ enum Flag : std::uint32_t {
   kDoublePrecision = 0x2000,
 };
 
-std::string plural(std::uint64_t count, const char* what) { return std::to_string(count) + " " + what; }
+std::string plural(std::uint64_t count, const char* what) { return fmt::format("{} {}", count, what); }
 
 /// Directory of the meshes in a file.
 class ObjectDirectory {
@@ -45,17 +45,17 @@ class ObjectDirectory {
     const std::uint64_t count = little_endian<std::uint32_t>(bytes_.data() + bytes_.size() - count_size);
     const std::uint64_t room = bytes_.size() - kHeaderSize - count_size;
     if (count > room / width) {
-      fail("the file claims to hold " + plural(count, "meshes") + ", more than its size allows: truncated?");
+      fail(fmt::format("the file claims to hold {}, more than its size allows: truncated?", plural(count, "meshes")));
     }
     if (index < 0 || static_cast<std::uint64_t>(index) >= count) {
-      fail("no mesh " + std::to_string(index) + " (counted from 0), the file holds " + plural(count, "meshes"));
+      fail(fmt::format("no mesh {} (counted from 0), the file holds {}", index, plural(count, "meshes")));
     }
     const std::uint64_t end = bytes_.size() - count_size - count * width;
     const char* const entry = bytes_.data() + end + static_cast<std::uint64_t>(index) * width;
     const std::uint64_t offset =
         version == kVersion4 ? little_endian<std::uint64_t>(entry) : little_endian<std::uint32_t>(entry);
     if (end < kHeaderSize || offset > end - kHeaderSize)
-      fail("mesh " + std::to_string(index) + " begins beyond the end of the file");
+      fail(fmt::format("mesh {} begins beyond the end of the file", index));
     check_header(offset);
     return bytes_.substr(offset, end - offset);
   }
@@ -69,11 +69,11 @@ class ObjectDirectory {
     if (bytes_.size() - offset < kHeaderSize ||
         little_endian<std::uint16_t>(bytes_.data() + offset) != kSerializedMagic) {
       fail("expected a serialized mesh, which begins with the bytes 1c 04" +
-           (offset > 0 ? ", at byte " + std::to_string(offset) : std::string()));
+           (offset > 0 ? fmt::format(", at byte {}", offset) : std::string()));
     }
     const auto version = little_endian<std::uint16_t>(bytes_.data() + offset + 2);
     if (version != kVersion3 && version != kVersion4) {
-      fail("expected version 3 or 4 of the serialized format, found " + std::to_string(version));
+      fail(fmt::format("expected version 3 or 4 of the serialized format, found {}", version));
     }
     return version;
   }
@@ -105,7 +105,7 @@ class MeshStream {
   void require(std::uint64_t count, std::uint64_t row_size, const char* what) const {
     if (count > std::numeric_limits<std::uint32_t>::max()) fail("a mesh of more than 2^32 - 1 " + std::string(what));
     if (count * row_size <= inflater_.max_remaining()) return;
-    fail("the mesh claims " + plural(count, what) + ", more than the file's size allows: truncated?");
+    fail(fmt::format("the mesh claims {}, more than the file's size allows: truncated?", plural(count, what)));
   }
 
   /// Reads `count` values in the file's precision.
@@ -157,8 +157,8 @@ void read_triangles(MeshStream& stream, std::uint64_t vertices, std::uint64_t tr
       vertex = stream.number<std::uint32_t>();
       if (vertex < vertices) continue;
       if (first_bad.empty())
-        first_bad = "triangle " + std::to_string(i) + " refers to vertex " + std::to_string(vertex) +
-                    " (counted from 0), but there are " + std::to_string(vertices);
+        first_bad =
+            fmt::format("triangle {} refers to vertex {} (counted from 0), but there are {}", i, vertex, vertices);
       if (bad_faces == BadFaces::kError) stream.fail(first_bad);
     }
   }
@@ -166,7 +166,7 @@ void read_triangles(MeshStream& stream, std::uint64_t vertices, std::uint64_t tr
     return t[0] >= vertices || t[1] >= vertices || t[2] >= vertices;
   });
   if (mesh.triangles.empty()) stream.fail("no triangle is complete: " + first_bad);
-  if (dropped > 0) file.warnings.push_back("faces left out: " + std::to_string(dropped) + " (" + first_bad + ")");
+  if (dropped > 0) file.warnings.push_back(fmt::format("faces left out: {} ({})", dropped, first_bad));
 }
 
 MeshFile read_stream(MeshStream& stream, std::uint16_t version, BadFaces bad_faces) {

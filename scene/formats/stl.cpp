@@ -206,14 +206,14 @@ MeshFile read_stl(const std::filesystem::path& file) {
     if (begins_with_solid(bytes) && is_text(bytes)) {
       read_ascii(bytes, file, triangles, out.warnings);
     } else if (bytes.size() < kHeader) {
-      throw SceneError(where, "is not an STL file (ASCII files begin with 'solid', binary ones have at least " +
-                                  std::to_string(kHeader) + " bytes)");
+      throw SceneError(
+          where, fmt::format("is not an STL file (ASCII files begin with 'solid', binary ones have at least {} bytes)",
+                             kHeader));
     } else {
       const std::size_t announced = announced_triangles(bytes);
-      throw SceneError(where, "is a truncated binary STL file, or not an STL file: its header announces " +
-                                  std::to_string(announced) + " triangles (" +
-                                  std::to_string(kHeader + announced * kTriangle) + " bytes), but the file has " +
-                                  std::to_string(bytes.size()) + " bytes");
+      throw SceneError(where, fmt::format("is a truncated binary STL file, or not an STL file: its header announces {} "
+                                          "triangles ({} bytes), but the file has {} bytes",
+                                          announced, kHeader + announced * kTriangle, bytes.size()));
     }
   }
   out.mesh = triangles.take();

@@ -41,10 +41,9 @@ class TensorFile::Reader {
     at_ = kTensorMagic.size();
     const int major = number<std::uint8_t>(), minor = number<std::uint8_t>();
     if (major != 1 || minor != 0)
-      file_.fail("expected version 1.0 of the format, found " + std::to_string(major) + "." + std::to_string(minor));
+      file_.fail(fmt::format("expected version 1.0 of the format, found {}.{}", major, minor));
     const std::uint32_t fields = number<std::uint32_t>();
-    if (fields > kMaxFields)
-      file_.fail("expected at most " + std::to_string(kMaxFields) + " fields, found " + std::to_string(fields));
+    if (fields > kMaxFields) file_.fail(fmt::format("expected at most {} fields, found {}", kMaxFields, fields));
     for (std::uint32_t i = 0; i < fields; ++i) read_field();
   }
 
@@ -57,10 +56,9 @@ class TensorFile::Reader {
     field.offset = number<std::uint64_t>();
     // Check type and dimensions
     if (field.type == 0 || field.type >= std::size(kTypeSizes))
-      file_.fail("field '" + name + "' has the type " + std::to_string(field.type) + ", expected one from 1 to 11");
+      file_.fail(fmt::format("field '{}' has the type {}, expected one from 1 to 11", name, field.type));
     if (dimensions > kMaxDimensions)
-      file_.fail("field '" + name + "' has " + std::to_string(dimensions) + " dimensions, expected at most " +
-                 std::to_string(kMaxDimensions));
+      file_.fail(fmt::format("field '{}' has {} dimensions, expected at most {}", name, dimensions, kMaxDimensions));
     // Read the shape; the data must fit into the file
     field.count = 1;
     const std::uint64_t room =
@@ -68,15 +66,17 @@ class TensorFile::Reader {
     bool fits = true;
     for (std::size_t i = 0; i < dimensions; ++i) {
       field.shape.push_back(number<std::uint64_t>());
-      if (field.shape.back() == 0) file_.fail("field '" + name + "' is empty along one dimension");
+      if (field.shape.back() == 0) file_.fail(fmt::format("field '{}' is empty along one dimension", name));
       fits = fits && field.count <= room / field.shape.back();
       if (fits) field.count *= field.shape.back();
     }
     if (!fits || field.count > room)
-      file_.fail("field '" + name + "' of " + to_string(field.shape) + " numbers of " +
-                 std::to_string(kTypeSizes[field.type]) + " bytes begins at byte " + std::to_string(field.offset) +
-                 " and does not fit into the file's " + std::to_string(file_.content_.size()) + " bytes: truncated?");
-    if (!file_.fields_.emplace(name, std::move(field)).second) file_.fail("field '" + name + "' appears twice");
+      file_.fail(
+          fmt::format("field '{}' of {} numbers of {} bytes begins at byte {} and does not fit into the file's {} "
+                      "bytes: truncated?",
+                      name, to_string(field.shape), kTypeSizes[field.type], field.offset, file_.content_.size()));
+    if (!file_.fields_.emplace(name, std::move(field)).second)
+      file_.fail(fmt::format("field '{}' appears twice", name));
   }
 
   std::string take(std::size_t size) {
@@ -100,22 +100,21 @@ const TensorFile::Field& TensorFile::field(const std::string& name) const {
   if (found != fields_.end()) return found->second;
   std::string known;
   for (const auto& entry : fields_) known += (known.empty() ? "" : ", ") + entry.first;
-  fail("has no field '" + name + "' (it has: " + known + ")");
+  fail(fmt::format("has no field '{}' (it has: {})", name, known));
 }
 
 const TensorFile::Field& TensorFile::field(const std::string& name, Type type) const {
   const Field& found = field(name);
   if (found.type != static_cast<std::uint8_t>(type))
-    fail("field '" + name + "' holds " + type_name(found.type) + ", expected " +
-         type_name(static_cast<std::uint8_t>(type)));
+    fail(fmt::format("field '{}' holds {}, expected {}", name, type_name(found.type),
+                     type_name(static_cast<std::uint8_t>(type))));
   return found;
 }
 
 const TensorFile::Shape& TensorFile::shape(const std::string& name, std::size_t dimensions) const {
   const Field& found = field(name);
   if (found.shape.size() != dimensions)
-    fail("field '" + name + "' has " + std::to_string(found.shape.size()) + " dimensions, expected " +
-         std::to_string(dimensions));
+    fail(fmt::format("field '{}' has {} dimensions, expected {}", name, found.shape.size(), dimensions));
   return found.shape;
 }
 
@@ -125,7 +124,7 @@ std::vector<float> TensorFile::floats(const std::string& name) const {
   const char* at = content_.data() + found.offset;
   for (std::size_t i = 0; i < result.size(); ++i, at += sizeof(float)) {
     result[i] = std::bit_cast<float>(little_endian<std::uint32_t>(at));
-    if (!std::isfinite(result[i])) fail("field '" + name + "': its number " + std::to_string(i) + " is not finite");
+    if (!std::isfinite(result[i])) fail(fmt::format("field '{}': its number {} is not finite", name, i));
   }
   return result;
 }

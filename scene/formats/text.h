@@ -1,6 +1,8 @@
 // Text utilities for file readers and messages.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <string>
 #include <string_view>
 
@@ -22,7 +24,7 @@ inline std::string_view unquoted(std::string_view text) {
 /// Encloses the text in quotation marks, truncated to 40 characters.
 inline std::string quoted(std::string_view text) {
   constexpr std::size_t kLongest = 40;
-  return "'" + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...'" : "'");
+  return fmt::format("'{}{}", text.substr(0, kLongest), text.size() > kLongest ? "...'" : "'");
 }
 
 }  // namespace sheaf

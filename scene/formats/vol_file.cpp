@@ -47,18 +47,18 @@ class VolReader {
     if (bytes_.size() < kHeaderSize && bytes_.compare(0, 3, "VOL") == 0) fail("the file is truncated");
     if (bytes_.compare(0, 3, "VOL") != 0) fail("expected a grid volume, which begins with the letters VOL");
     const int version = static_cast<unsigned char>(bytes_[3]);
-    if (version != 3) fail("expected version 3 of the format, found " + std::to_string(version));
+    if (version != 3) fail(fmt::format("expected version 3 of the format, found {}", version));
     VolHeader h;
     h.encoding = int_at(bytes_.data() + 4);
     for (std::size_t axis = 0; axis < 3; ++axis) h.size[axis] = int_at(bytes_.data() + 8 + 4 * axis);
     h.channels = int_at(bytes_.data() + 20);
     for (std::size_t i = 0; i < 6; ++i) h.box[i] = float_at(bytes_.data() + 24 + 4 * i);
     if (h.encoding < kFloat32 || h.encoding > kUint8) {
-      fail("expected values of encoding 1 (float32), 2 (float16) or 3 (uint8), found " + std::to_string(h.encoding));
+      fail(fmt::format("expected values of encoding 1 (float32), 2 (float16) or 3 (uint8), found {}", h.encoding));
     }
     const bool matrices = expected == VolChannels::kMatrices;
     if (matrices ? h.channels != 6 : h.channels != 1 && h.channels != 3)
-      fail(std::string("expected ") + (matrices ? "6" : "1 or 3") + " channels, found " + std::to_string(h.channels));
+      fail(fmt::format("expected {} channels, found {}", matrices ? "6" : "1 or 3", h.channels));
     check_size(h);
     return h;
   }
@@ -101,26 +101,23 @@ class VolReader {
   [[noreturn]] void fail_at(const VolHeader& h, std::size_t i) const {
     const std::size_t voxel = i / static_cast<std::size_t>(h.channels), x = static_cast<std::size_t>(h.size[0]),
                       y = static_cast<std::size_t>(h.size[1]);
-    fail("the value of voxel (" + std::to_string(voxel % x) + ", " + std::to_string(voxel / x % y) + ", " +
-         std::to_string(voxel / x / y) + ") is not finite");
+    fail(fmt::format("the value of voxel ({}, {}, {}) is not finite", voxel % x, voxel / x % y, voxel / x / y));
   }
 
   /// Throws unless the file size matches its header.
   void check_size(const VolHeader& h) const {
-    const std::string size =
-        std::to_string(h.size[0]) + " x " + std::to_string(h.size[1]) + " x " + std::to_string(h.size[2]) + " voxels";
+    const std::string size = fmt::format("{} x {} x {} voxels", h.size[0], h.size[1], h.size[2]);
     std::uint64_t expected = static_cast<std::uint64_t>(h.channels) * h.value_size();
     for (const int side : h.size) {
       if (side < 1 || side > kMaxGridSide) {
-        fail("a grid of " + size + " (expected sides from 1 to " + std::to_string(kMaxGridSide) + ")");
+        fail(fmt::format("a grid of {} (expected sides from 1 to {})", size, kMaxGridSide));
       }
       expected *= static_cast<std::uint64_t>(side);
     }
     const std::uint64_t found = bytes_.size() - kHeaderSize;
     if (found == expected) return;
-    fail("a grid of " + size + " with " + std::to_string(h.channels) + " channels of " +
-         std::to_string(h.value_size()) + " bytes takes " + std::to_string(expected) + " bytes, found " +
-         std::to_string(found) + (found < expected ? ": truncated?" : ""));
+    fail(fmt::format("a grid of {} with {} channels of {} bytes takes {} bytes, found {}{}", size, h.channels,
+                     h.value_size(), expected, found, found < expected ? ": truncated?" : ""));
   }
 
   const std::string& bytes_;

@@ -57,12 +57,12 @@ std::optional<CompiledLight> EnvmapDescription::compile(const SourceLocation& wh
   EnvmapImage image = read_envmap_image(file, raw);
   const UnusableValues unusable = replace_unusable(image);
   if (const std::size_t bad = unusable.dark + unusable.infinite; bad > 0) {
-    std::string text = file.string() + ": " + std::to_string(bad) + " values that are negative or not finite";
+    std::string text = fmt::format("{}: {} values that are negative or not finite", file.string(), bad);
     if (unusable.infinite == 0) {
       text += " count as 0";
     } else {
-      text += ": " + std::to_string(unusable.dark) + " count as 0, " + std::to_string(unusable.infinite) +
-              " infinite as " + std::to_string(static_cast<int>(kInfiniteTexel));
+      text += fmt::format(": {} count as 0, {} infinite as {}", unusable.dark, unusable.infinite,
+                          static_cast<int>(kInfiniteTexel));
     }
     context.warnings.push_back(std::move(text));
   }
@@ -70,8 +70,7 @@ std::optional<CompiledLight> EnvmapDescription::compile(const SourceLocation& wh
   const double nodes = static_cast<double>(image.width) * image.height;
   const MemoryUse uses[] = {{"its tables", nodes * sizeof(EnvmapColumn), "use a smaller map"},
                             {"its spectra", context.spectra != nullptr ? nodes * 4 * sizeof(float) : 0, {}}};
-  check_memory("the environment map '" + file.string() + "' of " + std::to_string(image.width) + " x " +
-                   std::to_string(image.height) + " pixels",
+  check_memory(fmt::format("the environment map '{}' of {} x {} pixels", file.string(), image.width, image.height),
                uses);
   Envmap map = make_envmap(std::move(image), scale, mis_compensation && can_compensate(context.integrator));
   set_rotation(map, to_world, where);

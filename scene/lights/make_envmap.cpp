@@ -174,12 +174,13 @@ double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t he
 
 Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation) {
   if (std::size_t{image.width} * image.height > kMaxEnvmapPixels)
-    throw SceneError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     " pixels is too large for an environment map (expected at most 2^28)");
+    throw SceneError(
+        fmt::format("an image of {} x {} pixels is too large for an environment map (expected at most 2^28)",
+                    image.width, image.height));
   if (std::max(image.width, image.height) > kMaxQuantileEntries)
-    throw SceneError("an image of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                     " pixels is too long for an environment map (expected sides of at most " +
-                     std::to_string(kMaxQuantileEntries) + ")");
+    throw SceneError(
+        fmt::format("an image of {} x {} pixels is too long for an environment map (expected sides of at most {})",
+                    image.width, image.height, kMaxQuantileEntries));
   // Encode the radiance
   Envmap map;
   map.width = image.width;

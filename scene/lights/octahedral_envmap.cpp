@@ -87,9 +87,9 @@ void keep_means(EnvmapImage& map, const EnvmapImage& square) {
 
 EnvmapImage lat_long_of_octahedral(const EnvmapImage& square, const std::filesystem::path& file) {
   if (square.width != square.height)
-    throw SceneError(SourceLocation{file.string(), 0}, "the environment map has " + std::to_string(square.width) +
-                                                           " x " + std::to_string(square.height) +
-                                                           " pixels (expected a square equal-area map)");
+    throw SceneError(SourceLocation{file.string(), 0},
+                     fmt::format("the environment map has {} x {} pixels (expected a square equal-area map)",
+                                 square.width, square.height));
   EnvmapImage map;
   map.height = std::max(square.height, 8u);
   map.width = 2 * map.height;

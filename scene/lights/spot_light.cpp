@@ -37,14 +37,15 @@ double falloff(const SpotLightData<Scalar>& spot, bool smooth, double theta) {
 
 void check_angles(const SpotLightDescription& spot, const SourceLocation& where) {
   if (!(spot.cutoff_angle > 0.0f && spot.cutoff_angle <= 180.0f))
-    throw SceneError(where, "the cone of a spot light must lie between 0 and 180 degrees, found " +
-                                std::to_string(spot.cutoff_angle));
+    throw SceneError(
+        where, fmt::format("the cone of a spot light must lie between 0 and 180 degrees, found {}", spot.cutoff_angle));
   if (!(spot.beam_width >= 0.0f && spot.beam_width <= spot.cutoff_angle))
-    throw SceneError(where, "the beam of a spot light, found " + std::to_string(spot.beam_width) +
-                                " degrees, must not be wider than its cone of " + std::to_string(spot.cutoff_angle));
+    throw SceneError(where,
+                     fmt::format("the beam of a spot light, found {} degrees, must not be wider than its cone of {}",
+                                 spot.beam_width, spot.cutoff_angle));
   if (spot.texture && !(spot.cutoff_angle < 90.0f))
-    throw SceneError(where, "the cone of a spot light with a texture must be below 90 degrees, found " +
-                                std::to_string(spot.cutoff_angle));
+    throw SceneError(where, fmt::format("the cone of a spot light with a texture must be below 90 degrees, found {}",
+                                        spot.cutoff_angle));
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
   const std::vector<const XmlElement*> nested = nested_bsdfs(p, 1, kMaxMixture, "1 to 256");
   const std::vector<float> weights = read_numbers(p, "weights");
   if (weights.size() != nested.size())
-    p.fail_at("weights", "has " + std::to_string(weights.size()) +
-                             " numbers, expected as many as there are nested <bsdf>, " + std::to_string(nested.size()));
+    p.fail_at("weights", fmt::format("has {} numbers, expected as many as there are nested <bsdf>, {}", weights.size(),
+                                     nested.size()));
   std::vector<WeightedMaterial> parts;
   float sum = 0;
   for (std::size_t i = 0; i < nested.size(); ++i) {
@@ -64,12 +64,12 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
     sum += weights[i];
   }
   if (!(sum > 0.0f) || !std::isfinite(sum))
-    p.fail_at("weights", "add up to " + std::to_string(sum) + ", expected more than 0");
+    p.fail_at("weights", fmt::format("add up to {}, expected more than 0", sum));
   const bool conserves = p.boolean("ensure_energy_conservation", true);
   // Normalise the weights, or fill up with black
   if (sum > kMaxWeight) {
     if (!conserves) p.fail_at("weights", "add up to more than 1, expected at most 1");
-    p.context().note(p.where(), "weights add up to " + std::to_string(sum) + ", normalized to 1");
+    p.context().note(p.where(), fmt::format("weights add up to {}, normalized to 1", sum));
   }
   if (sum < 2.0f - kMaxWeight || parts.size() == 1)
     parts.push_back({add_black_material(p), std::max(1.0f - sum, 0.0f)});

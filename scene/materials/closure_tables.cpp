@@ -159,8 +159,8 @@ float ClosureTables::add(const std::vector<float>& table) {
   const std::size_t first = std::max(blocks_of(floats_.size()), std::size_t{kFirstTable});
   const std::size_t end = first + blocks_of(table.size());
   if (end > kMaxTableBlocks)
-    throw SceneError("all tables of materials and phase functions together take more than " +
-                     std::to_string(kMaxTableBlocks / 1048576 * kTableBlock * sizeof(float)) + " MiB");
+    throw SceneError(fmt::format("all tables of materials and phase functions together take more than {} MiB",
+                                 kMaxTableBlocks / 1048576 * kTableBlock * sizeof(float)));
   floats_.resize(first * kTableBlock);
   floats_.insert(floats_.end(), table.begin(), table.end());
   floats_.resize(end * kTableBlock);

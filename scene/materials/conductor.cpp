@@ -27,8 +27,8 @@ std::optional<ConductorDescription::Ior> named_metal(Properties& p, const std::s
     std::vector<std::string> known = metal_names();
     known.emplace_back("none");
     p.report_at("material",
-                "is " + in_quotes(name) + ", expected the name of a metal" + did_you_mean(name, known) +
-                    " (known: " + list_of(known) + "); use 'eta' and 'k' for others",
+                fmt::format("is {}, expected the name of a metal{} (known: {}); use 'eta' and 'k' for others",
+                            in_quotes(name), did_you_mean(name, known), list_of(known)),
                 SceneErrorCode::kUnknownName);
     return std::nullopt;
   }
@@ -68,7 +68,7 @@ ConductorDescription ConductorDescription::read_smooth(Properties& p, const Bsdf
   const auto eta = p.find_spectrum_input("eta", SpectrumRole::kIor), k = p.find_spectrum_input("k", SpectrumRole::kIor);
   const std::string material = p.string("material", dialect.before_version_2 ? "Cu" : "none");
   if (eta || k) {
-    if (!eta || !k) p.fail(std::string("has only '") + (eta ? "eta" : "k") + "', expected both 'eta' and 'k'");
+    if (!eta || !k) p.fail(fmt::format("has only '{}', expected both 'eta' and 'k'", eta ? "eta" : "k"));
     if (p.has("material") && material != "none") p.report_conflict("material", "'eta' and 'k'");
     result.ior = {*eta, *k};
   } else if (material != "none") {

@@ -16,7 +16,7 @@ namespace {
 Dispersion read_cauchy(Properties& p, const char* name) {
   const std::vector<float> numbers = read_numbers(p, name);
   if (numbers.size() < 2 || numbers.size() > 3)
-    p.fail_at(name, "has " + std::to_string(numbers.size()) + " numbers, expected two or three: A, B, C");
+    p.fail_at(name, fmt::format("has {} numbers, expected two or three: A, B, C", numbers.size()));
   Dispersion result{Dispersion::Form::kPowers, numbers[0], {}};
   for (std::size_t i = 1; i < numbers.size(); ++i) result.terms[i - 1] = {numbers[i], -2.0f * static_cast<float>(i)};
   return result;
@@ -28,9 +28,8 @@ Dispersion read_sellmeier(Properties& p, const char* name) {
   const std::size_t terms = numbers.size() / 2;
   Dispersion result;
   if (terms == 0 || numbers.size() % 2 != 0 || terms > result.terms.size())
-    p.fail_at(name, "has " + std::to_string(numbers.size()) +
-                        " numbers, expected B1 B2 ... C1 C2 ..., as many B as C, " +
-                        std::to_string(result.terms.size()) + " of each at most");
+    p.fail_at(name, fmt::format("has {} numbers, expected B1 B2 ... C1 C2 ..., as many B as C, {} of each at most",
+                                numbers.size(), result.terms.size()));
   for (std::size_t i = 0; i < terms; ++i) result.terms[i] = {numbers[i], numbers[terms + i]};
   return result;
 }
@@ -40,8 +39,8 @@ Dispersion checked(Properties& p, const char* name, const Dispersion& dispersion
   for (float lambda = 360; lambda <= 830; ++lambda)
     if (const float n = ior<Scalar>(dispersion, lambda); !(n > 0.0f) || !std::isfinite(n))
       p.fail_at(name,
-                "has no index of refraction at " + std::to_string(static_cast<int>(lambda)) +
-                    " nm, expected positive ones from 360 to 830 nm",
+                fmt::format("has no index of refraction at {} nm, expected positive ones from 360 to 830 nm",
+                            static_cast<int>(lambda)),
                 SceneErrorCode::kOutOfRange);
   return dispersion;
 }
@@ -53,7 +52,7 @@ void read_side(Properties& p, const std::string& side, std::optional<bool> names
   const std::string plain = side + "_ior", cauchy = side + "_cauchy", sellmeier = side + "_sellmeier";
   const int given = int{p.has(plain.c_str())} + int{p.has(cauchy.c_str())} + int{p.has(sellmeier.c_str())};
   if (given > 1)
-    p.fail("has more than one of '" + plain + "', '" + cauchy + "' and '" + sellmeier + "', expected one",
+    p.fail(fmt::format("has more than one of '{}', '{}' and '{}', expected one", plain, cauchy, sellmeier),
            SceneErrorCode::kDuplicate);
   const auto find = [&](const char* name, Dispersion (*read)(Properties&, const char*)) {
     if (p.has(name)) dispersion = p.attempt(name, [&] { return checked(p, name, read(p, name)); });

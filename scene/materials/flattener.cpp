@@ -16,12 +16,12 @@ std::uint32_t MaterialFlattener::flatten(MaterialId id, MaterialWrappers around)
   const Key key(static_cast<std::size_t>(id), around.two_sided, around.map, around.coat, around.part);
   if (const auto known = known_.find(key); known != known_.end()) return known->second;
   if (rows.size() >= kMaxRows)
-    throw SceneError(m.where, "more than " + std::to_string(kMaxRows) + " combinations of materials");
+    throw SceneError(m.where, fmt::format("more than {} combinations of materials", kMaxRows));
   ++around.depth;
   std::uint32_t row = 0;
   try {
     if (around.depth > kMaxMaterialDepth + 1)
-      throw SceneError(m.where, "materials are nested more than " + std::to_string(kMaxMaterialDepth) + " deep",
+      throw SceneError(m.where, fmt::format("materials are nested more than {} deep", kMaxMaterialDepth),
                        SceneErrorCode::kTooLarge);
     row = std::visit([&](const auto& model) { return flatten_model(m, model, around); }, m.model);
   } catch (const SceneError& error) {

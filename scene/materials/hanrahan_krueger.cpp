@@ -16,8 +16,8 @@ void read_slab_material(Properties& p, HanrahanKruegerDescription& slab) {
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
     p.report_at("material",
-                "is " + in_quotes(name) + ", expected the name of a measured medium" +
-                    did_you_mean(name, measured_medium_names()),
+                fmt::format("is {}, expected the name of a measured medium{}", in_quotes(name),
+                            did_you_mean(name, measured_medium_names())),
                 SceneErrorCode::kUnknownName);
     found = find_measured_medium("skin1");
   }

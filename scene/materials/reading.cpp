@@ -57,9 +57,10 @@ float read_ior(Properties& p, const char* property, float default_value) {
   std::vector<std::string> known = ior_names();
   const std::vector<std::string> dispersing = dispersion_names();
   known.insert(known.end(), dispersing.begin(), dispersing.end());
-  p.report_at(property,
-              "is " + in_quotes(name) + ", expected a number or the name of a material" + did_you_mean(name, known),
-              SceneErrorCode::kUnknownName);
+  p.report_at(
+      property,
+      fmt::format("is {}, expected a number or the name of a material{}", in_quotes(name), did_you_mean(name, known)),
+      SceneErrorCode::kUnknownName);
   return default_value;
 }
 
@@ -84,15 +85,14 @@ RoughnessDescription read_roughness(Properties& p) {
     result.distribution = RoughnessDescription::Distribution::kGgx;
   } else if (distribution == "phong" || distribution == "as") {
     // Their exponents are 2 / alpha^2 - 2, which makes them nearly Beckmann (Walter et al. 2007, section 5.2).
-    p.context().note(p.where(), "distribution '" + distribution + "' rendered as 'beckmann'");
+    p.context().note(p.where(), fmt::format("distribution '{}' rendered as 'beckmann'", distribution));
   } else if (distribution != "beckmann") {
-    p.report_at("distribution", "is " + in_quotes(distribution) + ", expected beckmann or ggx",
+    p.report_at("distribution", fmt::format("is {}, expected beckmann or ggx", in_quotes(distribution)),
                 SceneErrorCode::kUnknownName);
   }
   const bool along = p.has("alpha_u"), across = p.has("alpha_v");
   if (along != across)
-    p.fail(std::string("has only 'alpha_") + (along ? "u" : "v") +
-           "', expected both 'alpha_u' and 'alpha_v', or 'alpha'");
+    p.fail(fmt::format("has only 'alpha_{}', expected both 'alpha_u' and 'alpha_v', or 'alpha'", along ? "u" : "v"));
   if (along && p.has("alpha")) p.report_conflict("alpha", "'alpha_u' and 'alpha_v'");
   result.alpha_u = read_alpha(p, along ? "alpha_u" : "alpha", result.alpha_u);
   result.alpha_v = along ? read_alpha(p, "alpha_v", result.alpha_v) : result.alpha_u;
@@ -122,8 +122,10 @@ void limit_energy(Properties& p, SpectrumInput& diffuse, SpectrumInput& specular
   constexpr float kMax = 0.99f;
   *d = scaled(std::move(*d), kMax / largest);
   *s = scaled(std::move(*s), kMax / largest);
-  p.context().note(p.where(), "reflects up to " + std::to_string(largest) +
-                                  " of the light; its reflectances are scaled down so that they add up to 0.99");
+  p.context().note(
+      p.where(),
+      fmt::format("reflects up to {} of the light; its reflectances are scaled down so that they add up to 0.99",
+                  largest));
 }
 
 std::vector<float> read_numbers(Properties& p, const char* name) {
@@ -146,7 +148,7 @@ std::string list_of(const std::vector<std::string>& names) {
 std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std::size_t high, const char* expected) {
   std::vector<const XmlElement*> found = p.objects("bsdf");
   if (found.size() < low || found.size() > high)
-    p.fail("has " + std::to_string(found.size()) + " nested <bsdf>, expected " + expected, SceneErrorCode::kMissing);
+    p.fail(fmt::format("has {} nested <bsdf>, expected {}", found.size(), expected), SceneErrorCode::kMissing);
   return found;
 }
 
@@ -157,8 +159,8 @@ MaterialId read_nested_bsdf(Properties& p, const BsdfDialect& dialect) {
 void expect_opaque(Properties& p, MaterialId nested) {
   const std::vector<MaterialDescription>& materials = p.context().material_list;
   if (transmits(materials, nested))
-    p.fail("has a nested material that transmits light (line " +
-           std::to_string(materials[static_cast<std::size_t>(nested)].where.line) + ")");
+    p.fail(fmt::format("has a nested material that transmits light (line {})",
+                       materials[static_cast<std::size_t>(nested)].where.line));
 }
 
 const XmlElement& only_texture(Properties& p) {
@@ -172,7 +174,7 @@ TextureId read_map(const XmlElement& texture, ReadContext& context) {
 }
 
 void note_polarisation(Properties& p) {
-  p.context().note(p.where(), "bsdf '" + p.type() + "' rendered without polarization, which is not simulated");
+  p.context().note(p.where(), fmt::format("bsdf '{}' rendered without polarization, which is not simulated", p.type()));
 }
 
 }  // namespace sheaf

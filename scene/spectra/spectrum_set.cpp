@@ -37,8 +37,7 @@ float limited(float value, SpectrumUse use) {
 }
 
 void check_finite(float value) {
-  if (!std::isfinite(value))
-    throw SceneError("a spectrum contains " + std::to_string(value) + " (expected finite numbers)");
+  if (!std::isfinite(value)) throw SceneError(fmt::format("a spectrum contains {} (expected finite numbers)", value));
 }
 
 SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {

@@ -1,5 +1,7 @@
 #include "scene/tables/integrator_list.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace sheaf {
@@ -50,7 +52,7 @@ std::vector<std::string> suggested_integrators() {
 std::string integrator_descriptions() {
   std::string text;
   for (const IntegratorEntry& entry : kIntegrators)
-    if (entry.help != nullptr) text += (text.empty() ? "" : ";\n") + std::string(entry.names[0]) + ": " + entry.help;
+    if (entry.help != nullptr) text += fmt::format("{}{}: {}", text.empty() ? "" : ";\n", entry.names[0], entry.help);
   return text;
 }
 

@@ -74,7 +74,7 @@ class TreeBuilder {
     scratch_.resize(lights.size());
     for (std::size_t i = 0; i < lights.size(); ++i) {
       if (!is_sound(lights[i]))
-        throw SceneError("light " + std::to_string(i) + " has no finite bounds (expected a box and a unit axis)");
+        throw SceneError(fmt::format("light {} has no finite bounds (expected a box and a unit axis)", i));
       clusters_.push_back(make_cluster(lights[i]));
       order_[i] = static_cast<std::uint32_t>(i);
     }
@@ -261,8 +261,7 @@ LightTreeView LightTree::view() const {
 
 LightTree build_light_tree(std::span<const LightBounds> lights) {
   if (lights.size() > kLightNodeIndex)
-    throw SceneError(std::to_string(lights.size()) + " lights (expected at most " + std::to_string(kLightNodeIndex) +
-                     ")");
+    throw SceneError(fmt::format("{} lights (expected at most {})", lights.size(), kLightNodeIndex));
   return TreeBuilder(lights).build();
 }
 

@@ -16,7 +16,7 @@ const char* only_name(Properties& p, std::initializer_list<const char*> names) {
   for (const char* name : names) {
     if (!p.has(name)) continue;
     if (found != nullptr)
-      p.report_conflict(name, "'" + std::string(found) + "'");
+      p.report_conflict(name, fmt::format("'{}'", found));
     else
       found = name;
   }
@@ -31,7 +31,8 @@ TextureFilter read_bitmap_filter(Properties& p) {
   const char* name = only_name(p, {"filter_type", "filter", "interpolation"});
   const TextureFilter filter = p.choice(name, kFilters, TextureFilter::kBilinear);
   if (const std::string given = p.string(name, "bilinear"); given != kFilters.name_of(filter))
-    p.context().note(p.where(), "texture '" + p.type() + "' has the filter '" + given + "', rendered as 'bilinear'");
+    p.context().note(p.where(),
+                     fmt::format("texture '{}' has the filter '{}', rendered as 'bilinear'", p.type(), given));
   return filter;
 }
 

@@ -83,7 +83,7 @@ std::string Definitions::evaluate(std::string_view text, std::size_t open, std::
   end = std::min(close, text.size());
   const auto fail = [&](std::size_t at, const std::string& message) {
     const std::string column =
-        place.column > 0 ? "column " + std::to_string(static_cast<std::size_t>(place.column) + at) + ": " : "";
+        place.column > 0 ? fmt::format("column {}: ", static_cast<std::size_t>(place.column) + at) : "";
     on_error(SceneError(place.where, column + in_quotes(text.substr(open - 1, end - open + 1)) + ": " + message,
                         SceneErrorCode::kSyntax));
     return std::string();
@@ -109,17 +109,17 @@ const Definitions::Entry* Definitions::longest_prefix(std::string_view text) con
 SceneError Definitions::undefined(const std::string& name, const SourceLocation& where) const {
   std::vector<std::string> known;
   for (const Entry& entry : values_) known.push_back(entry.first);
-  return {where, "parameter '$" + name + "' is not defined" + did_you_mean(name, known) + " (define it by -D " + name +
-                     "=value or <default>)"};
+  return {where, fmt::format("parameter '${}' is not defined{} (define it by -D {}=value or <default>)", name,
+                             did_you_mean(name, known), name)};
 }
 
 void Definitions::reject_unused(const std::string& file) const {
   const std::vector<std::string> known(used_.begin(), used_.end());
   for (const std::string& name : defined_)
     if (used_.count(name) == 0)
-      throw SceneError(SourceLocation{file, 0}, "the scene has no parameter " + in_quotes(name) + " for -D" +
-                                                    (name == "frame" ? " or --frames" : "") + " to set" +
-                                                    did_you_mean(name, known));
+      throw SceneError(SourceLocation{file, 0},
+                       fmt::format("the scene has no parameter {} for -D{} to set{}", in_quotes(name),
+                                   name == "frame" ? " or --frames" : "", did_you_mean(name, known)));
 }
 
 }  // namespace sheaf

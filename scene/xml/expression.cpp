@@ -21,10 +21,9 @@ class ExpressionParser {
   ExpressionParser(std::string_view text, const NameLookup& lookup) : text_(text), lookup_(lookup) {}
 
   double run() {
-    if (text_.size() > kMaxLength)
-      fail(0, "the expression is longer than " + std::to_string(kMaxLength) + " characters");
+    if (text_.size() > kMaxLength) fail(0, fmt::format("the expression is longer than {} characters", kMaxLength));
     const double value = sum();
-    if (next() != '\0') fail(at_, "found " + found() + ", expected an operator: + - * / %");
+    if (next() != '\0') fail(at_, fmt::format("found {}, expected an operator: + - * / %", found()));
     return value;
   }
 
@@ -80,8 +79,7 @@ class ExpressionParser {
 
   double factor() {
     const char c = next();
-    if (++depth_ > kMaxDepth)
-      fail(at_, "the expression is nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    if (++depth_ > kMaxDepth) fail(at_, fmt::format("the expression is nested deeper than {} levels", kMaxDepth));
     double value = 0;
     if (c == '-' || c == '+') {
       ++at_;
@@ -94,8 +92,8 @@ class ExpressionParser {
     } else if (is_letter(c)) {
       value = name();
     } else {
-      fail(at_, "found " + found() + ", expected a number, a name or '('" +
-                    (c == '$' ? "; names are written without $ here" : ""));
+      fail(at_, fmt::format("found {}, expected a number, a name or '('{}", found(),
+                            c == '$' ? "; names are written without $ here" : ""));
     }
     --depth_;
     return value;
@@ -105,7 +103,7 @@ class ExpressionParser {
     const std::size_t open = at_++;
     const double value = sum();
     if (next() == '\0') fail(open, "'(' is not closed, expected ')'");
-    if (next() != ')') fail(at_, "found " + found() + ", expected an operator or ')'");
+    if (next() != ')') fail(at_, fmt::format("found {}, expected an operator or ')'", found()));
     ++at_;
     return value;
   }
@@ -115,7 +113,7 @@ class ExpressionParser {
     const auto [end, problem] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
     if (problem != std::errc())
       fail(at_, problem == std::errc::result_out_of_range ? "the number is too large or too small"
-                                                          : "found " + found() + ", expected a number");
+                                                          : fmt::format("found {}, expected a number", found()));
     at_ = static_cast<std::size_t>(end - text_.data());
     return value;
   }
@@ -127,14 +125,15 @@ class ExpressionParser {
     const std::string_view word = text_.substr(begin, at_ - begin);
     // Call a function
     if (next() == '(') {
-      if (word != "sin" && word != "cos") fail(begin, "unknown function " + in_quotes(word) + ", expected sin or cos");
+      if (word != "sin" && word != "cos")
+        fail(begin, fmt::format("unknown function {}, expected sin or cos", in_quotes(word)));
       const double angle = parenthesised();
       return word == "sin" ? std::sin(angle) : std::cos(angle);
     }
     // Look up the value
     if (const std::string* value = lookup_(word)) return number_of(*value, word, begin);
     if (word == "pi") return std::numbers::pi;
-    fail(begin, in_quotes(word) + " is not defined (define it by -D " + std::string(word.substr(0, 40)) + "=value)");
+    fail(begin, fmt::format("{} is not defined (define it by -D {}=value)", in_quotes(word), word.substr(0, 40)));
   }
 
   static double number_of(std::string_view text, std::string_view word, std::size_t at) {
@@ -144,7 +143,7 @@ class ExpressionParser {
     double value = 0;
     const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-      fail(at, in_quotes(word) + " is " + in_quotes(text) + ", expected a number");
+      fail(at, fmt::format("{} is {}, expected a number", in_quotes(word), in_quotes(text)));
     return value;
   }
 

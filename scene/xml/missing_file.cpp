@@ -27,7 +27,7 @@ std::string first_line(const fs::path& file) {
 std::string origin_of(const fs::path& base, const std::string& name) {
   for (fs::path way = fs::path(name).parent_path(); way.has_filename(); way = way.parent_path()) {
     const fs::path file = base / (way.string() + ".txt");
-    if (const std::string line = first_line(file); !line.empty()) return " (" + file.string() + ": " + line + ")";
+    if (const std::string line = first_line(file); !line.empty()) return fmt::format(" ({}: {})", file.string(), line);
     if (way == way.parent_path()) break;
   }
   return {};
@@ -36,7 +36,7 @@ std::string origin_of(const fs::path& base, const std::string& name) {
 }  // namespace
 
 std::string missing_file(const std::string& name, const std::vector<fs::path>& folders) {
-  std::string message = "file " + in_quotes(name) + " not found", origin;
+  std::string message = fmt::format("file {} not found", in_quotes(name)), origin;
   for (std::size_t i = 0; i < folders.size(); ++i) {
     message += (i == 0 ? " in " : ", ") + in_quotes(folders[i].empty() ? "." : folders[i].string());
     if (origin.empty()) origin = origin_of(folders[i], name);

@@ -19,8 +19,8 @@ std::string range_text(NumberRange range) {
   const bool bounded = range.high < std::numeric_limits<double>::infinity();
   if (!bounded && range.low == 0) return range.open ? "a positive number" : "a non-negative number";
   if (!bounded) return "a number of at least " + number_text(range.low);
-  return "a number " + std::string(range.open ? "between " : "from ") + number_text(range.low) +
-         (range.open ? " and " : " to ") + number_text(range.high);
+  return fmt::format("a number {}{}{}{}", range.open ? "between " : "from ", number_text(range.low),
+                     range.open ? " and " : " to ", number_text(range.high));
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ NamedValue* NamedValues::use(const char* name) {
 
 void NamedValues::check_range(const NamedValue& value, const Number& number, NumberRange range) const {
   if (!is_inside(number.value, range))
-    fail_value(value, "is " + number.text + ", expected " + range_text(range), SceneErrorCode::kOutOfRange);
+    fail_value(value, fmt::format("is {}, expected {}", number.text, range_text(range)), SceneErrorCode::kOutOfRange);
 }
 
 std::optional<float> NamedValues::find_number(const char* name, NumberRange range) {
@@ -152,12 +152,12 @@ void NamedValues::reject(NamedValue& value) const {
   std::string message = "unknown " + subject(value);
   const std::string nearest = nearest_name(key_of(value.name), keys);
   const auto at = std::find(keys.begin(), keys.end(), nearest) - keys.begin();
-  if (!nearest.empty()) message += ", did you mean '" + queried_[static_cast<std::size_t>(at)] + "'?";
+  if (!nearest.empty()) message += fmt::format(", did you mean '{}'?", queried_[static_cast<std::size_t>(at)]);
   drop(value, make_error(&value, message, SceneErrorCode::kUnknownName));
 }
 
 std::string NamedValues::subject(const NamedValue& value) const {
-  return std::string(value_kind()) + " " + in_quotes(value.name) + " of " + title();
+  return fmt::format("{} {} of {}", value_kind(), in_quotes(value.name), title());
 }
 
 SceneError NamedValues::make_error(const NamedValue* value, const std::string& message, SceneErrorCode code) const {
@@ -170,11 +170,11 @@ void NamedValues::drop(NamedValue& value, const SceneError& error) const {
 }
 
 void NamedValues::fail_value(const NamedValue& value, const std::string& message, SceneErrorCode code) const {
-  raise(&value, subject(value) + " " + message, code);
+  raise(&value, fmt::format("{} {}", subject(value), message), code);
 }
 
 void NamedValues::fail(const std::string& message, SceneErrorCode code) const {
-  raise(nullptr, title() + " " + message, code);
+  raise(nullptr, fmt::format("{} {}", title(), message), code);
 }
 
 void NamedValues::fail_at(const char* name, const std::string& message, SceneErrorCode code) {
@@ -186,11 +186,11 @@ void NamedValues::fail_at(const char* name, const std::string& message, SceneErr
 void NamedValues::report_at(const char* name, const std::string& message, SceneErrorCode code) {
   NamedValue* value = look(name);
   if (value == nullptr) fail_at(name, message, code);
-  drop(*value, make_error(value, subject(*value) + " " + message, code));
+  drop(*value, make_error(value, fmt::format("{} {}", subject(*value), message), code));
 }
 
 std::string NamedValues::choice_message(std::string_view text, const std::vector<std::string>& known) {
-  return "is " + in_quotes(text) + ", expected " + one_of(known) + did_you_mean(text, known);
+  return fmt::format("is {}, expected {}{}", in_quotes(text), one_of(known), did_you_mean(text, known));
 }
 
 void NamedValues::fail_choice(const char* name, std::string_view text, const std::vector<std::string>& known) {

@@ -84,7 +84,7 @@ class NamedValues {
   void report_at(const char* name, const std::string& message, SceneErrorCode code = SceneErrorCode::kInvalid);
   /// Reports that a value is set together with an alternative; see report_at(). `others`: "'from' and 'to'".
   void report_conflict(const char* name, const std::string& others) {
-    report_at(name, "is set together with " + others + ", expected one of them", SceneErrorCode::kDuplicate);
+    report_at(name, fmt::format("is set together with {}, expected one of them", others), SceneErrorCode::kDuplicate);
   }
   /// Calls read(), which takes the value. Reports its error at the value, which then counts as absent; returns nothing.
   template <class Read> auto attempt(const char* name, Read&& read) -> std::optional<decltype(read())> {

@@ -59,7 +59,8 @@ void Properties::expect_attributes(const XmlElement& element, std::initializer_l
 }
 
 void Properties::report_child(const XmlElement& child, const std::string& message, SceneErrorCode code) {
-  context_.errors.report(SceneError(child.where, message, code).about("<" + child.name + "> in " + title()), "ignored");
+  context_.errors.report(SceneError(child.where, message, code).about(fmt::format("<{}> in {}", child.name, title())),
+                         "ignored");
 }
 
 void Properties::add(const XmlElement& child) {
@@ -82,18 +83,18 @@ void Properties::add(const XmlElement& child) {
     std::vector<std::string> known = kPropertyTags;
     known.insert(known.end(), kObjectTags.begin(), kObjectTags.end());
     known.push_back("ref");
-    return report_child(child,
-                        "unknown element <" + target->name + "> in " + title() + did_you_mean(target->name, known),
-                        SceneErrorCode::kUnknownName);
+    return report_child(
+        child, fmt::format("unknown element <{}> in {}{}", target->name, title(), did_you_mean(target->name, known)),
+        SceneErrorCode::kUnknownName);
   }
   // Add properties, each once
   if (nameless)
-    return report_child(child, "<" + child.name + "> in " + title() + " needs an attribute 'name'",
+    return report_child(child, fmt::format("<{}> in {} needs an attribute 'name'", child.name, title()),
                         SceneErrorCode::kMissing);
   const std::string key = spelling_key(*name);
   const auto same = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
   if (same != entries_.end()) {
-    const SceneError error(child.where, "property " + in_quotes(*name) + " is set twice, expected once",
+    const SceneError error(child.where, fmt::format("property {} is set twice, expected once", in_quotes(*name)),
                            SceneErrorCode::kDuplicate);
     context_.errors.report(error.about(subject(*same)), "the last one is used");
     entries_.erase(same);
@@ -112,7 +113,8 @@ const std::string& Properties::text_of(const Entry& entry, std::initializer_list
   const bool fits = std::any_of(types.begin(), types.end(), [&](const char* t) { return entry.target->name == t; });
   if (!fits) fail_type(entry, *types.begin());
   expect_attributes(*entry.target, {"name", "id", "value"});
-  if (!entry.target->children.empty()) raise(&entry, "<" + entry.target->name + "> has nested elements, expected none");
+  if (!entry.target->children.empty())
+    raise(&entry, fmt::format("<{}> has nested elements, expected none", entry.target->name));
   return entry.target->attribute("value");
 }
 
@@ -188,7 +190,7 @@ Vec2f Properties::vec2(const char* name, Vec2f default_value) {
     expect_attributes(target, {"name", "id", "value"});
     const std::vector<float> v =
         parse_floats(target.attribute("value"), target.where, "property " + in_quotes(entry->name));
-    if (v.size() != 2) fail_value(*entry, "has " + std::to_string(v.size()) + " numbers, expected two");
+    if (v.size() != 2) fail_value(*entry, fmt::format("has {} numbers, expected two", v.size()));
     return Vec2f{v[0], v[1]};
   };
   return attempt(*entry, read).value_or(default_value);
@@ -310,7 +312,8 @@ const XmlElement* Properties::take_first(bool (*fits)(const Entry& entry), const
   for (Entry& entry : entries_) {
     if (entry.used || entry.dropped || !fits(entry)) continue;
     if (found != nullptr)
-      drop(entry, make_error(&entry, title() + " has a second " + what + ", expected one", SceneErrorCode::kDuplicate));
+      drop(entry, make_error(&entry, fmt::format("{} has a second {}, expected one", title(), what),
+                             SceneErrorCode::kDuplicate));
     else
       found = &entry;
   }
@@ -353,7 +356,7 @@ std::vector<const XmlElement*> Properties::objects(const char* kind) {
 const XmlElement* Properties::object(const char* kind) {
   const std::vector<const XmlElement*> found = objects(kind);
   if (found.size() > 1)
-    fail("has " + std::to_string(found.size()) + " nested <" + kind + ">, expected one", SceneErrorCode::kDuplicate);
+    fail(fmt::format("has {} nested <{}>, expected one", found.size(), kind), SceneErrorCode::kDuplicate);
   return found.empty() ? nullptr : found[0];
 }
 
@@ -366,10 +369,10 @@ const XmlElement* Properties::named_object(const char* kind, const char* name) {
   for (Entry& entry : entries_) {
     if (!entry.key.empty() || entry.dropped || entry.target->name != kind || spelling_key(entry.name) != key) continue;
     if (found != nullptr)
-      drop(entry,
-           make_error(&entry,
-                      title() + " has a second <" + kind + "> of the name " + in_quotes(entry.name) + ", expected one",
-                      SceneErrorCode::kDuplicate));
+      drop(entry, make_error(&entry,
+                             fmt::format("{} has a second <{}> of the name {}, expected one", title(), kind,
+                                         in_quotes(entry.name)),
+                             SceneErrorCode::kDuplicate));
     else
       found = &entry;
   }
@@ -415,14 +418,15 @@ void Properties::reject_unused() {
 void Properties::report_unused_object(const Entry& entry) {
   const std::string& kind = entry.target->name;
   if (kind == "texture")
-    return report_child(*entry.written, "<" + entry.written->name + "> in " + title() + " needs an attribute 'name'",
+    return report_child(*entry.written,
+                        fmt::format("<{}> in {} needs an attribute 'name'", entry.written->name, title()),
                         SceneErrorCode::kMissing);
-  std::string message = title() + " takes no nested <" + kind + ">";
+  std::string message = fmt::format("{} takes no nested <{}>", title(), kind);
   if (const auto known = queried_objects_.find(kind); known != queried_objects_.end()) {
     message += entry.name.empty() ? " without a name" : " of the name " + in_quotes(entry.name);
     message += did_you_mean(spelling_key(entry.name), known->second) + known_names(known->second);
   } else if (!queried_kinds_.empty()) {
-    message += " (known: " + joined(queried_kinds_) + ")";
+    message += fmt::format(" (known: {})", joined(queried_kinds_));
   }
   report_child(*entry.written, message, SceneErrorCode::kUnknownName);
 }
@@ -432,13 +436,13 @@ const SourceLocation& Properties::place_of(const NamedValue* value) const {
 }
 
 void Properties::replace_plugin(const SceneError& error, const char* substitute) {
-  errors().report(error, "rendered as '" + std::string(substitute) + "'");
+  errors().report(error, fmt::format("rendered as '{}'", substitute));
   type_ = substitute;
   is_replaced_ = true;
 }
 
 void Properties::report(const std::string& message, SceneErrorCode code, std::string_view substitute) {
-  errors().report(make_error(nullptr, title() + " " + message, code), substitute);
+  errors().report(make_error(nullptr, fmt::format("{} {}", title(), message), code), substitute);
 }
 
 void Properties::fail_plugin(std::vector<std::string> known) const {
@@ -446,17 +450,19 @@ void Properties::fail_plugin(std::vector<std::string> known) const {
   if (QueryRecorder* recorder = QueryRecorder::active())
     recorder->plugins[object_.name].insert(known.begin(), known.end());
   raise(nullptr,
-        "unknown " + object_.name + " plugin " + in_quotes(type_) + did_you_mean(type_, known) + known_names(known),
+        fmt::format("unknown {} plugin {}{}{}", object_.name, in_quotes(type_), did_you_mean(type_, known),
+                    known_names(known)),
         SceneErrorCode::kUnknownName);
 }
 
 SceneError Properties::type_error(const Entry& entry, const char* expected) const {
-  return make_error(&entry, subject(entry) + " is given as <" + entry.target->name + ">, expected " + expected,
+  return make_error(&entry,
+                    fmt::format("{} is given as <{}>, expected {}", subject(entry), entry.target->name, expected),
                     SceneErrorCode::kWrongType);
 }
 
 void Properties::fail_type(const Entry& entry, const char* expected) const { throw type_error(entry, expected); }
 
-std::string Properties::title() const { return object_.name + " " + in_quotes(type_); }
+std::string Properties::title() const { return fmt::format("{} {}", object_.name, in_quotes(type_)); }
 
 }  // namespace sheaf

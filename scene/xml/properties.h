@@ -65,7 +65,7 @@ template <class Read> bool read_or_leave_out(const XmlElement& element, ReadCont
     read();
     return true;
   } catch (const SceneError& error) {
-    context.errors.report(error.about("<" + element.name + ">"), element.name + " ignored");
+    context.errors.report(error.about(fmt::format("<{}>", element.name)), element.name + " ignored");
     return false;
   }
 }

@@ -1,6 +1,8 @@
 // Recording of queries, and texts of default values.
 #include "scene/xml/query_recorder.h"
 
+#include <fmt/format.h>
+
 #include <cassert>
 #include <charconv>
 
@@ -25,10 +27,10 @@ std::string default_text(float value) {
 
 std::string default_text(int value) { return std::to_string(value); }
 
-std::string default_text(Vec2f value) { return "(" + default_text(value.x) + ", " + default_text(value.y) + ")"; }
+std::string default_text(Vec2f value) { return fmt::format("({}, {})", default_text(value.x), default_text(value.y)); }
 
 std::string default_text(Vec3f value) {
-  return "(" + default_text(value.x) + ", " + default_text(value.y) + ", " + default_text(value.z) + ")";
+  return fmt::format("({}, {}, {})", default_text(value.x), default_text(value.y), default_text(value.z));
 }
 
 std::string default_text(const std::string& value) { return value; }

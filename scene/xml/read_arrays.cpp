@@ -22,16 +22,16 @@ void expect(Properties& p, const char* name, const ArrayValue& array, ArrayValue
                     (rows == 0 ? length > 0 : length == rows);
   if (fits) return;
   const std::string count = rows == 0 ? "N" : std::to_string(rows);
-  p.fail_at(name, "is an array of " + array.text() + ", expected " + type_name(type) + " (" + count + ", " +
-                      std::to_string(columns) + ")");
+  p.fail_at(name,
+            fmt::format("is an array of {}, expected {} ({}, {})", array.text(), type_name(type), count, columns));
 }
 
 /// Throws if a number is not finite.
 void expect_finite(Properties& p, const char* name, std::span<const float> values) {
   const auto bad = std::find_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
   if (bad != values.end())
-    p.fail_at(name, "has the value " + number_text(static_cast<double>(*bad)) + " at index " +
-                        std::to_string(bad - values.begin()) + " of the flat array, expected finite numbers");
+    p.fail_at(name, fmt::format("has the value {} at index {} of the flat array, expected finite numbers",
+                                number_text(static_cast<double>(*bad)), bad - values.begin()));
 }
 
 /// Reads rows of floats into a vector of structs that consist of floats.
@@ -53,9 +53,8 @@ std::vector<std::array<std::uint32_t, 3>> read_faces(Properties& p, std::size_t 
   const std::span<const std::uint32_t> indices = faces->indices();
   const auto bad = std::find_if(indices.begin(), indices.end(), [&](std::uint32_t i) { return i >= vertices; });
   if (bad != indices.end())
-    p.fail_at("faces", "has the index " + std::to_string(*bad) + " in face " +
-                           std::to_string((bad - indices.begin()) / 3) + ", but there are " + std::to_string(vertices) +
-                           " vertices");
+    p.fail_at("faces", fmt::format("has the index {} in face {}, but there are {} vertices", *bad,
+                                   (bad - indices.begin()) / 3, vertices));
   std::vector<std::array<std::uint32_t, 3>> out(faces->shape[0]);
   std::memcpy(out.data(), faces->data, indices.size_bytes());
   return out;
@@ -68,8 +67,8 @@ void read_attributes(Properties& p, std::string_view prefix, std::size_t rows, M
                                  : array->shape.size() == 2 ? array->shape[1]
                                                             : std::size_t{0};
     if (array->type != ArrayValue::Type::kFloat || (channels != 1 && channels != 3) || array->shape[0] != rows)
-      p.fail_at(name.c_str(), "is an array of " + array->text() + ", expected float32 (" + std::to_string(rows) +
-                                  ") or (" + std::to_string(rows) + ", 3)");
+      p.fail_at(name.c_str(),
+                fmt::format("is an array of {}, expected float32 ({}) or ({}, 3)", array->text(), rows, rows));
     expect_finite(p, name.c_str(), array->floats());
     const std::span<const float> values = array->floats();
     mesh.attributes.push_back({name, static_cast<int>(channels), {values.begin(), values.end()}});
@@ -81,13 +80,13 @@ void read_attributes(Properties& p, std::string_view prefix, std::size_t rows, M
 const ArrayValue& grid_of(Properties& p, const char* name, std::size_t dimensions, std::size_t max_side,
                           std::initializer_list<std::size_t> channels, const char* expected) {
   const ArrayValue* array = p.find_array(name);
-  if (array == nullptr) p.fail(std::string("needs the array '") + name + "'");
+  if (array == nullptr) p.fail(fmt::format("needs the array '{}'", name));
   const std::vector<std::size_t>& shape = array->shape;
   const bool has_channels = shape.size() == dimensions + 1;
   bool fits = (shape.size() == dimensions || has_channels) && array->type != ArrayValue::Type::kIndex;
   for (std::size_t axis = 0; fits && axis < dimensions; ++axis) fits = shape[axis] >= 1 && shape[axis] <= max_side;
   if (fits && has_channels) fits = std::find(channels.begin(), channels.end(), shape[dimensions]) != channels.end();
-  if (!fits) p.fail_at(name, "is an array of " + array->text() + ", expected " + expected);
+  if (!fits) p.fail_at(name, fmt::format("is an array of {}, expected {}", array->text(), expected));
   if (array->type == ArrayValue::Type::kFloat) expect_finite(p, name, array->floats());
   return *array;
 }
@@ -97,7 +96,7 @@ const ArrayValue& grid_of(Properties& p, const char* name, std::size_t dimension
 std::string ArrayValue::text() const {
   std::string sides;
   for (const std::size_t side : shape) sides += (sides.empty() ? "" : ", ") + std::to_string(side);
-  return std::string(type_name(type)) + " (" + sides + ")";
+  return fmt::format("{} ({})", type_name(type), sides);
 }
 
 Mesh read_mesh_arrays(Properties& p) {
@@ -139,7 +138,8 @@ Image read_image_array(Properties& p, const char* name, bool raw) {
 DenseVolume read_volume_array(Properties& p, const char* name) {
   const ArrayValue& array =
       grid_of(p, name, 3, kMaxGridSide, {1, 3}, "float32 (Z, Y, X), or (Z, Y, X, C) with 1 or 3 channels");
-  if (array.type != ArrayValue::Type::kFloat) p.fail_at(name, "is an array of " + array.text() + ", expected float32");
+  if (array.type != ArrayValue::Type::kFloat)
+    p.fail_at(name, fmt::format("is an array of {}, expected float32", array.text()));
   DenseVolume volume;
   volume.channels = array.shape.size() == 4 ? static_cast<int>(array.shape[3]) : 1;
   Matrix4 cells;

@@ -25,7 +25,7 @@ Vec3f parse_hex(std::string_view text, const SourceLocation& where) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data() + 1, end, value, 16);
   if (text.size() != 7 || result.ec != std::errc() || result.ptr != end)
-    throw SceneError(where, "colour is " + in_quotes(text) + ", expected #rrggbb");
+    throw SceneError(where, fmt::format("colour is {}, expected #rrggbb", in_quotes(text)));
   auto component = [&](unsigned shift) { return srgb_to_linear(static_cast<float>((value >> shift) & 255u) / 255.0f); };
   return {component(16), component(8), component(0)};
 }
@@ -37,15 +37,17 @@ SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocat
     const std::size_t count = split_list(text).size();
     if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum").rounded()}};
     if (count > 1)
-      throw SceneError(where, "spectrum is " + in_quotes(text) +
-                                  ", expected one number, three numbers of a colour, or wavelength:value pairs");
+      throw SceneError(
+          where,
+          fmt::format("spectrum is {}, expected one number, three numbers of a colour, or wavelength:value pairs",
+                      in_quotes(text)));
     return SpectrumDescription::constant(parse_float(text, where, "spectrum"));
   }
   SpectrumDescription::Table table;
   for (std::string_view pair : split_list(text)) {
     const std::size_t colon = pair.find(':');
     if (colon == std::string_view::npos)
-      throw SceneError(where, "spectrum entry is " + in_quotes(pair) + ", expected wavelength:value");
+      throw SceneError(where, fmt::format("spectrum entry is {}, expected wavelength:value", in_quotes(pair)));
     table.wavelengths.push_back(parse_float(pair.substr(0, colon), where, "wavelength"));
     table.values.push_back(parse_float(pair.substr(colon + 1), where, "spectrum value"));
   }
@@ -84,7 +86,7 @@ Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
   const Vec3f v = parse_vec3(colour, where, "sRGB colour").rounded();
   for (float c : {v.x, v.y, v.z})
     if (!(c >= 0 && c <= 1))
-      throw SceneError(where, "sRGB colour is " + in_quotes(text) + ", expected values in [0, 1]");
+      throw SceneError(where, fmt::format("sRGB colour is {}, expected values in [0, 1]", in_quotes(text)));
   return srgb_to_linear(v);
 }
 

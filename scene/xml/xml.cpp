@@ -75,8 +75,9 @@ struct Converter {
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
     SourceLocation place = where(node);
     place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
-    const std::string element = std::string("<") + node.parent().name() + ">";
-    const SceneError error(place, "unexpected text " + in_quotes(word) + " inside " + element, SceneErrorCode::kSyntax);
+    const std::string element = fmt::format("<{}>", node.parent().name());
+    const SceneError error(place, fmt::format("unexpected text {} inside {}", in_quotes(word), element),
+                           SceneErrorCode::kSyntax);
     errors.report(error.about(element), "ignored");
   }
 
@@ -102,9 +103,9 @@ struct Converter {
     for (const pugi::xml_attribute& attribute : node.attributes()) {
       if (element.find_attribute(attribute.name()) != nullptr) {
         const SceneError error(element.where,
-                               "attribute " + in_quotes(attribute.name()) + " is set twice, expected once",
+                               fmt::format("attribute {} is set twice, expected once", in_quotes(attribute.name())),
                                SceneErrorCode::kDuplicate);
-        errors.report(error.about("<" + element.name + ">"), "the last one is used");
+        errors.report(error.about(fmt::format("<{}>", element.name)), "the last one is used");
         std::erase_if(element.attributes, [&](const XmlAttribute& a) { return a.name == attribute.name(); });
       }
       if (element.attributes.size() == kMaxAttributes)
@@ -138,19 +139,20 @@ const std::string& XmlElement::attribute(std::string_view attribute_name) const 
   if (const std::string* value = find_attribute(attribute_name)) return *value;
   std::vector<std::string> present;
   for (const XmlAttribute& a : attributes) present.push_back(a.name);
-  std::string message = "<" + name + "> needs an attribute '" + std::string(attribute_name) + "'";
+  std::string message = fmt::format("<{}> needs an attribute '{}'", name, attribute_name);
   const std::string similar = nearest_name(attribute_name, present);
   if (!similar.empty()) message += ", found " + in_quotes(similar);
-  throw SceneError(where, message, SceneErrorCode::kMissing).about("<" + name + ">");
+  throw SceneError(where, message, SceneErrorCode::kMissing).about(fmt::format("<{}>", name));
 }
 
 void XmlElement::expect_attributes(std::initializer_list<const char*> allowed) const {
   const std::vector<std::string> names(allowed.begin(), allowed.end());
   for (const XmlAttribute& a : attributes)
     if (std::find(names.begin(), names.end(), a.name) == names.end())
-      throw SceneError(where, "<" + name + "> has no attribute " + in_quotes(a.name) + did_you_mean(a.name, names),
+      throw SceneError(where,
+                       fmt::format("<{}> has no attribute {}{}", name, in_quotes(a.name), did_you_mean(a.name, names)),
                        SceneErrorCode::kUnknownName)
-          .about("<" + name + ">");
+          .about(fmt::format("<{}>", name));
 }
 
 XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {
@@ -168,7 +170,7 @@ XmlElement read_xml(const std::filesystem::path& file, ErrorSink& errors) {
   const pugi::xml_node root = document.document_element();
   for (pugi::xml_node other = root.next_sibling(); other; other = other.next_sibling())
     if (other.type() == pugi::node_element)
-      throw SceneError(converter.where(other), std::string("a second root element <") + other.name() + ">",
+      throw SceneError(converter.where(other), fmt::format("a second root element <{}>", other.name()),
                        SceneErrorCode::kSyntax);
   return converter.convert(root, 1);
 }

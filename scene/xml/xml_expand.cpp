@@ -90,9 +90,8 @@ struct ExpandedScene::Expansion {
   void include(const XmlElement& element, int include_depth, std::vector<XmlElement>& out) {
     element.expect_attributes({"filename"});
     if (include_depth >= kMaxIncludeDepth)
-      throw SceneError(element.where, "includes are nested deeper than " + std::to_string(kMaxIncludeDepth) +
-                                          " levels; does " + in_quotes(element.attribute("filename")) +
-                                          " include itself?");
+      throw SceneError(element.where, fmt::format("includes are nested deeper than {} levels; does {} include itself?",
+                                                  kMaxIncludeDepth, in_quotes(element.attribute("filename"))));
     if (++includes > kMaxIncludes) throw SceneError(element.where, "more than 10000 includes");
     XmlElement included = read_xml(scene.find_file(element.attribute("filename"), element.where), errors);
     std::vector<XmlElement> children;
@@ -192,7 +191,7 @@ void ExpandedScene::index(const XmlElement& element, ErrorSink& errors) {
                              fmt::format("id {} is already taken by <{}> in {}:{}", in_quotes(*id), it->second->name,
                                          first.file, first.line),
                              SceneErrorCode::kDuplicate);
-      errors.report(error.about("<" + element.name + ">"), "the first one is used");
+      errors.report(error.about(fmt::format("<{}>", element.name)), "the first one is used");
     }
   }
   for (const XmlElement& child : element.children) index(child, errors);
@@ -204,7 +203,7 @@ void ExpandedScene::apply_aliases(ErrorSink& errors) {
       alias.expect_attributes({"id", "as"});
       const XmlElement& target = find(alias.attribute("id"), alias.where);
       if (!ids_.emplace(alias.attribute("as"), &target).second)
-        throw SceneError(alias.where, "id " + in_quotes(alias.attribute("as")) + " is already taken",
+        throw SceneError(alias.where, fmt::format("id {} is already taken", in_quotes(alias.attribute("as"))),
                          SceneErrorCode::kDuplicate);
     } catch (const SceneError& error) { errors.report(error.about("<alias>"), "ignored"); }
   }
@@ -235,7 +234,7 @@ const XmlElement& ExpandedScene::find(const std::string& id, const SourceLocatio
   std::vector<std::string> known;
   for (const auto& entry : ids_) known.push_back(entry.first);
   std::sort(known.begin(), known.end());
-  throw SceneError(where, "no object has the id " + in_quotes(id) + did_you_mean(id, known),
+  throw SceneError(where, fmt::format("no object has the id {}{}", in_quotes(id), did_you_mean(id, known)),
                    SceneErrorCode::kUnknownName);
 }
 

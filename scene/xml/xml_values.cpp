@@ -21,11 +21,11 @@ std::string_view trimmed(std::string_view text) {
 
 [[noreturn]] void fail_value(std::string_view text, const SourceLocation& where, std::string_view what,
                              const char* expected) {
-  throw SceneError(where, std::string(what) + " is " + in_quotes(text) + ", expected " + expected,
+  throw SceneError(where, fmt::format("{} is {}, expected {}", what, in_quotes(text), expected),
                    SceneErrorCode::kWrongType);
 }
 
-std::string shown(const XmlElement& element) { return "<" + element.name + ">"; }
+std::string shown(const XmlElement& element) { return fmt::format("<{}>", element.name); }
 
 /// Rotation axis in the syntax of either dialect.
 Vec3d rotation_axis(const XmlElement& element) {
@@ -62,7 +62,7 @@ Transform parse_matrix(const XmlElement& element) {
   element.expect_attributes({"value"});
   const std::vector<double> values = parse_numbers(element.attribute("value"), element.where, "the value of <matrix>");
   if (values.size() != 16 && values.size() != 9)
-    throw SceneError(element.where, "<matrix> has " + std::to_string(values.size()) + " numbers, expected 16 or 9");
+    throw SceneError(element.where, fmt::format("<matrix> has {} numbers, expected 16 or 9", values.size()));
   const std::size_t size = values.size() == 16 ? 4 : 3;
   Matrix4 matrix;
   for (std::size_t i = 0; i < size; ++i)
@@ -84,8 +84,9 @@ Transform parse_step(const XmlElement& element) {
   }
   if (element.name == "lookat" || element.name == "lookAt") return parse_lookat(element);
   if (element.name == "matrix") return parse_matrix(element);
-  throw SceneError(element.where, "unknown transform step " + shown(element) +
-                                      did_you_mean(element.name, {"translate", "scale", "rotate", "lookat", "matrix"}));
+  throw SceneError(element.where,
+                   fmt::format("unknown transform step {}{}", shown(element),
+                               did_you_mean(element.name, {"translate", "scale", "rotate", "lookat", "matrix"})));
 }
 
 }  // namespace
@@ -179,7 +180,7 @@ Vec3d parse_vec3_element(const XmlElement& element, double missing) {
   const char* const axes[3] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i)
     if (const std::string* text = element.find_attribute(axes[i])) {
-      result[i] = parse_number(*text, element.where, std::string("attribute ") + axes[i] + " of " + shown(element));
+      result[i] = parse_number(*text, element.where, fmt::format("attribute {} of {}", axes[i], shown(element)));
       any = true;
     }
   if (!any) throw SceneError(element.where, shown(element) + " needs value=\"x, y, z\" or x, y and z");
@@ -213,11 +214,15 @@ struct AnimationKey {
 void check_keys(const std::vector<AnimationKey>& keys) {
   for (std::size_t i = 1; i < keys.size(); ++i) {
     if (keys[i].time == keys[i - 1].time)
-      throw SceneError(keys[i].where, "a second <transform> of the <animation> has the time " +
-                                          number_text(keys[i].time) + ", expected different times");
+      throw SceneError(keys[i].where,
+                       fmt::format("a second <transform> of the <animation> has the time {}, expected different times",
+                                   number_text(keys[i].time)));
     if (keys[i].value.swaps_handedness() != keys[i - 1].value.swaps_handedness())
-      throw SceneError(keys[i].where, "<transform> at the time " + number_text(keys[i].time) +
-                                          " is mirrored against the one before, expected both or neither to mirror");
+      throw SceneError(
+          keys[i].where,
+          fmt::format(
+              "<transform> at the time {} is mirrored against the one before, expected both or neither to mirror",
+              number_text(keys[i].time)));
   }
 }
 
@@ -236,7 +241,7 @@ AnimatedTransform parse_animation(const XmlElement& element) {
   for (const XmlElement& child : element.children) {
     if (child.name != "transform")
       throw SceneError(child.where,
-                       "unexpected " + shown(child) + " in <animation>, expected <transform time=\"...\">");
+                       fmt::format("unexpected {} in <animation>, expected <transform time=\"...\">", shown(child)));
     child.expect_attributes({"time", "name", "id"});
     const float time = parse_float(child.attribute("time"), child.where, "the time of <transform>");
     keys.push_back({double{time}, parse_steps(child), child.where});

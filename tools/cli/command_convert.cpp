@@ -48,8 +48,7 @@ void add_convert_command(Command& program, int& exit_code) {
       "convert", "Convert an OpenEXR image to other formats, with exposure and tone map, or to another compression.");
   command.add_option("image", arguments->input, "Input image, .exr").required().file();
   command
-      .add_option("-o,--output", arguments->outputs,
-                  std::string("Output image: ") + kOutputFormats + "; may be repeated")
+      .add_option("-o,--output", arguments->outputs, fmt::format("Output image: {}; may be repeated", kOutputFormats))
       .required()
       .file();
   add_output_options(command, arguments->output);

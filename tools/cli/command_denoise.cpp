@@ -66,9 +66,9 @@ void add_denoise_command(Command& program, int& exit_code) {
   command.add_option("image", arguments->input, "Input image, .exr").required().file();
   command
       .add_option("-o,--output", arguments->outputs,
-                  std::string("Output image: ") + kOutputFormats +
-                      "; may be repeated. .exr files get the input's layers and " +
-                      "denoised.R/G/B, others show the denoised image")
+                  fmt::format("Output image: {}; may be repeated. .exr files get the input's layers and "
+                              "denoised.R/G/B, others show the denoised image",
+                              kOutputFormats))
       .required()
       .file();
   add_output_options(command, arguments->output);

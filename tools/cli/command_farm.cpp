@@ -157,7 +157,7 @@ Farm plan_farm(const FarmArguments& arguments) {
   words.insert(words.end(), arguments.options.begin(), arguments.options.end());
   if (farm.has_frames) {
     words.emplace_back("--define");
-    words.push_back("frame=" + std::to_string(farm.frames.first));
+    words.push_back(fmt::format("frame={}", farm.frames.first));
   }
   const RenderPlan plan = plan_render(words);
   for (const auto& [name, why] : kUnsupportedOptions)
@@ -193,7 +193,8 @@ int make_farm(const FarmArguments& arguments) {
   std::error_code error;
   // Write the scripts
   fs::create_directories(farm.folder, error);
-  if (error) throw Error(ExitCode::kOutput, "cannot create the folder '" + farm.folder + "': " + error.message());
+  if (error)
+    throw Error(ExitCode::kOutput, fmt::format("cannot create the folder '{}': {}", farm.folder, error.message()));
   const fs::path folder = farm.folder, render = folder / "render.sh", merge = folder / "merge.sh",
                  submit = folder / "submit.sh";
   for (const fs::path& script : {render, merge, submit}) check_writable(script);  // fail before writing any of them
@@ -210,7 +211,8 @@ int make_farm(const FarmArguments& arguments) {
   }
   const int status = std::system(("bash " + shell_quoted(submit.string())).c_str());
   if (status == -1 || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(ExitCode::kRuntime, "some jobs were not submitted; run '" + submit.string() + "' to submit them");
+    throw Error(ExitCode::kRuntime,
+                fmt::format("some jobs were not submitted; run '{}' to submit them", submit.string()));
   return static_cast<int>(ExitCode::kDone);
 }
 

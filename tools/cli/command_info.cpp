@@ -100,7 +100,7 @@ std::string describe_peaks(const Scene& scene) {
   std::string parts;
   for (const MemoryUse& use : uses) {
     rendering += use.bytes;
-    parts += ", " + format_bytes(use.bytes) + " for " + use.what;
+    parts += fmt::format(", {} for {}", format_bytes(use.bytes), use.what);
   }
   return fmt::format("peak        {} while loading; {} while rendering (estimate): {} for the loaded scene{}\n",
                      loading, format_bytes(now + rendering), format_bytes(now), parts);

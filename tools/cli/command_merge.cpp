@@ -64,8 +64,7 @@ void add_merge_command(Command& program, int& exit_code) {
       "render; merged sample ranges are equal up to rounding. See docs/farm.md.");
   command.add_arguments("parts", arguments->parts, "Part images, .exr, in any order").required().file();
   command
-      .add_option("-o,--output", arguments->outputs,
-                  std::string("Output image: ") + kOutputFormats + "; may be repeated")
+      .add_option("-o,--output", arguments->outputs, fmt::format("Output image: {}; may be repeated", kOutputFormats))
       .required()
       .file();
   add_output_options(command, arguments->output);

@@ -67,8 +67,8 @@ void check_layers(const RenderArguments& arguments, const std::vector<fs::path>&
                              : arguments.spectral_bins != 0 ? "--spectral-bins"
                                                             : nullptr;
   if (option != nullptr)
-    throw Error(ExitCode::kUsage, std::string(option) + " adds layers, which only .exr files can store: add -o " +
-                                      fs::path(outputs.front()).replace_extension(".exr").string());
+    throw Error(ExitCode::kUsage, fmt::format("{} adds layers, which only .exr files can store: add -o {}", option,
+                                              fs::path(outputs.front()).replace_extension(".exr").string()));
 }
 
 /// A scene with the options of the command line.

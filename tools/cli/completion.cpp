@@ -81,26 +81,26 @@ std::string zsh_value(const OptionHelp& option) {
   if (option.kind == ValueKind::kFlag) return "";
   std::string action;
   if (!option.words.empty())
-    action =
-        option.is_list ? "_sequence compadd - " + joined(option.words, " ") : "(" + joined(option.words, " ") + ")";
+    action = option.is_list ? "_sequence compadd - " + joined(option.words, " ")
+                            : fmt::format("({})", joined(option.words, " "));
   else if (takes_files(option))
     action = option.kind == ValueKind::kFolder ? "_files -/" : "_files";
   const std::string what = option.is_argument ? option.names.front() : option.only_words ? "" : placeholder_of(option);
-  return ":" + escaped(what.empty() ? "value" : what, ":\\") + ":" + (action.empty() ? " " : action);
+  return fmt::format(":{}:{}", escaped(what.empty() ? "value" : what, ":\\"), action.empty() ? " " : action);
 }
 
 /// The specifications of an option for _arguments, one per name.
 std::string zsh_option(const OptionHelp& option) {
   if (option.is_argument)
-    return "            " + quoted((option.repeats ? "*" : "") + zsh_value(option), "'\\''") + " \\\n";
-  const std::string others = option.repeats ? "*" : "(" + joined(option.names, " ") + ")";
+    return fmt::format("            {} \\\n", quoted((option.repeats ? "*" : "") + zsh_value(option), "'\\''"));
+  const std::string others = option.repeats ? "*" : fmt::format("({})", joined(option.names, " "));
   std::string text;
   for (const std::string& name : option.names) {
     const char* const separator = option.kind == ValueKind::kFlag ? "" : name.size() == 2 ? "+" : "=";
-    text += "            " +
-            quoted(others + name + separator + "[" + escaped(short_text(option), "[]:\\") + "]" + zsh_value(option),
-                   "'\\''") +
-            " \\\n";
+    text += fmt::format(
+        "            {} \\\n",
+        quoted(others + name + separator + "[" + escaped(short_text(option), "[]:\\") + "]" + zsh_value(option),
+               "'\\''"));
   }
   return text;
 }
@@ -110,14 +110,14 @@ std::string fish_value(const OptionHelp& option) {
   if (option.kind == ValueKind::kFlag) return "";
   if (!option.words.empty()) {
     const std::string words = joined(option.words, " ");
-    return " -x -a " + quoted(option.is_list ? "(__fish_append , " + words + ")" : words, "\\'");
+    return " -x -a " + quoted(option.is_list ? fmt::format("(__fish_append , {})", words) : words, "\\'");
   }
   if (option.kind == ValueKind::kFolder) return " -x -a '(__fish_complete_directories)'";
   return option.kind == ValueKind::kFile ? " -r -F" : " -x";
 }
 
 std::string fish_option(const CommandHelp& command, const OptionHelp& option) {
-  std::string text = "complete -c sheaf -n '__fish_seen_subcommand_from " + command.name + "'";
+  std::string text = fmt::format("complete -c sheaf -n '__fish_seen_subcommand_from {}'", command.name);
   if (option.is_argument) return text + (option.words.empty() ? " -F" : fish_value(option)) + "\n";
   for (const std::string& name : option.names)
     text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
@@ -166,10 +166,11 @@ _sheaf() {
   text += "            '1:command:->command' '*::argument:->argument'\n  case $state in\n    command)\n";
   text += "      local -a commands=(\n";
   for (const CommandHelp& command : program.commands)
-    text += "        " + quoted(command.name + ":" + first_sentence(command.text), "'\\''") + "\n";
+    text +=
+        fmt::format("        {}\n", quoted(fmt::format("{}:{}", command.name, first_sentence(command.text)), "'\\''"));
   text += "      )\n      _describe command commands ;;\n    argument)\n      case $line[1] in\n";
   for (const CommandHelp& command : program.commands) {
-    text += "        " + command.name + ")\n          _arguments -s \\\n";
+    text += fmt::format("        {})\n          _arguments -s \\\n", command.name);
     for (const OptionHelp& option : command.options) text += zsh_option(option);
     text.resize(text.size() - 3);  // no line follows: remove the last " \\\n"
     text += " ;;\n";
@@ -185,11 +186,11 @@ std::string fish_completion(const CommandHelp& program) {
     text += "complete -c sheaf -n __fish_use_subcommand";
     for (const std::string& name : option.names)
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-    text += " -d " + quoted(short_text(option), "\\'") + "\n";
+    text += fmt::format(" -d {}\n", quoted(short_text(option), "\\'"));
   }
   for (const CommandHelp& command : program.commands) {
-    text += "complete -c sheaf -n __fish_use_subcommand -a " + command.name + " -d " +
-            quoted(first_sentence(command.text), "\\'") + "\n";
+    text += fmt::format("complete -c sheaf -n __fish_use_subcommand -a {} -d {}\n", command.name,
+                        quoted(first_sentence(command.text), "\\'"));
     for (const OptionHelp& option : command.options) text += fish_option(command, option);
   }
   return text;

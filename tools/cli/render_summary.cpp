@@ -18,7 +18,7 @@ std::string percent(double fraction) {
 std::string written_files(const WrittenImages& written) {
   std::string text;
   for (const std::filesystem::path& file : written.files) text += (text.empty() ? "wrote " : ", ") + file.string();
-  return written.exposure ? text + " (exposure " + exposure_text(*written.exposure) + ")" : text;
+  return written.exposure ? fmt::format("{} (exposure {})", text, exposure_text(*written.exposure)) : text;
 }
 
 std::string summarize(const RenderReport& report, const WrittenImages& written) {

@@ -18,7 +18,7 @@ constexpr int kBarCells = 24;
 
 std::string draw_bar(double fraction) {
   const auto filled = static_cast<std::size_t>(std::clamp(fraction, 0.0, 1.0) * kBarCells);
-  return "[" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "] ";
+  return fmt::format("[{}{}] ", std::string(filled, '#'), std::string(kBarCells - filled, '.'));
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ std::string Progress::describe(double fraction, double now) const {
 void Progress::show(double now) {
   const auto done = static_cast<double>(done_.load()), total = static_cast<double>(total_.load());
   const std::string text = describe(total > 0 ? std::min(done / total, 1.0) : 0.0, now);
-  write_(mode_ == Mode::kBar ? "\r" + text + "\x1b[K" : text + "\n");
+  write_(mode_ == Mode::kBar ? fmt::format("\r{}\x1b[K", text) : text + "\n");
 }
 
 }  // namespace sheaf

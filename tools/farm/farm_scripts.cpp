@@ -16,7 +16,7 @@ std::string shell_array(std::string_view name, const std::vector<std::string>& w
 }
 
 std::string shell_variable(std::string_view name, std::string_view value) {
-  return std::string(name) + "=" + shell_quoted(value) + "\n";
+  return fmt::format("{}={}\n", name, shell_quoted(value));
 }
 
 /// First lines of both job scripts.
@@ -33,7 +33,7 @@ std::string render_script(const Farm& farm) {
   // Define the part and its options
   std::string text = job_start(farm, "Renders part SLURM_ARRAY_TASK_ID of frame $1.");
   text += "part=${SLURM_ARRAY_TASK_ID:?}\nexec >>\"$parts/$part.log\" 2>&1\n";
-  text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
+  text += fmt::format("cd -- {} || exit 1\n", shell_quoted(farm.working_folder));
   text += shell_variable("scene", farm.scene) + shell_array("options", farm.options) +
           shell_array("values", farm.part_values);
   if (farm.has_frames) text += "options+=(--define \"frame=$frame\")\n";
@@ -71,7 +71,7 @@ exit "$code"
 std::string merge_script(const Farm& farm) {
   std::string text = job_start(farm, "Merges the parts of frame $1.");
   text += "exec >>\"$parts/merge.log\" 2>&1\n";
-  text += "cd -- " + shell_quoted(farm.working_folder) + " || exit 1\n";
+  text += fmt::format("cd -- {} || exit 1\n", shell_quoted(farm.working_folder));
   text += fmt::format("files=()\nfor ((part = 0; part < {}; ++part)); do files+=(\"$parts/$part.exr\"); done\n",
                       farm.part_values.size());
   text += shell_array("options", farm.merge_options);
@@ -89,8 +89,9 @@ std::string merge_script(const Farm& farm) {
 std::string submit_script(const Farm& farm, const std::string& render, const std::string& merge) {
   std::string text =
       "#!/usr/bin/env bash\n# Written by sheaf farm. Submits the jobs. Run it again to continue failed jobs.\n";
-  text += "set -euo pipefail\n" + shell_variable("render", render) + shell_variable("merge", merge) +
-          shell_array("options", farm.sbatch_options) + shell_array("merge_options", farm.sbatch_merge_options);
+  text +=
+      fmt::format("set -euo pipefail\n{}{}{}{}", shell_variable("render", render), shell_variable("merge", merge),
+                  shell_array("options", farm.sbatch_options), shell_array("merge_options", farm.sbatch_merge_options));
   text += fmt::format("for ((frame = {}; frame <= {}; frame += {})); do\n", farm.frames.first, farm.frames.last,
                       farm.frames.step);
   text += fmt::format("  job=$(sbatch --parsable --array=0-{} \"${{options[@]}}\" \"$render\" \"$frame\")\n",

@@ -36,7 +36,8 @@ FrameRange parse_frames(const std::string& text) {
   const bool valid = count >= 2 && at == end && *(end - 1) != ':' && first >= 0 && last >= first && last <= kLast &&
                      step >= 1 && step <= kLast;
   if (!valid)
-    throw Error(ExitCode::kUsage, "--frames '" + text + "': expected FIRST:LAST or FIRST:LAST:STEP, such as 1:240");
+    throw Error(ExitCode::kUsage,
+                fmt::format("--frames '{}': expected FIRST:LAST or FIRST:LAST:STEP, such as 1:240", text));
   return {first, last, step};
 }
 

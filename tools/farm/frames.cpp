@@ -82,12 +82,14 @@ void check_frame_options(const RenderArguments& arguments) {
   }
   for (const std::string& definition : arguments.read.definitions)
     if (definition.starts_with(std::string(kParameter) + "="))
-      throw Error(ExitCode::kUsage, "-D " + definition + " and --frames exclude each other: both set the frame number");
+      throw Error(ExitCode::kUsage,
+                  fmt::format("-D {} and --frames exclude each other: both set the frame number", definition));
   if (reads_as_gltf(arguments.scene) && arguments.read.time)
     throw Error(ExitCode::kUsage, "--time and --frames exclude each other: both set the time");
   if (reads_as_mesh(arguments.scene))
-    throw Error(ExitCode::kUsage, "--frames applies to scenes and animated models (" + scene_model_extensions() +
-                                      "), not to models that do not move");
+    throw Error(ExitCode::kUsage,
+                fmt::format("--frames applies to scenes and animated models ({}), not to models that do not move",
+                            scene_model_extensions()));
   if (!arguments.preview.serve.empty())
     throw Error(ExitCode::kUsage, "--serve shows a single render and excludes --frames; use --tev instead");
   for (const std::string& output : arguments.outputs)

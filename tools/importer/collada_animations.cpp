@@ -4,6 +4,7 @@
 #include "tools/importer/glb.h"
 
 #include <assimp/types.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -348,7 +349,7 @@ void take_animations(ColladaDocument& document, FileParts& out) {
     if (!animation.channels.empty()) out.animations.push_back(std::move(animation));
   }
   if (ignored > 0)
-    out.notes.push_back(std::to_string(ignored) + " animation channels do not move a node, or are damaged (ignored)");
+    out.notes.push_back(fmt::format("{} animation channels do not move a node, or are damaged (ignored)", ignored));
   pugi::xml_node root = document.xml.document_element();
   while (root.remove_child("library_animations")) {}
   while (root.remove_child("library_animation_clips")) {}

@@ -2,6 +2,8 @@
 
 #include "tools/importer/collada.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
@@ -52,7 +54,7 @@ pugi::xml_node ColladaDocument::target(const pugi::xml_attribute& url) const {
 std::string ColladaDocument::unique_id(const std::string& stem) {
   std::string id = stem;
   // The number of ids grows with each one; the first try after `stem` is therefore usually free.
-  for (std::size_t i = by_id.size(); id.empty() || by_id.contains(id); ++i) id = stem + "$" + std::to_string(i);
+  for (std::size_t i = by_id.size(); id.empty() || by_id.contains(id); ++i) id = fmt::format("{}${}", stem, i);
   by_id.try_emplace(id);
   return id;
 }

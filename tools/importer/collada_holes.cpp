@@ -2,6 +2,8 @@
 // opposite directions between visible corners (Eberly, "Triangulation by Ear Clipping", section 5).
 #include "tools/importer/collada_document.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -240,7 +242,7 @@ void join_holes(ColladaDocument& document, FileParts& out) {
     for (const pugi::xml_node& geometry : library.children("geometry"))
       for (pugi::xml_node polygons : geometry.child("mesh").children("polygons")) join_all(polygons);
   if (left_out > 0)
-    out.notes.push_back(std::to_string(left_out) + " holes of polygons are left out, because their outlines intersect");
+    out.notes.push_back(fmt::format("{} holes of polygons are left out, because their outlines intersect", left_out));
 }
 
 }  // namespace sheaf::importer

@@ -3,6 +3,8 @@
 #include "tools/importer/fbx_document.h"
 #include "tools/importer/lens.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -223,8 +225,9 @@ class FbxParts {
       if (c.values[0].text == "OO") children_[c.values[2].integer].push_back(c.values[1].integer);
       if (c.values[0].text == "OP" && c.values.size() > 3 && c.values[3].text == "Visibility")
         if (is_model(c.values[2].integer))
-          out_.notes.push_back("node '" + plain_name(objects_[c.values[2].integer].name) +
-                               "': its visibility is animated (not supported; its static value remains)");
+          out_.notes.push_back(
+              fmt::format("node '{}': its visibility is animated (not supported; its static value remains)",
+                          plain_name(objects_[c.values[2].integer].name)));
     }
   }
 

@@ -1,5 +1,7 @@
 #include "tools/importer/glb.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace sheaf::importer {
@@ -51,8 +53,8 @@ std::string Glb::bytes() {
   constexpr std::size_t kHeaders = 12 + 8 + 8;
   if (text.size() + buffer_.size() > kMaxBuffer - kHeaders)
     throw ImportError("is too large: it has more than 4 GB of data");
-  std::string out = "glTF" + number(2) + number(kHeaders + text.size() + buffer_.size());
-  out += number(text.size()) + "JSON" + text;
+  std::string out = fmt::format("glTF{}{}", number(2), number(kHeaders + text.size() + buffer_.size()));
+  out += fmt::format("{}JSON{}", number(text.size()), text);
   out += number(buffer_.size()) + std::string("BIN\0", 4) + buffer_;
   return out;
 }

@@ -1,5 +1,7 @@
 #include "tools/importer/lens.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 namespace sheaf::importer {
@@ -28,7 +30,7 @@ void add_valid(Camera camera, NodeParts& to, std::vector<std::string>& notes) {
     to.cameras.push_back(std::move(camera));
     return;
   }
-  notes.push_back("camera '" + camera.name + "' has no field of view (ignored)");
+  notes.push_back(fmt::format("camera '{}' has no field of view (ignored)", camera.name));
 }
 
 }  // namespace sheaf::importer

@@ -11,6 +11,7 @@
 #include <assimp/BaseImporter.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
+#include <fmt/format.h>
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
@@ -84,7 +85,7 @@ class OneFile : public Assimp::IOSystem {
 /// Leaves only the reader of one format. Throws ImportError if this version of Assimp lacks it.
 void keep_reader(Assimp::Importer& importer, const std::string& format) {
   const Assimp::BaseImporter* const wanted = importer.GetImporter(("." + format).c_str());
-  if (wanted == nullptr) throw ImportError("this version of Assimp does not read ." + format + " files");
+  if (wanted == nullptr) throw ImportError(fmt::format("this version of Assimp does not read .{} files", format));
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* const reader = importer.GetImporter(i);
     if (reader == wanted) continue;

@@ -3,6 +3,7 @@
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +55,7 @@ class Textures {
     if (embedded == nullptr && path.length > 0) return to_.glb.add("images", {{"uri", text(path)}});
     // The bytes of an image file have a width and no height.
     if (embedded == nullptr || embedded->mHeight != 0 || embedded->mWidth == 0) {
-      to_.notes.push_back("image '" + text(path) + "' is embedded without a file format (ignored)");
+      to_.notes.push_back(fmt::format("image '{}' is embedded without a file format (ignored)", text(path)));
       return std::nullopt;
     }
     return to_.glb.add("images", {{"bufferView", to_.glb.add_view(embedded->pcData, embedded->mWidth)},
@@ -96,7 +97,7 @@ class MaterialConverter {
     return value;
   }
 
-  void note(const std::string& message) { to_.notes.push_back("material '" + name_ + "': " + message); }
+  void note(const std::string& message) { to_.notes.push_back(fmt::format("material '{}': {}", name_, message)); }
 
   /// Returns the first texture of these types as a glTF texture, or null.
   json texture(std::initializer_list<aiTextureType> types) {
@@ -194,7 +195,7 @@ class MaterialConverter {
          {Other{aiTextureType_SPECULAR, "specular"}, Other{aiTextureType_HEIGHT, "bump"},
           Other{aiTextureType_SHININESS, "shininess"}, Other{aiTextureType_METALNESS, "metalness"},
           Other{aiTextureType_DIFFUSE_ROUGHNESS, "roughness"}, Other{aiTextureType_DISPLACEMENT, "displacement"}})
-      if (from_.GetTextureCount(other.type) > 0) note(std::string("its ") + other.name + " texture is ignored");
+      if (from_.GetTextureCount(other.type) > 0) note(fmt::format("its {} texture is ignored", other.name));
   }
 
   Conversion& to_;

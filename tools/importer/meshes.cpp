@@ -1,6 +1,8 @@
 // Meshes: vertices, triangles and morph targets.
 #include "tools/importer/conversion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace sheaf::importer {
@@ -34,7 +36,7 @@ json attributes_of(Conversion& to, const aiMesh& mesh) {
     // Assimp's v points upwards, that of glTF downwards.
     for (std::size_t i = 0; i < count; ++i)
       values.insert(values.end(), {mesh.mTextureCoords[set][i].x, 1 - mesh.mTextureCoords[set][i].y});
-    attributes["TEXCOORD_" + std::to_string(set)] = to.glb.add_accessor(values, count, "VEC2");
+    attributes[fmt::format("TEXCOORD_{}", set)] = to.glb.add_accessor(values, count, "VEC2");
   }
   if (mesh.mColors[0] == nullptr) return attributes;
   values.clear();

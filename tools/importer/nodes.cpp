@@ -1,6 +1,8 @@
 // The hierarchy of nodes with their meshes, skins, cameras and lights.
 #include "tools/importer/conversion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -185,7 +187,7 @@ class NodeConverter {
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
       const auto node = to_.nodes_of.find(text(mesh.mBones[b]->mName));
       if (node == to_.nodes_of.end())
-        throw ImportError("has a bone '" + text(mesh.mBones[b]->mName) + "' without a node");
+        throw ImportError(fmt::format("has a bone '{}' without a node", text(mesh.mBones[b]->mName)));
       joints.push_back(node->second.front());
       for (const json& value : columns_of(mesh.mBones[b]->mOffsetMatrix)) matrices.push_back(value.get<float>());
     }
@@ -241,7 +243,8 @@ class NodeConverter {
   void add_light(const Light& from, std::size_t parent) {
     const bool is_directional = from.kind == Light::Kind::kDirectional, is_spot = from.kind == Light::Kind::kSpot;
     if (from.kind == Light::Kind::kOther) {
-      to_.notes.push_back("light '" + from.name + "' is neither directional nor a point or spot light (ignored)");
+      to_.notes.push_back(
+          fmt::format("light '{}' is neither directional nor a point or spot light (ignored)", from.name));
       return;
     }
     double intensity = std::numbers::pi;

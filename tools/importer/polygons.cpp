@@ -2,6 +2,8 @@
 #include "scene/formats/triangulate.h"
 #include "tools/importer/conversion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace sheaf::importer {
@@ -61,7 +63,7 @@ void triangulate(aiScene& scene, std::vector<std::string>& notes) {
     mesh.mPrimitiveTypes |= aiPrimitiveType_TRIANGLE;
   }
   if (crossed > 0)
-    notes.push_back(std::to_string(crossed) + " self-intersecting polygons are triangulated approximately");
+    notes.push_back(fmt::format("{} self-intersecting polygons are triangulated approximately", crossed));
 }
 
 }  // namespace sheaf::importer

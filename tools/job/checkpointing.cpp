@@ -61,7 +61,8 @@ void check_checkpoint(const CheckpointArguments& arguments) {
   }
   if (!arguments.resume && fs::exists(arguments.file))
     throw Error(ExitCode::kUsage,
-                "the checkpoint '" + arguments.file + "' already exists: continue from it with --resume, or delete it");
+                fmt::format("the checkpoint '{}' already exists: continue from it with --resume, or delete it",
+                            arguments.file));
 }
 
 RecordedSettings recorded_settings(const std::vector<GivenOption>& given, const std::vector<fs::path>& files) {

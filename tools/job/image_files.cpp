@@ -36,8 +36,8 @@ constexpr NameTable<OutputFormat> kExtensions{{{".exr", OutputFormat::kExr},
 /// The format of an output image, by its name. Throws Error (exit code 2).
 OutputFormat output_format(const fs::path& path) {
   if (const OutputFormat* format = kExtensions.find(extension_of(path))) return *format;
-  throw Error(ExitCode::kUsage,
-              "the name of the output image '" + path.string() + "' must end in " + one_of(kExtensions.names()));
+  throw Error(ExitCode::kUsage, fmt::format("the name of the output image '{}' must end in {}", path.string(),
+                                            one_of(kExtensions.names())));
 }
 
 IntegerFormat integer_format(OutputFormat format) {
@@ -76,8 +76,9 @@ void check_is_exr(const fs::path& file) {
     throw SceneError(SourceLocation{file.string(), 0},
                      "does not start like an OpenEXR file: it is damaged or has another format");
   const bool loses = format.use == FileUse::kImage;
-  throw SceneError(SourceLocation{file.string(), 0},
-                   "is " + format.name + expected + (loses ? "; other formats lack the required layers" : ""));
+  throw SceneError(
+      SourceLocation{file.string(), 0},
+      fmt::format("is {}{}{}", format.name, expected, loses ? "; other formats lack the required layers" : ""));
 }
 
 void check_is_image(const fs::path& file) {
@@ -90,20 +91,20 @@ void check_is_image(const fs::path& file) {
   if (format.use == FileUse::kUnknown) return;
   throw SceneError(
       SourceLocation{file.string(), 0},
-      "is " + format.name + ", expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, WebP, TGA or BMP");
+      fmt::format("is {}, expected an image: OpenEXR, PNG, JPEG, Radiance HDR, TIFF, WebP, TGA or BMP", format.name));
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {
-  const auto shown = [](const NamedFile& file) { return file.what + " '" + file.file.string() + "'"; };
+  const auto shown = [](const NamedFile& file) { return fmt::format("{} '{}'", file.what, file.file.string()); };
   for (std::size_t i = 0; i < written.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k)
       if (is_same_file(written[i].file, written[k].file))
-        throw Error(ExitCode::kUsage, shown(written[i]) + " would overwrite " + shown(written[k]));
+        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", shown(written[i]), shown(written[k])));
     std::error_code error;
     if (!fs::exists(written[i].file, error)) continue;
     for (const NamedFile& source : sources)
       if (is_same_file(written[i].file, source.file))
-        throw Error(ExitCode::kUsage, shown(written[i]) + " would overwrite " + shown(source));
+        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", shown(written[i]), shown(source)));
   }
 }
 

@@ -68,9 +68,9 @@ std::shared_ptr<const ColorProcessor> open_view(const OutputArguments& arguments
   std::shared_ptr<const ColorProcessor> view =
       image_library().display_view({arguments.ocio_config, arguments.ocio_display, arguments.ocio_view}, problem);
   if (view) return view;
-  const std::string config = arguments.ocio_config.empty() ? "" : " '" + arguments.ocio_config + "'";
+  const std::string config = arguments.ocio_config.empty() ? "" : fmt::format(" '{}'", arguments.ocio_config);
   std::replace(problem.begin(), problem.end(), '\n', ' ');
-  throw Error(ExitCode::kUsage, "cannot use the OpenColorIO configuration" + config + ": " + problem);
+  throw Error(ExitCode::kUsage, fmt::format("cannot use the OpenColorIO configuration{}: {}", config, problem));
 }
 
 }  // namespace

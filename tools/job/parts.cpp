@@ -80,7 +80,7 @@ double count_in(const PartFile& part, const char* name) {
 
 SampleRange parse_samples(const std::string& text) {
   if (const auto samples = samples_from_text(text)) return *samples;
-  throw Error(ExitCode::kUsage, "--samples '" + text + "': expected FIRST:COUNT, such as 64:32");
+  throw Error(ExitCode::kUsage, fmt::format("--samples '{}': expected FIRST:COUNT, such as 64:32", text));
 }
 
 std::string part_settings(const RecordedSettings& settings) {

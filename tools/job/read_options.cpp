@@ -18,7 +18,7 @@ namespace {
 std::pair<std::string, std::string> split_definition(const std::string& definition) {
   const std::size_t equals = definition.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw Error(ExitCode::kUsage, "-D " + definition + ": expected name=value");
+    throw Error(ExitCode::kUsage, fmt::format("-D {}: expected name=value", definition));
   return {definition.substr(0, equals), definition.substr(equals + 1)};
 }
 
@@ -27,16 +27,19 @@ void check_model_options(const std::filesystem::path& file, const ReadArguments&
   const bool gltf = reads_as_gltf(file), model = find_model_format(file) != nullptr;
   const bool viewed = !arguments.view.empty() || !arguments.up.empty() || arguments.fov;
   if (viewed && !model && !arguments.lenient)
-    throw Error(ExitCode::kUsage, "--view, --up and --fov apply to models (" + model_extensions() + "), not to scenes");
+    throw Error(ExitCode::kUsage,
+                fmt::format("--view, --up and --fov apply to models ({}), not to scenes", model_extensions()));
   if ((!arguments.environment.empty() || arguments.no_floor) && !model)
     throw Error(ExitCode::kUsage, "--env and --no-floor apply to models, not to scenes");
   if (!gltf && (arguments.time || !arguments.animation.empty()))
-    throw Error(ExitCode::kUsage, "--time and --animation apply to animated models (" + scene_model_extensions() + ")");
+    throw Error(ExitCode::kUsage,
+                fmt::format("--time and --animation apply to animated models ({})", scene_model_extensions()));
   if (!arguments.animation.empty() && !arguments.time) throw Error(ExitCode::kUsage, "--animation requires --time");
   if (arguments.shutter.empty()) return;
   if (model && !gltf)
-    throw Error(ExitCode::kUsage, "--shutter applies to scenes and animated models (" + scene_model_extensions() +
-                                      "), not to models that do not move");
+    throw Error(ExitCode::kUsage,
+                fmt::format("--shutter applies to scenes and animated models ({}), not to models that do not move",
+                            scene_model_extensions()));
   if (gltf && !arguments.time) throw Error(ExitCode::kUsage, "--shutter requires --time or --frames for a model");
 }
 
@@ -114,7 +117,7 @@ ReadOptions read_options(const std::filesystem::path& file, const ReadArguments&
 }
 
 ShutterDescription parse_shutter(const std::string& text) {
-  const std::string option = "--shutter '" + text + "': expected ";
+  const std::string option = fmt::format("--shutter '{}': expected ", text);
   constexpr double kMaxTime = std::numeric_limits<float>::max();
   std::vector<double> numbers;
   for (std::size_t at = 0; at <= text.size();) {
@@ -145,7 +148,7 @@ std::pair<int, int> parse_size(const std::string& text) {
         size[1] <= kMax)
       return {size[0], size[1]};
   }
-  throw Error(ExitCode::kUsage, "--size " + text + ": expected WxH, e.g. 640x480, each from 1 to 1000000");
+  throw Error(ExitCode::kUsage, fmt::format("--size {}: expected WxH, e.g. 640x480, each from 1 to 1000000", text));
 }
 
 }  // namespace sheaf

@@ -69,9 +69,9 @@ struct ImageArguments {
     command.begin_group(kOutputOptions);
     command
         .add_option("-o,--output", outputs,
-                    std::string("Output image: ") + kOutputFormats +
-                        "; may be repeated. Default: the scene's name with .exr, in the current folder. - writes to "
-                        "the standard output")
+                    fmt::format("Output image: {}; may be repeated. Default: the scene's name with .exr, in the "
+                                "current folder. - writes to the standard output",
+                                kOutputFormats))
         .file()
         .only_for_run();
     command.add_option("--format", output_format, "Format of the image on the standard output (-o -). Default: png")
@@ -363,8 +363,8 @@ struct RenderArguments : ImageArguments, LayerArguments, TransportArguments, Run
 /// long as `program`.
 inline Command add_render_options(
     Command& program, RenderArguments& arguments, const std::string& name = "render",
-    const std::string& help = "Render a scene file (Mitsuba, Nori or pbrt-v4) or a model (" + model_extensions() +
-                              ") to images.") {
+    const std::string& help = fmt::format("Render a scene file (Mitsuba, Nori or pbrt-v4) or a model ({}) to images.",
+                                          model_extensions())) {
   Command command = program.add_command(name, help);
   for (const char* const title : {kSceneOptions, kImageOptions, kSamplingOptions, kTransportOptions, kOutputOptions,
                                   kPreviewOptions, kResourceOptions, kAdvancedOptions})

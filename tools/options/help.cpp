@@ -72,7 +72,7 @@ std::string usage(const CommandHelp& command, const std::string& program) {
   for (const OptionHelp& option : command.options) {
     if (!option.is_argument) continue;
     const std::string name = option.names.front() + (option.repeats ? "..." : "");
-    text += option.required ? " " + name : " [" + name + "]";
+    text += option.required ? " " + name : fmt::format(" [{}]", name);
   }
   return text;
 }
@@ -138,7 +138,7 @@ std::string help_text(const CommandHelp& command, const std::string& program, in
   std::string out;
   // Describe the command and its arguments
   for (const std::string& line : wrapped(command.text, width)) out += line + "\n";
-  out += "\nUsage: " + usage(command, program) + "\n";
+  out += fmt::format("\nUsage: {}\n", usage(command, program));
   bool has_arguments = false;
   for (const OptionHelp& option : command.options) {
     if (!option.is_argument) continue;
@@ -155,7 +155,7 @@ std::string help_text(const CommandHelp& command, const std::string& program, in
     std::string entries;
     for (const OptionHelp& option : command.options)
       if (!option.is_argument && option.group == group) entries += option_entry(option, width);
-    if (!entries.empty()) out += "\n" + (group.empty() ? "Options" : group) + ":\n" + entries;
+    if (!entries.empty()) out += fmt::format("\n{}:\n{}", group.empty() ? "Options" : group, entries);
   }
   // Add the footer
   if (!command.footer.empty()) out += "\n";

@@ -1,5 +1,7 @@
 #include "tools/options/number_text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -39,14 +41,16 @@ std::string shortest(double value) {
 std::string to_whole_number(std::string& text) {
   constexpr double kExact = 9007199254740992.0;  // 2^53
   const std::optional<double> value = number_of(text);
-  if (!value || !std::isfinite(*value)) return "'" + text + "' is not a number";
-  if (*value != std::floor(*value)) return "'" + text + "' is not an integer";
-  if (std::fabs(*value) > kExact) return "'" + text + "' is too large";
+  if (!value || !std::isfinite(*value)) return fmt::format("'{}' is not a number", text);
+  if (*value != std::floor(*value)) return fmt::format("'{}' is not an integer", text);
+  if (std::fabs(*value) > kExact) return fmt::format("'{}' is too large", text);
   text = std::to_string(static_cast<long long>(*value));
   return {};
 }
 
-std::string to_number(std::string& text) { return number_of(text) ? std::string() : "'" + text + "' is not a number"; }
+std::string to_number(std::string& text) {
+  return number_of(text) ? std::string() : fmt::format("'{}' is not a number", text);
+}
 
 std::string to_share(std::string& text) {
   std::string_view rest = text;
@@ -67,7 +71,8 @@ std::string to_seconds(std::string& text) {
     const auto* const found =
         std::find_if(std::begin(kUnits), std::end(kUnits), [&](const auto& each) { return each.first == unit; });
     if (!value || *value < 0 || found == std::end(kUnits))
-      return "'" + text + "' is not a time: expected seconds, or a number with ms, s, m, h or d, such as 90s or 1h30m";
+      return fmt::format(
+          "'{}' is not a time: expected seconds, or a number with ms, s, m, h or d, such as 90s or 1h30m", text);
     seconds += *value * found->second;
     rest.remove_prefix(unit.size());
   }

@@ -36,7 +36,7 @@ std::vector<double> numbers_in(const OptionHelp& option, const std::string& text
 }  // namespace
 
 void refuse_value(const OptionHelp& option, const std::string& problem) {
-  throw Error(ExitCode::kUsage, option.names.back() + ": " + problem);
+  throw Error(ExitCode::kUsage, fmt::format("{}: {}", option.names.back(), problem));
 }
 
 std::string problem_with(const OptionHelp& option, double number, const std::string& text) {

@@ -46,7 +46,7 @@ std::string misplaced_option(const CLI::App& program, const std::string& option)
   for (const CLI::App* command : commands) {
     const std::vector<std::string> names = option_names(*command);
     if (std::find(names.begin(), names.end(), option) == names.end()) continue;
-    return "option '" + option + "' must follow its command: " + full_name(*command) + " " + option;
+    return fmt::format("option '{}' must follow its command: {} {}", option, full_name(*command), option);
   }
   return {};
 }
@@ -59,20 +59,20 @@ std::string unknown_argument(const CLI::App& program) {
     if (!argument.starts_with("-")) continue;
     const std::string misplaced = misplaced_option(program, name_of(argument));
     return misplaced.empty()
-               ? "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(program))
+               ? fmt::format("unknown option '{}'{}", argument, did_you_mean(name_of(argument), option_names(program)))
                : misplaced;
   }
   const std::vector<std::string> rest = program.remaining(true);
   for (const std::string& argument : rest)
     if (argument.starts_with("-"))
-      return "unknown option '" + argument + "'" + did_you_mean(name_of(argument), option_names(command));
+      return fmt::format("unknown option '{}'{}", argument, did_you_mean(name_of(argument), option_names(command)));
   std::vector<std::string> commands;
   for (const CLI::App* each : command.get_subcommands({})) commands.push_back(each->get_name());
   const std::string& word = rest.front();
-  if (commands.empty()) return "unexpected argument '" + word + "'";
+  if (commands.empty()) return fmt::format("unexpected argument '{}'", word);
   std::string known;
   for (const std::string& name : commands) known += (known.empty() ? "" : ", ") + name;
-  return "unknown command '" + word + "'" + did_you_mean(word, commands) + " (" + known + ")";
+  return fmt::format("unknown command '{}'{} ({})", word, did_you_mean(word, commands), known);
 }
 
 /// Message for an invalid command line.
@@ -129,7 +129,7 @@ template <class T> std::string set_numbers(const OptionHelp& option, const Optio
   for (const double number : numbers_from(option, value)) {
     constexpr auto kLow = static_cast<double>(std::numeric_limits<Number>::lowest());
     constexpr auto kHigh = static_cast<double>(std::numeric_limits<Number>::max());
-    if (number < kLow || number > kHigh) refuse_value(option, "'" + shortest(number) + "' is too large");
+    if (number < kLow || number > kHigh) refuse_value(option, fmt::format("'{}' is too large", shortest(number)));
     numbers.push_back(static_cast<Number>(number));
     texts.push_back(shortest(number));
   }
@@ -344,7 +344,8 @@ std::vector<GivenOption> Command::set(const std::map<std::string, OptionValue>& 
   for (const auto& value : values) {
     const auto is_set = [&](const GivenOption& option) { return option.name == value.first; };
     if (std::none_of(options.begin(), options.end(), is_set))
-      throw Error(ExitCode::kUsage, "unknown option '" + value.first + "'" + did_you_mean(value.first, names));
+      throw Error(ExitCode::kUsage,
+                  fmt::format("unknown option '{}'{}", value.first, did_you_mean(value.first, names)));
   }
   return options;
 }

@@ -1,5 +1,7 @@
 // Launcher `sheaf` of the Debian package: starts the best build for the processor. It is compiled for the baseline
 // instruction set, so that it can report missing instructions.
+#include <fmt/format.h>
+
 #include <unistd.h>
 
 #include <array>
@@ -53,11 +55,11 @@ int main(int, char** argv) {
     if (!build.runs) continue;
     const fs::path program = self.parent_path().parent_path() / "lib" / "sheaf" / build.level / "sheaf";
     execv(program.c_str(), argv);
-    return fail("cannot start '" + program.string() + "': " + std::strerror(errno));
+    return fail(fmt::format("cannot start '{}': {}", program.string(), std::strerror(errno)));
   }
-  if (!known) return fail("SHEAF_ISA is '" + std::string(wanted) + "': expected x86-64-v4, x86-64-v3 or nothing");
+  if (!known) return fail(fmt::format("SHEAF_ISA is '{}': expected x86-64-v4, x86-64-v3 or nothing", wanted));
   return fail(wanted != nullptr && *wanted != '\0'
-                  ? "this processor lacks instructions of " + std::string(wanted) + ", which SHEAF_ISA requests"
+                  ? fmt::format("this processor lacks instructions of {}, which SHEAF_ISA requests", wanted)
                   : "this processor lacks the required instructions of x86-64-v3 (AVX2, FMA, BMI; about 2013). Build "
                     "Sheaf from source to use it on this processor");
 }

@@ -95,7 +95,7 @@ MHD_Result on_request(void* server, MHD_Connection* connection, const char* url,
 HttpServer::HttpServer(const Endpoint& endpoint, Answer answer) : answer_(std::move(answer)) {
   Socket socket = listen_at(endpoint);
   is_loopback_ = listens_on_loopback(socket);
-  url_ = "http://" + Endpoint{endpoint.host, listening_port(socket)}.text() + "/";
+  url_ = fmt::format("http://{}/", Endpoint{endpoint.host, listening_port(socket)}.text());
   daemon_ =
       MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD, 0, nullptr, nullptr, on_request, this,
                        MHD_OPTION_LISTEN_SOCKET, socket.descriptor(), MHD_OPTION_CONNECTION_LIMIT, kMaxConnections,

@@ -26,7 +26,7 @@ constexpr int kPngLevel = 1;
 
 std::string new_run() {
   static std::atomic<int> count{0};
-  return std::to_string(std::time(nullptr)) + "-" + std::to_string(getpid()) + "-" + std::to_string(++count);
+  return fmt::format("{}-{}-{}", std::time(nullptr), getpid(), ++count);
 }
 
 std::shared_ptr<const std::string> shared_text(std::string text) {

@@ -48,15 +48,16 @@ sockaddr_storage local_address(const Socket& socket) {
 
 std::string Endpoint::text() const {
   const bool is_ipv6 = host.find(':') != std::string::npos;
-  return (is_ipv6 ? "[" + host + "]" : host) + ":" + std::to_string(port);
+  return fmt::format("{}:{}", is_ipv6 ? fmt::format("[{}]", host) : host, port);
 }
 
 Endpoint parse_endpoint(const std::string& option, const std::string& text, const std::string& default_host,
                         int min_port) {
   const auto wrong = [&] {
     const std::string form = default_host.empty() ? "HOST:PORT" : "PORT or ADDRESS:PORT";
-    return Error(ExitCode::kUsage, option + " " + in_quotes(text) + ": expected " + form + ", the port from " +
-                                       std::to_string(min_port) + " to 65535, IPv6 addresses in brackets");
+    return Error(ExitCode::kUsage,
+                 fmt::format("{} {}: expected {}, the port from {} to 65535, IPv6 addresses in brackets", option,
+                             in_quotes(text), form, min_port));
   };
   Endpoint endpoint{default_host, 0};
   std::string_view port = text;
@@ -85,7 +86,8 @@ std::vector<Address> resolve(const Endpoint& endpoint, bool to_listen) {
   addrinfo* found = nullptr;
   const int failure = getaddrinfo(endpoint.host.c_str(), std::to_string(endpoint.port).c_str(), &hints, &found);
   if (failure != 0)
-    throw Error(ExitCode::kRuntime, "cannot find the host " + in_quotes(endpoint.host) + ": " + gai_strerror(failure));
+    throw Error(ExitCode::kRuntime,
+                fmt::format("cannot find the host {}: {}", in_quotes(endpoint.host), gai_strerror(failure)));
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> owner(found, freeaddrinfo);
   std::vector<Address> addresses;
   for (const addrinfo* each = found; each != nullptr; each = each->ai_next) {
@@ -110,7 +112,7 @@ Socket listen_at(const Endpoint& endpoint) {
       return socket;
     number = errno;
   }
-  throw Error(ExitCode::kRuntime, "cannot listen at " + endpoint.text() + ": " + system_message(number));
+  throw Error(ExitCode::kRuntime, fmt::format("cannot listen at {}: {}", endpoint.text(), system_message(number)));
 }
 
 int listening_port(const Socket& socket) {

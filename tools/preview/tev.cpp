@@ -1,5 +1,7 @@
 #include "tools/preview/tev.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <chrono>
@@ -126,7 +128,8 @@ void TevViewer::run() {
       sending_ = true;
       lock.unlock();
       const bool sent = send(*image);
-      if (!sent && !stop_) say_("the tev viewer at " + place_ + " has disconnected or stopped accepting images");
+      if (!sent && !stop_)
+        say_(fmt::format("the tev viewer at {} has disconnected or stopped accepting images", place_));
       lock.lock();
       sending_ = false;
       if (!sent) socket_ = Socket();
@@ -144,7 +147,7 @@ void TevViewer::connect() {
   std::string why;
   Socket socket = connect_to(addresses_, kConnectSeconds, stop_, why);
   if (!socket.is_open() && !stop_ && why != reported_)
-    say_("no tev viewer at " + place_ + " yet: " + why + "; retrying during the render");
+    say_(fmt::format("no tev viewer at {} yet: {}; retrying during the render", place_, why));
   reported_ = why;
   created_ = false;
   const std::lock_guard lock(mutex_);

@@ -16,7 +16,7 @@ namespace {
 /// The name of a light in the report: its location in the scene file, or else its row.
 std::string light_name(const RenderReport& report, std::size_t light) {
   const bool known = light < report.light_source_locations.size() && !report.light_source_locations[light].empty();
-  return known ? report.light_source_locations[light] : "light " + std::to_string(light);
+  return known ? report.light_source_locations[light] : fmt::format("light {}", light);
 }
 
 /// The lights with the most shadow rays.
@@ -110,7 +110,7 @@ std::string memory_table(const RenderReport& report) {
     text += "\n";
   }
   if (text.empty()) return text;
-  return fmt::format("{:<28}{:>11}{}\n", "memory (BVH: " + report.bvh + ")", "size",
+  return fmt::format("{:<28}{:>11}{}\n", fmt::format("memory (BVH: {})", report.bvh), "size",
                      triangles > 0 ? "    bytes/triangle" : "") +
          text;
 }

@@ -56,7 +56,7 @@ class AttributeFinder {
 };
 
 std::string title(const TextureDescription& texture) {
-  return texture.id.empty() ? "texture" : "texture '" + texture.id + "'";
+  return texture.id.empty() ? "texture" : fmt::format("texture '{}'", texture.id);
 }
 
 }  // namespace
@@ -96,12 +96,12 @@ std::vector<std::string> check_attributes(const Description& description, const 
     std::string known;
     for (const std::string& other : geometry.known_attributes) known += (known.empty() ? "" : ", ") + other;
     if (!missing.insert(texture).second) return;
-    const SceneError error(description.textures[texture].where,
-                           title(description.textures[texture]) + ": " + what + " the attribute '" + name + "' (" +
-                               (known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known) +
-                               ")" +
-                               did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()}),
-                           SceneErrorCode::kUnknownName);
+    const SceneError error(
+        description.textures[texture].where,
+        fmt::format("{}: {} the attribute '{}' ({}){}", title(description.textures[texture]), what, name,
+                    known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known,
+                    did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()})),
+        SceneErrorCode::kUnknownName);
     errors.report(error, kGreySubstitute);
   };
   // Report materials without any mesh that has the attribute, and warn if only some lack it
@@ -112,11 +112,11 @@ std::vector<std::string> check_attributes(const Description& description, const 
       continue;
     }
     const TextureDescription& texture = description.textures[key.second];
-    warnings.push_back(SceneError(texture.where, title(texture) + ": " + std::to_string(use.without) + " of " +
-                                                     std::to_string(use.with + use.without) +
-                                                     " shapes with this material lack the attribute '" +
-                                                     name_of(key.second) + "', which is 0 there")
-                           .what());
+    warnings.push_back(
+        SceneError(texture.where,
+                   fmt::format("{}: {} of {} shapes with this material lack the attribute '{}', which is 0 there",
+                               title(texture), use.without, use.with + use.without, name_of(key.second)))
+            .what());
   }
   // Report emitters that lack it
   for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape)

@@ -29,7 +29,7 @@ void check_radii(const Curves& curves, std::size_t begin, std::size_t end) {
     const float smallest = linear ? std::min(p[0].radius, p[1].radius) : min_radius(p);
     const float largest = std::max(p[linear ? 0 : 1].radius, p[linear ? 1 : 2].radius);
     if (!(smallest >= -kRounding * std::max(largest, 0.0f)))
-      throw SceneError("the radius of a curve is " + std::to_string(smallest));
+      throw SceneError(fmt::format("the radius of a curve is {}", smallest));
   }
 }
 
@@ -48,7 +48,7 @@ void check_curves(const Curves& curves) {
   for (std::size_t i = 0; i < curves.starts.size(); ++i) {
     const std::size_t end = i + 1 < curves.starts.size() ? curves.starts[i + 1] : curves.points.size();
     if (end > curves.points.size() || end < std::size_t{curves.starts[i]} + curves.order())
-      throw SceneError("a curve has fewer than " + std::to_string(curves.order()) + " points");
+      throw SceneError(fmt::format("a curve has fewer than {} points", curves.order()));
     check_radii(curves, curves.starts[i], end);
   }
 }
@@ -56,16 +56,16 @@ void check_curves(const Curves& curves) {
 /// Throws SceneError unless the curves have the same number of points each.
 void check_same_topology(const Curves& first, const Curves& later, std::size_t number) {
   const auto differ = [&](const char* what, std::size_t a, std::size_t b) {
-    throw SceneError("the curves of a deformation differ in their " + std::string(what) + ": number 1 has " +
-                     std::to_string(a) + ", number " + std::to_string(number) + " has " + std::to_string(b));
+    throw SceneError(fmt::format("the curves of a deformation differ in their {}: number 1 has {}, number {} has {}",
+                                 what, a, number, b));
   };
   if (first.basis != later.basis)
-    throw SceneError("the curves of a deformation are of different types: numbers 1 and " + std::to_string(number));
+    throw SceneError(fmt::format("the curves of a deformation are of different types: numbers 1 and {}", number));
   if (first.starts.size() != later.starts.size()) differ("number of curves", first.starts.size(), later.starts.size());
   if (first.points.size() != later.points.size()) differ("points", first.points.size(), later.points.size());
   if (first.starts != later.starts)
-    throw SceneError("the curves of a deformation differ in the points per curve: numbers 1 and " +
-                     std::to_string(number));
+    throw SceneError(
+        fmt::format("the curves of a deformation differ in the points per curve: numbers 1 and {}", number));
 }
 
 using CurveStep = std::vector<CurvePointRow>;
@@ -165,16 +165,15 @@ std::optional<AddedShape> add_curve_steps(const ShapeDescription& shape, const C
                                           MotionCompiler& motion, CompiledGeometry& out) {
   std::vector<CurvePointRow>& all = out.tables.curve_points;
   if (4 * (all.size() + steps.size() * curves.points.size()) > kMaxTableWords)
-    throw SceneError("more than " + std::to_string(kMaxTableWords / 4) + " points of curves in all");
+    throw SceneError(fmt::format("more than {} points of curves in all", kMaxTableWords / 4));
   // Find the usable segments, and report the others
   const UsableSegments segments = usable_segments(curves, keys);
   if (segments.left_out > 0)
-    out.warn(shape, std::to_string(segments.left_out) + " degenerate or non-finite curve segments left out");
+    out.warn(shape, fmt::format("{} degenerate or non-finite curve segments left out", segments.left_out));
   if (segments.short_lines > 0)
-    out.warn(
-        shape,
-        std::to_string(segments.short_lines) +
-            " line segments are shorter than 0.005 units, too short for exact intersections (expected a larger scale)");
+    out.warn(shape, fmt::format("{} line segments are shorter than 0.005 units, too short for exact intersections "
+                                "(expected a larger scale)",
+                                segments.short_lines));
   if (segments.first.empty()) {
     out.warn(shape, "the curves have no surface: left out");
     return std::nullopt;

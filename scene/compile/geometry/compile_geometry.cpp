@@ -167,7 +167,7 @@ class GeometryCompiler {
       push_instance(row, group);
     }
     if (too_large > 0)
-      out_.warnings.push_back(std::to_string(too_large) + " instances too large for single precision: left out");
+      out_.warnings.push_back(fmt::format("{} instances too large for single precision: left out", too_large));
   }
 
   /// Adds the shapes that have a motion, each as a group with one instance.
@@ -219,9 +219,9 @@ class GeometryCompiler {
     out_.info.instances = tables.instances.size();
     for (const OpenBoundaries::Gap& gap : open_boundaries_.gaps())
       out_.warnings.push_back(
-          SceneError(gap.where,
-                     "the mesh bounds a medium and has " + std::to_string(gap.edges) +
-                         " open edges: unless other shapes close it, paths enter and leave the medium unnoticed")
+          SceneError(gap.where, fmt::format("the mesh bounds a medium and has {} open edges: unless other shapes close "
+                                            "it, paths enter and leave the medium unnoticed",
+                                            gap.edges))
               .what());
     // Triangles are loaded four words at a time, and inactive lanes read row zero
     if (tables.vertices.empty()) tables.vertices.emplace_back();

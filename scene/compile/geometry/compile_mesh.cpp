@@ -53,7 +53,7 @@ std::optional<AddedShape> add_mesh(const ShapeDescription& shape, const Prepared
   // Report defects
   out.warnings.insert(out.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
   if (prepared.dropped > 0)
-    out.warn(shape, std::to_string(prepared.dropped) + " degenerate or non-finite triangles left out");
+    out.warn(shape, fmt::format("{} degenerate or non-finite triangles left out", prepared.dropped));
   if (mesh.triangles.empty()) {
     out.warn(shape, shape.radiance ? "shape has no area: neither visible nor emitting" : "shape has no area: left out");
     return std::nullopt;
@@ -62,7 +62,7 @@ std::optional<AddedShape> add_mesh(const ShapeDescription& shape, const Prepared
   const std::size_t steps = prepared.later_steps.size() + 1;
   if (8 * (tables.vertices.size() + steps * mesh.positions.size()) > kMaxTableWords ||
       tables.triangles.size() + 3 * mesh.triangles.size() > kMaxTableWords)
-    throw SceneError("more than " + std::to_string(kMaxTableWords / 3) + " vertices or triangles in all");
+    throw SceneError(fmt::format("more than {} vertices or triangles in all", kMaxTableWords / 3));
   AddedShape added;
   ShapeRow& row = added.row;
   row.kind = static_cast<std::uint32_t>(ShapeKind::kMesh);

@@ -15,13 +15,11 @@ void check_sdf_grid(const ShapeDescription& shape, const SdfGrid& grid) {
   std::size_t count = 1;
   for (const int side : grid.size) {
     if (side < 2 || side > kMaxGridSide)
-      throw SceneError("an SDF grid has " + std::to_string(side) + " points along an axis (expected 2 to " +
-                       std::to_string(kMaxGridSide) + ")");
+      throw SceneError(fmt::format("an SDF grid has {} points along an axis (expected 2 to {})", side, kMaxGridSide));
     count *= static_cast<std::size_t>(side);
   }
   if (grid.values.size() != count)
-    throw SceneError("an SDF grid has " + std::to_string(grid.values.size()) + " values (expected " +
-                     std::to_string(count) + ")");
+    throw SceneError(fmt::format("an SDF grid has {} values (expected {})", grid.values.size(), count));
   for (const float value : grid.values)
     if (!std::isfinite(value)) throw SceneError("an SDF grid has values that are not finite");
 }
@@ -39,7 +37,7 @@ std::optional<AddedShape> add_sdf_grid(const ShapeDescription& shape, const SdfG
   GeometryTables& geometry = out.tables;
   constexpr std::size_t kMax = std::size_t{1} << 30;  // signed 32-bit indices address all values
   if (geometry.sdf_values.size() + grid.values.size() > kMax)
-    throw SceneError("more than " + std::to_string(kMax) + " values of SDF grids in all");
+    throw SceneError(fmt::format("more than {} values of SDF grids in all", kMax));
   // Lay out the grid
   const QuadricRow placement = make_quadric(ShapeKind::kSdfGrid, grid_to_world(shape, grid), shape.flip_normals);
   const auto side = [&](std::size_t axis) { return static_cast<std::uint32_t>(grid.size[axis]); };
@@ -65,7 +63,7 @@ std::optional<AddedShape> add_sdf_grid(const ShapeDescription& shape, const SdfG
     return std::nullopt;
   }
   if (geometry.sdf_cells.size() + cells.size() > kMax)
-    throw SceneError("more than " + std::to_string(kMax / 2) + " cells with a surface in all");
+    throw SceneError(fmt::format("more than {} cells with a surface in all", kMax / 2));
   if (!is_traceable(added.box) || !(placement.determinant > 0.0f)) {
     out.warn(shape, "shape is degenerate or too large for single precision: left out");
     return std::nullopt;

@@ -25,7 +25,8 @@ KeyMesh read_key(const ShapeDescription& shape, const DeformingMesh::Key& key, s
     out.is_split = file.is_split;
     out.makes_normals = from->smooth_normals;
     face_normals = face_normals || file.face_normals;
-    for (const std::string& warning : file.warnings) warnings.push_back(from->file.string() + ": " + warning);
+    for (const std::string& warning : file.warnings)
+      warnings.push_back(fmt::format("{}: {}", from->file.string(), warning));
   } else {
     out.mesh = std::get<Mesh>(key.mesh);
   }
@@ -40,19 +41,21 @@ KeyMesh read_key(const ShapeDescription& shape, const DeformingMesh::Key& key, s
 /// Throws SceneError unless the meshes have the same vertices and triangles.
 void check_same_topology(const KeyMesh& first, const KeyMesh& later, std::size_t number, const SourceLocation& where) {
   const auto differ = [&](const char* what, std::size_t a, std::size_t b) {
-    throw SceneError(where, "the meshes of a deformation differ in their " + std::string(what) + ": number 1 has " +
-                                std::to_string(a) + ", number " + std::to_string(number) + " has " + std::to_string(b));
+    throw SceneError(
+        where, fmt::format("the meshes of a deformation differ in their {}: number 1 has {}, number {} has {}", what, a,
+                           number, b));
   };
   const Mesh &a = first.mesh, &b = later.mesh;
   if (a.positions.size() != b.positions.size()) differ("vertices", a.positions.size(), b.positions.size());
   if (a.triangles.size() != b.triangles.size()) differ("triangles", a.triangles.size(), b.triangles.size());
   if (a.triangles != b.triangles)
-    throw SceneError(where, "the meshes of a deformation have different triangles: those of numbers 1 and " +
-                                std::to_string(number) + " connect different vertices");
+    throw SceneError(where, fmt::format("the meshes of a deformation have different triangles: those of numbers 1 and "
+                                        "{} connect different vertices",
+                                        number));
   const auto check_presence = [&](const char* what, bool differ_in_it) {
     if (differ_in_it)
-      throw SceneError(where, "only some meshes of a deformation have " + std::string(what) + ": numbers 1 and " +
-                                  std::to_string(number) + " differ");
+      throw SceneError(where,
+                       fmt::format("only some meshes of a deformation have {}: numbers 1 and {} differ", what, number));
   };
   check_presence("normals", a.normals.empty() != b.normals.empty());
   check_presence("tangents", a.tangents.empty() != b.tangents.empty());

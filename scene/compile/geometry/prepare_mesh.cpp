@@ -78,7 +78,8 @@ PreparedMesh prepare_mesh(const ShapeDescription& shape, const ShutterDescriptio
   MeshFile file = read_mesh(from);
   PreparedMesh prepared =
       prepare_mesh(shape, std::move(file.mesh), shape.face_normals || file.face_normals, file.is_split);
-  for (const std::string& warning : file.warnings) prepared.warnings.push_back(from.file.string() + ": " + warning);
+  for (const std::string& warning : file.warnings)
+    prepared.warnings.push_back(fmt::format("{}: {}", from.file.string(), warning));
   return prepared;
 }
 

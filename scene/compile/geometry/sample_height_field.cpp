@@ -11,16 +11,15 @@ namespace sheaf {
 
 Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& textures) {
   if (field.width < 2 || field.height < 2 || std::size_t(field.width) > kMaxHeights / std::size_t(field.height))
-    throw SceneError("a height field of " + std::to_string(field.width) + " x " + std::to_string(field.height) +
-                     " points (expected at least 2 x 2 and at most " + std::to_string(kMaxHeights) + ")");
+    throw SceneError(fmt::format("a height field of {} x {} points (expected at least 2 x 2 and at most {})",
+                                 field.width, field.height, kMaxHeights));
   // Check the texture
   Heights heights{static_cast<std::size_t>(field.width), static_cast<std::size_t>(field.height), {}};
   const auto* texture = std::get_if<TextureId>(&field.texture);
   const std::uint8_t needs = texture != nullptr ? textures.rows.at(static_cast<std::uint32_t>(*texture)).needs : 0;
   if (needs != 0)
-    throw SceneError(std::string("the texture of a height field depends on ") +
-                     ((needs & kTextureNeedsMesh) != 0 ? "meshes" : "the position") +
-                     " (expected one that depends only on uv)");
+    throw SceneError(fmt::format("the texture of a height field depends on {} (expected one that depends only on uv)",
+                                 (needs & kTextureNeedsMesh) != 0 ? "meshes" : "the position"));
   // Evaluate it at the centres of the cells
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));

@@ -129,8 +129,8 @@ class MediumRowBuilder {
                      int channels) {
     BrickGrid loaded = load_volume(description, where);
     if (channels != 0 && loaded.channels != channels)
-      throw SceneError(where, description.file.string() + ": the grid has " + std::to_string(loaded.channels) +
-                                  " channels (expected " + std::to_string(channels) + ")");
+      throw SceneError(where, fmt::format("{}: the grid has {} channels (expected {})", description.file.string(),
+                                          loaded.channels, channels));
     if (loaded.is_empty()) out_.warnings.push_back(description.file.string() + ": the grid is empty");
     const Transform to_world =
         description.fit_to_shape && !loaded.is_empty() ? stretch(loaded.voxel_box(), box) : description.to_world;

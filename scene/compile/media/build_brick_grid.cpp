@@ -19,17 +19,16 @@ constexpr std::size_t kAnySize = static_cast<std::size_t>(-1);
 
 int floor_div8(int i) { return i >> 3; }
 
-std::string text_of(const std::array<int, 3>& size) {
-  return std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]);
-}
+std::string text_of(const std::array<int, 3>& size) { return fmt::format("{} x {} x {}", size[0], size[1], size[2]); }
 
 /// Size in MB for messages.
-std::string megabytes(std::size_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
+std::string megabytes(std::size_t bytes) { return fmt::format("{} MB", (bytes + 999'999) / 1'000'000); }
 
 [[noreturn]] void fail_memory(const BrickGrid& grid, std::size_t bytes, std::size_t max_bytes) {
-  throw SceneError("a grid of " + text_of(grid.cells) + " voxels would take " + megabytes(bytes) +
-                   " of memory or more (expected at most " + megabytes(max_bytes) +
-                   " for a file of its size; check for stray tiles, or voxels far from the others)");
+  throw SceneError(
+      fmt::format("a grid of {} voxels would take {} of memory or more (expected at most {} for a file of its size; "
+                  "check for stray tiles, or voxels far from the others)",
+                  text_of(grid.cells), megabytes(bytes), megabytes(max_bytes)));
 }
 
 /// Sets the size of the table of bricks for `cells`; all entries are 0.
@@ -37,14 +36,13 @@ void set_size(BrickGrid& grid, const std::array<int, 3>& cells, std::size_t max_
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (cells[axis] < 1 || cells[axis] > kMaxGridSide) {
-      throw SceneError("a grid of " + text_of(cells) + " voxels (expected sides from 1 to " +
-                       std::to_string(kMaxGridSide) + ")");
+      throw SceneError(fmt::format("a grid of {} voxels (expected sides from 1 to {})", text_of(cells), kMaxGridSide));
     }
     grid.cells[axis] = cells[axis];
     grid.bricks[axis] = (cells[axis] + kBrickSide - 1) / kBrickSide;
     count *= static_cast<std::size_t>(grid.bricks[axis]);
   }
-  if (count > kMaxBricks) throw SceneError("a grid of " + text_of(cells) + " voxels is too large");
+  if (count > kMaxBricks) throw SceneError(fmt::format("a grid of {} voxels is too large", text_of(cells)));
   if (count * sizeof(std::uint32_t) > max_bytes) fail_memory(grid, count * sizeof(std::uint32_t), max_bytes);
   grid.entries.assign(count, 0);
 }
@@ -246,8 +244,8 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
   // Check the number of values
   const auto stride_y = static_cast<std::size_t>(size[0]), stride_z = stride_y * static_cast<std::size_t>(size[1]);
   if (values.size() != stride_z * static_cast<std::size_t>(size[2]) * static_cast<std::size_t>(channels)) {
-    throw SceneError(std::to_string(values.size()) + " values for a grid of " + text_of(size) + " voxels with " +
-                     std::to_string(channels) + " channels");
+    throw SceneError(
+        fmt::format("{} values for a grid of {} voxels with {} channels", values.size(), text_of(size), channels));
   }
   grid.voxel_max = {size[0] - 1, size[1] - 1, size[2] - 1};
   // Copy the voxels of each brick, with one layer of its neighbours

@@ -30,7 +30,7 @@ bool has_grid(const MediumInput& medium) {
 /// The media of a description, before their shapes are known.
 std::vector<MediumInput> medium_inputs(const Description& description, const std::vector<std::uint32_t>& row_of_phase,
                                        ErrorSink& errors) {
-  if (description.media.size() > kMaxMedia) throw SceneError("more than " + std::to_string(kMaxMedia) + " media");
+  if (description.media.size() > kMaxMedia) throw SceneError(fmt::format("more than {} media", kMaxMedia));
   std::vector<MediumInput> media;
   for (const MediumDescription& m : description.media) {
     // The last row is isotropic

@@ -46,8 +46,10 @@ float largest_flake_area(const std::array<float, 6>& matrix) {
   if (smallest < -kRounding * std::max(largest, 0.0)) {
     std::string text;
     for (const float entry : matrix) text += (text.empty() ? "" : " ") + std::to_string(entry);
-    throw SceneError("the matrix of microflakes " + text + " (xx yy zz xy xz yz) has the negative eigenvalue " +
-                     std::to_string(smallest) + ", so it describes no ellipsoid (expected none)");
+    throw SceneError(
+        fmt::format("the matrix of microflakes {} (xx yy zz xy xz yz) has the negative eigenvalue {}, so it describes "
+                    "no ellipsoid (expected none)",
+                    text, smallest));
   }
   return static_cast<float>(std::sqrt(std::max(largest, 0.0)));
 }
@@ -65,7 +67,7 @@ FlakeGrids load_flakes(const GridVolumeDescription& description, const SourceLoc
       try {
         out.largest = std::max(out.largest, largest_flake_area(matrix));
       } catch (const SceneError& error) {
-        throw SceneError({file}, "voxel " + std::to_string(at / kChannels) + ": " + error.what(), error.code());
+        throw SceneError({file}, fmt::format("voxel {}: {}", at / kChannels, error.what()), error.code());
       }
     }
     out.diagonal = take_channels(volume, 0, description.wrap);

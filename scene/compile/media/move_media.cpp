@@ -126,9 +126,9 @@ const AnimatedTransform* motion_of(const MediumInput& medium, const MotionCompil
   const AnimatedTransform* motion = motions.transform(grids[0].grid->motion);
   for (const NamedGrid& other : grids)
     if (!move_alike(motions.transform(other.grid->motion), motion))
-      throw SceneError(m.where, "the grids of a medium move together, but '" + std::string(other.name) +
-                                    "' moves differently from '" + grids[0].name +
-                                    "' (expected the same <animation> for both)");
+      throw SceneError(m.where, fmt::format("the grids of a medium move together, but '{}' moves differently from '{}' "
+                                            "(expected the same <animation> for both)",
+                                            other.name, grids[0].name));
   if (motion != nullptr && phase != nullptr && std::holds_alternative<SggxDescription>(phase->model) &&
       !is_rigid(*motion))
     throw SceneError(m.where,

@@ -77,7 +77,8 @@ void mark(const TextureTables& textures, std::uint32_t row, std::vector<bool>& m
 }
 
 std::string warning(const TextureDescription& texture, const std::string& message) {
-  return SceneError(texture.where, (texture.id.empty() ? "texture: " : "texture '" + texture.id + "': ") + message)
+  return SceneError(texture.where,
+                    (texture.id.empty() ? "texture: " : fmt::format("texture '{}': ", texture.id)) + message)
       .what();
 }
 

@@ -56,8 +56,7 @@ class NestingCheck {
   }
 
   SceneError too_deep(std::size_t i) const {
-    return TextureTableBuilder::error(textures_[i],
-                                      "more than " + std::to_string(kMaxTextureDepth) + " nested textures");
+    return TextureTableBuilder::error(textures_[i], fmt::format("more than {} nested textures", kMaxTextureDepth));
   }
 
   const std::vector<TextureDescription>& textures_;
@@ -113,18 +112,17 @@ bool AttributeTable::wants(const std::string& name) const {
 void AttributeTable::add(std::uint32_t shape, std::uint32_t first_triangle, std::uint32_t triangle_count,
                          std::uint32_t vertex_count, const Mesh::Attribute& attribute, const SourceLocation& where) {
   const auto fail = [&](const std::string& what) {
-    return SceneError(where, "mesh attribute '" + attribute.name + "' " + what);
+    return SceneError(where, fmt::format("mesh attribute '{}' {}", attribute.name, what));
   };
   const bool per_face = attribute.name.starts_with("face_");
   if (!per_face && !attribute.name.starts_with("vertex_")) throw fail("begins neither with 'vertex_' nor with 'face_'");
   if (attribute.channels != 1 && attribute.channels != 3) {
-    throw fail("has " + std::to_string(attribute.channels) + " channels (expected 1 or 3)");
+    throw fail(fmt::format("has {} channels (expected 1 or 3)", attribute.channels));
   }
   const auto channels = static_cast<std::uint32_t>(attribute.channels);
   const std::size_t expected = std::size_t{per_face ? triangle_count : vertex_count} * channels;
   if (attribute.values.size() != expected) {
-    throw fail("has " + std::to_string(attribute.values.size()) + " values (expected " + std::to_string(expected) +
-               ")");
+    throw fail(fmt::format("has {} values (expected {})", attribute.values.size(), expected));
   }
   if (!std::all_of(attribute.values.begin(), attribute.values.end(), [](float v) { return std::isfinite(v); })) {
     throw fail("has values that are not finite");

@@ -48,9 +48,10 @@ void prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channel
     for (const std::size_t c : channels) {
       float& value = stored.floats[pixel * stride + c];
       if (!std::isfinite(value)) {
-        throw SceneError(where, "channel " + stored.channels[c] + " of the pixel in column " +
-                                    std::to_string(pixel % width) + ", row " + std::to_string(pixel / width) +
-                                    " (from the upper left) is not a finite number");
+        throw SceneError(
+            where,
+            fmt::format("channel {} of the pixel in column {}, row {} (from the upper left) is not a finite number",
+                        stored.channels[c], pixel % width, pixel / width));
       }
       if (decode) value = srgb_to_linear(value);
     }
@@ -114,13 +115,14 @@ TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap
   image.tiles_per_row = tiles_along(image.width);
   const std::size_t tiles = std::size_t{image.tiles_per_row} * tiles_along(image.height);
   if (tiles << 2 * shift > kMaxTexels) {
-    throw SceneError(where, "an image of " + std::to_string(stored.width) + " x " + std::to_string(stored.height) +
-                                " pixels is too large for a texture (expected at most " + std::to_string(kMaxTexels) +
-                                " texels)");
+    throw SceneError(where,
+                     fmt::format("an image of {} x {} pixels is too large for a texture (expected at most {} texels)",
+                                 stored.width, stored.height, kMaxTexels));
   }
   const MemoryUse texels{"its texels", static_cast<double>(tiles) * sizeof(TexelTile), "use a smaller image"};
-  check_memory((where.file.empty() ? "a texture" : "the texture '" + where.file + "'") + " of " +
-                   std::to_string(stored.width) + " x " + std::to_string(stored.height) + " pixels",
+  check_memory(fmt::format("{} of {} x {} pixels",
+                           where.file.empty() ? "a texture" : fmt::format("the texture '{}'", where.file), stored.width,
+                           stored.height),
                {&texels, 1});
   image.tiles.resize(tiles);
   if (bytes) {
@@ -148,9 +150,9 @@ TiledImage load_tiled_image(const BitmapDescription& bitmap, const SourceLocatio
   if (bitmap.made) return tile_stored_image(stored_image(*bitmap.made), bitmap, where);
   if (bitmap.encoded) return tile_stored_image(read_stored_image(*bitmap.encoded), bitmap, {bitmap.encoded->name, 0});
   std::string key = bitmap.raw ? "raw texture" : "texture";
-  key += " " + std::to_string(static_cast<int>(bitmap.channel));
+  key += fmt::format(" {}", static_cast<int>(bitmap.channel));
   for (const float value : {bitmap.change.scale, bitmap.change.invert ? 1.0f : 0.0f, bitmap.change.exponent})
-    key += " " + std::to_string(std::bit_cast<std::uint32_t>(value));
+    key += fmt::format(" {}", std::bit_cast<std::uint32_t>(value));
   return cached(bitmap.file, key, [&] {
     return tile_stored_image(read_stored_image(bitmap.file, bitmap.raw), bitmap, {bitmap.file.string(), 0});
   });

@@ -34,8 +34,8 @@ double reading_bytes(const BitmapDescription& bitmap) {
 
 SceneError TextureTableBuilder::error(const TextureDescription& texture, const std::string& message,
                                       SceneErrorCode code) {
-  const std::string title = texture.id.empty() ? "texture" : "texture '" + texture.id + "'";
-  return SceneError(texture.where, title + ": " + message, code).about(title);
+  const std::string title = texture.id.empty() ? "texture" : fmt::format("texture '{}'", texture.id);
+  return SceneError(texture.where, fmt::format("{}: {}", title, message), code).about(title);
 }
 
 std::uint32_t TextureTableBuilder::row_of(const SpectrumInput& input, const TextureDescription& texture) {

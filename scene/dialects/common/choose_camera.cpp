@@ -19,8 +19,8 @@ std::size_t choose_camera(const std::string& wanted, const std::vector<std::stri
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += (i == 0 ? "" : ", ") + (names[i].empty() ? std::to_string(i) : in_quotes(names[i]));
-  throw SceneError(where,
-                   "has no camera " + in_quotes(wanted) + did_you_mean(wanted, names) + " (cameras: " + list + ")");
+  throw SceneError(
+      where, fmt::format("has no camera {}{} (cameras: {})", in_quotes(wanted), did_you_mean(wanted, names), list));
 }
 
 }  // namespace sheaf

@@ -25,7 +25,7 @@ void apply(const IntegratorMatch& found, IntegratorSettings& integrator) {
 
 std::string substitution_note(std::string_view name, const IntegratorMatch& found) {
   if (!found.is_substitute) return {};
-  return "integrator '" + std::string(name) + "' is rendered with '" + found.name + "', which has the same expectation";
+  return fmt::format("integrator '{}' is rendered with '{}', which has the same expectation", name, found.name);
 }
 
 IntegratorMatch integrator_or_path(Properties& p, const std::vector<std::string>& others) {
@@ -92,8 +92,8 @@ void white_scene(const IntegratorMatch& found, float length, bool two_sided, Des
 void apply_integrator_name(std::string_view name, Description& description) {
   const std::optional<IntegratorMatch> found = find_integrator(name);
   if (!found)
-    throw Error(ExitCode::kUsage, "unknown integrator '" + std::string(name) + "'" +
-                                      did_you_mean(name, integrator_names()) + known_names(integrator_names()));
+    throw Error(ExitCode::kUsage, fmt::format("unknown integrator '{}'{}{}", name,
+                                              did_you_mean(name, integrator_names()), known_names(integrator_names())));
   if (found->entry->whitens_scene)
     return white_scene(*found, description.integrator.visibility_length, true, description);
   apply(*found, description.integrator);

@@ -5,7 +5,7 @@ namespace sheaf {
 std::string stand_in_sampler_note(std::string_view name) {
   const SamplerKind* kind = kSamplers.find(name);
   if (kind == nullptr || name == kSamplers.name_of(*kind)) return {};
-  return "sampler '" + std::string(name) + "' is rendered with '" + kSamplers.name_of(*kind) + "'";
+  return fmt::format("sampler '{}' is rendered with '{}'", name, kSamplers.name_of(*kind));
 }
 
 SamplerKind rendered_sampler(SamplerKind named) {
@@ -16,19 +16,17 @@ std::string rendered_sampler_note(SamplerKind named) {
   const SamplerKind kind = rendered_sampler(named);
   if (kind == named) return {};
   const std::string name = kSamplers.name_of(named);
-  return "sampler '" + name + "' is rendered with '" + kSamplers.name_of(kind) + "', which is less noisy; --sampler " +
-         name + " keeps it";
+  return fmt::format("sampler '{}' is rendered with '{}', which is less noisy; --sampler {} keeps it", name,
+                     kSamplers.name_of(kind), name);
 }
 
 std::string rounding_note(SamplerKind kind, std::uint32_t sample_count) {
   const std::uint32_t rounded = rounded_sample_count(kind, sample_count);
   if (rounded == sample_count) return {};
   const SampleGrid grid = make_sampler(kind, 0, rounded).grid;
-  return "sampler '" + std::string(kSamplers.name_of(kind)) + "': " + std::to_string(sample_count) +
-         " samples per pixel become " + std::to_string(rounded) +
-         (kind == SamplerKind::kZSobol
-              ? std::string(", a power of two")
-              : ", a grid of " + std::to_string(grid.columns) + " x " + std::to_string(grid.rows));
+  return fmt::format("sampler '{}': {} samples per pixel become {}{}", kSamplers.name_of(kind), sample_count, rounded,
+                     kind == SamplerKind::kZSobol ? std::string(", a power of two")
+                                                  : fmt::format(", a grid of {} x {}", grid.columns, grid.rows));
 }
 
 void read_light_sampling(NamedValues& p, IntegratorSettings& integrator) {

@@ -93,12 +93,11 @@ AnimationKeys load_keys(const GltfFile& file, const GltfAnimation::Channel& chan
   const bool is_cubic = channel.interpolation == GltfAnimation::Channel::Interpolation::kCubic;
   const std::size_t parts = keys.times.size() * (is_cubic ? 3 : 1);
   if (parts == 0 || keys.values.size() % parts != 0 || keys.values.empty())
-    throw file.error(part, "its keys do not match: " + std::to_string(keys.times.size()) + " times and " +
-                               std::to_string(keys.values.size()) + " numbers");
+    throw file.error(
+        part, fmt::format("its keys do not match: {} times and {} numbers", keys.times.size(), keys.values.size()));
   keys.size = keys.values.size() / parts;
   if (channel.path != GltfAnimation::Channel::Path::kWeights && keys.size != static_cast<std::size_t>(components))
-    throw file.error(part,
-                     "has " + std::to_string(keys.size) + " numbers per key, expected " + std::to_string(components));
+    throw file.error(part, fmt::format("has {} numbers per key, expected {}", keys.size, components));
   const auto bad = [](float x) { return !std::isfinite(x); };
   if (!std::is_sorted(keys.times.begin(), keys.times.end()) || std::any_of(keys.times.begin(), keys.times.end(), bad) ||
       std::any_of(keys.values.begin(), keys.values.end(), bad))
@@ -119,12 +118,12 @@ const GltfAnimation* find_animation(const GltfFile& file, const ModelMoment& mom
     if (animation.name == moment.animation || std::to_string(i) == moment.animation) return &animation;
     names.push_back(animation.name);
   }
-  throw SceneError({file.file.string(), 0},
-                   "has no animation " + in_quotes(moment.animation) + did_you_mean(moment.animation, names));
+  throw SceneError({file.file.string(), 0}, fmt::format("has no animation {}{}", in_quotes(moment.animation),
+                                                        did_you_mean(moment.animation, names)));
 }
 
 std::string channel_name(const GltfAnimation& animation, std::size_t channel) {
-  return "animation " + in_quotes(animation.name) + ", channel " + std::to_string(channel);
+  return fmt::format("animation {}, channel {}", in_quotes(animation.name), channel);
 }
 
 }  // namespace sheaf::gltf

@@ -89,8 +89,7 @@ class PrimitiveLoader {
                                   const std::string& name, int components) const {
     const auto size = static_cast<std::size_t>(components);
     if (attribute.components != components)
-      throw file_.error(part_, name + " has " + std::to_string(attribute.components) + " numbers, expected " +
-                                   std::to_string(components));
+      throw file_.error(part_, fmt::format("{} has {} numbers, expected {}", name, attribute.components, components));
     check_count(attribute.values.size() / size, name);
     std::vector<float> out = attribute.values;
     if (!as.normalized || attribute.is_normalized) return out;
@@ -104,8 +103,7 @@ class PrimitiveLoader {
   /// Throws SceneError unless an attribute has a value for each vertex.
   void check_count(std::size_t count, const std::string& name) const {
     if (count != vertices_)
-      throw file_.error(
-          part_, name + " has " + std::to_string(count) + " values for " + std::to_string(vertices_) + " vertices");
+      throw file_.error(part_, fmt::format("{} has {} values for {} vertices", name, count, vertices_));
   }
 
   static std::vector<Vec3f> vectors(const std::vector<float>& values) {
@@ -197,8 +195,7 @@ class PrimitiveLoader {
       } else if (lenient) {
         ++dropped;
       } else {
-        throw file_.error(part_, "a triangle refers to vertex " + std::to_string(largest) + ", but there are " +
-                                     std::to_string(vertices_));
+        throw file_.error(part_, fmt::format("a triangle refers to vertex {}, but there are {}", largest, vertices_));
       }
     };
     const std::size_t count = corners.size();
@@ -210,7 +207,7 @@ class PrimitiveLoader {
       for (std::size_t i = 1; i + 1 < count; ++i) add(corners[i], corners[i + 1], corners[0]);
     }
     if (dropped > 0)
-      notes.push_back(file_.error(part_, std::to_string(dropped) + " triangles without vertices ignored").what());
+      notes.push_back(file_.error(part_, fmt::format("{} triangles without vertices ignored", dropped)).what());
   }
 
   void morph(const std::vector<float>& weights) {
@@ -241,7 +238,8 @@ class PrimitiveLoader {
     std::string names;
     for (const std::string& name : ignored) names += (names.empty() ? "" : ", ") + name;
     if (!names.empty())
-      notes.push_back(file_.error(part_, "its morph targets change " + names + " (not supported: ignored)").what());
+      notes.push_back(
+          file_.error(part_, fmt::format("its morph targets change {} (not supported: ignored)", names)).what());
   }
 
   /// Moves the vertices by the weighted mean of their joints' transforms.
@@ -251,7 +249,7 @@ class PrimitiveLoader {
     for (Matrix4& sum : sums) sum.m = {};
     std::vector<double> totals(vertices_, 0);
     for (int set = 0; set < kMaxJointSets; ++set) {
-      const std::string indices = "JOINTS_" + std::to_string(set), shares = "WEIGHTS_" + std::to_string(set);
+      const std::string indices = fmt::format("JOINTS_{}", set), shares = fmt::format("WEIGHTS_{}", set);
       if (!has(indices) || !has(shares)) break;
       add_joints(values(indices, 4), values(shares, 4), joints, sums, totals);
     }
@@ -270,8 +268,7 @@ class PrimitiveLoader {
       if (!(share > 0)) continue;
       const auto joint = static_cast<std::size_t>(std::clamp(indices[k], 0.0f, 65535.0f));
       if (joint >= joints.size())
-        throw file_.error(part_, "a vertex refers to joint " + std::to_string(joint) + ", but the skin has " +
-                                     std::to_string(joints.size()));
+        throw file_.error(part_, fmt::format("a vertex refers to joint {}, but the skin has {}", joint, joints.size()));
       totals[k / 4] += share;
       for (std::size_t row = 0; row < 4; ++row)
         for (std::size_t column = 0; column < 4; ++column)
@@ -303,13 +300,13 @@ int primary_uv_set(const GltfMaterial& material) {
   return material.base_color_texture ? material.base_color_texture->uv_set : 0;
 }
 
-std::string uv_attribute(int uv_set) { return "vertex_uv" + std::to_string(uv_set); }
+std::string uv_attribute(int uv_set) { return fmt::format("vertex_uv{}", uv_set); }
 
 std::vector<Primitive> load_mesh(GltfFile& file, int mesh, const Deformation& deformation, bool lenient) {
   const GltfMesh& from = file.meshes[static_cast<std::size_t>(mesh)];
   std::vector<Primitive> out;
   for (std::size_t i = 0; i < from.primitives.size(); ++i) {
-    const std::string part = "meshes[" + std::to_string(mesh) + "].primitives[" + std::to_string(i) + "]";
+    const std::string part = fmt::format("meshes[{}].primitives[{}]", mesh, i);
     auto primitive = PrimitiveLoader(file, from.primitives[i], part).load(deformation, lenient, file.notes);
     if (primitive) out.push_back(std::move(*primitive));
   }

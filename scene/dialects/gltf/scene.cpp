@@ -42,8 +42,8 @@ class SceneReader {
       if (node.mesh != kNoIndex) add_mesh(i);
     }
     if (degenerate_ > 0)
-      file_.notes.push_back(file_.file.string() + ": " + std::to_string(degenerate_) +
-                            " degenerate or non-finite triangles left out");
+      file_.notes.push_back(
+          fmt::format("{}: {} degenerate or non-finite triangles left out", file_.file.string(), degenerate_));
     std::move(file_.notes.begin(), file_.notes.end(), std::back_inserter(out_.notes));
     return contents_;
   }
@@ -194,7 +194,7 @@ class SceneReader {
 
   void note_collapsed(std::size_t i) { note(i, "its transform collapses it to a line or a point (not rendered)"); }
   void note(std::size_t i, const std::string& message) {
-    file_.notes.push_back(file_.error("nodes[" + std::to_string(i) + "]", message).what());
+    file_.notes.push_back(file_.error(fmt::format("nodes[{}]", i), message).what());
   }
 
   void add_instances(std::size_t i, const NodePlacement& node, std::uint32_t group) {
@@ -224,7 +224,7 @@ class SceneReader {
       const std::vector<float> values = read_floats(file_, found->second, components);
       const auto size = static_cast<std::size_t>(components);
       if (values.size() != poses.size() * size)
-        throw file_.error("nodes[" + std::to_string(i) + "]", "its instances have attributes of different lengths");
+        throw file_.error(fmt::format("nodes[{}]", i), "its instances have attributes of different lengths");
       for (std::size_t k = 0; k < values.size(); ++k) (poses[k / size].*member)[k % size] = values[k];
     };
     load("TRANSLATION", 3, &GltfPose::translation);

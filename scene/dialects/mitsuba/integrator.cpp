@@ -78,7 +78,7 @@ void read_wrapper(Properties& p, Reader& reader) {
   const std::vector<const XmlElement*> nested = p.objects("integrator");
   if (nested.empty()) p.fail("has no nested <integrator>, expected one", SceneErrorCode::kMissing);
   if (nested.size() > 1 && p.type() != "multichannel")
-    p.fail("has " + std::to_string(nested.size()) + " nested <integrator>, expected one");
+    p.fail(fmt::format("has {} nested <integrator>, expected one", nested.size()));
   p.ignore_all();
   read_integrator(*nested[0], reader);
 }

@@ -9,11 +9,11 @@ const MeasuredMedium& read_measured_medium(Properties& p) {
   constexpr const char* kDefault = "skin1";
   const std::string name = p.string("material", kDefault);
   if (const MeasuredMedium* found = find_measured_medium(name)) return *found;
-  p.report_at("material",
-              "is " + in_quotes(name) + ", expected the name of a measured medium" +
-                  did_you_mean(name, measured_medium_names()) + known_names(measured_medium_names()) +
-                  "; use 'sigma_s' and 'sigma_a' for others",
-              SceneErrorCode::kUnknownName);
+  p.report_at(
+      "material",
+      fmt::format("is {}, expected the name of a measured medium{}{}; use 'sigma_s' and 'sigma_a' for others",
+                  in_quotes(name), did_you_mean(name, measured_medium_names()), known_names(measured_medium_names())),
+      SceneErrorCode::kUnknownName);
   return *find_measured_medium(kDefault);
 }
 

@@ -19,7 +19,8 @@ bool is_before_version_2(const XmlElement& root) {
 /// Rejects a top-level object that needs a parent unless another object refers to it.
 void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
   if (!context.scene.is_referenced(element))
-    throw SceneError(element.where, "<" + element.name + "> at the top level is not referenced, expected it " + place);
+    throw SceneError(element.where,
+                     fmt::format("<{}> at the top level is not referenced, expected it {}", element.name, place));
 }
 
 [[noreturn]] void fail_unknown(const XmlElement& element) {
@@ -27,9 +28,10 @@ void expect_referenced(const XmlElement& element, const char* place, const ReadC
                                           "integrator", "film",    "sampler", "rfilter",    "spectrum",
                                           "rgb",        "default", "include", "path",       "alias",
                                           "medium",     "phase",   "volume",  "subsurface", "animation"};
-  throw SceneError(element.where,
-                   "unknown element <" + element.name + "> in a Mitsuba scene" + did_you_mean(element.name, known),
-                   SceneErrorCode::kUnknownName);
+  throw SceneError(
+      element.where,
+      fmt::format("unknown element <{}> in a Mitsuba scene{}", element.name, did_you_mean(element.name, known)),
+      SceneErrorCode::kUnknownName);
 }
 
 bool is_spectrum(const XmlElement& e) {

@@ -129,7 +129,8 @@ float parse_focal_length(Properties& p, std::string text) {
   if (text.ends_with("mm")) text.resize(text.size() - 2);
   const float length = parse_float(text, p.where(), "property 'focal_length'");
   if (!(length > 0))
-    p.fail_at("focal_length", "is " + in_quotes(text) + ", expected a positive length", SceneErrorCode::kOutOfRange);
+    p.fail_at("focal_length", fmt::format("is {}, expected a positive length", in_quotes(text)),
+              SceneErrorCode::kOutOfRange);
   return length;
 }
 
@@ -137,7 +138,7 @@ float parse_focal_length(Properties& p, std::string text) {
 std::array<float, 2> read_distortion(Properties& p) {
   const auto read = [&] {
     const std::vector<float> kc = parse_floats(p.string("kc", "0, 0"), p.where(), "kc");
-    if (kc.size() != 2) p.fail_at("kc", "has " + std::to_string(kc.size()) + " numbers, expected two");
+    if (kc.size() != 2) p.fail_at("kc", fmt::format("has {} numbers, expected two", kc.size()));
     return std::array{kc[0], kc[1]};
   };
   return p.attempt("kc", read).value_or(std::array{0.0f, 0.0f});
@@ -257,8 +258,7 @@ void check_meter(Properties& p, const CameraDescription& camera) {
   const bool single = camera.projection == Projection::kRadianceMeter || camera.projection == Projection::kDistant;
   if (!single && camera.projection != Projection::kIrradianceMeter) return;
   if (single && (film.width != 1 || film.height != 1))
-    p.fail("has a film of " + std::to_string(film.width) + " x " + std::to_string(film.height) +
-           " pixels, expected one pixel");
+    p.fail(fmt::format("has a film of {} x {} pixels, expected one pixel", film.width, film.height));
   film.filter = PixelFilter{};
 }
 
@@ -353,7 +353,8 @@ void read_sensor(const XmlElement& element, Reader& reader) {
 
 void read_shape_sensor(const ShapeSensor& sensor, Reader& reader) {
   Properties p(*sensor.element, reader.context);
-  if (sensor.shape_type != "rectangle") p.fail("is in a " + in_quotes(sensor.shape_type) + ", expected a 'rectangle'");
+  if (sensor.shape_type != "rectangle")
+    p.fail(fmt::format("is in a {}, expected a 'rectangle'", in_quotes(sensor.shape_type)));
   CameraDescription& camera = reader.context.description.camera;
   camera.where = sensor.element->where;
   camera.projection = p.plugin_or("irradiancemeter", kShapeSensors);

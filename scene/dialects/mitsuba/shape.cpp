@@ -68,8 +68,8 @@ void read_deformable(Properties& p, Reader& reader, ShapeDescription& shape) {
   const std::vector<float> times = read_numbers(p, "times");
   const std::vector<const XmlElement*> children = p.objects("shape");
   if (times.size() != children.size())
-    p.fail("has " + std::to_string(children.size()) + " shapes for " + std::to_string(times.size()) +
-           " times, expected one for each of its 'times'");
+    p.fail(
+        fmt::format("has {} shapes for {} times, expected one for each of its 'times'", children.size(), times.size()));
   DeformingMesh mesh;
   DeformingCurves curves;
   for (std::size_t i = 0; i < children.size(); ++i) {

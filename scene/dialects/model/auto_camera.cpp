@@ -35,7 +35,7 @@ struct Box {
 /// Loads the mesh file of a shape into memory, with the processing steps that scene/formats/mesh.h lists.
 void load(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile file = read_mesh(from);
-  for (const std::string& w : file.warnings) description.notes.push_back(from.file.string() + ": " + w);
+  for (const std::string& w : file.warnings) description.notes.push_back(fmt::format("{}: {}", from.file.string(), w));
   check_mesh(file.mesh, shape.where);
   shape.face_normals = shape.face_normals || file.face_normals;
   if (shape.face_normals) file.mesh.normals.clear();

@@ -214,7 +214,7 @@ class MaterialLibraries {
         if (const auto file = find_file(folder, name)) {
           found.push_back(&read(*file));
         } else {
-          note(line.where, "material library '" + name + "' not found, its materials are rendered as diffuse");
+          note(line.where, fmt::format("material library '{}' not found, its materials are rendered as diffuse", name));
           complete = false;
         }
       }
@@ -307,9 +307,10 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
     const SourceLocation where{file, obj.material_lines[i]};
     const std::string similar = did_you_mean(name, names);
     if (complete) {
-      libraries.report(where, "material '" + name + "' is in no material library of the file" + similar);
+      libraries.report(where, fmt::format("material '{}' is in no material library of the file{}", name, similar));
     } else {
-      libraries.note(where, "material '" + name + "' is in no material library, rendered as diffuse" + similar);
+      libraries.note(where,
+                     fmt::format("material '{}' is in no material library, rendered as diffuse{}", name, similar));
     }
   }
   return found;
@@ -353,7 +354,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
   Transform to_world = shape.to_world;
   const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased, to_world);
   if (dropped > 0) {
-    libraries.note(shape.where, std::to_string(dropped) + " degenerate or non-finite triangles ignored");
+    libraries.note(shape.where, fmt::format("{} degenerate or non-finite triangles ignored", dropped));
   }
   const Mesh& mesh = obj.file.mesh;
   // Collect the triangles of each material

@@ -14,8 +14,8 @@ namespace {
 
 /// Reports that two alternatives are set. `ignored`: the property that has no effect.
 void report_both(Properties& p, const std::string& first, const std::string& second, const std::string& ignored) {
-  p.report("has both '" + first + " and '" + second + ", expected one", SceneErrorCode::kDuplicate,
-           "'" + ignored + "' ignored");
+  p.report(fmt::format("has both '{} and '{}, expected one", first, second), SceneErrorCode::kDuplicate,
+           fmt::format("'{}' ignored", ignored));
   p.ignore({ignored.c_str()});
 }
 

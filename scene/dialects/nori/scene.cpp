@@ -23,8 +23,8 @@ namespace {
 void check_radius(Properties& p, const PixelFilter& filter) {
   const float radius = p.number("radius", filter.radius, kPositive);
   if (radius != filter.radius)
-    p.context().note(p.where(), "rfilter '" + p.type() + "' has the radius " + std::to_string(filter.radius) +
-                                    " pixels, the given radius is ignored");
+    p.context().note(p.where(), fmt::format("rfilter '{}' has the radius {} pixels, the given radius is ignored",
+                                            p.type(), filter.radius));
 }
 
 PixelFilter read_gaussian(Properties& p) {
@@ -64,8 +64,8 @@ PixelFilter read_nori_filter(const XmlElement& element, ReadContext& context) {
 /// The name of a property that has two alternative names: the one that is present, or null.
 const char* find_either(Properties& p, const char* name, const char* other) {
   if (p.has(name) && p.has(other)) {
-    p.report("has both '" + std::string(name) + "' and '" + other + "', expected one", SceneErrorCode::kDuplicate,
-             "'" + std::string(other) + "' ignored");
+    p.report(fmt::format("has both '{}' and '{}', expected one", name, other), SceneErrorCode::kDuplicate,
+             fmt::format("'{}' ignored", other));
     p.ignore({other});
   }
   return p.has(name) ? name : p.has(other) ? other : nullptr;
@@ -212,7 +212,8 @@ struct LastElements {
 
 void keep(const XmlElement*& slot, const XmlElement& element) {
   if (slot != nullptr)
-    throw SceneError(element.where, "a second <" + element.name + ">, expected one", SceneErrorCode::kDuplicate);
+    throw SceneError(element.where, fmt::format("a second <{}>, expected one", element.name),
+                     SceneErrorCode::kDuplicate);
   slot = &element;
 }
 
@@ -236,7 +237,7 @@ void read_child(const XmlElement& child, ReadContext& context, LastElements& las
   } else {
     const std::vector<std::string> known = {"camera", "sampler", "integrator", "mesh", "emitter", "medium", "denoiser"};
     throw SceneError(child.where,
-                     "unknown element <" + child.name + "> in a Nori scene" + did_you_mean(child.name, known),
+                     fmt::format("unknown element <{}> in a Nori scene{}", child.name, did_you_mean(child.name, known)),
                      SceneErrorCode::kUnknownName);
   }
 }

@@ -177,12 +177,14 @@ ShutterDescription read_shutter(Reader& reader, const Entity& camera) {
     if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
       (parameter.name == "shutteropen" ? shutter.open : shutter.close) = parameter.numbers[0];
   if (shutter.close < shutter.open) {
-    reader.warn(camera.where, "Camera: 'shutteropen' " + number_text(shutter.open) + " is later than 'shutterclose' " +
-                                  number_text(shutter.close) + ": exchanged");
+    reader.warn(camera.where, fmt::format("Camera: 'shutteropen' {} is later than 'shutterclose' {}: exchanged",
+                                          number_text(shutter.open), number_text(shutter.close)));
     std::swap(shutter.open, shutter.close);
   } else if (shutter.close == shutter.open) {
-    reader.note(camera.where, "Camera: the shutter opens and closes at " + number_text(shutter.open) +
-                                  ": a still without motion blur, with the exposure of 1 s");
+    reader.note(
+        camera.where,
+        fmt::format("Camera: the shutter opens and closes at {}: a still without motion blur, with the exposure of 1 s",
+                    number_text(shutter.open)));
   }
   return shutter;
 }
@@ -192,19 +194,21 @@ double exposure_time(const ShutterDescription& shutter) {
 }
 
 void read_film(Reader& reader, Entity entity, float shutter) {
-  Parameters p(reader, "Film '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Film '{}'", entity.type), entity.where, std::move(entity.parameters));
   const std::vector<std::string> known = {"gbuffer", "rgb", "spectral"};
   if (std::find(known.begin(), known.end(), entity.type) == known.end())
-    throw SceneError(entity.where,
-                     "unknown film '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known),
-                     SceneErrorCode::kUnknownName);
+    throw SceneError(
+        entity.where,
+        fmt::format("unknown film '{}'{}{}", entity.type, did_you_mean(entity.type, known), known_names(known)),
+        SceneErrorCode::kUnknownName);
   FilmSettings& film = reader.description.film;
   film.width = p.integer("xresolution", 1280, 1, 1'000'000'000);
   film.height = p.integer("yresolution", 720, 1, 1'000'000'000);
   check_frame(film.width, film.height, entity.where);
   read_crop(p, film);
   const std::string sensor = p.string("sensor", "cie1931");
-  if (sensor != "cie1931") p.unsupported("the sensor '" + sensor + "', expected cie1931", "rendered as cie1931");
+  if (sensor != "cie1931")
+    p.unsupported(fmt::format("the sensor '{}', expected cie1931", sensor), "rendered as cie1931");
   if (p.number("whitebalance", 0, kNotNegative) != 0.0f) p.unsupported("'whitebalance'", "ignored");
   if (p.has("maxcomponentvalue")) {
     reader.note(entity.where, p.title() + ": 'maxcomponentvalue' ignored: samples are not clamped");
@@ -216,7 +220,7 @@ void read_film(Reader& reader, Entity entity, float shutter) {
 }
 
 void read_filter(Reader& reader, Entity entity) {
-  Parameters p(reader, "PixelFilter '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("PixelFilter '{}'", entity.type), entity.where, std::move(entity.parameters));
   const FilterReader& filter_reader = plugin(kFilters, "filter", entity.type, entity.where);
   const float radius = p.number("xradius", filter_reader.radius, kPositive);
   if (p.number("yradius", filter_reader.radius, kPositive) != radius)
@@ -229,7 +233,7 @@ void read_filter(Reader& reader, Entity entity) {
 }
 
 void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside) {
-  Parameters p(reader, "Camera '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Camera '{}'", entity.type), entity.where, std::move(entity.parameters));
   CameraDescription& camera = reader.description.camera;
   camera.where = entity.where;
   camera.medium = medium_of(reader, outside, entity.where);

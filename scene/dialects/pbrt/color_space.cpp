@@ -58,8 +58,8 @@ Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use) {
     *parts[c] = static_cast<float>(std::clamp(v[c], 0.0, max_value));
   }
   if (outside && !p.reader().noted_gamut) {
-    p.reader().note(p.where(),
-                    p.title() + ": a colour of " + space.name + " is outside of Rec.709 and clamped (reported once)");
+    p.reader().note(p.where(), fmt::format("{}: a colour of {} is outside of Rec.709 and clamped (reported once)",
+                                           p.title(), space.name));
     p.reader().noted_gamut = true;
   }
   return out;

@@ -32,11 +32,10 @@ Form read_form(Parameters& p, std::size_t points) {
   const bool is_bspline = p.choice("basis", kBases, false);
   Form form{is_bspline, static_cast<std::size_t>(p.integer("degree", 3, 2, 3)), 0};
   if (points <= form.degree)
-    p.fail_at("P", "has " + std::to_string(points) + " points, expected " + std::to_string(form.degree + 1) +
-                       " or more for degree " + std::to_string(form.degree));
+    p.fail_at("P",
+              fmt::format("has {} points, expected {} or more for degree {}", points, form.degree + 1, form.degree));
   if (!form.is_bspline && (points - 1) % form.degree != 0)
-    p.fail_at("P", "has " + std::to_string(points) + " points, expected 1 and a multiple of the degree, " +
-                       std::to_string(form.degree));
+    p.fail_at("P", fmt::format("has {} points, expected 1 and a multiple of the degree, {}", points, form.degree));
   form.segments = form.is_bspline ? points - form.degree : (points - 1) / form.degree;
   return form;
 }
@@ -67,8 +66,8 @@ void read_type(Parameters& p) {
   static constexpr NameTable<bool> kIsRound{{{"flat", false}, {"ribbon", false}, {"cylinder", true}}};
   const bool is_round = p.choice("type", kIsRound, false);
   if (!is_round)
-    p.reader().note_once(
-        p.where(), p.title() + " of type '" + p.string("type", "flat") + "' rendered as a round tube of its width");
+    p.reader().note_once(p.where(), fmt::format("{} of type '{}' rendered as a round tube of its width", p.title(),
+                                                p.string("type", "flat")));
   p.ignore({"N", "splitdepth"});
 }
 

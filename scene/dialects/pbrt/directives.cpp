@@ -25,7 +25,8 @@ std::string take_type(Entity& entity, const std::string& directive) {
 
 std::string SceneBuilder::read_string(Tokens& tokens, const char* what) {
   if (tokens.current().kind != Token::Kind::kString)
-    throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected " + what + " in double quotes");
+    throw SceneError(tokens.where(),
+                     fmt::format("found {}, expected {} in double quotes", shown(tokens.current()), what));
   std::string text(tokens.current().text);
   tokens.advance();
   return text;
@@ -41,14 +42,15 @@ Entity SceneBuilder::read_entity(Tokens& tokens, const char* target) {
 
 void SceneBuilder::save(const char* by) {
   if (saved_.size() >= kMaxSaved)
-    throw SceneError(where_, "attributes are saved more than " + std::to_string(kMaxSaved) + " deep");
+    throw SceneError(where_, fmt::format("attributes are saved more than {} deep", kMaxSaved));
   saved_.push_back({by, where_, reader_.attributes});
 }
 
 Attributes SceneBuilder::restore(const char* by) {
   if (saved_.empty() || std::string_view(saved_.back().by) != by)
-    throw SceneError(where_, std::string("an end without ") + by +
-                                 (saved_.empty() ? "" : ", expected the end of " + std::string(saved_.back().by)));
+    throw SceneError(where_,
+                     fmt::format("an end without {}{}", by,
+                                 saved_.empty() ? "" : ", expected the end of " + std::string(saved_.back().by)));
   Attributes attributes = std::move(saved_.back().attributes);
   saved_.pop_back();
   return attributes;
@@ -65,8 +67,8 @@ void SceneBuilder::attribute(Tokens& tokens) {
   const std::string target = read_string(tokens, "the target of the attributes");
   const std::vector<std::string> known = {"light", "material", "medium", "shape", "texture"};
   if (std::find(known.begin(), known.end(), target) == known.end())
-    throw SceneError(where_, "Attribute '" + target + "', expected light, material, medium, shape or texture" +
-                                 did_you_mean(target, known));
+    throw SceneError(where_, fmt::format("Attribute '{}', expected light, material, medium, shape or texture{}", target,
+                                         did_you_mean(target, known)));
   std::vector<Parameter> list = read_parameters(tokens);
   for (Parameter& parameter : list) parameter.optional = true;
   auto& before = reader_.attributes.defaults[target];
@@ -92,7 +94,8 @@ void SceneBuilder::color_space(Tokens& tokens) {
   const std::vector<std::string>& known = color_space_names();
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
-    throw SceneError(where_, "unknown colour space '" + name + "'" + did_you_mean(name, known) + known_names(known));
+    throw SceneError(where_,
+                     fmt::format("unknown colour space '{}'{}{}", name, did_you_mean(name, known), known_names(known)));
   reader_.attributes.color_space = static_cast<std::size_t>(found - known.begin());
 }
 
@@ -121,7 +124,7 @@ void SceneBuilder::light_source(Tokens& tokens) {
 void SceneBuilder::make_named_material(Tokens& tokens) {
   Entity entity = read_entity(tokens, "material");
   const std::string name = entity.type;
-  if (reader_.materials.contains(name)) throw SceneError(where_, "a second material '" + name + "'");
+  if (reader_.materials.contains(name)) throw SceneError(where_, fmt::format("a second material '{}'", name));
   entity.type = take_type(entity, "MakeNamedMaterial");
   reader_.materials[name] = make_material(reader_, name, std::move(entity));
 }
@@ -150,7 +153,7 @@ void SceneBuilder::named_material(Tokens& tokens) {
   if (found == reader_.materials.end()) {
     std::vector<std::string> known;
     for (const auto& entry : reader_.materials) known.push_back(entry.first);
-    throw SceneError(where_, "the material '" + name + "' is not defined yet" + did_you_mean(name, known));
+    throw SceneError(where_, fmt::format("the material '{}' is not defined yet{}", name, did_you_mean(name, known)));
   }
   reader_.attributes.material = found->second;
 }
@@ -159,7 +162,7 @@ void SceneBuilder::object_begin(Tokens& tokens) {
   const std::string name = read_string(tokens, "a name");
   if (reader_.object != nullptr) throw SceneError(where_, "ObjectBegin inside of another object");
   Object& object = reader_.objects[name];
-  if (object.defined) throw SceneError(where_, "a second object '" + name + "'");
+  if (object.defined) throw SceneError(where_, fmt::format("a second object '{}'", name));
   object.defined = true;
   object.where = object.group.where = where_;
   save("ObjectBegin");
@@ -199,13 +202,14 @@ void SceneBuilder::option(Tokens& tokens) {
                                          "wavefront"};
   for (const Parameter& parameter : read_parameters(tokens)) {
     if (std::find(std::begin(kKnown), std::end(kKnown), parameter.name) == std::end(kKnown))
-      throw SceneError(parameter.where, "unknown option '" + parameter.name + "'" +
-                                            did_you_mean(parameter.name, {std::begin(kKnown), std::end(kKnown)}));
+      throw SceneError(parameter.where,
+                       fmt::format("unknown option '{}'{}", parameter.name,
+                                   did_you_mean(parameter.name, {std::begin(kKnown), std::end(kKnown)})));
     if (parameter.name == "seed" && parameter.numbers.size() == 1 && parameter.numbers[0] >= 0 &&
         parameter.numbers[0] < 4294967296.0)
       reader_.description.sampler.seed = static_cast<std::uint32_t>(parameter.numbers[0]);
     else if (parameter.name == "forcediffuse" || parameter.name == "disablepixeljitter")
-      reader_.note(parameter.where, "option '" + parameter.name + "' ignored");
+      reader_.note(parameter.where, fmt::format("option '{}' ignored", parameter.name));
   }
 }
 

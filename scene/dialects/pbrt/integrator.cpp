@@ -41,15 +41,16 @@ IntegratorMatch find_entity(Parameters& p, const Entity& entity) {
   }
   std::vector<std::string> known = integrator_names();
   known.emplace_back("function");
-  throw SceneError(entity.where,
-                   "unknown integrator '" + entity.type + "'" + did_you_mean(entity.type, known) + known_names(known),
-                   SceneErrorCode::kUnknownName);
+  throw SceneError(
+      entity.where,
+      fmt::format("unknown integrator '{}'{}{}", entity.type, did_you_mean(entity.type, known), known_names(known)),
+      SceneErrorCode::kUnknownName);
 }
 
 }  // namespace
 
 void read_integrator(Reader& reader, Entity entity) {
-  Parameters p(reader, "Integrator '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Integrator '{}'", entity.type), entity.where, std::move(entity.parameters));
   const IntegratorMatch found = find_entity(p, entity);
   if (found.entry->whitens_scene) {
     read_visibility(p, found, reader);
@@ -72,7 +73,7 @@ void read_integrator(Reader& reader, Entity entity) {
 }
 
 void read_sampler(Reader& reader, Entity entity) {
-  Parameters p(reader, "Sampler '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Sampler '{}'", entity.type), entity.where, std::move(entity.parameters));
   SamplerSettings& sampler = reader.description.sampler;
   const std::string& type = entity.type;
   sampler.kind = plugin(kSamplers, "sampler", type, entity.where);

@@ -144,8 +144,8 @@ LightKinds::Model read_goniometric(Parameters& p) {
   const std::filesystem::path file = p.file("filename");
   const std::shared_ptr<const Image> image = grey_image(read_linear_image(file, false, p.where()));
   if (image->width != image->height)
-    p.fail_at("filename", "is an image of " + std::to_string(image->width) + " x " + std::to_string(image->height) +
-                              " pixels, expected a square equal-area image");
+    p.fail_at("filename", fmt::format("is an image of {} x {} pixels, expected a square equal-area image", image->width,
+                                      image->height));
   float scale = read_scale(p);
   if (const auto power = p.find_number("power"); power && *power > 0.0f) {
     double sum = 0;
@@ -178,7 +178,7 @@ constexpr NamedLight kLights[] = {
 }  // namespace
 
 void read_light(Reader& reader, Entity entity) {
-  Parameters p(reader, "LightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("LightSource '{}'", entity.type), entity.where, std::move(entity.parameters));
   std::vector<std::string> known;
   for (const NamedLight& light : kLights) {
     if (light.name == entity.type) {
@@ -190,14 +190,15 @@ void read_light(Reader& reader, Entity entity) {
     }
     known.emplace_back(light.name);
   }
-  throw SceneError(entity.where, "unknown light '" + entity.type + "'" + did_you_mean(entity.type, known),
+  throw SceneError(entity.where, fmt::format("unknown light '{}'{}", entity.type, did_you_mean(entity.type, known)),
                    SceneErrorCode::kUnknownName);
 }
 
 AreaLight read_area_light(Reader& reader, Entity entity) {
-  Parameters p(reader, "AreaLightSource '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("AreaLightSource '{}'", entity.type), entity.where, std::move(entity.parameters));
   if (entity.type != "diffuse" && entity.type != "area")
-    throw SceneError(entity.where, "unknown area light '" + entity.type + "'" + did_you_mean(entity.type, {"diffuse"}),
+    throw SceneError(entity.where,
+                     fmt::format("unknown area light '{}'{}", entity.type, did_you_mean(entity.type, {"diffuse"})),
                      SceneErrorCode::kUnknownName);
   AreaLight light;
   light.where = entity.where;

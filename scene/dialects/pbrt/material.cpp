@@ -75,7 +75,8 @@ ConductorDescription conductor(Parameters& p, const std::string& prefix, float a
   const auto eta = find_spectrum_input(p, eta_name.c_str(), Use::kUnbounded);
   const auto k = find_spectrum_input(p, k_name.c_str(), Use::kUnbounded);
   // Convert a reflectance to an index of refraction
-  if (reflectance && (eta || k)) p.fail("has both 'reflectance' and '" + (eta ? eta_name : k_name) + "', expected one");
+  if (reflectance && (eta || k))
+    p.fail(fmt::format("has both 'reflectance' and '{}', expected one", eta ? eta_name : k_name));
   if (reflectance) {
     if (const auto* constant = std::get_if<SpectrumDescription>(&*reflectance)) {
       metal.ior = metal_of(*constant);
@@ -184,7 +185,7 @@ Model dielectric(Parameters& p, bool thin, bool remap) {
 ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput default_value) {
   const ScalarInput roughness = find_scalar_input(p, name).value_or(default_value);
   if (const float* number = std::get_if<float>(&roughness); number != nullptr && !(*number >= 0 && *number <= 1))
-    p.fail_at(name, "is " + std::to_string(*number) + ", expected a number from 0 to 1");
+    p.fail_at(name, fmt::format("is {}, expected a number from 0 to 1", *number));
   return roughness;
 }
 
@@ -229,7 +230,7 @@ Model mix(Parameters& p) {
   for (std::size_t i = 0; i < 2; ++i) {
     const auto found = reader.materials.find(names->strings[i]);
     if (found == reader.materials.end())
-      p.fail_at("materials", "has '" + names->strings[i] + "', which is not defined yet");
+      p.fail_at("materials", fmt::format("has '{}', which is not defined yet", names->strings[i]));
     reader.used_texture = reader.used_texture || found->second.textured;
     if (found->second.interior) p.unsupported("subsurface scattering in a mix", "rendered as its boundary");
     blend.nested[i] = *found->second.id;
@@ -282,7 +283,8 @@ MaterialId add(Reader& reader, Model model, const SourceLocation& where) {
 
 Material make_material(Reader& reader, const std::string& name, Entity entity) {
   const std::string& type = entity.type;
-  Parameters p(reader, "Material '" + (name.empty() ? type : name) + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Material '{}'", name.empty() ? type : name), entity.where,
+               std::move(entity.parameters));
   reader.used_texture = false;
   if (type == "interface" || type.empty() || type == "none") {
     p.reject_unused();
@@ -326,7 +328,7 @@ Material make_material(Reader& reader, const std::string& name, Entity entity) {
     const std::vector<std::string> known = {
         "coatedconductor", "coateddiffuse", "conductor", "dielectric", "diffuse",       "diffusetransmission", "hair",
         "interface",       "measured",      "mix",       "subsurface", "thindielectric"};
-    throw SceneError(entity.where, "unknown material '" + type + "'" + did_you_mean(type, known),
+    throw SceneError(entity.where, fmt::format("unknown material '{}'{}", type, did_you_mean(type, known)),
                      SceneErrorCode::kUnknownName);
   }
   // Wrap it in maps and as two-sided

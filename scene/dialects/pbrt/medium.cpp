@@ -45,7 +45,8 @@ void read_nanovdb(Parameters& p, MediumDescription& medium) {
     set_temperature(p, medium, std::move(temperature), scale);
   } else {
     if (p.has("temperaturename") && scale > 0.0f)
-      p.reader().note(p.where(), p.title() + " does not emit: its file has no grid '" + temperature.grid + "'");
+      p.reader().note(p.where(),
+                      fmt::format("{} does not emit: its file has no grid '{}'", p.title(), temperature.grid));
     p.ignore({"temperaturescale", "temperatureoffset", "temperaturecutoff"});
   }
 }
@@ -58,8 +59,8 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
   if (!preset) return {read_coefficient(p, "sigma_a", one), read_coefficient(p, "sigma_s", one)};
   const MeasuredMedium* found = find_measured_medium(*preset);
   if (found == nullptr) {
-    p.unsupported("the preset '" + *preset + "'" + did_you_mean(*preset, measured_medium_names()) +
-                      known_names(measured_medium_names()),
+    p.unsupported(fmt::format("the preset '{}'{}{}", *preset, did_you_mean(*preset, measured_medium_names()),
+                              known_names(measured_medium_names())),
                   "rendered with sigma_a and sigma_s of 1");
     return {one, one};
   }
@@ -89,7 +90,7 @@ constexpr NameTable<void (*)(Parameters&, MediumDescription&)> kMedia{{{"cloud",
 }  // namespace
 
 void read_medium(Reader& reader, const std::string& name, Entity entity) {
-  Parameters p(reader, "MakeNamedMedium '" + name + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("MakeNamedMedium '{}'", name), entity.where, std::move(entity.parameters));
   if (reader.media.contains(name)) p.fail("has the name of an earlier medium, expected another name");
   MediumDescription medium;
   medium.where = entity.where;
@@ -107,7 +108,7 @@ std::optional<MediumId> medium_of(const Reader& reader, const std::string& name,
   if (found != reader.media.end()) return found->second;
   std::vector<std::string> known;
   for (const auto& entry : reader.media) known.push_back(entry.first);
-  throw SceneError(where, "the medium '" + name + "' is not defined yet" + did_you_mean(name, known));
+  throw SceneError(where, fmt::format("the medium '{}' is not defined yet{}", name, did_you_mean(name, known)));
 }
 
 }  // namespace sheaf::pbrt

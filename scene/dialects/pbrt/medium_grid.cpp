@@ -50,20 +50,20 @@ std::optional<GridVolumeDescription> find_grid(Parameters& p, const char* name, 
   const Parameter* list = p.find(name);
   if (list == nullptr) return std::nullopt;
   const char* const type = channels == 3 ? "rgb" : "float";
-  if (list->type != type) p.fail_at(name, "is of the type " + list->type + ", expected " + type + " for each voxel");
+  if (list->type != type)
+    p.fail_at(name, fmt::format("is of the type {}, expected {} for each voxel", list->type, type));
   std::vector<float> values = p.numbers(name, static_cast<std::size_t>(channels));
   std::size_t expected = static_cast<std::size_t>(channels);
   for (const int side : box.size) expected *= static_cast<std::size_t>(side);
   if (values.size() != expected)
-    p.fail_at(name, "has " + std::to_string(values.size()) + " numbers, expected " + std::to_string(expected) +
-                        " by 'nx', 'ny' and 'nz'");
+    p.fail_at(name, fmt::format("has {} numbers, expected {} by 'nx', 'ny' and 'nz'", values.size(), expected));
   if (channels == 3)
     for (std::size_t i = 0; i < values.size(); i += 3) {
       const Vec3f rgb = to_rec709(p, {values[i], values[i + 1], values[i + 2]}, use);
       values[i] = rgb.x, values[i + 1] = rgb.y, values[i + 2] = rgb.z;
     }
   for (const float value : values)
-    if (value < 0.0f) p.fail_at(name, "has " + std::to_string(value) + ", expected a non-negative number");
+    if (value < 0.0f) p.fail_at(name, fmt::format("has {}, expected a non-negative number", value));
   return made_grid(p, box, channels, std::move(values));
 }
 

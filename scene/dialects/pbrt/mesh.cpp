@@ -33,17 +33,17 @@ std::vector<std::uint32_t> read_indices(Parameters& p, std::size_t vertices, std
   const Parameter* list = p.find("indices");
   std::vector<std::uint32_t> indices;
   if (list == nullptr) {
-    if (vertices != corners) p.fail("has no 'indices' and " + std::to_string(vertices) + " vertices, expected indices");
+    if (vertices != corners) p.fail(fmt::format("has no 'indices' and {} vertices, expected indices", vertices));
     for (std::uint32_t i = 0; i < corners; ++i) indices.push_back(i);
     return indices;
   }
   if (list->type != "integer" || list->numbers.size() % corners != 0)
-    p.fail_at("indices", "has " + std::to_string(list->numbers.size()) + " values, expected integers, a multiple of " +
-                             std::to_string(corners));
+    p.fail_at("indices",
+              fmt::format("has {} values, expected integers, a multiple of {}", list->numbers.size(), corners));
   for (const double index : list->numbers) {
     if (index < 0 || index >= static_cast<double>(vertices))
-      p.fail_at("indices", "has " + std::to_string(static_cast<long long>(index)) + ", expected an index of " +
-                               std::to_string(vertices) + " vertices");
+      p.fail_at("indices",
+                fmt::format("has {}, expected an index of {} vertices", static_cast<long long>(index), vertices));
     indices.push_back(static_cast<std::uint32_t>(index));
   }
   return indices;
@@ -58,8 +58,7 @@ Mesh read_vertices(Parameters& p) {
   if (mesh.positions.empty()) p.fail("needs the points 'P'");
   for (const auto& [name, size] : {std::pair("N", mesh.normals.size()), std::pair("uv", mesh.uvs.size())})
     if (size != 0 && size != mesh.positions.size())
-      p.fail_at(name, "has " + std::to_string(size) + " entries, expected " + std::to_string(mesh.positions.size()) +
-                          ", one for each vertex");
+      p.fail_at(name, fmt::format("has {} entries, expected {}, one for each vertex", size, mesh.positions.size()));
   p.ignore({"S", "faceIndices"});
   return mesh;
 }

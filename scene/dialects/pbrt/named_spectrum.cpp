@@ -40,8 +40,8 @@ std::optional<SpectrumDescription> find_illuminant_spectrum(const std::string& n
 
 std::string known_spectra() {
   std::string list;
-  for (const std::string& metal : metal_names()) list += "metal-" + metal + "-eta, metal-" + metal + "-k, ";
-  for (const std::string& light : illuminant_names()) list += "stdillum-" + light + ", ";
+  for (const std::string& metal : metal_names()) list += fmt::format("metal-{}-eta, metal-{}-k, ", metal, metal);
+  for (const std::string& light : illuminant_names()) list += fmt::format("stdillum-{}, ", light);
   return list + "or a file";
 }
 
@@ -95,7 +95,8 @@ SpectrumDescription with_unit_luminance(SpectrumDescription spectrum, const Para
 
 SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const std::string& name, Use use) {
   if (std::optional<SpectrumDescription> illuminant = find_illuminant_spectrum(name)) {
-    if (use != Use::kLight) p.fail_at(parameter, "is '" + name + "', an illuminant, expected another kind of spectrum");
+    if (use != Use::kLight)
+      p.fail_at(parameter, fmt::format("is '{}', an illuminant, expected another kind of spectrum", name));
     return *illuminant;
   }
   std::optional<SpectrumDescription> spectrum = find_metal_spectrum(name);
@@ -103,8 +104,7 @@ SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const s
     const bool known_to_pbrt = name.starts_with("metal-") || name.starts_with("glass-") ||
                                name.starts_with("stdillum-") || name.starts_with("illum-");
     if (known_to_pbrt) {
-      p.unsupported("'" + std::string(parameter) + "' is '" + name + "', expected " + known_spectra(),
-                    "rendered as grey");
+      p.unsupported(fmt::format("'{}' is '{}', expected {}", parameter, name, known_spectra()), "rendered as grey");
       return SpectrumDescription::constant(1);
     }
     spectrum = read_spectrum_file(p.reader().find_file(name, p.find(parameter)->where));

@@ -31,26 +31,26 @@ const Type& type_of(std::string_view name, const SourceLocation& where) {
     if (name == type.name) return type;
     known.emplace_back(type.name);
   }
-  throw SceneError(where, "unknown type '" + std::string(name.substr(0, 40)) + "' of a parameter" +
-                              did_you_mean(name, known) + known_names(known));
+  throw SceneError(where, fmt::format("unknown type '{}' of a parameter{}{}", name.substr(0, 40),
+                                      did_you_mean(name, known), known_names(known)));
 }
 
 void read_value(Tokens& tokens, const Type& type, Parameter& parameter) {
   const Token& token = tokens.current();
-  const std::string expected = "a value of the " + parameter.type + " '" + parameter.name + "'";
+  const std::string expected = fmt::format("a value of the {} '{}'", parameter.type, parameter.name);
   if (token.kind == Token::Kind::kString && (type.values == Values::kStrings || type.values == Values::kEither)) {
     parameter.strings.emplace_back(token.text);
   } else if (type.values == Values::kTruth && (token.text == "true" || token.text == "false")) {
     parameter.numbers.push_back(token.text == "true" ? 1 : 0);
   } else if (type.values == Values::kStrings || type.values == Values::kTruth) {
     const char* what = type.values == Values::kTruth ? ", true or false" : ", a string";
-    throw SceneError(tokens.where(), "found " + shown(token) + ", expected " + expected + what);
+    throw SceneError(tokens.where(), fmt::format("found {}, expected {}{}", shown(token), expected, what));
   } else {
     const double number = number_of(token, tokens.where(), expected);
     if (type.values == Values::kWholeNumbers && number != std::floor(number))
-      throw SceneError(tokens.where(), "found " + shown(token) + ", expected " + expected + ", an integer");
+      throw SceneError(tokens.where(), fmt::format("found {}, expected {}, an integer", shown(token), expected));
     if (std::fabs(number) > static_cast<double>(std::numeric_limits<float>::max()))
-      throw SceneError(tokens.where(), "found " + shown(token) + ", a number too large for single precision");
+      throw SceneError(tokens.where(), fmt::format("found {}, a number too large for single precision", shown(token)));
     parameter.numbers.push_back(number);
   }
   tokens.advance();
@@ -64,7 +64,8 @@ Parameter declaration(const Token& token, const SourceLocation& where) {
   const std::size_t gap = text.find_first_of(kSpace, begin);
   const std::size_t name = text.find_first_not_of(kSpace, gap);
   if (begin == text.npos || gap == text.npos || name == text.npos)
-    throw SceneError(where, "found " + shown(token) + ", expected a parameter's type and name, as in \"float radius\"");
+    throw SceneError(
+        where, fmt::format("found {}, expected a parameter's type and name, as in \"float radius\"", shown(token)));
   const std::size_t end = text.find_last_not_of(kSpace) + 1;
   Parameter parameter;
   parameter.type = text.substr(begin, gap - begin);
@@ -82,17 +83,19 @@ Parameter read_parameter(Tokens& tokens) {
   } else {
     for (tokens.advance(); tokens.current().kind != Token::Kind::kClose;) {
       if (tokens.current().kind == Token::Kind::kEnd)
-        throw SceneError(parameter.where,
-                         "the values of '" + parameter.name + "' are not closed at the end of the file, expected ']'");
+        throw SceneError(
+            parameter.where,
+            fmt::format("the values of '{}' are not closed at the end of the file, expected ']'", parameter.name));
       read_value(tokens, type, parameter);
     }
     tokens.advance();
   }
   if (!parameter.strings.empty() && !parameter.numbers.empty())
-    throw SceneError(parameter.where, "'" + parameter.name + "' has strings and numbers, expected one or the other");
+    throw SceneError(parameter.where,
+                     fmt::format("'{}' has strings and numbers, expected one or the other", parameter.name));
   if (type.values != Values::kStrings && parameter.numbers.size() % type.together != 0)
-    throw SceneError(parameter.where, "'" + parameter.name + "' has " + std::to_string(parameter.numbers.size()) +
-                                          " numbers, expected a multiple of " + std::to_string(type.together));
+    throw SceneError(parameter.where, fmt::format("'{}' has {} numbers, expected a multiple of {}", parameter.name,
+                                                  parameter.numbers.size(), type.together));
   return parameter;
 }
 
@@ -104,7 +107,7 @@ std::vector<Parameter> read_parameters(Tokens& tokens) {
     list.push_back(read_parameter(tokens));
     const auto same = [&](const Parameter& other) { return other.name == list.back().name; };
     if (std::find_if(list.begin(), list.end() - 1, same) != list.end() - 1)
-      throw SceneError(list.back().where, "parameter '" + list.back().name + "' is set twice, expected once");
+      throw SceneError(list.back().where, fmt::format("parameter '{}' is set twice, expected once", list.back().name));
   }
   return list;
 }
@@ -122,12 +125,12 @@ const Parameter& Parameters::expect(const NamedValue& value, std::initializer_li
                                     std::size_t count) const {
   const auto& parameter = static_cast<const Parameter&>(value);
   if (std::find(types.begin(), types.end(), parameter.type) == types.end())
-    fail_value(value, "is of the type " + parameter.type + ", expected " + one_of({types.begin(), types.end()}),
+    fail_value(value,
+               fmt::format("is of the type {}, expected {}", parameter.type, one_of({types.begin(), types.end()})),
                SceneErrorCode::kWrongType);
   const std::size_t found = parameter.numbers.size() + parameter.strings.size();
   if (found != count)
-    fail_value(value, "has " + std::to_string(found) + " values, expected " + std::to_string(count),
-               SceneErrorCode::kWrongType);
+    fail_value(value, fmt::format("has {} values, expected {}", found, count), SceneErrorCode::kWrongType);
   return parameter;
 }
 
@@ -138,7 +141,7 @@ NamedValues::Number Parameters::read_number(const NamedValue& value) const {
 
 NamedValues::Number Parameters::read_integer(const NamedValue& value) const {
   const double number = expect(value, {"integer", "float"}, 1).numbers[0];
-  if (number != std::floor(number)) fail_value(value, "is " + number_text(number) + ", expected an integer");
+  if (number != std::floor(number)) fail_value(value, fmt::format("is {}, expected an integer", number_text(number)));
   return {number, number_text(number)};
 }
 
@@ -155,8 +158,7 @@ std::vector<float> Parameters::numbers(const char* name, std::size_t stride) {
   const Parameter* parameter = find(name);
   if (parameter == nullptr) return {};
   if (!parameter->strings.empty() || parameter->numbers.size() % stride != 0)
-    fail_at(name, "has " + std::to_string(parameter->numbers.size()) + " numbers, expected a multiple of " +
-                      std::to_string(stride));
+    fail_at(name, fmt::format("has {} numbers, expected a multiple of {}", parameter->numbers.size(), stride));
   return {parameter->numbers.begin(), parameter->numbers.end()};
 }
 
@@ -176,7 +178,7 @@ const SourceLocation& Parameters::place_of(const NamedValue* value) const {
 ErrorSink& Parameters::errors() const { return reader_.errors; }
 
 void Parameters::unsupported(const std::string& what, const std::string& instead) const {
-  reader_.unsupported(where_, title_ + ": " + what, instead);
+  reader_.unsupported(where_, fmt::format("{}: {}", title_, what), instead);
 }
 
 }  // namespace sheaf::pbrt

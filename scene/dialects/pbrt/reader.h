@@ -129,8 +129,7 @@ const Value& plugin(const NameTable<Value>& table, const char* kind, const std::
                     const SourceLocation& where) {
   if (const Value* found = table.find(type)) return *found;
   const std::vector<std::string> known = table.names();
-  throw SceneError(where,
-                   std::string("unknown ") + kind + " '" + type + "'" + did_you_mean(type, known) + known_names(known),
+  throw SceneError(where, fmt::format("unknown {} '{}'{}{}", kind, type, did_you_mean(type, known), known_names(known)),
                    SceneErrorCode::kUnknownName);
 }
 

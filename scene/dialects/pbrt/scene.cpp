@@ -21,7 +21,7 @@ constexpr int kMaxIncludes = 10'000;
 }  // namespace
 
 void Reader::note(const SourceLocation& where, const std::string& message) {
-  description.notes.push_back(where.file + ":" + std::to_string(where.line) + ": " + message);
+  description.notes.push_back(fmt::format("{}:{}: {}", where.file, where.line, message));
 }
 
 void Reader::note_once(const SourceLocation& where, const std::string& message) {
@@ -70,7 +70,7 @@ fs::path Reader::find_file(const std::string& name, const SourceLocation& where)
     fs::path candidate = base / name;
     if (!fs::exists(candidate, error)) continue;
     if (!fs::is_regular_file(candidate, error))
-      throw SceneError(where, "'" + candidate.string() + "' is not a regular file");
+      throw SceneError(where, fmt::format("'{}' is not a regular file", candidate.string()));
     std::vector<fs::path>& files = description.files;
     if (std::find(files.begin(), files.end(), candidate) == files.end()) files.push_back(candidate);
     return candidate;
@@ -136,8 +136,8 @@ const SceneBuilder::Directive& SceneBuilder::directive(const Token& token, const
     }
   if (token.text == "WorldEnd")
     throw SceneError(where, "WorldEnd belongs to pbrt-v3, expected a scene of pbrt-v4; convert it with pbrt --upgrade");
-  throw SceneError(where, "found " + shown(token) + ", expected a directive" +
-                              did_you_mean(std::string(token.text.substr(0, 40)), known));
+  throw SceneError(where, fmt::format("found {}, expected a directive{}", shown(token),
+                                      did_you_mean(std::string(token.text.substr(0, 40)), known)));
 }
 
 void SceneBuilder::read_directive(Tokens& tokens) {
@@ -155,11 +155,10 @@ void SceneBuilder::read_file(const fs::path& file, const SourceLocation& where) 
   std::error_code error;
   for (const fs::path& open : open_)
     if (open == file || fs::equivalent(open, file, error))
-      throw SceneError(where, "'" + file.string() + "' includes itself");
+      throw SceneError(where, fmt::format("'{}' includes itself", file.string()));
   if (open_.size() > kMaxIncludeDepth)
-    throw SceneError(where, "files are included more than " + std::to_string(kMaxIncludeDepth) + " deep");
-  if (++included_ > kMaxIncludes)
-    throw SceneError(where, "more than " + std::to_string(kMaxIncludes) + " files are included");
+    throw SceneError(where, fmt::format("files are included more than {} deep", kMaxIncludeDepth));
+  if (++included_ > kMaxIncludes) throw SceneError(where, fmt::format("more than {} files are included", kMaxIncludes));
   open_.push_back(file);
   Tokens tokens(read_mesh_text(file, "scene file"), file.string(), &definitions_);
   while (tokens.current().kind != Token::Kind::kEnd) read_directive(tokens);
@@ -180,7 +179,7 @@ void SceneBuilder::read(const fs::path& file, const fs::path& folder) {
 void SceneBuilder::finish() {
   Description& description = reader_.description;
   for (auto& [name, object] : reader_.objects) {
-    if (!object.defined) throw SceneError(object.where, "the object '" + name + "' is not defined");
+    if (!object.defined) throw SceneError(object.where, fmt::format("the object '{}' is not defined", name));
     if (object.instances.empty()) continue;
     const auto group = static_cast<std::uint32_t>(description.groups.size());
     object.group.id = name;

@@ -222,7 +222,7 @@ void add_media(Parameters& p, ShapeDescription& shape) {
 }  // namespace
 
 void read_shape(Reader& reader, Entity entity) {
-  Parameters p(reader, "Shape '" + entity.type + "'", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Shape '{}'", entity.type), entity.where, std::move(entity.parameters));
   ShapeDescription shape;
   shape.where = entity.where;
   const TransformPair& transform = reader.attributes.transform;

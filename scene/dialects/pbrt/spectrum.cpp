@@ -15,7 +15,7 @@ constexpr float kCatalogueWavelength = 587.56f;
 
 SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
   const std::vector<double>& n = parameter.numbers;
-  if (n.size() != 3) p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected red, green and blue");
+  if (n.size() != 3) p.fail_at(name, fmt::format("has {} numbers, expected red, green and blue", n.size()));
   const Vec3f rgb{static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
   return {SpectrumDescription::Rgb{to_rec709(p, rgb, use)}};
 }
@@ -24,7 +24,7 @@ SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Paramete
 SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
   const std::vector<double>& n = parameter.numbers;
   if (n.empty() || n.size() % 2 != 0)
-    p.fail_at(name, "has " + std::to_string(n.size()) + " numbers, expected wavelengths and values in turn");
+    p.fail_at(name, fmt::format("has {} numbers, expected wavelengths and values in turn", n.size()));
   SpectrumDescription::Table table;
   const auto add = [&](double wavelength, double value) {
     table.wavelengths.push_back(static_cast<float>(wavelength));
@@ -59,7 +59,7 @@ SpectrumDescription read_spectrum(Parameters& p, const char* name, const Paramet
   } else if (type == "blackbody") {
     spectrum = blackbody_spectrum(p, name, parameter);
   } else {
-    p.fail_at(name, "is of the type " + type + ", expected rgb, spectrum or blackbody");
+    p.fail_at(name, fmt::format("is of the type {}, expected rgb, spectrum or blackbody", type));
   }
   return use == Use::kLight ? with_unit_luminance(std::move(spectrum), p) : spectrum;
 }
@@ -75,10 +75,11 @@ const Input& texture_of(Parameters& p, const char* name, const Parameter& parame
     std::vector<std::string> names;
     for (const auto& entry : known) names.push_back(entry.first);
     const bool other = others.find(texture) != others.end();
-    p.fail_at(name, "is the texture '" + texture + "', " +
-                        (other ? "of the other kind, expected one of the kind " + std::string(kind)
-                               : "not defined yet" + did_you_mean(texture, names) + " (known of the kind " + kind +
-                                     ": " + (names.empty() ? "none" : joined(names)) + ")"));
+    p.fail_at(name, fmt::format("is the texture '{}', {}", texture,
+                                other ? "of the other kind, expected one of the kind " + std::string(kind)
+                                      : fmt::format("not defined yet{} (known of the kind {}: {})",
+                                                    did_you_mean(texture, names), kind,
+                                                    names.empty() ? "none" : joined(names))));
   }
   p.reader().used_texture = true;
   return found->second;
@@ -123,16 +124,16 @@ Index read_index(Parameters& p, const char* name, float default_value) {
     // pbrt's names of Schott's SF5, SF10 and SF11.
     if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
     if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
-    p.unsupported("'" + std::string(name) + "' is '" + parameter->strings[0] + "', an unknown glass" +
-                      known_names(dispersion_names()),
-                  "rendered with an index of " + number_text(double{default_value}));
+    p.unsupported(
+        fmt::format("'{}' is '{}', an unknown glass{}", name, parameter->strings[0], known_names(dispersion_names())),
+        "rendered with an index of " + number_text(double{default_value}));
     return {default_value, std::nullopt};
   }
   if (parameter->type == "spectrum" && parameter->numbers.size() >= 2) {
-    p.unsupported("'" + std::string(name) + "' is a table of indices by wavelength", "rendered with the first one");
+    p.unsupported(fmt::format("'{}' is a table of indices by wavelength", name), "rendered with the first one");
     return {static_cast<float>(parameter->numbers[1]), std::nullopt};
   }
-  p.fail_at(name, "is of the type " + parameter->type + ", expected a float or the name of a glass");
+  p.fail_at(name, fmt::format("is of the type {}, expected a float or the name of a glass", parameter->type));
 }
 
 }  // namespace sheaf::pbrt

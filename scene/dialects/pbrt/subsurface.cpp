@@ -27,7 +27,7 @@ std::optional<SpectrumDescription> find_constant(Parameters& p, const char* name
   const std::optional<SpectrumInput> input = find_spectrum_input(p, name, use);
   if (!input) return std::nullopt;
   if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
-  p.unsupported("a texture of '" + std::string(name) + "'", "rendered as 0.5");
+  p.unsupported(fmt::format("a texture of '{}'", name), "rendered as 0.5");
   return SpectrumDescription::constant(0.5f);
 }
 
@@ -48,7 +48,8 @@ float albedo_of(float reflectance, float internal, float g) {
 void set_by_name(Parameters& p, MediumDescription& medium, const std::string& name) {
   const MeasuredMedium* found = find_measured_medium(name);
   if (found == nullptr) {
-    p.unsupported("the medium '" + name + "'" + did_you_mean(name, measured_medium_names()), "rendered as 'skin1'");
+    p.unsupported(fmt::format("the medium '{}'{}", name, did_you_mean(name, measured_medium_names())),
+                  "rendered as 'skin1'");
     found = find_measured_medium("skin1");
   }
   const auto rgb = [](Vec3f v) { return SpectrumDescription::rgb(v.x, v.y, v.z); };
@@ -82,7 +83,7 @@ MediumId read_subsurface(Parameters& p, float eta) {
     set_by_name(p, medium, *name);
   } else if (sigma_a || sigma_s) {
     if (!sigma_a || !sigma_s)
-      p.fail(std::string("has only '") + (sigma_a ? "sigma_a" : "sigma_s") + "', expected 'sigma_a' and 'sigma_s'");
+      p.fail(fmt::format("has only '{}', expected 'sigma_a' and 'sigma_s'", sigma_a ? "sigma_a" : "sigma_s"));
     if (reflectance) p.fail_at("reflectance", "is set together with 'sigma_a' and 'sigma_s', expected one of them");
     medium.coefficients = AbsorptionScatteringDescription{*sigma_a, *sigma_s};
   } else if (reflectance) {

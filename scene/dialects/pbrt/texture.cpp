@@ -51,7 +51,7 @@ struct Source {
 std::array<float, 6> read_mapping(Parameters& p) {
   const std::string mapping = p.string("mapping", "uv");
   if (mapping != "uv") {
-    p.unsupported("the mapping '" + mapping + "'", "rendered with the texture coordinates of the surface");
+    p.unsupported(fmt::format("the mapping '{}'", mapping), "rendered with the texture coordinates of the surface");
     p.ignore({"v1", "v2", "udelta", "vdelta", "uscale", "vscale"});
     return {1, 0, 0, 0, 1, 0};
   }
@@ -71,7 +71,7 @@ void read_encoding(Parameters& p, BitmapDescription& bitmap) {
   const bool is_gamma = encoding.starts_with("gamma ");
   const float gamma = is_gamma ? std::strtof(encoding.c_str() + std::string_view("gamma ").size(), nullptr) : 0.0f;
   if (!(gamma > 0.0f && std::isfinite(gamma)))
-    p.fail_at("encoding", "is '" + encoding + "', expected sRGB, linear, or gamma and an exponent");
+    p.fail_at("encoding", fmt::format("is '{}', expected sRGB, linear, or gamma and an exponent", encoding));
   if (!png) return;
   if (bitmap.change.invert) return p.unsupported("'invert' of an image with another encoding", "rendered as sRGB");
   // Apply the scale before the power.
@@ -83,7 +83,7 @@ void read_encoding(Parameters& p, BitmapDescription& bitmap) {
 TextureWrap read_wrap(Parameters& p) {
   const std::string wrap = p.string("wrap", "repeat");
   if (wrap == "repeat") return TextureWrap::kRepeat;
-  if (wrap != "clamp") p.unsupported("wrap '" + wrap + "', expected repeat or clamp", "rendered as clamp");
+  if (wrap != "clamp") p.unsupported(fmt::format("wrap '{}', expected repeat or clamp", wrap), "rendered as clamp");
   return TextureWrap::kClamp;
 }
 
@@ -355,12 +355,13 @@ std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input) {
 }
 
 void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity) {
-  Parameters p(reader, "Texture '" + name + "' (" + entity.type + ")", entity.where, std::move(entity.parameters));
+  Parameters p(reader, fmt::format("Texture '{}' ({})", name, entity.type), entity.where, std::move(entity.parameters));
   const bool colours = kind == "spectrum";
   if (!colours && kind != "float")
-    throw SceneError(entity.where, "Texture '" + name + "' is of the kind '" + kind + "', expected float or spectrum");
+    throw SceneError(entity.where,
+                     fmt::format("Texture '{}' is of the kind '{}', expected float or spectrum", name, kind));
   if (colours ? reader.spectrum_textures.contains(name) : reader.float_textures.contains(name))
-    throw SceneError(entity.where, "a second texture '" + name + "' of the kind " + kind);
+    throw SceneError(entity.where, fmt::format("a second texture '{}' of the kind {}", name, kind));
   const std::size_t first = reader.description.textures.size();
   const SpectrumInput input = plugin(kTextures, "texture", entity.type, entity.where)(p, Source{p, colours});
   p.reject_unused();

@@ -93,8 +93,8 @@ void Tokens::read_word() {
     const std::string_view rest = std::string_view(text_).substr(at_, kMaxLength);
     const std::size_t end = end_of_parentheses(rest.substr(0, rest.find('\n')), 1);
     if (end == std::string_view::npos)
-      throw SceneError(where(), "column " + std::to_string(at_ - line_start_ + 1) +
-                                    ": '$(' is not closed on its line, expected ')'");
+      throw SceneError(where(),
+                       fmt::format("column {}: '$(' is not closed on its line, expected ')'", at_ - line_start_ + 1));
     at_ += end;
   }
   token_.text = std::string_view(text_).substr(begin, at_ - begin);
@@ -134,7 +134,7 @@ std::string shown(const Token& token) {
   std::string text(token.text.substr(0, kLongest));
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
-  return "'" + text + (token.text.size() > kLongest ? "...'" : "'");
+  return fmt::format("'{}{}", text, token.text.size() > kLongest ? "...'" : "'");
 }
 
 double number_of(const Token& token, const SourceLocation& where, std::string_view expected) {
@@ -147,8 +147,8 @@ double number_of(const Token& token, const SourceLocation& where, std::string_vi
   if (problem == std::errc::result_out_of_range && end == text.data() + text.size() && text.find("e-") != text.npos)
     return 0;
   if (token.kind != Token::Kind::kWord || !whole || !std::isfinite(value))
-    throw SceneError(where, "found " + shown(token) + ", expected " + std::string(expected) +
-                                (token.text.starts_with('$') ? " (define names after $ by -D name=value)" : ""));
+    throw SceneError(where, fmt::format("found {}, expected {}{}", shown(token), expected,
+                                        token.text.starts_with('$') ? " (define names after $ by -D name=value)" : ""));
   return value;
 }
 

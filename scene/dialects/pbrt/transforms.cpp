@@ -18,7 +18,7 @@ template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, cons
   }
   if (!brackets) return numbers;
   if (tokens.current().kind != Token::Kind::kClose)
-    throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected ']'");
+    throw SceneError(tokens.where(), fmt::format("found {}, expected ']'", shown(tokens.current())));
   tokens.advance();
   return numbers;
 }
@@ -58,7 +58,8 @@ void SceneBuilder::apply_transform(const Transform& transform) {
 void SceneBuilder::active_transform(Tokens& tokens) {
   const std::string_view word = tokens.current().text;
   if (word != "StartTime" && word != "EndTime" && word != "All")
-    throw SceneError(tokens.where(), "found " + shown(tokens.current()) + ", expected StartTime, EndTime or All");
+    throw SceneError(tokens.where(),
+                     fmt::format("found {}, expected StartTime, EndTime or All", shown(tokens.current())));
   reader_.attributes.start_is_active = word != "EndTime";
   reader_.attributes.end_is_active = word != "StartTime";
   tokens.advance();
@@ -73,7 +74,7 @@ void SceneBuilder::coord_sys_transform(Tokens& tokens) {
   const std::string name = read_string(tokens, "a coordinate system");
   const auto found = coordinate_systems_.find(name);
   if (found == coordinate_systems_.end())
-    throw SceneError(where_, "the coordinate system '" + name + "' is not defined yet");
+    throw SceneError(where_, fmt::format("the coordinate system '{}' is not defined yet", name));
   // As in pbrt, whichever matrices are active
   reader_.attributes.transform = found->second;
 }

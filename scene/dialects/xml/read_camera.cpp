@@ -11,8 +11,8 @@ void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
   camera.far_clip = p.number("far_clip", kFarClip, kPositive);
   if (camera.near_clip < camera.far_clip) return;
   p.report_at(p.has("far_clip") ? "far_clip" : "near_clip",
-              "puts the far plane at " + std::to_string(camera.far_clip) + ", expected it beyond the near plane at " +
-                  std::to_string(camera.near_clip),
+              fmt::format("puts the far plane at {}, expected it beyond the near plane at {}", camera.far_clip,
+                          camera.near_clip),
               SceneErrorCode::kOutOfRange);
   if (!(camera.near_clip < kFarClip)) camera.near_clip = near_clip;
   camera.far_clip = kFarClip;
@@ -21,10 +21,11 @@ void read_clip(NamedValues& p, CameraDescription& camera, float near_clip) {
 ShutterDescription read_shutter(Properties& p) {
   const float open = p.number("shutter_open", 0), close = p.number("shutter_close", 0);
   if (close < open) {
-    p.report_at(p.has("shutter_close") ? "shutter_close" : "shutter_open",
-                "makes the shutter open at " + number_text(double{open}) + " and close at " +
-                    number_text(double{close}) + ", expected it to close at the same time or later",
-                SceneErrorCode::kOutOfRange);
+    p.report_at(
+        p.has("shutter_close") ? "shutter_close" : "shutter_open",
+        fmt::format("makes the shutter open at {} and close at {}, expected it to close at the same time or later",
+                    number_text(double{open}), number_text(double{close})),
+        SceneErrorCode::kOutOfRange);
     return {double{open}, double{open}, 0};
   }
   return {double{open}, double{close}, p.number("shutter_ramp", 0, {0, 0.5, false})};

@@ -79,7 +79,7 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   end.day = p.integer("end_day", begin.day, 1, 31);
   const double days = days_since_2000(end) - days_since_2000(begin);
   if (days < 0)
-    p.report_at("end_year", "puts the last day " + std::to_string(-days) + " days before the first, expected it after",
+    p.report_at("end_year", fmt::format("puts the last day {} days before the first, expected it after", -days),
                 SceneErrorCode::kOutOfRange);
   const double first_hour = double(p.number("window_start_time", 7, {0, 24, false}));
   const double last_hour = double(p.number("window_end_time", 19, {first_hour, 24, false}));

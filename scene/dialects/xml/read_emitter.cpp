@@ -36,7 +36,7 @@ void read_light_motion(Properties& p, const char* to_world, LightDescription& li
 Vec3f read_direction(Properties& p, const char* to_world) {
   const bool placed = p.has(to_world);
   if (placed && p.has("direction"))
-    p.fail(std::string("has both 'direction' and '") + to_world + "', expected one", SceneErrorCode::kDuplicate);
+    p.fail(fmt::format("has both 'direction' and '{}', expected one", to_world), SceneErrorCode::kDuplicate);
   const Vec3f direction = placed ? p.placement(to_world).to_world.vector({0, 0, 1}) : p.vec3("direction", {0, 0, 1});
   return checked_direction(p, "direction", direction);
 }

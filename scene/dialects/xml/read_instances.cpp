@@ -39,7 +39,8 @@ const XmlElement* find_named_group(Properties& p) {
     const std::string *type = child.find_attribute("type"), *own = child.find_attribute("name");
     if (type != nullptr && is_group(*type) && own != nullptr && *own == *name) return &child;
   }
-  p.fail_at("ref", "is " + in_quotes(*name) + ", expected the name of a shape group", SceneErrorCode::kUnknownName);
+  p.fail_at("ref", fmt::format("is {}, expected the name of a shape group", in_quotes(*name)),
+            SceneErrorCode::kUnknownName);
 }
 
 void read_instance(const XmlElement& element, ReadContext& context, const ShapeReader& read_shape) {
@@ -48,7 +49,7 @@ void read_instance(const XmlElement& element, ReadContext& context, const ShapeR
   if (target == nullptr) target = find_named_group(p);
   if (target == nullptr) p.fail("needs a <ref> to a shapegroup", SceneErrorCode::kMissing);
   if (!is_group(target->attribute("type")))
-    p.fail("refers to a " + in_quotes(target->attribute("type")) + ", expected a 'shapegroup'");
+    p.fail(fmt::format("refers to a {}, expected a 'shapegroup'", in_quotes(target->attribute("type"))));
   InstanceDescription instance;
   instance.group = group_of(*target, context, read_shape);
   const auto read = [&] {

@@ -30,7 +30,7 @@ PhaseModel read_blend(Properties& p) {
     blend.weight = number_of(p, "weight", *weight);
   const std::vector<const XmlElement*> both = nested_phases(p);
   if (both.size() != 2)
-    p.fail("has " + std::to_string(both.size()) + " nested <phase>, expected two", SceneErrorCode::kMissing);
+    p.fail(fmt::format("has {} nested <phase>, expected two", both.size()), SceneErrorCode::kMissing);
   for (std::size_t i = 0; i < 2; ++i) blend.nested[i] = read_phase(*both[i], p.context());
   return blend;
 }
@@ -65,14 +65,14 @@ PhaseId read_mixture(Properties& p) {
   const std::vector<float> weights = parse_floats(p.required_string("weights"), p.where(), "weights");
   const std::vector<const XmlElement*> elements = nested_phases(p);
   if (elements.size() != weights.size() || elements.empty())
-    p.fail("has " + std::to_string(elements.size()) + " nested <phase> and " + std::to_string(weights.size()) +
-           " weights, expected equal numbers");
+    p.fail(
+        fmt::format("has {} nested <phase> and {} weights, expected equal numbers", elements.size(), weights.size()));
   for (const float weight : weights)
-    if (!(weight >= 0.0f)) p.fail_at("weights", "has " + std::to_string(weight) + ", expected a non-negative number");
+    if (!(weight >= 0.0f)) p.fail_at("weights", fmt::format("has {}, expected a non-negative number", weight));
   const float all = std::accumulate(weights.begin(), weights.end(), 0.0f);
   if (!(all > 0.999f))
-    p.fail_at("weights", "add up to " + std::to_string(all) + ", expected 1; absorption belongs in the albedo");
-  if (all > 1.001f) p.context().note(p.where(), "the weights add up to " + std::to_string(all) + ", normalized to 1");
+    p.fail_at("weights", fmt::format("add up to {}, expected 1; absorption belongs in the albedo", all));
+  if (all > 1.001f) p.context().note(p.where(), fmt::format("the weights add up to {}, normalized to 1", all));
   std::vector<PhaseId> nested;
   for (const XmlElement* element : elements) nested.push_back(read_phase(*element, p.context()));
   return add_mixture(p, nested, weights, 0, nested.size());
@@ -81,16 +81,14 @@ PhaseId read_mixture(Properties& p) {
 PhaseModel read_table(Properties& p) {
   if (!p.has("values")) p.fail("needs the string 'values'", SceneErrorCode::kMissing);
   const std::vector<float> values = read_numbers(p, "values");
-  if (values.size() < 2)
-    p.fail_at("values", "has " + std::to_string(values.size()) + " numbers, expected at least two");
+  if (values.size() < 2) p.fail_at("values", fmt::format("has {} numbers, expected at least two", values.size()));
   if (values.size() > kMaxPhaseValues)
-    p.fail_at("values",
-              "has " + std::to_string(values.size()) + " numbers, expected at most " + std::to_string(kMaxPhaseValues));
+    p.fail_at("values", fmt::format("has {} numbers, expected at most {}", values.size(), kMaxPhaseValues));
   for (const float value : values)
     if (!(value >= 0.0f) || !std::isfinite(value))
-      p.fail_at("values", "has " + std::to_string(value) + ", expected a non-negative number");
+      p.fail_at("values", fmt::format("has {}, expected a non-negative number", value));
   const double sum = std::accumulate(values.begin(), values.end(), 0.0);
-  if (!(sum > 0)) p.fail_at("values", "add up to " + std::to_string(sum) + ", expected more than 0");
+  if (!(sum > 0)) p.fail_at("values", fmt::format("add up to {}, expected more than 0", sum));
   return TabulatedPhaseDescription{values};
 }
 
@@ -130,7 +128,7 @@ PhaseId read_phase(const XmlElement& element, ReadContext& context) {
 std::optional<PhaseId> find_phase(Properties& p) {
   const std::vector<const XmlElement*> found = nested_phases(p);
   if (found.size() > 1)
-    p.fail("has " + std::to_string(found.size()) + " nested <phase>, expected one", SceneErrorCode::kDuplicate);
+    p.fail(fmt::format("has {} nested <phase>, expected one", found.size()), SceneErrorCode::kDuplicate);
   std::optional<PhaseId> phase;
   if (!found.empty()) read_or_leave_out(*found[0], p.context(), [&] { phase = read_phase(*found[0], p.context()); });
   return phase;

@@ -40,9 +40,9 @@ Grid::Format format_of(Properties& p, const std::filesystem::path& file) {
   if (head.starts_with("VOL")) return Grid::Format::kVol;
   if (head.starts_with("NanoVDB")) return Grid::Format::kNanoVdb;
   if (extension == ".vdb" || head.starts_with(" BDV"))
-    p.fail_at("filename", "is " + in_quotes(file.filename().string()) +
-                              ", an OpenVDB file, expected .nvdb or .vol; convert it with nanovdb_convert");
-  p.fail_at("filename", "is " + in_quotes(file.filename().string()) + ", expected a .vol or .nvdb file");
+    p.fail_at("filename", fmt::format("is {}, an OpenVDB file, expected .nvdb or .vol; convert it with nanovdb_convert",
+                                      in_quotes(file.filename().string())));
+  p.fail_at("filename", fmt::format("is {}, expected a .vol or .nvdb file", in_quotes(file.filename().string())));
 }
 
 GridFilter read_grid_filter(Properties& p) {
@@ -136,7 +136,7 @@ MatrixVolume read_constant_matrix(Properties& p, const VolumeDialect&) {
   const std::vector<float> numbers = parse_floats(*text, p.where(), "value");
   std::array<float, 6> matrix;
   if (numbers.size() != matrix.size())
-    p.fail_at("value", "has " + std::to_string(numbers.size()) + " numbers, expected six: xx yy zz xy xz yz");
+    p.fail_at("value", fmt::format("has {} numbers, expected six: xx yy zz xy xz yz", numbers.size()));
   std::copy(numbers.begin(), numbers.end(), matrix.begin());
   p.ignore({"to_world"});
   return matrix;
@@ -220,8 +220,8 @@ GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect, std
     grid.format = format_of(p, grid.file);
   }
   if (format && *format != grid.format)
-    p.fail_at("filename", "is " + in_quotes(grid.file.filename().string()) + ", expected a " +
-                              (*format == Grid::Format::kVol ? ".vol" : ".nvdb") + " file");
+    p.fail_at("filename", fmt::format("is {}, expected a {} file", in_quotes(grid.file.filename().string()),
+                                      *format == Grid::Format::kVol ? ".vol" : ".nvdb"));
   grid.grid = p.string("grid_name", "");
   if (!grid.grid.empty() && grid.format != Grid::Format::kNanoVdb) {
     p.report_at("grid_name", "is set for a .vol file or an array, expected a .nvdb file");
@@ -264,7 +264,7 @@ std::optional<SpectrumDescription> find_constant_volume(Properties& p, const cha
   const std::optional<VolumeInput> input = find_volume_input(p, name, role, dialect);
   if (!input) return std::nullopt;
   if (const auto* spectrum = std::get_if<SpectrumDescription>(&*input)) return *spectrum;
-  p.fail("has a grid for '" + std::string(name) + "', expected the same value everywhere");
+  p.fail(fmt::format("has a grid for '{}', expected the same value everywhere", name));
 }
 
 MatrixVolume read_matrix_volume(const XmlElement& element, ReadContext& context, const VolumeDialect& dialect) {
@@ -276,7 +276,7 @@ MatrixVolume read_matrix_volume(const XmlElement& element, ReadContext& context,
 
 float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum) {
   if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) return constant->value;
-  p.fail("has a colour for '" + std::string(name) + "', expected a number");
+  p.fail(fmt::format("has a colour for '{}', expected a number", name));
 }
 
 }  // namespace sheaf

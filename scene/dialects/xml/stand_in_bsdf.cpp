@@ -94,7 +94,7 @@ MaterialId substitute(const XmlElement& bsdf, const SceneError& error, ReadConte
     }
     if (!known.plugin.empty()) try {
         const MaterialId id = read(bsdf, known.plugin.c_str());
-        report("rendered as '" + known.plugin + "'");
+        report(fmt::format("rendered as '{}'", known.plugin));
         return id;
       } catch (const SceneError&) {
         // Not similar enough

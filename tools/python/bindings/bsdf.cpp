@@ -173,7 +173,7 @@ std::uint32_t material_row(const Scene& scene, const std::string& name) {
   const SceneNames& names = scene.names();
   for (std::size_t shape = 0; shape < names.material_of_shape.size(); ++shape)
     if (names.materials[names.material_of_shape[shape]] == name) return scene.view().geometry.shapes[shape].material;
-  throw Error(ExitCode::kUsage, "no shape has the material '" + name + "'");
+  throw Error(ExitCode::kUsage, fmt::format("no shape has the material '{}'", name));
 }
 
 BsdfValues evaluate_bsdf(const Scene& scene, std::uint32_t row, const std::vector<Vec3f>& wo,

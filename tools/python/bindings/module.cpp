@@ -89,7 +89,7 @@ py::tuple shallow(const XmlElement& element) {
   py::list children;
   for (const XmlElement& child : element.children) children.append(py::make_tuple(child.name, attributes(child)));
   std::string where = element.where.file;
-  if (element.where.line > 0) where += ":" + std::to_string(element.where.line);
+  if (element.where.line > 0) where += fmt::format(":{}", element.where.line);
   return py::make_tuple(element.name, attributes(element), children, where);
 }
 

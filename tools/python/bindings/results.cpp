@@ -154,7 +154,7 @@ RenderedImage read_result(const std::string& file) {
 RenderedImage merge_results(const std::vector<const RenderedImage*>& parts, const MergeOptions& options) {
   std::vector<MergeSource> sources;
   for (const RenderedImage* part : parts)
-    sources.push_back({part_in_memory("part " + std::to_string(sources.size() + 1), part->image, part->metadata),
+    sources.push_back({part_in_memory(fmt::format("part {}", sources.size() + 1), part->image, part->metadata),
                        [part] { return part->image; }});
   MergedImage merged = merge_parts(sources, options);
   RenderedImage result;

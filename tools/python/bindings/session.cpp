@@ -62,7 +62,7 @@ const std::set<std::string>& options_of_render_only() {
 std::uint32_t check_sum_of(const XmlElement& element, std::uint32_t sum) {
   const auto add = [&sum](std::string_view text) { sum = check_sum({text.data(), text.size()}, sum); };
   add("<" + element.name);
-  for (const XmlAttribute& attribute : element.attributes) add(" " + attribute.name + "=" + attribute.value);
+  for (const XmlAttribute& attribute : element.attributes) add(fmt::format(" {}={}", attribute.name, attribute.value));
   if (const ArrayValue* array = element.array.get()) {
     add(array->text());
     const std::size_t number_bytes = array->type == ArrayValue::Type::kByte ? 1 : 4;
@@ -157,7 +157,7 @@ void Session::prepare_job(const OptionValues& options, Job& job) {
   job.arguments.scene = name_;
   for (const GivenOption& option : job.given)
     if (!options_of_render_only().contains(option.name))
-      job.compiled_for += "--" + option.name + "=" + option.values + "\n";
+      job.compiled_for += fmt::format("--{}={}\n", option.name, option.values);
   if (!job.arguments.denoiser.empty()) check_denoiser(kDenoisers.option("denoiser", job.arguments.denoiser));
   // Apply them to the scene as it was read
   if (replaced_) loaded_.description = std::move(*replaced_);
