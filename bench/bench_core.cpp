@@ -60,7 +60,7 @@ struct Numbers {
   }
 };
 
-/// Prevents the compiler from vectorising a scalar loop, so that scalar and wide code can be compared.
+/// Prevents the compiler from vectorizing a scalar loop, so that scalar and wide code can be compared.
 template <class L> SHEAF_INLINE void stay_scalar() {
   if constexpr (L::width == 1) benchmark::ClobberMemory();
 }
@@ -178,12 +178,12 @@ template <class L> static void soa_compress(benchmark::State& state) {
   source.bind(arena, kItems);
   target.bind(arena, kItems);
   for (int i = 0; i < kItems; ++i) source.columns().t_max[i] = uniform(i, 5);
-  const Float<L> share(static_cast<float>(state.range(0)) / 100.0f);
+  const Float<L> fraction(static_cast<float>(state.range(0)) / 100.0f);
   for (auto _ : state) {
     int kept = 0;
     for (int i = 0; i < kItems; i += L::width) {
       const Row<L> row = source.load<L>(i);
-      kept += target.compress<L>(kept, row, row.t_max < share);
+      kept += target.compress<L>(kept, row, row.t_max < fraction);
     }
     benchmark::DoNotOptimize(kept);
     benchmark::ClobberMemory();

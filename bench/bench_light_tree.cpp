@@ -66,8 +66,8 @@ template <class L> Vec3<L> load_vector(const float (&columns)[3][kItems], int i)
 
 int depth_of(const LightTree& tree, std::uint32_t light) {
   int depth = 0;
-  for (std::uint32_t place = 0; (place & kLightLeaf) == 0; ++depth)
-    place = light_tree_child(tree.nodes[place], place, tree.trails[light] >> 2 * depth & 3u);
+  for (std::uint32_t position = 0; (position & kLightLeaf) == 0; ++depth)
+    position = light_tree_child(tree.nodes[position], position, tree.trails[light] >> 2 * depth & 3u);
   return depth;
 }
 
@@ -108,13 +108,13 @@ template <class L> void candidates(benchmark::State& state, std::uint32_t count)
   for (auto _ : state) {
     for (int i = 0; i < kItems / kCandidates; i += L::width) {
       const Vec3<L> p = load_vector<L>(items.p, i), n = load_vector<L>(items.n, i);
-      const auto top = light_tree_top<L>(view, p, n, Mask<L>(true));
+      const auto cut = light_tree_cut<L>(view, p, n, Mask<L>(true));
       for (int k = i * kCandidates; k < (i + L::width) * kCandidates; k += 2 * L::width) {
         LightTreeTraversal<L> walks[2];
         for (int j = 0; j < 2; ++j) {
           Float<L> u;
           load(items.u + k + j * L::width, u);
-          walks[j] = begin_light_traversal<L>(view, top, p, n, Mask<L>(true), u);
+          walks[j] = begin_light_traversal<L>(view, cut, p, n, Mask<L>(true), u);
         }
         LightTreeSample<L> choices[2];
         finish_light_traversals<L>(view, walks, choices);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kItems = 1024;
 
-/// Columns of random numbers for wavelengths, colours, rows, and results.
+/// Columns of random numbers for wavelengths, colors, rows, and results.
 struct Paths {
   alignas(kSimdAlignment) float u[kItems], rgb[3][kItems], out[4][kItems];
   alignas(kSimdAlignment) std::uint32_t row[kItems];
@@ -103,14 +103,14 @@ template <class L> void rows(benchmark::State& state, SpectrumUse use, bool tabl
   });
 }
 
-/// A map of random colours.
+/// A map of random colors.
 Envmap random_map(std::uint32_t width, std::uint32_t height) {
   EnvmapImage image{width, height, std::vector<float>(3 * std::size_t{width} * height)};
   for (std::uint32_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = random4<Scalar>(7, i, 0, 0).x;
   return make_envmap(image, 1, false);
 }
 
-/// Lookups in random directions, in a map of 2 MB of colours.
+/// Lookups in random directions, in a map of 2 MB of colors.
 template <class L, ColorMode kMode> void environment(benchmark::State& state) {
   Envmap map = random_map(512, 256);
   uplift_nodes(map);

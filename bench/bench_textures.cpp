@@ -44,11 +44,11 @@ struct NoiseImage {
 };
 
 /// Columns of texture coordinates and of results.
-struct Places {
+struct TextureCoordinates {
   alignas(kSimdAlignment) float u[kItems], v[kItems], out[4][kItems];
 
   /// All within `extent` of (0.3, 0.4).
-  explicit Places(float extent) {
+  explicit TextureCoordinates(float extent) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
       u[i] = 0.3f + extent * uniform(i, 2);
       v[i] = 0.4f + extent * uniform(i, 3);
@@ -58,14 +58,14 @@ struct Places {
 
 /// Runs f(query, places, index of the first item) over all items.
 template <class L, class F> void run(benchmark::State& state, float extent, F&& f) {
-  Places places(extent);
+  TextureCoordinates positions(extent);
   for (auto _ : state) {
     for (int i = 0; i < kItems; i += L::width) {
       TextureQuery<L> query{};
-      load(places.u + i, query.uv.x);
-      load(places.v + i, query.uv.y);
+      load(positions.u + i, query.uv.x);
+      load(positions.v + i, query.uv.y);
       if constexpr (L::width == 1) benchmark::ClobberMemory();
-      f(query, places, i);
+      f(query, positions, i);
     }
     benchmark::ClobberMemory();
   }
@@ -95,21 +95,21 @@ constexpr Case kCases[] = {
 template <class L>
 void color(benchmark::State& state, const Case& c, std::uint32_t size, float extent, std::uint32_t texture) {
   const NoiseImage image(c.format, c.filter, size);
-  run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
+  run<L>(state, extent, [&](const TextureQuery<L>& query, TextureCoordinates& positions, int i) {
     const Spectrum<L> s = lookup_texture<L>(image.view, texture, query);
-    store(places.out[0] + i, s.c0);
-    store(places.out[1] + i, s.c1);
-    store(places.out[2] + i, s.c2);
-    store(places.out[3] + i, s.c3);
+    store(positions.out[0] + i, s.c0);
+    store(positions.out[1] + i, s.c1);
+    store(positions.out[2] + i, s.c2);
+    store(positions.out[3] + i, s.c3);
   });
 }
 
 template <class L> void gradient(benchmark::State& state, const Case& c, std::uint32_t size, float extent) {
   const NoiseImage image(c.format, c.filter, size);
-  run<L>(state, extent, [&](const TextureQuery<L>& query, Places& places, int i) {
+  run<L>(state, extent, [&](const TextureQuery<L>& query, TextureCoordinates& positions, int i) {
     const Vec2<L> g = lookup_scalar_gradient<L>(image.view, 0, query);
-    store(places.out[0] + i, g.x);
-    store(places.out[1] + i, g.y);
+    store(positions.out[0] + i, g.x);
+    store(positions.out[1] + i, g.y);
   });
 }
 

@@ -63,16 +63,16 @@ void lookup(benchmark::State& state, const Case& c, int side, bool is_chain) {
   const BrickGrid grid = noise_grid(side, c.channels, c.border);
   const BrickGridRow row = make_brick_grid_row(grid, Transform(), c.filter);
   // Choose random positions
-  std::vector<Vec3f> places(kItems);
+  std::vector<Vec3f> positions(kItems);
   const auto n = static_cast<float>(side - 1);
-  for (std::uint32_t i = 0; i < kItems; ++i) places[i] = Vec3f{uniform(i, 2), uniform(i, 3), uniform(i, 4)} * n;
+  for (std::uint32_t i = 0; i < kItems; ++i) positions[i] = Vec3f{uniform(i, 2), uniform(i, 3), uniform(i, 4)} * n;
   const float chain = is_chain ? 1e-10f : 0.0f;
   // Measure the lookups; in a chain, each position depends on the previous value
   const auto run = [&](auto&& look) {
     for (auto _ : state) {
       float sum = 0, last = 0;
-      for (const Vec3f& place : places) {
-        const Vec3f p = is_chain ? Vec3f{place.x + last * chain, place.y, place.z} : place;
+      for (const Vec3f& position : positions) {
+        const Vec3f p = is_chain ? Vec3f{position.x + last * chain, position.y, position.z} : position;
         last = look(p);
         sum += last;
       }
@@ -130,7 +130,7 @@ void walk(benchmark::State& state, int cells, bool per_ray) {
 }
 
 /// Tracking through voxels of noise, one ray or many at a time. An item is a collision. "per_ray": mean number per ray.
-template <class L, DensityTracking kWhat> void tracking(benchmark::State& state, int side) {
+template <class L, DensityTracking kPurpose> void tracking(benchmark::State& state, int side) {
   const BrickGrid grid = noise_grid(side, 1, GridBorder::kBackground);
   const float extinction = 4.0f / static_cast<float>(side);
   const MajorantGrid majorants = make_majorant_grid(grid, GridFilter::kTrilinear, {extinction});
@@ -150,7 +150,7 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
                             first,
                             {static_cast<std::uint32_t>(i), 1, 2, 3}});
   }
-  for (auto _ : state) track_densities<L, kWhat>({bounds, density}, *rows, kDensityRows, *ends);
+  for (auto _ : state) track_densities<L, kPurpose>({bounds, density}, *rows, kDensityRows, *ends);
   std::size_t collisions = 0;
   for (int i = 0; i < kDensityRows; ++i) {
     const TrackResult<Scalar> end = ends->load<Scalar>(i);
@@ -160,8 +160,8 @@ template <class L, DensityTracking kWhat> void tracking(benchmark::State& state,
   state.counters["per_ray"] = static_cast<double>(collisions) / kDensityRows;
 }
 
-template <class L, DensityTracking kWhat> auto tracking_of(int side) {
-  return [side](benchmark::State& state) { tracking<L, kWhat>(state, side); };
+template <class L, DensityTracking kPurpose> auto tracking_of(int side) {
+  return [side](benchmark::State& state) { tracking<L, kPurpose>(state, side); };
 }
 
 /// Builds majorants; an item is a voxel. "share": their memory over that of the grid.

@@ -42,7 +42,7 @@ def main():
     parser.add_argument("--spp", type=int, default=32)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--reference-spp", type=int, default=768)
-    parser.add_argument("--steps", type=float, nargs="+", default=[0.02, 0.08], help="ray marching steps in metres")
+    parser.add_argument("--steps", type=float, nargs="+", default=[0.02, 0.08], help="ray marching steps in meters")
     arguments = parser.parse_args()
     cases = [(name, ["--medium-estimator", name]) for name in ("null_mis", "delta", "ratio")]
     cases += [(f"marching {step:g}", ["--medium-estimator", "marching", "--step-size", str(step)])

@@ -34,7 +34,7 @@ struct Arguments {
 /// Measurements with one number of threads, one value per round.
 struct Rounds {
   int threads;
-  std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_share, cpu_ns;
+  std::vector<double> render_mrays, limit_mrays, ratio, cpu_ratio, trace_fraction, cpu_ns;
 };
 
 /// Reduces a render to building a photon map of `photons` photons; the image shrinks to one pixel.
@@ -105,7 +105,7 @@ void run_round(const Scene& scene, RenderOptions options, const RayLog& log, Rou
   rounds.limit_mrays.push_back(1e-6 * rays / limit.seconds);
   rounds.ratio.push_back(limit.seconds / seconds);
   rounds.cpu_ratio.push_back(limit.cpu_seconds / render_cpu);
-  rounds.trace_share.push_back(report.trace_share() * report.render_seconds / seconds);
+  rounds.trace_fraction.push_back(report.trace_fraction() * report.render_seconds / seconds);
   rounds.cpu_ns.push_back(1e9 * render_cpu / rays);
 }
 
@@ -115,7 +115,7 @@ void print(const Rounds& rounds) {
   fmt::print("  limit_mrays  {:.3f}\n", median(rounds.limit_mrays));
   fmt::print("  ratio        {:.3f}\n", median(rounds.ratio));
   fmt::print("  cpu_ratio    {:.3f}\n", median(rounds.cpu_ratio));
-  fmt::print("  trace_share  {:.3f}\n", median(rounds.trace_share));
+  fmt::print("  trace_share  {:.3f}\n", median(rounds.trace_fraction));
 }
 
 void print_scaling(const Rounds& one, const Rounds& many) {

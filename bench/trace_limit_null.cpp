@@ -72,9 +72,9 @@ void run_round(const Scene& scene, const std::vector<std::vector<PixelSamples>>&
   }
   const Duration elapsed = watch.elapsed();
   const double ns = 1e9 / static_cast<double>(wave.stats.rays.total());
-  const double trace_share = static_cast<double>(wave.stats.trace_ticks) * seconds_per_tick() / elapsed.seconds;
+  const double trace_fraction = static_cast<double>(wave.stats.trace_ticks) * seconds_per_tick() / elapsed.seconds;
   contender.total.push_back(elapsed.cpu_seconds * ns);
-  contender.trace.push_back(elapsed.cpu_seconds * trace_share * ns);
+  contender.trace.push_back(elapsed.cpu_seconds * trace_fraction * ns);
   contender.stamps.push_back(stamps(wave.stats) * stamp_cost * ns);
 }
 

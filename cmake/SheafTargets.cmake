@@ -126,7 +126,7 @@ function(sheaf_embed_tables target file)
 endfunction()
 
 # sheaf_list_headers(<folder> <template>): writes <folder>/all_headers.h below the build folder. It includes every header
-# of the folder that specialises the template. New headers are found automatically. A specialization must begin a line;
+# of the folder that specializes the template. New headers are found automatically. A specialization must begin a line;
 # the list of the folder (list.h) does not compile without it.
 function(sheaf_list_headers folder template)
   file(GLOB headers CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/${folder}/*.h")
@@ -138,7 +138,7 @@ function(sheaf_list_headers folder template)
     endif()
   endforeach()
   file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${folder}/all_headers.h"
-    CONTENT "// Written by CMake: the headers of ${folder}/ that specialise ${template}.\n#pragma once\n\n${includes}")
+    CONTENT "// Written by CMake: the headers of ${folder}/ that specialize ${template}.\n#pragma once\n\n${includes}")
 endfunction()
 
 # sheaf_python_module(): adds the Python module sheaf._sheaf. The folder `python` of the build folder then holds the

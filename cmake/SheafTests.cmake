@@ -1,10 +1,10 @@
 # Tests: one program per folder of tests/, and one ctest entry per file.
 
-# Optimised builds compile tests with -O1, because most tests compile for longer than they run. -O0 would take longer in
+# Optimized builds compile tests with -O1, because most tests compile for longer than they run. -O0 would take longer in
 # all: libraries call the tests' copies of inline functions. Results do not depend on it; see -ffp-contract in
 # SheafFlags.cmake.
-set(SHEAF_TEST_OPTIMISATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
-# This test looks for effects of stronger optimisation.
+set(SHEAF_TEST_OPTIMIZATION $<$<CONFIG:Release,RelWithDebInfo,Check>:-O1>)
+# This test looks for effects of stronger optimization.
 set_source_files_properties("${PROJECT_SOURCE_DIR}/tests/core/simd/test_contraction.cpp" PROPERTIES
   COMPILE_OPTIONS -O3 SKIP_PRECOMPILE_HEADERS ON)
 
@@ -32,7 +32,7 @@ function(sheaf_test_support)
   add_library(sheaf_test_support STATIC ${sources})
   target_link_libraries(sheaf_test_support PUBLIC ${arg_DEPENDS} PRIVATE sheaf_flags)
   target_compile_definitions(sheaf_test_support PUBLIC DOCTEST_CONFIG_SUPER_FAST_ASSERTS)
-  target_compile_options(sheaf_test_support PRIVATE ${SHEAF_TEST_OPTIMISATION})
+  target_compile_options(sheaf_test_support PRIVATE ${SHEAF_TEST_OPTIMIZATION})
   if(SHEAF_PRECOMPILE)
     target_precompile_headers(sheaf_test_support PRIVATE "${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h")
   endif()
@@ -92,7 +92,7 @@ function(sheaf_tests folder)
   add_executable(${program} ${sources})
   sheaf_unite(${program})
   target_link_libraries(${program} PRIVATE sheaf_test_support ${arg_DEPENDS} sheaf_flags)
-  target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMISATION})
+  target_compile_options(${program} PRIVATE ${SHEAF_TEST_OPTIMIZATION})
   target_compile_definitions(${program} PRIVATE SHEAF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(arg_RUNS)
     target_compile_definitions(${program} PRIVATE SHEAF_EXECUTABLE="$<TARGET_FILE:sheaf>")

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Renders every example and reference scene with two builds of Sheaf in both colour modes and lists the images that
+"""Renders every example and reference scene with two builds of Sheaf in both color modes and lists the images that
 are not byte-identical, apart from the names in their headers. For changes that must not alter images. Needs only
 Python.
 
   tools/compare_builds.py OLD/sheaf NEW/sheaf [--spp 8] [--only SUBSTRING] [--list]
 
-Scenes with a configurable size are rendered at 160 x 100 pixels, other example scenes as a centred crop of 160 x 120.
+Scenes with a configurable size are rendered at 160 x 100 pixels, other example scenes as a centered crop of 160 x 120.
 Scenes whose meshes or grids have not been generated (see README.md) are reported and skipped. Exit status: 0 if all
 images are identical, 1 if some differ or fail with only one of the builds.
 """

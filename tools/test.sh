@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs all tests from a clean checkout on Debian 12 or 13. Can be rerun. The first of two runs uses sanitizers, on unit
 # tests that are not slow, on one image of each example scene, and on mutated files for each file reader
-# (tests/fuzz/README.md). The second run is optimised. It repeats the tests of core and kernels, and includes slow tests,
+# (tests/fuzz/README.md). The second run is optimized. It repeats the tests of core and kernels, and includes slow tests,
 # benchmarks, scripts and whole images; ctest's summary comes last, after the coverage of the Python package. Both render
 # the scenes that the first one generates.
 set -euo pipefail

@@ -69,7 +69,7 @@ DIFFERENCES = """## Differences by design
 - **Execution.** Sheaf's stages work on private queues of about a thousand paths per thread. Mitsuba's `llvm_ad_rgb`
   renders a whole image as one wavefront in memory, and compiles its kernels for the scene; `scalar_rgb` traces
   path by path.
-- **Colour.** Sheaf and Mitsuba render in linear Rec. 709. For scenes of pbrt-v4, Sheaf and pbrt-v4 render spectrally.
+- **Color.** Sheaf and Mitsuba render in linear Rec. 709. For scenes of pbrt-v4, Sheaf and pbrt-v4 render spectrally.
 
 Both let a sample count in all pixels under the pixel filter.
 """

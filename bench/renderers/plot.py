@@ -23,9 +23,9 @@ class Axis:
         powers = range(math.floor(self.low), math.ceil(self.high) + 1)
         values = [(10.0**p * m, m) for p in powers for m in range(1, 10)]
         values = [(v, m) for v, m in values if self.low <= math.log10(v) <= self.high]
-        labelled = {1} if sum(m == 1 for _, m in values) >= 2 else {1, 2, 5}
+        labeled = {1} if sum(m == 1 for _, m in values) >= 2 else {1, 2, 5}
         for value, multiple in values:
-            yield value, multiple in labelled
+            yield value, multiple in labeled
 
 
 def text(x, y, content, anchor="middle", size=13, color="#222222", extra=""):
@@ -48,16 +48,16 @@ def grid(x, y, left):
     """Lines and labels of the axes of a panel that begins at `left`."""
     top, bottom = TOP, HEIGHT - BOTTOM
     parts = []
-    for value, is_labelled in x.ticks():
-        at, color = x.at(value), "#cccccc" if is_labelled else "#eeeeee"
+    for value, is_labeled in x.ticks():
+        at, color = x.at(value), "#cccccc" if is_labeled else "#eeeeee"
         parts.append(f'<line x1="{at:.1f}" y1="{top}" x2="{at:.1f}" y2="{bottom}" stroke="{color}"/>')
-        if is_labelled:
+        if is_labeled:
             parts.append(text(at, bottom + 18, label(value), size=12))
-    for value, is_labelled in y.ticks():
-        at, color = y.at(value), "#cccccc" if is_labelled else "#eeeeee"
+    for value, is_labeled in y.ticks():
+        at, color = y.at(value), "#cccccc" if is_labeled else "#eeeeee"
         parts.append(f'<line x1="{left + LEFT}" y1="{at:.1f}" x2="{left + WIDTH - RIGHT}" y2="{at:.1f}" '
                      f'stroke="{color}"/>')
-        if is_labelled:
+        if is_labeled:
             parts.append(text(left + LEFT - 6, at + 4, label(value), "end", 12))
     parts.append(f'<rect x="{left + LEFT}" y="{top}" width="{WIDTH - LEFT - RIGHT}" height="{bottom - top}" '
                  'fill="none" stroke="#666666"/>')
@@ -100,7 +100,7 @@ def legend(names, colors, width):
 
 
 def write_plot(path, curves):
-    """`curves`: {scene: {program: [(spp, seconds, error)]}}, Sheaf first. Its points are labelled with their spp."""
+    """`curves`: {scene: {program: [(spp, seconds, error)]}}, Sheaf first. Its points are labeled with their spp."""
     names = list(dict.fromkeys(name for of_scene in curves.values() for name in of_scene))
     colors = {name: COLORS[i % len(COLORS)] for i, name in enumerate(names)}
     width = WIDTH * len(curves)

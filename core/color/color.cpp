@@ -1,4 +1,4 @@
-// Colour conversions and the CIE tables that they use.
+// Color conversions and the CIE tables that they use.
 #include "core/color/color.h"
 
 #include "core/io/error.h"
@@ -126,7 +126,7 @@ void add_interval(const Table& table, std::size_t segment, double a, double b, W
   }
 }
 
-/// The integral of the product of table, weight and colour matching functions.
+/// The integral of the product of table, weight and color matching functions.
 Xyz integrate(const Table& table, Weight weight) {
   Xyz sum;
   for (std::size_t i = 0; i + 1 < table.values.size(); ++i) {
@@ -193,10 +193,10 @@ float cie_d65(float wavelength) { return static_cast<float>(evaluate(kD65, wavel
 double blackbody_radiance(double wavelength, double temperature) {
   constexpr double kPlanck = 6.62607015e-34, kLight = 299792458.0, kBoltzmann = 1.380649e-23;
   if (!(temperature > 0) || !(wavelength > 0)) return 0;
-  const double metres = wavelength * 1e-9;
-  const double exponent = kPlanck * kLight / (metres * kBoltzmann * temperature);
-  const double per_metre = 2 * kPlanck * kLight * kLight / (std::pow(metres, 5) * std::expm1(exponent));
-  return per_metre * 1e-9;
+  const double meters = wavelength * 1e-9;
+  const double exponent = kPlanck * kLight / (meters * kBoltzmann * temperature);
+  const double per_meter = 2 * kPlanck * kLight * kLight / (std::pow(meters, 5) * std::expm1(exponent));
+  return per_meter * 1e-9;
 }
 
 Vec3f unbounded_table_to_rgb(std::span<const float> wavelengths, std::span<const float> values) {

@@ -1,4 +1,4 @@
-// Matrices of RGB colour spaces and conversion of pixels to linear Rec.709.
+// Matrices of RGB color spaces and conversion of pixels to linear Rec.709.
 #include "core/color/color_space.h"
 
 #include <cmath>

@@ -7,14 +7,14 @@ namespace sheaf {
 
 /// Four floats.
 struct Float4 {
-  QuadBatch v;
+  Float4Batch v;
   SHEAF_INLINE Float4() : v(0.0f) {}
   SHEAF_INLINE explicit Float4(float x) : v(x) {}
-  SHEAF_INLINE Float4(QuadBatch b) : v(b) {}
+  SHEAF_INLINE Float4(Float4Batch b) : v(b) {}
   SHEAF_INLINE explicit Float4(const Spectrum4& s) : v(load(&s.c0).v) {}
 
   /// Loads four consecutive floats. `p` needs no alignment.
-  static SHEAF_INLINE Float4 load(const float* p) { return QuadBatch::load_unaligned(p); }
+  static SHEAF_INLINE Float4 load(const float* p) { return Float4Batch::load_unaligned(p); }
   SHEAF_INLINE void store(float* p) const { v.store_unaligned(p); }
   SHEAF_INLINE float operator[](int lane) const {
     float lanes[4];
@@ -33,7 +33,7 @@ SHEAF_INLINE Spectrum4 to_spectrum(Float4 a) {
 SHEAF_INLINE Float4 operator+(Float4 a, Float4 b) { return a.v + b.v; }
 SHEAF_INLINE Float4 operator-(Float4 a, Float4 b) { return a.v - b.v; }
 SHEAF_INLINE Float4 operator*(Float4 a, Float4 b) { return a.v * b.v; }
-SHEAF_INLINE Float4 operator*(Float4 a, float s) { return a.v * QuadBatch(s); }
+SHEAF_INLINE Float4 operator*(Float4 a, float s) { return a.v * Float4Batch(s); }
 SHEAF_INLINE Float4 operator/(Float4 a, Float4 b) { return a.v / b.v; }
 SHEAF_INLINE Float4 max(Float4 a, Float4 b) { return xsimd::max(a.v, b.v); }
 SHEAF_INLINE Float4 min(Float4 a, Float4 b) { return xsimd::min(a.v, b.v); }

@@ -6,9 +6,9 @@
 namespace sheaf {
 
 /// Wavelengths are mapped from nm to [-1, 1] first, which keeps the coefficients of a polynomial at one magnitude.
-inline constexpr float kSigmoidCentre = 595.0f, kSigmoidHalfRange = 235.0f;
+inline constexpr float kSigmoidCenter = 595.0f, kSigmoidHalfRange = 235.0f;
 
-/// The spectrum sigmoid(c0 t^2 + c1 t + c2) with t = (lambda - kSigmoidCentre) / kSigmoidHalfRange (Jakob and Hanika,
+/// The spectrum sigmoid(c0 t^2 + c1 t + c2) with t = (lambda - kSigmoidCenter) / kSigmoidHalfRange (Jakob and Hanika,
 /// "A Low-Dimensional Function Space for Efficient Spectral Upsampling", Eurographics 2019).
 template <class L> struct SigmoidPolynomial {
   typename L::Float c0{}, c1{}, c2{};
@@ -31,7 +31,7 @@ template <class F> SHEAF_INLINE F inverse_sigmoid(F value) {
 /// The spectrum at `lambda` nm.
 template <class L> SHEAF_INLINE Float<L> evaluate(const SigmoidPolynomial<L>& p, typename L::Float lambda) {
   using F = typename L::Float;
-  const F t = fma(lambda, F(1.0f / kSigmoidHalfRange), F(-kSigmoidCentre / kSigmoidHalfRange));
+  const F t = fma(lambda, F(1.0f / kSigmoidHalfRange), F(-kSigmoidCenter / kSigmoidHalfRange));
   return sigmoid(fma(fma(p.c0, t, p.c1), t, p.c2));
 }
 

@@ -22,9 +22,9 @@ struct SensorCurves {
 template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curves, typename L::Float lambda) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  const F place = clamp((lambda - F(360.0f)) * F(0.2f), F(0.0f), F(float(SensorCurves::kNodes - 1)));
-  const U i = min(to_uint(place), U(std::uint32_t(SensorCurves::kNodes - 2)));
-  const F t = place - to_float(i);
+  const F position = clamp((lambda - F(360.0f)) * F(0.2f), F(0.0f), F(float(SensorCurves::kNodes - 1)));
+  const U i = min(to_uint(position), U(std::uint32_t(SensorCurves::kNodes - 2)));
+  const F t = position - to_float(i);
   F below[4], above[4];
   RowPointers<L> nodes(curves.rgb, i);
   nodes.read_four(below);
@@ -32,8 +32,8 @@ template <class L> SHEAF_INLINE Vec3<L> sensor_response(const SensorCurves& curv
   return {lerp(t, below[0], above[0]), lerp(t, below[1], above[1]), lerp(t, below[2], above[2])};
 }
 
-/// The estimate of a pixel's colour from one path: the mean of radiance * response / pdf over its wavelengths. The
-/// expectation is that of emission_table_to_rgb() for the spectrum, except that colours outside the gamut keep their
+/// The estimate of a pixel's color from one path: the mean of radiance * response / pdf over its wavelengths. The
+/// expectation is that of emission_table_to_rgb() for the spectrum, except that colors outside the gamut keep their
 /// negative components. `radiance`: as carried by the path; if only the first wavelength could sample the path, it
 /// counts four times.
 template <class L>

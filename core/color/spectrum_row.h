@@ -9,7 +9,7 @@
 namespace sheaf {
 
 /// The spectrum scale * sigmoid polynomial * table, in which each factor may be 1 everywhere. Constants and tabulated
-/// spectra have an infinite c2, whose sigmoid is exactly 1. An emitter given as a colour has a polynomial and the table
+/// spectra have an infinite c2, whose sigmoid is exactly 1. An emitter given as a color has a polynomial and the table
 /// of D65.
 struct alignas(32) SpectrumRow {
   float c0 = 0, c1 = 0, c2 = kInfinity;  ///< see SigmoidPolynomial
@@ -22,12 +22,12 @@ struct alignas(32) SpectrumRow {
   bool operator==(const SpectrumRow&) const = default;
 };
 
-/// The tables of SpectrumRow: samples every nanometre from 360 to 830 nm, linear in between.
+/// The tables of SpectrumRow: samples every nanometer from 360 to 830 nm, linear in between.
 struct SpectrumTableView {
   static constexpr int kSamples = 471;
   /// Floats from one table to the next.
   static constexpr std::uint32_t kStride = 472;
-  /// Table 0 is 1 everywhere. Table 1 is the spectrum of D65 with Y = 1, for emitted colours such as texels of
+  /// Table 0 is 1 everywhere. Table 1 is the spectrum of D65 with Y = 1, for emitted colors such as texels of
   /// environment maps.
   static constexpr std::uint32_t kNone = 0, kDaylight = 1;
   const float* samples = nullptr;
@@ -38,9 +38,9 @@ template <class L>
 SHEAF_INLINE Float<L> evaluate_table(SpectrumTableView view, typename L::Uint table, typename L::Float lambda) {
   using F = typename L::Float;
   using U = typename L::Uint;
-  const F place = clamp(lambda - F(360.0f), F(0.0f), F(float(SpectrumTableView::kSamples - 1)));
-  const U i = min(to_uint(place), U(std::uint32_t(SpectrumTableView::kSamples - 2)));
-  const F t = place - to_float(i);
+  const F position = clamp(lambda - F(360.0f), F(0.0f), F(float(SpectrumTableView::kSamples - 1)));
+  const U i = min(to_uint(position), U(std::uint32_t(SpectrumTableView::kSamples - 2)));
+  const F t = position - to_float(i);
   const U at = table * U(SpectrumTableView::kStride) + i;
   return lerp(t, gather(view.samples, at), gather(view.samples, at + U(1u)));
 }

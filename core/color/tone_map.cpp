@@ -49,7 +49,7 @@ constexpr Matrix3 kAgxInset{{{0.842479062253094, 0.0784335999999992, 0.079223745
                              {0.0423282422610123, 0.878468636469772, 0.0791661274605434},
                              {0.0423756549057051, 0.0784336, 0.879142973793104}}};
 
-/// Encodes logarithmically from 10 stops below middle grey to 6.5 above, and applies the sigmoid.
+/// Encodes logarithmically from 10 stops below middle gray to 6.5 above, and applies the sigmoid.
 double agx_curve(double value) {
   constexpr double kLowest = -12.47393, kHighest = 4.026069;  // log2 of scene values
   const double stops = std::clamp(std::log2(std::max(value, 1e-10)), kLowest, kHighest);

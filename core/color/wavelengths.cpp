@@ -9,7 +9,7 @@ namespace sheaf {
 
 namespace {
 
-/// The pdf at 360, 370, ... 830 nm, linear in between, not normalised; computed by tools/color/fit_wavelengths.py.
+/// The pdf at 360, 370, ... 830 nm, linear in between, not normalized; computed by tools/color/fit_wavelengths.py.
 constexpr int kKnots = 48;
 constexpr std::array<float, kKnots> kDensity{
     0.0144f, 0.0147f, 0.0259f, 0.0565f, 0.2019f, 0.4095f, 0.7560f, 0.9349f, 1.0000f, 0.9842f, 0.8598f, 0.7469f,
@@ -19,9 +19,9 @@ constexpr std::array<float, kKnots> kDensity{
 constexpr double kKnotStep = (static_cast<double>(kWavelengthMax) - static_cast<double>(kWavelengthMin)) / (kKnots - 1);
 
 double density(double lambda) {
-  const double place = (lambda - static_cast<double>(kWavelengthMin)) / kKnotStep;
-  const std::size_t i = std::min(static_cast<std::size_t>(place), kDensity.size() - 2);
-  const double t = place - static_cast<double>(i);
+  const double position = (lambda - static_cast<double>(kWavelengthMin)) / kKnotStep;
+  const std::size_t i = std::min(static_cast<std::size_t>(position), kDensity.size() - 2);
+  const double t = position - static_cast<double>(i);
   return (1 - t) * static_cast<double>(kDensity[i]) + t * static_cast<double>(kDensity[i + 1]);
 }
 

@@ -16,9 +16,9 @@ template <class L> struct Wavelengths {
 
 /// The pdf of wavelengths, constant between its quantiles.
 ///
-/// With one wavelength per path, a pdf like the length of the sensor's response would minimise the noise of white. Four
+/// With one wavelength per path, a pdf like the length of the sensor's response would minimize the noise of white. Four
 /// wavelengths are a quarter of the probability apart. Their mean cancels all harmonics of response over pdf except
-/// those of order 4, 8, ... This pdf is optimised to make the remaining harmonics small for three lights.
+/// those of order 4, 8, ... This pdf is optimized to make the remaining harmonics small for three lights.
 /// bench/README.md compares.
 struct WavelengthQuantiles {
   static constexpr int kCellBits = 6, kCells = 1 << kCellBits;  ///< per quarter
@@ -47,10 +47,10 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
   using F = typename L::Float;
   using U = typename L::Uint;
   constexpr std::uint32_t kCells = WavelengthQuantiles::kCells;
-  const F place = u * F(float(4 * kCells));
-  const U cell = min(to_uint(place), U(4 * kCells - 1));
-  const F t = place - to_float(cell);
-  const U row = cell & U(kCells - 1), turn = cell >> WavelengthQuantiles::kCellBits;
+  const F position = u * F(float(4 * kCells));
+  const U cell = min(to_uint(position), U(4 * kCells - 1));
+  const F t = position - to_float(cell);
+  const U row = cell & U(kCells - 1), rotation = cell >> WavelengthQuantiles::kCellBits;
   F below[4], above[4];
   RowPointers<L> nodes(kWavelengthQuantiles.nodes, row);
   nodes.read_four(below);
@@ -61,8 +61,8 @@ template <class L> SHEAF_INLINE Wavelengths<L> sample_wavelengths(typename L::Fl
     lambda[k] = fma(t, width, below[k]);
     pdf[k] = F(1.0f / float(4 * kCells)) / width;
   }
-  return {detail::rotate_lanes<L>({lambda[0], lambda[1], lambda[2], lambda[3]}, turn),
-          detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, turn)};
+  return {detail::rotate_lanes<L>({lambda[0], lambda[1], lambda[2], lambda[3]}, rotation),
+          detail::rotate_lanes<L>({pdf[0], pdf[1], pdf[2], pdf[3]}, rotation)};
 }
 
 }  // namespace sheaf

@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-/// Channel indices: three for R, G and B, or if one of them is missing, one for R, or else the first channel, as grey.
+/// Channel indices: three for R, G and B, or if one of them is missing, one for R, or else the first channel, as gray.
 /// And one for A, or -1 without it.
 struct DisplayChannels {
   std::vector<int> color;
@@ -13,8 +13,8 @@ struct DisplayChannels {
 };
 DisplayChannels display_channels(const Image& image);
 
-/// The alpha of a pixel in a file. Light that adds to the background, as of a flame, has less alpha than colour. Files
-/// with straight alpha cannot express that: their alpha is that of the brightest colour, at most 1, which keeps the
+/// The alpha of a pixel in a file. Light that adds to the background, as of a flame, has less alpha than color. Files
+/// with straight alpha cannot express that: their alpha is that of the brightest color, at most 1, which keeps the
 /// image over black. `pixel`: the values of all channels.
 float display_alpha(const float* pixel, const DisplayChannels& channels);
 

@@ -12,14 +12,14 @@ namespace sheaf {
 
 namespace {
 
-constexpr double kMiddleGrey = 0.18;
+constexpr double kMiddleGray = 0.18;
 /// Exponent of the sRGB curve (IEC 61966-2-1): the weights of luminances are about the values that a display receives.
 constexpr double kEncodingExponent = 1 / 2.4;
-/// Stops from middle grey down to the first level of an 8-bit sRGB image above black, 1/255 on the linear segment of
+/// Stops from middle gray down to the first level of an 8-bit sRGB image above black, 1/255 on the linear segment of
 /// the curve, whose slope is 12.92: log2(0.18 x 12.92 x 255).
-const double kFaintStops = std::log2(kMiddleGrey * 12.92 * 255);
+const double kFaintStops = std::log2(kMiddleGray * 12.92 * 255);
 
-/// Least coverage by which colours are divided: the first level of 8 bits.
+/// Least coverage by which colors are divided: the first level of 8 bits.
 constexpr double kMinCoverage = 1.0 / 255;
 
 /// The luminance of a pixel with light, log2.
@@ -28,7 +28,7 @@ struct LitPixel {
   double straight_level;  ///< divided by the coverage, unless that is below kMinCoverage
 };
 
-/// The colour channels of a pixel; grey as three equal ones.
+/// The color channels of a pixel; gray as three equal ones.
 Vec3f color_of(const float* pixel, const DisplayChannels& channels) {
   const std::size_t last = channels.color.size() - 1;
   return {pixel[channels.color[0]], pixel[channels.color[std::min<std::size_t>(1, last)]], pixel[channels.color[last]]};
@@ -49,7 +49,7 @@ Image prepare_display(const Image& image, const DisplayChannels& channels) {
   return out;
 }
 
-/// Writes the colours times 2^stops, and alpha.
+/// Writes the colors times 2^stops, and alpha.
 void expose(const Image& image, const DisplayChannels& channels, double stops, Image& out) {
   const auto scale = static_cast<float>(std::exp2(stops));
   const std::size_t colors = channels.color.size();
@@ -110,7 +110,7 @@ double auto_exposure(const Image& image) {
   }
   // The brightest pixel counts, because its level is not below any mean. Limit the exposure to finite factors
   constexpr double kMaxStops = std::numeric_limits<float>::max_exponent - 2;
-  return std::min(std::log2(kMiddleGrey) - sum / static_cast<double>(count), kMaxStops);
+  return std::min(std::log2(kMiddleGray) - sum / static_cast<double>(count), kMaxStops);
 }
 
 double DisplayTransform::exposure_of(const Image& image) const {
@@ -129,7 +129,7 @@ Image DisplayTransform::apply(const Image& image) const {
   std::vector<Vec3f> row(static_cast<std::size_t>(out.width));
   std::vector<float> alphas(row.size());
   for (std::size_t first = 0; first < out.data.size(); first += row.size() * stride) {
-    // Read the straight colours of a row
+    // Read the straight colors of a row
     for (std::size_t x = 0; x < row.size(); ++x) {
       const float* const pixel = &out.data[first + x * stride];
       alphas[x] = display_alpha(pixel, own);

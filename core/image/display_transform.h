@@ -11,13 +11,13 @@
 
 namespace sheaf {
 
-/// Exposure in stops that brings the log-average luminance of an image to middle grey, 0.18. See Reinhard et al.,
+/// Exposure in stops that brings the log-average luminance of an image to middle gray, 0.18. See Reinhard et al.,
 /// "Photographic Tone Reproduction for Digital Images" (2002), equation 1, which adds a small number to each luminance:
 /// the logarithm would give faint pixels, such as the tails of filters, the weight of many stops. Here, pixels do not
 /// count that would be darker than the first level of an 8-bit sRGB image above black if the brighter part of the image
-/// were middle grey. Multiplying an image by a factor changes the exposure by its logarithm.
+/// were middle gray. Multiplying an image by a factor changes the exposure by its logarithm.
 ///
-/// Colours count by their straight values; light without coverage, alpha below 1/255, counts as it appears over black.
+/// Colors count by their straight values; light without coverage, alpha below 1/255, counts as it appears over black.
 /// Pixels with NaN, infinite or negative luminance do not count. 0 for an image without light.
 double auto_exposure(const Image& image);
 
@@ -41,9 +41,9 @@ class DisplayTransform {
   bool is_automatic() const { return !settings_.exposure; }
   /// Exposure of an image, stops.
   double exposure_of(const Image& image) const;
-  /// The displayed image: R, G and B, or the channel shown as grey, and A if the image has them. Colours are linear
+  /// The displayed image: R, G and B, or the channel shown as gray, and A if the image has them. Colors are linear
   /// Rec.709 and premultiplied by A; after encoding with the sRGB curve they are the values of the display. Without
-  /// tone map and view, colours may exceed 1.
+  /// tone map and view, colors may exceed 1.
   Image apply(const Image& image) const;
 
  private:

@@ -146,8 +146,8 @@ void write_pixels(ExrStream& stream, const Image& image, const ExrMetadata& meta
   float* const values = const_cast<float*>(image.data.data());  // Imf::Slice has no const version
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
     const std::string& name = image.channels[c];
-    const auto& wanted = metadata.half_channels;
-    if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) {
+    const auto& requested = metadata.half_channels;
+    if (std::find(requested.begin(), requested.end(), name) == requested.end()) {
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
       buffer.insert(name, make_slice(Imf::FLOAT, values + c, sizeof(float), image, image.channels.size()));
       continue;

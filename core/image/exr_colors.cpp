@@ -48,7 +48,7 @@ std::vector<float> pixels_of_frame(const fs::path& path, Image image) {
   return pixels;
 }
 
-/// The colour space of a part; Rec.709 if the file specifies none.
+/// The color space of a part; Rec.709 if the file specifies none.
 RgbChromaticities space_of(const ExrPart& part, bool xyz) {
   if (xyz) return kXyzSpace;
   return part.chromaticities.value_or(kRec709Space);
@@ -58,7 +58,7 @@ RgbChromaticities space_of(const ExrPart& part, bool xyz) {
 
 StoredImage read_exr_colors(const fs::path& path, bool raw) {
   const SourceLocation where{path.string(), 0};
-  // Find the part and the channels that hold the colour
+  // Find the part and the channels that hold the color
   const std::vector<ExrPart> parts = read_exr_parts(path);
   std::vector<ImageChannels> flat;
   std::vector<std::size_t> part_of;
@@ -78,15 +78,15 @@ StoredImage read_exr_colors(const fs::path& path, bool raw) {
   StoredImage colors;
   colors.width = image.frame_width;
   colors.height = image.frame_height;
-  const bool grey = found.channels.size() == 1;
-  colors.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  const bool gray = found.channels.size() == 1;
+  colors.channels = gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   if (found.alpha) colors.channels.emplace_back("A");
   colors.floats = pixels_of_frame(path, std::move(image));
   // Convert to Rec.709
-  if (grey || raw) return colors;
+  if (gray || raw) return colors;
   if (!convert_to_rec709(colors.floats, space_of(part, found.xyz), colors.channels.size()))
     throw SceneError(where,
-                     "the image's chromaticities define no colour space (expected primaries that span a "
+                     "the image's chromaticities define no color space (expected primaries that span a "
                      "triangle, and finite numbers)");
   return colors;
 }

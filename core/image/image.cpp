@@ -86,7 +86,7 @@ OpenImage open_image(ImageSource source, bool keeps_bytes) {
   return {std::move(reader), corrections.orientation, corrections.xyz};
 }
 
-/// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with grey and
+/// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with gray and
 /// only leaves a remark.
 template <class Value> std::vector<Value> read_pixels(const OpenImage& open, const fs::path& path) {
   const ImageHeader& header = open.reader->header();

@@ -43,7 +43,7 @@ struct StoredImage {
   std::vector<std::string> channels;  ///< names
   std::vector<std::uint8_t> bytes;    ///< interleaved, row by row from the top
   std::vector<float> floats;          ///< likewise; integers of 16 bits and more are divided by their maximum
-  bool integers = false;              ///< the file holds integers, by convention sRGB-encoded colours
+  bool integers = false;              ///< the file holds integers, by convention sRGB-encoded colors
 };
 
 /// The bytes of an image file in memory, for example one that is part of another file.
@@ -66,19 +66,19 @@ void check_image_memory(const std::filesystem::path& file, long long width, long
                         std::size_t value_bytes);
 
 /// Writes the channels R, G and B as an 8-bit PNG with the sRGB curve. If one of them is missing, writes R, or else the
-/// first channel, as grey. Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. Alpha is kept if a
-/// channel A is not 1 everywhere; colours are then assumed to be premultiplied. Where a colour exceeds alpha, alpha is
-/// raised to the brightest colour, at most 1. Writes only the pixels of the image, not its frame. `description`: text
+/// first channel, as gray. Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. Alpha is kept if a
+/// channel A is not 1 everywhere; colors are then assumed to be premultiplied. Where a color exceeds alpha, alpha is
+/// raised to the brightest color, at most 1. Writes only the pixels of the image, not its frame. `description`: text
 /// in the header of the file. Throws Error (exit code 4).
 void write_png(const std::filesystem::path& path, const Image& image, const std::string& description = {});
 
 /// Reads the first image of an OpenEXR file, by read_exr(), or of a file in a format of checked_image_format().
-/// Integers are mapped to [0, 1] without linearisation; alpha is kept as stored. Applies the orientation of Radiance
+/// Integers are mapped to [0, 1] without linearization; alpha is kept as stored. Applies the orientation of Radiance
 /// and TIFF files. Throws SceneError if the file is missing, malformed, or beyond the limits.
 Image read_image(const std::filesystem::path& path);
 
-/// Reads the colours of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_colors(). Unless
-/// `raw`, floats in other colour spaces are converted to linear Rec.709. Throws like read_image().
+/// Reads the colors of the same files. 8-bit data stay bytes, and OpenEXR files are read by read_exr_colors(). Unless
+/// `raw`, floats in other color spaces are converted to linear Rec.709. Throws like read_image().
 StoredImage read_stored_image(const std::filesystem::path& path, bool raw = false);
 
 /// The same for a PNG, JPEG or WebP file in memory. Throws SceneError for other formats.

@@ -1,4 +1,4 @@
-// The search for colour channels by name.
+// The search for color channels by name.
 #include "core/image/image_channels.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ SplitName split(std::string_view name) {
   return {lower(name.substr(0, dot)), lower(name.substr(dot + 1))};
 }
 
-/// Whether a channel is alpha, or the alpha of one colour.
+/// Whether a channel is alpha, or the alpha of one color.
 bool is_alpha(std::string_view channel) {
   constexpr std::array<std::string_view, 5> kNames{"a", "alpha", "ar", "ag", "ab"};
   return std::find(kNames.begin(), kNames.end(), channel) != kNames.end();
@@ -49,7 +49,7 @@ class Finder {
     }
   }
 
-  /// Finds the colour channels, and the alpha channel of their layer.
+  /// Finds the color channels, and the alpha channel of their layer.
   std::optional<ColorChannels> find() const {
     std::optional<ColorChannels> found = find_colors();
     if (!found) return found;
@@ -73,16 +73,16 @@ class Finder {
         return found;
       }
     if (auto found = in_layers()) return found;
-    return grey();
+    return gray();
   }
 
   using Names = std::array<std::string_view, 3>;
   static constexpr Names kRgb{"r", "g", "b"}, kColors{"red", "green", "blue"}, kXyz{"x", "y", "z"};
 
-  std::optional<ColorChannels> three(std::size_t part, std::string_view layer, const Names& wanted) const {
+  std::optional<ColorChannels> three(std::size_t part, std::string_view layer, const Names& requested) const {
     ColorChannels found{part, {}, false, {}};
     const std::vector<SplitName>& names = parts_[part];
-    for (const std::string_view channel : wanted) {
+    for (const std::string_view channel : requested) {
       const auto at = std::find_if(names.begin(), names.end(), [&](const SplitName& name) {
         return name.layer == layer && name.channel == channel;
       });
@@ -108,7 +108,7 @@ class Finder {
 
   /// The only channel besides alpha in the file; or Y, if it is the only one outside of layers in the first part; or
   /// alpha, if it is the only channel.
-  std::optional<ColorChannels> grey() const {
+  std::optional<ColorChannels> gray() const {
     std::vector<ColorChannels> all, outside, alphas;
     for (std::size_t part = 0; part < parts_.size(); ++part)
       for (std::size_t c = 0; c < parts_[part].size(); ++c) {
@@ -147,7 +147,7 @@ std::string list_of(std::span<const ImageChannels> parts) {
 
 ColorChannels find_color_channels(std::span<const ImageChannels> parts, const SourceLocation& where) {
   if (const auto found = Finder(parts).find()) return *found;
-  throw SceneError(where, fmt::format("no colours among the channels {} (expected R, G and B, or X, Y and Z, or one "
+  throw SceneError(where, fmt::format("no colors among the channels {} (expected R, G and B, or X, Y and Z, or one "
                                       "channel, optionally with A)",
                                       list_of(parts)));
 }

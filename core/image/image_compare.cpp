@@ -114,7 +114,7 @@ void require_cover(const std::optional<Image>& variance, const Image& image, con
 
 }  // namespace
 
-double ZTest::accepted_share() const {
+double ZTest::accepted_fraction() const {
   return tests == 0 ? 1.0 : static_cast<double>(accepted) / static_cast<double>(tests);
 }
 
@@ -148,9 +148,9 @@ ImageComparison compare_images(const Image& a, const Image& b, const CompareOpti
   const Overlap overlap = find_overlap(a, b);
   require_cover(options.variance_a, a, "the first");
   require_cover(options.variance_b, b, "the second");
-  const bool grey = a.find_channel("R") < 0 && b.find_channel("R") < 0 && a.find_channel("Y") >= 0;
+  const bool gray = a.find_channel("R") < 0 && b.find_channel("R") < 0 && a.find_channel("Y") >= 0;
   ImageComparison result;
-  result.channels = grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  result.channels = gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   result.width = overlap.x1 - overlap.x0;
   result.height = overlap.y1 - overlap.y0;
   // Compare channel by channel

@@ -18,7 +18,7 @@ struct ZTest {
   double mean_z_squared = 0;   ///< 1 if the variances are right and the expectations equal
   std::vector<double> mean_p;  ///< per channel: p-value of the test that the images' means are equal
   /// Fraction of tests accepted, in [0, 1]; pure noise gives 1 - significance. 1 without tests.
-  double accepted_share() const;
+  double accepted_fraction() const;
   /// The smallest of mean_p after the Bonferroni correction, at most 1. 1 without channels.
   double corrected_mean_p() const;
 };

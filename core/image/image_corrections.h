@@ -14,7 +14,7 @@ struct ImageCorrections {
   /// and left, 2 top and right, 3 bottom and right, 4 bottom and left. With rows and columns exchanged: 5 left and top,
   /// 6 right and top, 7 right and bottom, 8 left and bottom.
   int orientation = 1;
-  bool xyz = false;                 ///< the colours are CIE XYZ
+  bool xyz = false;                 ///< the colors are CIE XYZ
   std::vector<std::uint8_t> bytes;  ///< data that the library reads instead of the file; empty: reads the file
 };
 

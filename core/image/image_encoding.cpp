@@ -31,7 +31,7 @@ bool is_transparent(const Image& image, const DisplayChannels& channels) {
   return false;
 }
 
-/// Values of all pixels. Colours are straight if there is alpha, and over black otherwise.
+/// Values of all pixels. Colors are straight if there is alpha, and over black otherwise.
 template <class Integer> std::vector<Integer> quantized(const Image& image, const DisplayChannels& channels) {
   std::vector<Integer> values;
   values.reserve(image.pixel_count() * (channels.color.size() + 1));

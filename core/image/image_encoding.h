@@ -10,7 +10,7 @@ namespace sheaf {
 
 /// Encodes the channels of display_channels() with the sRGB curve: 8 bits in PNG and JPEG files, 16 in TIFF files.
 /// Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. PNG and TIFF files keep display_alpha() if it is
-/// not 1 everywhere; colours are then assumed to be premultiplied. JPEG files show the image over black. Encodes only
+/// not 1 everywhere; colors are then assumed to be premultiplied. JPEG files show the image over black. Encodes only
 /// the pixels of the image, not its frame. Throws Error (exit code 1) if the image is empty or cannot be encoded.
 std::vector<unsigned char> encode_image(const Image& image, const IntegerEncoding& encoding = {});
 

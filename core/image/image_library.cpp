@@ -51,34 +51,34 @@ const ImageLibrary* load() {
 }
 
 /// The formats of image files, by their magic number.
-struct Beginning {
+struct MagicNumber {
   std::string_view bytes, format;
   bool in_memory = false;  ///< also read from memory
 };
 using namespace std::string_view_literals;
-constexpr Beginning kBeginnings[] = {{"\x89PNG"sv, "png", true},
-                                     {"\xff\xd8\xff"sv, "jpeg", true},
-                                     {"II*\0"sv, "tiff"},
-                                     {"MM\0*"sv, "tiff"},
-                                     {"II+\0"sv, "tiff"},
-                                     {"MM\0+"sv, "tiff"},
-                                     {"#?"sv, "hdr"},
-                                     {"BM"sv, "bmp"},
-                                     {"P1"sv, "pnm"},
-                                     {"P2"sv, "pnm"},
-                                     {"P3"sv, "pnm"},
-                                     {"P4"sv, "pnm"},
-                                     {"P5"sv, "pnm"},
-                                     {"P6"sv, "pnm"},
-                                     {"Pf"sv, "pnm"},
-                                     {"PF"sv, "pnm"}};
+constexpr MagicNumber kMagicNumbers[] = {{"\x89PNG"sv, "png", true},
+                                         {"\xff\xd8\xff"sv, "jpeg", true},
+                                         {"II*\0"sv, "tiff"},
+                                         {"MM\0*"sv, "tiff"},
+                                         {"II+\0"sv, "tiff"},
+                                         {"MM\0+"sv, "tiff"},
+                                         {"#?"sv, "hdr"},
+                                         {"BM"sv, "bmp"},
+                                         {"P1"sv, "pnm"},
+                                         {"P2"sv, "pnm"},
+                                         {"P3"sv, "pnm"},
+                                         {"P4"sv, "pnm"},
+                                         {"P5"sv, "pnm"},
+                                         {"P6"sv, "pnm"},
+                                         {"Pf"sv, "pnm"},
+                                         {"PF"sv, "pnm"}};
 
 std::string format_of(ImageSource& source) {
   const bool in_memory = source.memory() != nullptr;
   std::array<unsigned char, 12> bytes{};
   source.read(0, bytes);
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (const Beginning& known : kBeginnings)
+  for (const MagicNumber& known : kMagicNumbers)
     if (text.starts_with(known.bytes) && (known.in_memory || !in_memory)) return std::string(known.format);
   if (text.starts_with("RIFF") && text.ends_with("WEBP")) return "webp";
   if (in_memory) reject_image(source.path(), "expected PNG, JPEG or WebP");

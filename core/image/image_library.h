@@ -38,7 +38,7 @@ class ImageReader {
 /// Pixels for a file of integers.
 struct IntegerPixels {
   int width, height, channels;
-  bool has_alpha;      ///< the last channel is alpha; colours are not premultiplied
+  bool has_alpha;      ///< the last channel is alpha; colors are not premultiplied
   int bits;            ///< per value: 8 or 16
   const void* values;  ///< std::uint8_t or std::uint16_t, interleaved, row by row from the top, sRGB
 };
@@ -57,11 +57,11 @@ struct IntegerEncoding {
 class ColorProcessor {
  public:
   virtual ~ColorProcessor() = default;
-  /// Converts `count` colours of three values, in place, from linear Rec.709 to values of the display.
+  /// Converts `count` colors of three values, in place, from linear Rec.709 to values of the display.
   virtual void apply(float* rgb, std::size_t count) const = 0;
 };
 
-/// Names a view. An empty string stands for the default of the configuration.
+/// Names a view. An empty string means the default of the configuration.
 struct DisplayView {
   std::string config;  ///< file, built-in name such as ocio://default or raw, or empty: the file that $OCIO names
   std::string display, view;
@@ -87,7 +87,7 @@ class ImageLibrary {
 /// installed, in ../lib/sheaf. Throws Error (exit code 1) if the file is missing or cannot be loaded.
 const ImageLibrary& image_library();
 
-/// Returns the library's name for the format of an image file. Formats are recognised by their magic number; TGA, which
+/// Returns the library's name for the format of an image file. Formats are recognized by their magic number; TGA, which
 /// has none, by its file extension. Other formats of the library, for example video and medical images, are rejected
 /// for security. In memory, only PNG, JPEG and WebP are supported. Throws SceneError for unsupported formats. Throws
 /// Error (exit code 1) or SceneError for files that would make the library allocate more memory than is available, or
@@ -96,7 +96,7 @@ std::string checked_image_format(ImageSource& source);
 std::string checked_image_format(const std::filesystem::path& file);
 
 /// The size for check_image_size() of a file of `format`: WebP files of a few bytes may hold large images of one
-/// colour.
+/// color.
 std::size_t counted_image_bytes(const ImageSource& source, const std::string& format);
 
 /// The function that sheaf_image_io.so exports. It returns the library.

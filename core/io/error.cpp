@@ -9,7 +9,7 @@ namespace sheaf {
 
 namespace {
 
-std::string with_place(const SourceLocation& where, const std::string& message) {
+std::string with_location(const SourceLocation& where, const std::string& message) {
   if (where.file.empty()) return message;
   if (where.line <= 0) return fmt::format("{}: {}", where.file, message);
   return fmt::format("{}:{}: {}", where.file, where.line, message);
@@ -23,7 +23,7 @@ std::string comparable(std::string_view name) {
   return lower;
 }
 
-/// Optimal string alignment distance: insertions, deletions, substitutions and transpositions of neighbours cost 1
+/// Optimal string alignment distance: insertions, deletions, substitutions and transpositions of neighbors cost 1
 /// each.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
@@ -48,7 +48,7 @@ std::size_t max_edits(std::size_t length) { return length < 2 ? 0 : std::max<std
 }  // namespace
 
 Error::Error(ExitCode code, const SourceLocation& where, const std::string& message)
-    : std::runtime_error(with_place(where, message)), exit_code_(code), where_(where) {}
+    : std::runtime_error(with_location(where, message)), exit_code_(code), where_(where) {}
 
 SceneError SceneError::about(const std::string& element) const {
   SceneError error = *this;
@@ -56,36 +56,37 @@ SceneError SceneError::about(const std::string& element) const {
   return error;
 }
 
-SceneError at_place(const SourceLocation& where, const SceneError& error) {
+SceneError at_location(const SourceLocation& where, const SceneError& error) {
   return error.where() == where ? error : SceneError(where, error);
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
-  constexpr std::size_t kLongestCompared = 256;  // malicious files may hold names of any length
-  constexpr std::size_t kShortestBeginning = 3;
-  if (name.size() > kLongestCompared) return {};
-  const std::string wanted = comparable(name);
-  std::size_t best = max_edits(wanted.size()) + 1;
+  constexpr std::size_t kMaxComparedLength = 256;  // malicious files may hold names of any length
+  constexpr std::size_t kMinPrefixLength = 3;
+  if (name.size() > kMaxComparedLength) return {};
+  const std::string requested = comparable(name);
+  std::size_t best = max_edits(requested.size()) + 1;
   std::string nearest, continued;
   for (const std::string& candidate : candidates) {
     const std::string known = comparable(candidate);
-    const std::size_t distance = edit_distance(wanted, known);
+    const std::size_t distance = edit_distance(requested, known);
     if (distance < best) {
       best = distance;
       nearest = candidate;
     }
-    if (continued.empty() && wanted.size() >= kShortestBeginning && known.starts_with(wanted)) continued = candidate;
+    if (continued.empty() && requested.size() >= kMinPrefixLength && known.starts_with(requested))
+      continued = candidate;
   }
   return nearest.empty() ? continued : nearest;
 }
 
 std::string in_quotes(std::string_view text) {
   constexpr std::size_t kLongest = 60;
-  std::string shown(text.substr(0, kLongest));
-  for (char& c : shown)
+  std::string displayed(text.substr(0, kLongest));
+  for (char& c : displayed)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = ' ';
-  if (text.size() > kLongest) shown += "...";
-  return fmt::format("'{}'", shown);
+  if (text.size() > kLongest) displayed += "...";
+  return fmt::format("'{}'", displayed);
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {

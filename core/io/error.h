@@ -22,7 +22,7 @@ enum class ExitCode : int {
   kTerminated = 143
 };
 
-/// A location in a file. `line` counts from 1; 0 stands for the whole file.
+/// A location in a file. `line` counts from 1; 0 means the whole file.
 struct SourceLocation {
   std::string file;
   int line = 0;
@@ -96,7 +96,7 @@ class SceneError : public Error {
 };
 
 /// The error as one at `where`, unless that is its location.
-SceneError at_place(const SourceLocation& where, const SceneError& error);
+SceneError at_location(const SourceLocation& where, const SceneError& error);
 
 /// The candidate most similar to `name` by edit distance, or else the first that begins with it. Returns an empty
 /// string if no candidate is similar.

@@ -25,7 +25,7 @@ enum class FileUse {
 struct FileFormat {
   FileUse use = FileUse::kUnknown;
   std::string name;         ///< for messages, with its article: "a glTF model"
-  bool by_content = false;  ///< recognised by its content, not only by its extension
+  bool by_content = false;  ///< recognized by its content, not only by its extension
 };
 
 /// How to recognize a format.

@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-thread_local double memory_share = 1;  ///< of the calling thread, see MemoryShare
+thread_local double memory_fraction = 1;  ///< of the calling thread, see MemoryFraction
 
 /// The first number in a file; infinite if there is no number, as for a control group whose limit is "max".
 double number_in(const fs::path& file) {
@@ -114,12 +114,12 @@ double available_addresses() {
 }
 
 double available_memory() {
-  return memory_share * std::max(0.0, std::min({free_in_system(), free_in_groups(), available_addresses()}));
+  return memory_fraction * std::max(0.0, std::min({free_in_system(), free_in_groups(), available_addresses()}));
 }
 
-MemoryShare::MemoryShare(double share) : previous_(std::exchange(memory_share, share)) {}
+MemoryFraction::MemoryFraction(double fraction) : previous_(std::exchange(memory_fraction, fraction)) {}
 
-MemoryShare::~MemoryShare() { memory_share = previous_; }
+MemoryFraction::~MemoryFraction() { memory_fraction = previous_; }
 
 double resident_memory() { return pages_in_statm(1); }
 

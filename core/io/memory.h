@@ -23,13 +23,13 @@ double available_memory();
 
 /// Reduces the result of available_memory() on the calling thread to a fraction, while the object exists. Threads that
 /// read files at the same time check their memory independently of each other.
-class MemoryShare {
+class MemoryFraction {
  public:
   /// `fraction`: above 0, at most 1.
-  explicit MemoryShare(double fraction);
-  ~MemoryShare();
-  MemoryShare(const MemoryShare&) = delete;
-  MemoryShare& operator=(const MemoryShare&) = delete;
+  explicit MemoryFraction(double fraction);
+  ~MemoryFraction();
+  MemoryFraction(const MemoryFraction&) = delete;
+  MemoryFraction& operator=(const MemoryFraction&) = delete;
 
  private:
   double previous_;

@@ -103,7 +103,7 @@ int sync_file(const fs::path& path) {
   if (file < 0) return errno;
   const int reason = fsync(file) == 0 ? 0 : errno;
   close(file);
-  // the file system has nothing to synchronise
+  // the file system has nothing to synchronize
   return reason == EINVAL || reason == ENOSYS || reason == EROFS ? 0 : reason;
 }
 
@@ -125,13 +125,13 @@ int ask_for_reason(const fs::path& path) {
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   if (fs::exists(a, error) && fs::exists(b, error)) return fs::equivalent(a, b, error);
-  const auto place = [](const fs::path& path) {
+  const auto location = [](const fs::path& path) {
     std::error_code failure;
     const fs::path full = fs::absolute(path, failure);
     const fs::path resolved = fs::weakly_canonical(full, failure);
     return failure ? full.lexically_normal() : resolved;
   };
-  return place(a) == place(b);
+  return location(a) == location(b);
 }
 
 OutputFile::OutputFile(const fs::path& path) : target_(final_target(path)) {

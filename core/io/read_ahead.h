@@ -104,7 +104,7 @@ template <class Result> class ReadAhead {
     }
     std::optional<Result> result;
     try {
-      const MemoryShare share(0.5 / static_cast<double>(max_helpers_ + 1));
+      const MemoryFraction fraction(0.5 / static_cast<double>(max_helpers_ + 1));
       result.emplace(slot->job.run());
     } catch (...) {}  // take() runs it again
     const std::lock_guard lock(mutex_);

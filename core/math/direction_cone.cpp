@@ -44,8 +44,8 @@ DirectionCone join(const DirectionCone& a, const DirectionCone& b) {
     return {a.axis, std::numbers::pi};
   if (sin_between < kNearlyOpposite) return {a.axis, std::max(a.theta, b.theta + between)};
   // Rotate the axis from a towards b until the cone touches both on their far sides.
-  const double turn = theta - a.theta;
-  const double of_a = std::sin(between - turn) / sin_between, of_b = std::sin(turn) / sin_between;
+  const double azimuth = theta - a.theta;
+  const double of_a = std::sin(between - azimuth) / sin_between, of_b = std::sin(azimuth) / sin_between;
   Triple axis;
   for (std::size_t c = 0; c < 3; ++c) axis[c] = of_a * a.axis[c] + of_b * b.axis[c];
   const double scale = 1.0 / std::sqrt(dot3(axis, axis));

@@ -88,7 +88,7 @@ Transform Transform::rotate(Vec3d axis, double degrees) {
 
 namespace {
 
-/// Normalises `v`. Double precision serves scenes of any size within the range of float.
+/// Normalizes `v`. Double precision serves scenes of any size within the range of float.
 Vec3d unit(Vec3d v) {
   const double norm = length(v);
   if (!(norm > 0.0) || !std::isfinite(norm)) throw SceneError("lookat: origin, target and up must span a frame");

@@ -43,7 +43,7 @@ class Transform {
   /// The image of the origin under an affine transform.
   Vec3d translation() const { return {matrix_.m[0][3], matrix_.m[1][3], matrix_.m[2][3]}; }
   Vec3f vector(Vec3f v) const;
-  /// A normal, by the inverse transpose; not normalised.
+  /// A normal, by the inverse transpose; not normalized.
   Vec3f normal(Vec3f n) const;
   const Matrix4& matrix() const { return matrix_; }
   const Matrix4& inverse_matrix() const { return inverse_; }

@@ -28,11 +28,11 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
   const double sum = checked_sum(weights);
   if (weights.size() > 0x7fffffffu) throw SceneError("an alias table is limited to 2^31 - 1 weights");
   const auto count = static_cast<std::uint32_t>(weights.size());
-  std::vector<double> share(count);  // of each row; 1 is the mean
+  std::vector<double> fraction(count);  // of each row; 1 is the mean
   std::vector<std::uint32_t> small, large;
   for (std::uint32_t i = 0; i < count; ++i) {
-    share[i] = weights[i] / sum * count;
-    (share[i] < 1.0 ? small : large).push_back(i);
+    fraction[i] = weights[i] / sum * count;
+    (fraction[i] < 1.0 ? small : large).push_back(i);
   }
   std::vector<AliasEntry> table(count);
   const auto probability = [&](std::uint32_t i) { return static_cast<float>(weights[i] / sum); };
@@ -43,9 +43,9 @@ std::vector<AliasEntry> build_alias_table(std::span<const float> weights) {
   while (!small.empty() && !large.empty()) {
     const std::uint32_t low = small.back(), high = large.back();
     small.pop_back();
-    set(low, share[low], high);
-    share[high] -= 1.0 - share[low];
-    if (share[high] < 1.0) {
+    set(low, fraction[low], high);
+    fraction[high] -= 1.0 - fraction[low];
+    if (fraction[high] < 1.0) {
       large.pop_back();
       small.push_back(high);
     }

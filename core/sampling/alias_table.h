@@ -20,7 +20,7 @@ static_assert(sizeof(AliasEntry) == 16);
 
 /// Builds an alias table with one row per weight (Vose, "A Linear Algorithm for Generating Random Numbers with a Given
 /// Distribution", 1991). Throws SceneError unless all weights are finite and non-negative and their sum is positive.
-/// Probabilities are normalised in double precision.
+/// Probabilities are normalized in double precision.
 std::vector<AliasEntry> build_alias_table(std::span<const float> weights);
 
 /// An entry sampled from an alias table.

@@ -39,13 +39,13 @@ template <class L> SHEAF_INLINE Vec3<L> decode_octahedral(typename L::Uint bits)
 }
 
 /// Maps a unit direction to the unit square by the equal-area octahedral map (Clarberg, "Fast Equal-Area Mapping of the
-/// (Hemi)Sphere using SIMD", JGT 2008). +z maps to the centre, -z to all four corners, +x to (1, 1/2) and +y to (1/2,
+/// (Hemi)Sphere using SIMD", JGT 2008). +z maps to the center, -z to all four corners, +x to (1, 1/2) and +y to (1/2,
 /// 1).
 template <class L> SHEAF_INLINE Vec2<L> equal_area_octahedral(Vec3<L> d) {
   using F = typename L::Float;
   const F radius = sqrt(max(F(1.0f) - abs(d.z), F(0.0f)));
-  const F turn = atan2(abs(d.y), abs(d.x)) * F(2.0f * kInvPi);  // from 0 at x to 1 at y
-  const F across = turn * radius, along = radius - across;
+  const F octant_fraction = atan2(abs(d.y), abs(d.x)) * F(2.0f * kInvPi);  // from 0 at x to 1 at y
+  const F across = octant_fraction * radius, along = radius - across;
   const auto lower = d.z < F(0.0f);
   const F x = select(lower, F(1.0f) - across, along), y = select(lower, F(1.0f) - along, across);
   return {F(0.5f) * (copysign(x, d.x) + F(1.0f)), F(0.5f) * (copysign(y, d.y) + F(1.0f))};
@@ -57,8 +57,8 @@ template <class L> SHEAF_INLINE Vec3<L> equal_area_direction(typename L::Float u
   const F x = F(2.0f) * u - F(1.0f), y = F(2.0f) * v - F(1.0f), along = abs(x), across = abs(y);
   const F signed_distance = F(1.0f) - along - across;  // from the diamond of z = 0, positive inside
   const F radius = F(1.0f) - abs(signed_distance);
-  const F turn = select(radius > F(0.0f), (across - along) / max(radius, F(1e-37f)) + F(1.0f), F(1.0f));
-  const auto angle = sincos_2pi<L>(turn * F(0.125f));
+  const F octant_fraction = select(radius > F(0.0f), (across - along) / max(radius, F(1e-37f)) + F(1.0f), F(1.0f));
+  const auto angle = sincos_2pi<L>(octant_fraction * F(0.125f));
   const F sine = radius * safe_sqrt(F(2.0f) - radius * radius);
   return {copysign(angle.cos * sine, x), copysign(angle.sin * sine, y),
           copysign(F(1.0f) - radius * radius, signed_distance)};

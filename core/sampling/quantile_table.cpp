@@ -19,7 +19,7 @@ struct Span {
 double cost_of_run(double n, double sum, double squares) { return n * squares / sum - sum; }
 
 /// The longest run of low cost that begins at `first`, whose weight is positive. It ends at a positive weight.
-Span run_from(std::span<const double> weights, std::size_t first, double share) {
+Span run_from(std::span<const double> weights, std::size_t first, double fraction) {
   // Maximum cost of a run, as a fraction of the weight of a quantile.
   constexpr double kCost = 0.25;
   double sum = weights[first], squares = sum * sum;
@@ -28,16 +28,16 @@ Span run_from(std::span<const double> weights, std::size_t first, double share) 
     const double w = weights[first + n - 1];
     sum += w;
     squares += w * w;
-    if (sum > share || cost_of_run(n, sum, squares) > kCost * share) break;
+    if (sum > fraction || cost_of_run(n, sum, squares) > kCost * fraction) break;
     if (w > 0) run.run = n, run.weight = sum;
   }
   if (run.run == 1)
-    run.quantiles = static_cast<std::uint32_t>(std::clamp(std::round(run.weight / share), 1.0, double(kQuantiles)));
+    run.quantiles = static_cast<std::uint32_t>(std::clamp(std::round(run.weight / fraction), 1.0, double(kQuantiles)));
   return run;
 }
 
-/// Cuts the weights into spans, with a weight of about `share` per quantile. Returns the number of quantiles.
-std::size_t cut(std::span<const double> weights, double share, std::vector<Span>& spans) {
+/// Cuts the weights into spans, with a weight of about `fraction` per quantile. Returns the number of quantiles.
+std::size_t cut(std::span<const double> weights, double fraction, std::vector<Span>& spans) {
   spans.clear();
   std::size_t quantiles = 0;
   for (std::size_t i = 0; i < weights.size();) {
@@ -45,7 +45,7 @@ std::size_t cut(std::span<const double> weights, double share, std::vector<Span>
       ++i;
       continue;
     }
-    spans.push_back(run_from(weights, i, share));
+    spans.push_back(run_from(weights, i, fraction));
     quantiles += spans.back().quantiles;
     i += spans.back().run;
   }

@@ -43,14 +43,14 @@ template <class L> struct QuantileDraw {
   typename L::Uint index, quantile;
   /// Position within the entry. In a run it is in [0, 1), and 1 is subtracted, so the sign tells the two cases apart.
   /// Otherwise it is in [0, number of the entry's quantiles).
-  typename L::Float place;
+  typename L::Float position;
 
   /// A new uniform number in [0, 1) from the unused part of u. `probability`: that of the entry.
   SHEAF_INLINE Float<L> remapped(Float<L> probability) const {
     using F = Float<L>;
-    const auto in_run = place < F(0.0f);
+    const auto in_run = position < F(0.0f);
     const F parts = select(in_run, F(1.0f), probability * F(static_cast<float>(kQuantiles)));
-    return min(select(in_run, place + F(1.0f), place) / parts, F(kOneMinusEpsilon));
+    return min(select(in_run, position + F(1.0f), position) / parts, F(kOneMinusEpsilon));
   }
 };
 

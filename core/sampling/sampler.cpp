@@ -63,7 +63,7 @@ SHEAF_INLINE SobolPoint<L> sobol_point(const SamplerView& sampler, Uint<L> pixel
 
 template <class L>
 SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<L> sample, Uint<L> block, SampleSet set,
-                                unsigned wanted) {
+                                unsigned requested) {
   const std::uint32_t seed = sampler.seed + set.index * kGoldenRatio;
   switch (sampler.kind) {
     case SamplerKind::kStratified:
@@ -72,7 +72,7 @@ SHEAF_INLINE Random4<L> numbers(const SamplerView& sampler, Uint<L> pixel, Uint<
       return stratified_random4<L>(seed, sampler.grid, true, pixel, sample, block);
     case SamplerKind::kSobol:
     case SamplerKind::kZSobol:
-      return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block, wanted);
+      return sobol_random4<L>(sobol_point<L>(sampler, pixel, sample, set), block, requested);
     case SamplerKind::kIndependent:
       break;
   }
@@ -113,7 +113,7 @@ std::uint32_t rounded_sample_count(SamplerKind kind, std::uint32_t sample_count)
 
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint dimension,
-                SampleBlock block, SampleSet set, unsigned wanted) noexcept {
+                SampleBlock block, SampleSet set, unsigned requested) noexcept {
   using U = typename L::Uint;
   const U number = sample - U(sampler.first_sample);
   const auto block_of = [&](SampleBlock of) SHEAF_LAMBDA_INLINE {
@@ -122,20 +122,20 @@ Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::
   const auto four = [&](unsigned of_them) SHEAF_LAMBDA_INLINE {
     return numbers<L>(sampler, pixel, number, block_of(block), set, of_them);
   };
-  if (block == SampleBlock::kCamera) return four(wanted);
+  if (block == SampleBlock::kCamera) return four(requested);
   // x is the third of the four numbers; y and z are the first two.
-  const unsigned but_x = (wanted & kNumberW) | (wanted & (kNumberY | kNumberZ)) >> 1;
+  const unsigned but_x = (requested & kNumberW) | (requested & (kNumberY | kNumberZ)) >> 1;
   if (block == SampleBlock::kSelect && is_sobol(sampler.kind)) {
     const Float<L> any(0.0f);
     Random4<L> u{any, any, any, any};
     if (but_x != 0) u = four(but_x);
-    const Float<L> fifth = (wanted & kNumberX) == 0
+    const Float<L> fifth = (requested & kNumberX) == 0
                                ? any
                                : sobol_random_fifth<L>(sobol_point<L>(sampler, pixel, number, set),
                                                        block_of(SampleBlock::kScatter), block_of(block));
     return {fifth, u.x, u.y, u.w};
   }
-  const Random4<L> u = four(but_x | (wanted & kNumberX) << 2);
+  const Random4<L> u = four(but_x | (requested & kNumberX) << 2);
   return {u.z, u.x, u.y, u.w};
 }
 

@@ -21,7 +21,7 @@ enum class SampleBlock : std::uint32_t {
   kWavelength = kCount,
 };
 
-/// How the samples of a pixel are stratified within a block. For every kind, each number by itself is uniform. Blocks
+/// Stratification of the samples of a pixel within a block. For every kind, each number by itself is uniform. Blocks
 /// (except x of kSelect), interactions and (except for kZSobol) pixels are independent of each other.
 enum class SamplerKind : std::uint32_t {
   kIndependent,  ///< no stratification
@@ -29,7 +29,7 @@ enum class SamplerKind : std::uint32_t {
   kMultijitter,  ///< also one sample in each of as many columns and rows (Kensler 2013)
   kSobol,        ///< Sobol sequence, Owen-scrambled: a prefix of 2^k samples is stratified in all elementary intervals
   /// One Sobol sequence for all pixels, which take their samples from it in Z-order (Morton order). Errors of
-  /// neighbouring pixels then cancel (Ahmed and Wonka 2020).
+  /// neighboring pixels then cancel (Ahmed and Wonka 2020).
   kZSobol,
 };
 
@@ -71,10 +71,10 @@ struct SampleSet {
 };
 
 /// Draws the numbers of `block` at a path's `dimension` (0 for the camera, then one for each interaction): a pure
-/// function of its arguments. The best stratified plane is (x, y) for the camera and (y, z) elsewhere. `wanted`: mask
-/// of the RandomNumbers that are needed; the others are undefined and cost less.
+/// function of its arguments. The best stratified plane is (x, y) for the camera and (y, z) elsewhere. `requested`:
+/// mask of the RandomNumbers that are needed; the others are undefined and cost less.
 template <class L>
 Random4<L> draw(const SamplerView& sampler, typename L::Uint pixel, typename L::Uint sample, typename L::Uint dimension,
-                SampleBlock block, SampleSet set = {}, unsigned wanted = kAllNumbers) noexcept;
+                SampleBlock block, SampleSet set = {}, unsigned requested = kAllNumbers) noexcept;
 
 }  // namespace sheaf

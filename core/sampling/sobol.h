@@ -56,9 +56,9 @@ template <int kShift, class U> SHEAF_INLINE U divide_by_4(U i) {
 
 /// Point `index` of the Sobol sequence, dimensions 1 to 4, as bit-reversed fractions. The direction numbers are those
 /// of Joe and Kuo, "Constructing Sobol Sequences with Better Two-Dimensional Projections", 2008. Dimensions 3 and 4 are
-/// computed only if `wanted` (RandomNumbers) includes them.
+/// computed only if `requested` (RandomNumbers) includes them.
 template <class L>
-SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsigned wanted = kAllNumbers) {
+SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsigned requested = kAllNumbers) {
   using U = typename L::Uint;
   using namespace sobol_detail;
   // Expand the index in powers of the primitive polynomials of dimensions 2 to 4
@@ -77,11 +77,11 @@ SHEAF_INLINE void sobol4(typename L::Uint index, typename L::Uint out[4], unsign
   out[0] = index;
   out[1] = divide_by_1<1>(divide_by_1<2>(divide_by_1<4>(a)));
   // Initial direction numbers 1/2, 3/4 and 1/2, 3/4, 1/8.
-  if ((wanted & kNumberZ) != 0) {
+  if ((requested & kNumberZ) != 0) {
     b = divide_by_2<1>(divide_by_2<2>(b));
     out[2] = b ^ ((b >> 1) & U(part_mask(2, 1, 0, 0)));
   }
-  if ((wanted & kNumberW) != 0) {
+  if ((requested & kNumberW) != 0) {
     c = divide_by_3<1>(divide_by_3<2>(c));
     out[3] = c ^ ((c >> 1) & U(part_mask(3, 1, 0, 0)));
   }
@@ -154,22 +154,23 @@ template <class U> SHEAF_INLINE auto scrambled_float(U fraction, U key) {
 }  // namespace sobol_detail
 
 /// Four numbers of a point. The first 2^k points of a sequence put one point into each of the 2^k equal intervals of
-/// any dimension, and into each of 2^k equal elementary rectangles of (x, y). Numbers that are not `wanted`
+/// any dimension, and into each of 2^k equal elementary rectangles of (x, y). Numbers that are not `requested`
 /// (RandomNumbers) are undefined.
 template <class L>
-SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block, unsigned wanted = kAllNumbers) {
+SHEAF_INLINE Random4<L> sobol_random4(const SobolPoint<L>& at, typename L::Uint block,
+                                      unsigned requested = kAllNumbers) {
   using namespace sobol_detail;
   // Shuffle the index and compute the point
   const Keys<L> keys(at, block);
   typename L::Uint point[4];
-  sobol4<L>(keys.shuffle(at.index), point, wanted);
+  sobol4<L>(keys.shuffle(at.index), point, requested);
   // Scramble each number by a key of its own
   const typename L::Float any(0.0f);
   Random4<L> u{any, any, any, any};
-  if ((wanted & kNumberX) != 0) u.x = scrambled_float(point[0], keys.scramble[0]);
-  if ((wanted & kNumberY) != 0) u.y = scrambled_float(point[1], keys.scramble[1]);
-  if ((wanted & kNumberZ) != 0) u.z = scrambled_float(point[2], keys.scramble[2]);
-  if ((wanted & kNumberW) != 0) u.w = scrambled_float(point[3], keys.scramble[3]);
+  if ((requested & kNumberX) != 0) u.x = scrambled_float(point[0], keys.scramble[0]);
+  if ((requested & kNumberY) != 0) u.y = scrambled_float(point[1], keys.scramble[1]);
+  if ((requested & kNumberZ) != 0) u.z = scrambled_float(point[2], keys.scramble[2]);
+  if ((requested & kNumberW) != 0) u.w = scrambled_float(point[3], keys.scramble[3]);
   return u;
 }
 

@@ -36,8 +36,8 @@ template <class L> class SphericalRectangle {
     // x: the angle a = k + u * solid angle, where k is pi plus that of left_ (section 3.2)
     const F r0 = inverse_sqrt<L>(y0_ * y0_ + h2), r1 = inverse_sqrt<L>(y1_ * y1_ + h2);
     const F k_scale = -inverse_sqrt<L>(left_.cos * left_.cos + left_.sin * left_.sin);
-    const auto turn = sincos_2pi<L>(u * solid_angle_ * F(0.5f * kInvPi));
-    const Angle a = Angle{turn.cos, turn.sin} + Angle{left_.cos * k_scale, left_.sin * k_scale};
+    const auto azimuth = sincos_2pi<L>(u * solid_angle_ * F(0.5f * kInvPi));
+    const Angle a = Angle{azimuth.cos, azimuth.sin} + Angle{left_.cos * k_scale, left_.sin * k_scale};
     const F n = -(a.cos * y0_ * r0 + y1_ * r1), d = a.sin * h_ * r0;
     const F scaled = h_ * a.sin * copysign(one, n) * inverse_sqrt<L>(max(n * n - d * d, F(1e-30f)));
     const F x = clamp(scaled, x0_, x1_);

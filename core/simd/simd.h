@@ -31,7 +31,7 @@ using FloatBatch = xsimd::batch<float>;
 using UintBatch = xsimd::batch<std::uint32_t>;
 using MaskBatch = xsimd::batch_bool<float>;
 /// Four floats on every machine; see core/color/float4.h.
-using QuadBatch = xsimd::make_sized_batch_t<float, 4>;
+using Float4Batch = xsimd::make_sized_batch_t<float, 4>;
 
 /// Lanes of one wide register of floats.
 inline constexpr int kWidth = static_cast<int>(FloatBatch::size);
@@ -155,9 +155,10 @@ SHEAF_INLINE WideUint reverse_bits(WideUint a) {
   const __m512i upper =
       _mm512_broadcast_i32x4(_mm_setr_epi8(0, -128, 64, -64, 32, -96, 96, -32, 16, -112, 80, -48, 48, -80, 112, -16));
   const __m512i lower = _mm512_and_si512(_mm512_srli_epi32(upper, 4), half);
-  const __m512i turned = _mm512_or_si512(_mm512_shuffle_epi8(upper, _mm512_and_si512(a.v, half)),
-                                         _mm512_shuffle_epi8(lower, _mm512_and_si512(_mm512_srli_epi32(a.v, 4), half)));
-  return UintBatch(_mm512_shuffle_epi8(turned, bytes));
+  const __m512i rotated =
+      _mm512_or_si512(_mm512_shuffle_epi8(upper, _mm512_and_si512(a.v, half)),
+                      _mm512_shuffle_epi8(lower, _mm512_and_si512(_mm512_srli_epi32(a.v, 4), half)));
+  return UintBatch(_mm512_shuffle_epi8(rotated, bytes));
 #endif
 #elif defined(__AVX2__)
   const __m256i half = _mm256_set1_epi8(0x0f);
@@ -166,9 +167,10 @@ SHEAF_INLINE WideUint reverse_bits(WideUint a) {
   const __m256i lower = _mm256_and_si256(_mm256_srli_epi32(upper, 4), half);
   const __m256i bytes =
       _mm256_broadcastsi128_si256(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
-  const __m256i turned = _mm256_or_si256(_mm256_shuffle_epi8(upper, _mm256_and_si256(a.v, half)),
-                                         _mm256_shuffle_epi8(lower, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), half)));
-  return UintBatch(_mm256_shuffle_epi8(turned, bytes));
+  const __m256i rotated =
+      _mm256_or_si256(_mm256_shuffle_epi8(upper, _mm256_and_si256(a.v, half)),
+                      _mm256_shuffle_epi8(lower, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), half)));
+  return UintBatch(_mm256_shuffle_epi8(rotated, bytes));
 #else
   return reverse_bits_stepwise(a);
 #endif

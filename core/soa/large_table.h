@@ -56,9 +56,9 @@ template <class T> using LargeTable = std::vector<T, LargePageAllocator<T>>;
 /// LargePageAllocator for elements that the threads write first: resize() leaves them uninitialized.
 template <class T> struct UninitializedLargePageAllocator : LargePageAllocator<T> {
   using LargePageAllocator<T>::LargePageAllocator;
-  template <class U> void construct(U* place) { ::new (static_cast<void*>(place)) U; }
-  template <class U, class... Arguments> void construct(U* place, Arguments&&... arguments) {
-    ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  template <class U> void construct(U* address) { ::new (static_cast<void*>(address)) U; }
+  template <class U, class... Arguments> void construct(U* address, Arguments&&... arguments) {
+    ::new (static_cast<void*>(address)) U(std::forward<Arguments>(arguments)...);
   }
 };
 template <class T> using UninitializedLargeTable = std::vector<T, UninitializedLargePageAllocator<T>>;

@@ -52,7 +52,7 @@ print(result.image.shape, result.image.dtype, "mean", result.image[:, :, :3].mea
 result
 
 # %% [markdown]
-# Other layers come with it: here the depth, and the normals as colours.
+# Other layers come with it: here the depth, and the normals as colors.
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(9, 3.4))
@@ -65,7 +65,7 @@ for axis, title in zip(axes, ("depth", "normal")):
 # %% [markdown]
 # ## Changes
 #
-# Parameters are attributes. Only what has changed is computed again: a new colour or camera keeps the acceleration
+# Parameters are attributes. Only what has changed is computed again: a new color or camera keeps the acceleration
 # structure.
 
 # %%

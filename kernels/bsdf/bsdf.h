@@ -17,9 +17,9 @@
 // in a .cpp file next to the header, compiled once each for Wide and Scalar. Otherwise every stage that handles all
 // BSDFs would contain a copy.
 //
-// A specialisation of BsdfOf below the template makes it the BSDF of its closure.
+// A specialization of BsdfOf below the template makes it the BSDF of its closure.
 //
-// Closure::kInfo says which BSDFs are thin dielectrics. A thin dielectric also has
+// Closure::kInfo marks thin dielectrics. A thin dielectric also has
 //   passage(cos)       transmittance straight through, for light at this cosine to the normal
 //
 // CONTRIBUTING.md explains how to add a BSDF.
@@ -34,7 +34,7 @@ namespace sheaf {
 /// Names a BSDF template as a value.
 template <template <class> class Bsdf> struct BsdfTag { template <class L> using Type = Bsdf<L>; };
 
-/// The BsdfTag of a closure's BSDF or phase function. Each specialises it beside its definition.
+/// The BsdfTag of a closure's BSDF or phase function. Each specializes it beside its definition.
 template <class Closure> struct BsdfOf;
 
 /// Whether a BSDF has kDisperses.
@@ -57,7 +57,7 @@ template <class L, class Bsdf> SHEAF_INLINE Mask<L> loses_wavelengths(const Bsdf
     return Mask<L>(false);
 }
 
-/// Which RandomNumbers a BSDF's sample() uses.
+/// The RandomNumbers that a BSDF's sample() uses.
 template <class Bsdf> constexpr unsigned numbers_of() {
   if constexpr (requires { Bsdf::kNumbers; }) return Bsdf::kNumbers;
   return kNumberX | kNumberY | kNumberZ;
@@ -94,7 +94,7 @@ template <class Bsdf, class Load> SHEAF_INLINE Bsdf bsdf_of_words(const float* t
 
 /// Transmission of a thin dielectric straight through.
 template <class L> struct StraightTransmission {
-  Spectrum<L> share;              ///< transmittance
+  Spectrum<L> attenuation;        ///< transmittance
   typename L::Float probability;  ///< probability that sample() transmits
 };
 

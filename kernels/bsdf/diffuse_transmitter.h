@@ -40,8 +40,8 @@ template <class L> struct DiffuseTransmitterBsdf : DiffuseTransmitterParameters<
   SHEAF_INLINE Float<L> probability(Mask<L> reflected) const {
     using F = Float<L>;
     const F back = max_component(this->reflectance), through = max_component(this->transmittance);
-    const F share = back / max(back + through, F(1e-20f));
-    return select(reflected, share, F(1.0f) - share);
+    const F reflected_fraction = back / max(back + through, F(1e-20f));
+    return select(reflected, reflected_fraction, F(1.0f) - reflected_fraction);
   }
 
   static SHEAF_INLINE Float<L> side(Vec3<L> wo) { return copysign(Float<L>(1.0f), wo.z); }

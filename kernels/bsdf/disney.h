@@ -31,7 +31,7 @@ template <class L> struct DisneyBsdf : DisneyParameters<L> {
     F weight_o;  ///< Schlick weight of wo
     GgxDistribution<L> facets;
     F span_o;                         ///< GgxTerms::span() of wo
-    Spectrum<L> hue;                  ///< base colour scaled to luminance 1
+    Spectrum<L> hue;                  ///< base color scaled to luminance 1
     Spectrum<L> specular;             ///< reflectance at normal incidence
     Clearcoat<L> coat;                ///< only where p_coat > 0
     F p_diffuse, p_coat, p_specular;  ///< probabilities of sampling the lobes

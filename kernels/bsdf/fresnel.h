@@ -1,4 +1,4 @@
-// Fresnel reflectance of smooth boundaries for unpolarised light.
+// Fresnel reflectance of smooth boundaries for unpolarized light.
 #pragma once
 
 #include "core/color/spectrum.h"

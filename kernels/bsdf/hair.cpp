@@ -7,10 +7,10 @@ template <class L> BsdfValue<L> HairBsdf<L>::evaluate(Vec3<L> wo, Vec3<L> wi) co
   return evaluate(Lobes(*this, wo), wi);
 }
 
-// A photon that passes through the fibre is treated as if it were at the opposite point of the fibre, so that h is that
-// of the camera's direction. Photons land on the lit points of the fibre, camera paths on the visible ones. Moving the
-// lit points that are not visible to the opposite side covers every visible point exactly once. On an isolated fibre,
-// photons therefore transport the same light as camera paths. Shadows of other fibres may differ between the two
+// A photon that passes through the fiber is treated as if it were at the opposite point of the fiber, so that h is that
+// of the camera's direction. Photons land on the lit points of the fiber, camera paths on the visible ones. Moving the
+// lit points that are not visible to the opposite side covers every visible point exactly once. On an isolated fiber,
+// photons therefore transport the same light as camera paths. Shadows of other fibers may differ between the two
 // points.
 template <class L> Spectrum<L> HairBsdf<L>::adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const {
   const Mask<L> passes = (wo.z > F(0.0f)) & (wi.z < F(0.0f));
@@ -23,14 +23,14 @@ template <class L> Spectrum<L> HairBsdf<L>::adjoint_f_cos(Vec3<L> wo, Vec3<L> wi
 template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L>& u) const {
   const Lobes lobes(*this, wo);
   // Select the lobe by u.x, and rescale the rest of u.x.
-  F begin(0.0f), share = lobes.probability[0], variance = lobes.variance[0], middle = lobes.middle[0];
+  F begin(0.0f), lobe_probability = lobes.probability[0], variance = lobes.variance[0], middle = lobes.middle[0];
   Angles around = lobes.around[0];
   Mask<L> is_last(false);
-  F end = share;
+  F end = lobe_probability;
   for (std::size_t p = 1; p < kLobes; ++p) {
     const Mask<L> further = (u.x >= end) & (lobes.probability[p] > F(0.0f));
     begin = select(further, end, begin);
-    share = select(further, lobes.probability[p], share);
+    lobe_probability = select(further, lobes.probability[p], lobe_probability);
     variance = select(further, lobes.variance[p], variance);
     around.sin_theta = select(further, lobes.around[p].sin_theta, around.sin_theta);
     around.cos_theta = select(further, lobes.around[p].cos_theta, around.cos_theta);
@@ -38,7 +38,7 @@ template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L
     if (p == kLobes - 1) is_last = further;
     end += lobes.probability[p];
   }
-  const F rest = clamp((u.x - begin) / max(share, F(1e-30f)), F(0.0f), F(kOneMinusEpsilon));
+  const F rest = clamp((u.x - begin) / max(lobe_probability, F(1e-30f)), F(0.0f), F(kOneMinusEpsilon));
 
   // Sample M_p and N_p (d'Eon, Marschner and Hanika, "Importance Sampling for Physically-Based Hair Fiber Models",
   // SIGGRAPH Asia 2013).
@@ -50,8 +50,8 @@ template <class L> BsdfSample<L> HairBsdf<L>::sample(Vec3<L> wo, const Random4<L
       clamp(fma(sine * sincos_2pi<L>(u.z).cos, around.cos_theta, (one_minus_cos - one) * around.sin_theta), -one, one);
   const F cos_theta = safe_sqrt(one - sin_theta * sin_theta);
   const F gamma = select(is_last, rest * F(2.0f * kPi), middle + lobes.azimuth.sample(rest));
-  const F turn = gamma * F(0.5f * kInvPi);
-  const auto direction = sincos_2pi<L>(turn - floor(turn));
+  const F revolution = gamma * F(0.5f * kInvPi);
+  const auto direction = sincos_2pi<L>(revolution - floor(revolution));
 
   BsdfSample<L> s;
   // Evaluate all lobes.

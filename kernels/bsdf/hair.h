@@ -1,20 +1,20 @@
-// Scattering by hair fibres: Chiang, Bitterli, Tappan and Burley, "A Practical and Controllable Hair and Fur Model for
+// Scattering by hair fibers: Chiang, Bitterli, Tappan and Burley, "A Practical and Controllable Hair and Fur Model for
 // Production Path Tracing" (EGSR 2016), after d'Eon et al., "An Energy-Conserving Hair Reflectance Model" (EGSR 2011)
-// and Marschner et al. 2003. In the shading frame, y runs along the fibre and z is its normal. theta is the angle to
-// the plane perpendicular to the fibre; gamma is the azimuth in that plane, from the normal. Light leaves at the point
-// where it enters: the fibre is thin relative to its surroundings, so both of its sides are lit through its surface.
+// and Marschner et al. 2003. In the shading frame, y runs along the fiber and z is its normal. theta is the angle to
+// the plane perpendicular to the fiber; gamma is the azimuth in that plane, from the normal. Light leaves at the point
+// where it enters: the fiber is thin relative to its surroundings, so both of its sides are lit through its surface.
 //
 //   f |cos(wi)| = sum over p < 3 of A_p(wo) M_p(theta_o, theta_i) N_p(gamma_i - gamma_o)  +  A_3 M_3 / (2 pi)
 //
-// where p counts path segments inside the fibre: 0 is reflection (R), 1 transmission (TT), 2 one internal reflection
+// where p counts path segments inside the fiber: 0 is reflection (R), 1 transmission (TT), 2 one internal reflection
 // (TRT), and 3 all longer paths.
 //   A  attenuation: Fresnel terms and absorption along the segments inside (d'Eon, section 5); the A_p sum to 1 without
 //      absorption
 //   M  longitudinal lobe of variance v around -theta_o, rotated by the tilt of the cuticle scales (d'Eon, equation 7)
-//   N  azimuthal lobe around the direction of a smooth fibre: a logistic distribution trimmed to [-pi, pi] (Chiang,
+//   N  azimuthal lobe around the direction of a smooth fiber: a logistic distribution trimmed to [-pi, pi] (Chiang,
 //      section 4.1)
-// The offset of the ray from the fibre's axis, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
-// depends only on wo. Where light passes through a fibre, camera paths scatter at the side that faces the camera,
+// The offset of the ray from the fiber's axis, h in [-1, 1], is the sine of gamma_o. The model is not reciprocal: A
+// depends only on wo. Where light passes through a fiber, camera paths scatter at the side that faces the camera,
 // photons at the side where they enter.
 #pragma once
 
@@ -30,21 +30,21 @@ namespace sheaf {
 
 namespace hair_detail {
 
-/// A direction relative to the fibre.
-template <class L> struct FibreAngles {
+/// A direction relative to the fiber.
+template <class L> struct FiberAngles {
   typename L::Float sin_theta, cos_theta, gamma;
 
-  FibreAngles() = default;
-  SHEAF_INLINE explicit FibreAngles(Vec3<L> w) {
+  FiberAngles() = default;
+  SHEAF_INLINE explicit FiberAngles(Vec3<L> w) {
     using F = typename L::Float;
     sin_theta = w.y;
     cos_theta = sqrt(w.x * w.x + w.z * w.z);
     gamma = atan2(-w.x, select(cos_theta > F(0.0f), w.z, F(1.0f)));
   }
 
-  /// Rotated within the plane that contains the fibre: theta plus an angle, given by its sine and cosine.
-  SHEAF_INLINE FibreAngles turned(typename L::Float sine, typename L::Float cosine) const {
-    FibreAngles out = *this;
+  /// Rotated within the plane that contains the fiber: theta plus an angle, given by its sine and cosine.
+  SHEAF_INLINE FiberAngles rotated(typename L::Float sine, typename L::Float cosine) const {
+    FiberAngles out = *this;
     out.sin_theta = sin_theta * cosine + cos_theta * sine;
     out.cos_theta = abs(cos_theta * cosine - sin_theta * sine);
     return out;
@@ -67,7 +67,7 @@ template <class F> SHEAF_INLINE F scaled_bessel_i0(F x) {
 /// M: pdf of theta_b around -theta_a, divided by cos(theta_b). Accurate for narrow lobes, too: the exponent is formed
 /// from 1 - cos(theta_a + theta_b).
 template <class L>
-SHEAF_INLINE Float<L> longitudinal(const FibreAngles<L>& a, const FibreAngles<L>& b, Float<L> variance) {
+SHEAF_INLINE Float<L> longitudinal(const FiberAngles<L>& a, const FiberAngles<L>& b, Float<L> variance) {
   using F = Float<L>;
   const F away = F(0.5f) * (sqr(a.cos_theta - b.cos_theta) + sqr(a.sin_theta + b.sin_theta));
   const F x = a.cos_theta * b.cos_theta / variance;
@@ -83,8 +83,8 @@ template <class F> struct TrimmedLogistic {
 
   /// `angle` may be any angle; it is wrapped to [-pi, pi].
   SHEAF_INLINE F density(F angle) const {
-    const F turn = angle * F(0.5f * kInvPi);
-    const F x = (turn - floor(turn + F(0.5f))) * F(2.0f * kPi);
+    const F revolution = angle * F(0.5f * kInvPi);
+    const F x = (revolution - floor(revolution + F(0.5f))) * F(2.0f * kPi);
     const F e = exp(-(abs(x) / s));
     return e * (F(1.0f) + tail) / (s * sqr(F(1.0f) + e) * (F(1.0f) - tail));
   }
@@ -112,11 +112,11 @@ template <class L> struct HairBsdf : HairParameters<L> {
   using Closure = HairClosure;
   static constexpr bool kIsSpecular = false, kIsAnisotropic = true;
   using F = typename L::Float;
-  using Angles = hair_detail::FibreAngles<L>;
+  using Angles = hair_detail::FiberAngles<L>;
 
   BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const;
 
-  /// For a photon that passes through, evaluates at the opposite side of the fibre, so that photons and camera paths
+  /// For a photon that passes through, evaluates at the opposite side of the fiber, so that photons and camera paths
   /// transport the same light.
   Spectrum<L> adjoint_f_cos(Vec3<L> wo, Vec3<L> wi) const;
 
@@ -131,7 +131,7 @@ template <class L> struct HairBsdf : HairParameters<L> {
     std::array<F, kLobes> probability;            ///< of sampling each lobe; sum to 1
     std::array<F, kLobes> variance;               ///< v of M_p
     std::array<Angles, kLobes> around;            ///< theta_o rotated by the tilt of the scales
-    std::array<F, kLobes - 1> middle;             ///< gamma_i for a smooth fibre
+    std::array<F, kLobes - 1> middle;             ///< gamma_i for a smooth fiber
     hair_detail::TrimmedLogistic<F> azimuth;
 
     SHEAF_INLINE Lobes(const HairBsdf& hair, Vec3<L> wo) : azimuth(hair.azimuthal_scale()) {
@@ -145,8 +145,8 @@ template <class L> struct HairBsdf : HairParameters<L> {
       variance = {v, F(0.25f) * v, F(4.0f) * v, F(4.0f) * v};
       const F sin1 = sin(hair.tilt), cos1 = cos(hair.tilt), sin2 = F(2.0f) * sin1 * cos1,
               cos2 = cos1 * cos1 - sin1 * sin1;
-      around = {o.turned(-sin2, cos2), o.turned(sin1, cos1), o.turned(F(2.0f) * sin2 * cos2, cos2 * cos2 - sin2 * sin2),
-                o};
+      around = {o.rotated(-sin2, cos2), o.rotated(sin1, cos1),
+                o.rotated(F(2.0f) * sin2 * cos2, cos2 * cos2 - sin2 * sin2), o};
       const F through = F(2.0f) * atan2(sin_gamma_t, max(cos_gamma_t, F(1e-20f))) + F(kPi);
       middle = {-o.gamma, through - o.gamma, F(2.0f) * through - o.gamma};
     }
@@ -154,13 +154,14 @@ template <class L> struct HairBsdf : HairParameters<L> {
     /// `f`: Fresnel reflectance where light enters; `t`: transmittance of one segment inside.
     SHEAF_INLINE void set_attenuation(const HairBsdf& hair, F f, Spectrum<L> t) {
       const F one(1.0f), enters = one - f;
-      const Spectrum<L> turns = t * f;
+      const Spectrum<L> internal_reflection = t * f;
       attenuation[0] = Spectrum<L>(f);
       attenuation[1] = t * (enters * enters);
-      attenuation[2] = attenuation[1] * turns;
+      attenuation[2] = attenuation[1] * internal_reflection;
       // The last lobe sums all longer paths, a geometric series.
-      attenuation[3] = attenuation[2] *
-                       map_spectrum<L>(turns, [one](F x) SHEAF_LAMBDA_INLINE { return x / max(one - x, F(1e-7f)); });
+      attenuation[3] = attenuation[2] * map_spectrum<L>(internal_reflection, [one](F x) SHEAF_LAMBDA_INLINE {
+                         return x / max(one - x, F(1e-7f));
+                       });
       const F fourth = select(hair.fourth != Uint<L>(0u), F(1.0f), F(0.0f));
       F sum(0.0f);
       for (std::size_t p = 0; p < kLobes; ++p) {
@@ -186,16 +187,16 @@ template <class L> struct HairBsdf : HairParameters<L> {
     return value;
   }
 
-  /// Transmittance of a path of length -`minus_length`, in fibre radii.
+  /// Transmittance of a path of length -`minus_length`, in fiber radii.
   SHEAF_INLINE Spectrum<L> absorbed(F minus_length) const {
     Spectrum<L> sigma_a = this->absorption * this->scale + this->eumelanin_absorption * this->eumelanin +
                           this->pheomelanin_absorption * this->pheomelanin;
-    const Mask<L> by_colour = this->by_reflectance != Uint<L>(0u);
-    if (any(by_colour)) sigma_a = select<L>(by_colour, absorption_of_reflectance(), sigma_a);
+    const Mask<L> by_color = this->by_reflectance != Uint<L>(0u);
+    if (any(by_color)) sigma_a = select<L>(by_color, absorption_of_reflectance(), sigma_a);
     return map_spectrum<L>(sigma_a, [minus_length](F s) SHEAF_LAMBDA_INLINE { return exp(s * minus_length); });
   }
 
-  /// Absorption of a fibre in hair whose multiple-scattering colour is `absorption` (a fit: Chiang 2016, section 4.2).
+  /// Absorption of a fiber in hair whose multiple-scattering color is `absorption` (a fit: Chiang 2016, section 4.2).
   SHEAF_INLINE Spectrum<L> absorption_of_reflectance() const {
     const F b = this->azimuthal_roughness;
     const F fit = polynomial(b, 5.969f, -0.215f, 2.532f, -10.73f, 5.574f, 0.245f);

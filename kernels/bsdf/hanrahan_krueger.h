@@ -27,15 +27,15 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
     using F = Float<L>;
     const F pass = passing_probability(wo), stay = F(1.0f) - pass;
     const auto passes = u.x < pass;
-    const BsdfSample<L> turned = phase().sample(wo, u);
+    const BsdfSample<L> deflected = phase().sample(wo, u);
     BsdfSample<L> s;
-    s.wi = select<L>(passes, -wo, Frame<L>::from_normal(wo).to_world(turned.wi));
+    s.wi = select<L>(passes, -wo, Frame<L>::from_normal(wo).to_world(deflected.wi));
     const F inverse_o = F(1.0f) / max(abs(wo.z), F(1e-6f));
     s.weight =
         select<L>(passes, attenuation(depth(), inverse_o) * (F(1.0f) / pass), scattered(wo, s.wi) * (F(1.0f) / stay));
-    s.pdf_solid_angle = select(passes, F(0.0f), turned.pdf_solid_angle * stay);
+    s.pdf_solid_angle = select(passes, F(0.0f), deflected.pdf_solid_angle * stay);
     s.eta_scale = F(1.0f);
-    s.valid = passes | turned.valid;
+    s.valid = passes | deflected.valid;
     return s;
   }
 
@@ -57,7 +57,7 @@ template <class L> struct HanrahanKruegerBsdf : HanrahanKruegerParameters<L> {
   }
 
   /// Probability that sample() lets light pass unscattered. It averages three lanes, because the fourth may not be a
-  /// colour; clamping keeps both choices possible.
+  /// color; clamping keeps both choices possible.
   SHEAF_INLINE Float<L> passing_probability(Vec3<L> wo) const {
     using F = Float<L>;
     const Spectrum<L> a = attenuation(depth(), F(1.0f) / max(abs(wo.z), F(1e-6f)));

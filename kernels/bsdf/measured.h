@@ -1,4 +1,4 @@
-// A measured BRDF in the parameterisation of Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material
+// A measured BRDF in the parameterization of Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material
 // Acquisition and Rendering" (ACM Transactions on Graphics 37, 2018), section 4. Half vectors are those of a microfacet
 // model whose distribution of normals was fitted to the material. The values are tabulated over the random numbers that
 // sample the visible normals of that model. A second table over these numbers, the luminance, makes samples follow the
@@ -40,9 +40,9 @@ template <class L> class Table {
 
  public:
   SHEAF_INLINE Table(const float* tables, Float<L> word, Vec3<L> wo)
-      : tables_(tables), place_(find_table<L>(tables, word, TableTag::kMeasured)) {
-    if (!any(place_.valid)) return;
-    head_ = load_table_record<L, MeasuredHead>(tables, place_.first + U(1u));
+      : tables_(tables), table_(find_table<L>(tables, word, TableTag::kMeasured)) {
+    if (!any(table_.valid)) return;
+    head_ = load_table_record<L, MeasuredHead>(tables, table_.first + U(1u));
     // The measured azimuths may cover only a half or a quarter of a turn, starting at -pi. Rotate or mirror the
     // directions into that range. A zero gets a sign too, which distinguishes -pi from pi.
     const auto symmetric = head_.reduction > F(1.5f);
@@ -54,7 +54,7 @@ template <class L> class Table {
   }
 
   /// Whether any lane has a table.
-  SHEAF_INLINE bool any_valid() const { return any(place_.valid); }
+  SHEAF_INLINE bool any_valid() const { return any(table_.valid); }
   SHEAF_INLINE Vec3<L> flipped(Vec3<L> w) const { return {w.x * flip_x_, w.y * flip_y_, w.z}; }
   SHEAF_INLINE Vec3<L> wo() const { return wo_; }
   SHEAF_INLINE F phi() const { return phi_; }
@@ -62,8 +62,8 @@ template <class L> class Table {
 
   SHEAF_INLINE SliceMix<L> slices() const {
     const U thetas = to_uint(head_.theta_count);
-    return {find_neighbours<L>(tables_, block(head_.phi_block), to_uint(head_.phi_count), phi_),
-            find_neighbours<L>(tables_, block(head_.theta_block), thetas, theta_), thetas};
+    return {find_neighbors<L>(tables_, block(head_.phi_block), to_uint(head_.phi_count), phi_),
+            find_neighbors<L>(tables_, block(head_.theta_block), thetas, theta_), thetas};
   }
   SHEAF_INLINE TableWarp<L> vndf(const SliceMix<L>& mix) const {
     return {tables_, block(head_.vndf_block), to_uint(head_.vndf_width), to_uint(head_.vndf_height), mix};
@@ -87,22 +87,22 @@ template <class L> class Table {
   }
 
  private:
-  SHEAF_INLINE U block(F number) const { return place_.first + (to_uint(number) << kTableBlockShift); }
+  SHEAF_INLINE U block(F number) const { return table_.first + (to_uint(number) << kTableBlockShift); }
 
   /// Bilinear lookup in a table that does not depend on wo.
   SHEAF_INLINE F plain(F block_number, F width, F height, F x, F y) const {
     const U w = to_uint(width), begin = block(block_number);
-    const F place_x = clamp(x, F(0.0f), F(1.0f)) * (width - F(1.0f));
-    const F place_y = clamp(y, F(0.0f), F(1.0f)) * (height - F(1.0f));
-    const U column = min(to_uint(place_x), w - U(2u)), row = min(to_uint(place_y), to_uint(height) - U(2u));
+    const F position_x = clamp(x, F(0.0f), F(1.0f)) * (width - F(1.0f));
+    const F position_y = clamp(y, F(0.0f), F(1.0f)) * (height - F(1.0f));
+    const U column = min(to_uint(position_x), w - U(2u)), row = min(to_uint(position_y), to_uint(height) - U(2u));
     const U corner = begin + row * w + column;
-    const F tx = place_x - to_float(column), ty = place_y - to_float(row);
+    const F tx = position_x - to_float(column), ty = position_y - to_float(row);
     return lerp(ty, lerp(tx, gather(tables_, corner), gather(tables_, corner + U(1u))),
                 lerp(tx, gather(tables_, corner + w), gather(tables_, corner + w + U(1u))));
   }
 
   const float* tables_;
-  TablePlace<L> place_;
+  FoundTable<L> table_;
   MeasuredHead<L> head_{};
   Vec3<L> wo_{};
   F flip_x_{}, flip_y_{}, theta_{}, phi_{};
@@ -151,13 +151,13 @@ template <class L, class Bsdf> SHEAF_INLINE BsdfSample<L> sample(const Bsdf& bsd
   const F theta = F(0.5f * kPi) * at.x * at.x;
   const F sin_theta = sin(theta), cos_theta = cos(theta);
   // phi = (2 y - 1) pi, relative to the azimuth of wo if the material is isotropic.
-  const auto turn = sincos_2pi<L>(at.y);
-  Vec3<L> m{-turn.cos * sin_theta, -turn.sin * sin_theta, cos_theta};
+  const auto azimuth = sincos_2pi<L>(at.y);
+  Vec3<L> m{-azimuth.cos * sin_theta, -azimuth.sin * sin_theta, cos_theta};
   // Rotate isotropic materials by the azimuth of wo.
   const F length_xy = sqrt(fma(table.wo().x, table.wo().x, table.wo().y * table.wo().y));
-  const auto turned = (table.head().isotropic > F(0.0f)) & (length_xy > F(0.0f));
-  const F c = select(turned, table.wo().x / select(turned, length_xy, F(1.0f)), F(1.0f));
-  const F d = select(turned, table.wo().y / select(turned, length_xy, F(1.0f)), F(0.0f));
+  const auto rotated = (table.head().isotropic > F(0.0f)) & (length_xy > F(0.0f));
+  const F c = select(rotated, table.wo().x / select(rotated, length_xy, F(1.0f)), F(1.0f));
+  const F d = select(rotated, table.wo().y / select(rotated, length_xy, F(1.0f)), F(0.0f));
   m = {m.x * c - m.y * d, m.x * d + m.y * c, m.z};
   // Reflect wo, and compute pdf and weight.
   const F cosine = dot(table.wo(), m);
@@ -203,7 +203,7 @@ template <class L> struct MeasuredSpectralBsdf : MeasuredSpectralParameters<L> {
     using U = Uint<L>;
     const TableCell<L> cell = values.cell(x, y);
     const U size = values.width * values.height;
-    return map_spectrum<L>(this->place, [&](F at) {
+    return map_spectrum<L>(this->position, [&](F at) {
       const U low = min(to_uint(max(at, F(0.0f))), channels - U(1u));
       const U high = min(low + U(1u), channels - U(1u));
       return lerp(at - to_float(low), values.interpolate(cell, low * size), values.interpolate(cell, high * size));

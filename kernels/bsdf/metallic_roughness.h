@@ -16,7 +16,7 @@
 //
 // As stated in appendix B, the dielectric does not conserve energy: its diffuse part is attenuated at the facet that
 // reflects wi into wo, but not by what other facets reflect. The albedo of a white one is 1 at normal incidence and
-// rises at grazing incidence, to 1.8 for a roughness of 0.1 and to 1.2 for 0.5. With a base colour below 0.95, a closed
+// rises at grazing incidence, to 1.8 for a roughness of 0.1 and to 1.2 for 0.5. With a base color below 0.95, a closed
 // surface loses energy.
 #pragma once
 
@@ -70,24 +70,24 @@ template <class L> struct MetallicRoughnessBsdf : MetallicRoughnessParameters<L>
   /// Everything that depends only on the parameters and the outgoing direction. Directions are mirrored so that a thin
   /// wall is seen from above, and turned so that the x axis is the direction of larger roughness.
   struct View {
-    F side;          ///< factor of z; -1 if a thin wall is seen from below
-    SinCos<L> turn;  ///< of the angle from the tangent to the x axis; used only where surfaces are anisotropic
-    Mask<L> is_turned;
+    F side;              ///< factor of z; -1 if a thin wall is seen from below
+    SinCos<L> rotation;  ///< of the angle from the tangent to the x axis; used only where surfaces are anisotropic
+    Mask<L> is_rotated;
     Vec3<L> wo;
     FacetLobe lobe;
     Spectrum<L> normal_reflectance;  ///< of metal and dielectric at normal incidence
     F grazing_reflectance;
     F passes, passes_slope;  ///< the fraction that enters the dielectric is passes - passes_slope * Schlick weight
     F clear_o;               ///< transmittance of the clearcoat along wo
-    F max_sheen;             ///< largest component of the sheen's colour
+    F max_sheen;             ///< largest component of the sheen's color
     SheenLobe<L> sheen;      ///< set only if there is sheen
     F sheen_albedo;          ///< for wo
     F p_diffuse, p_specular, p_transmit, p_sheen, p_coat;  ///< probabilities of sampling the lobes
 
     SHEAF_INLINE View(const MetallicRoughnessBsdf& p, Vec3<L> direction)
         : side(select((p.is_thin != Uint<L>(0u)) & (direction.z < F(0.0f)), F(-1.0f), F(1.0f))),
-          turn(turn_of(p)),
-          is_turned(p.anisotropy > F(0.0f)),
+          rotation(rotation_of(p)),
+          is_rotated(p.anisotropy > F(0.0f)),
           wo(to_local(direction)),
           lobe(lobe_of(p, wo)) {
       const F zero(0.0f), one(1.0f), dielectric = one - p.metallic, specular = dielectric * p.specular;
@@ -127,10 +127,10 @@ template <class L> struct MetallicRoughnessBsdf : MetallicRoughnessParameters<L>
       p_coat = coated * scale;
     }
 
-    static SHEAF_INLINE SinCos<L> turn_of(const MetallicRoughnessBsdf& p) {
+    static SHEAF_INLINE SinCos<L> rotation_of(const MetallicRoughnessBsdf& p) {
       if (!any(p.anisotropy > F(0.0f))) return {F(0.0f), F(1.0f)};
-      const F turns = p.anisotropy_rotation * F(0.5f * kInvPi);
-      return sincos_2pi<L>(turns - floor(turns));
+      const F revolutions = p.anisotropy_rotation * F(0.5f * kInvPi);
+      return sincos_2pi<L>(revolutions - floor(revolutions));
     }
 
     /// KHR_materials_anisotropy
@@ -141,13 +141,13 @@ template <class L> struct MetallicRoughnessBsdf : MetallicRoughnessParameters<L>
 
     SHEAF_INLINE Vec3<L> to_local(Vec3<L> v) const {
       v.z = v.z * side;
-      if (!any(is_turned)) return v;
-      return {fma(turn.cos, v.x, turn.sin * v.y), fma(turn.cos, v.y, -(turn.sin * v.x)), v.z};
+      if (!any(is_rotated)) return v;
+      return {fma(rotation.cos, v.x, rotation.sin * v.y), fma(rotation.cos, v.y, -(rotation.sin * v.x)), v.z};
     }
     SHEAF_INLINE Vec3<L> to_shading_frame(Vec3<L> v) const {
       v.z = v.z * side;
-      if (!any(is_turned)) return v;
-      return {fma(turn.cos, v.x, -(turn.sin * v.y)), fma(turn.cos, v.y, turn.sin * v.x), v.z};
+      if (!any(is_rotated)) return v;
+      return {fma(rotation.cos, v.x, -(rotation.sin * v.y)), fma(rotation.cos, v.y, rotation.sin * v.x), v.z};
     }
   };
 

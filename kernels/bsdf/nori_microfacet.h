@@ -18,7 +18,7 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
     using F = Float<L>;
     const BeckmannDistribution<L> facets(this->alpha, this->alpha);
     const Vec3<L> m = normalize(wo + wi);
-    const F density = F(0.25f) * facets.density(m), ks = facet_share();
+    const F density = F(0.25f) * facets.density(m), ks = specular_weight();
     const F facet_pdf = density * facets.smith_g1_over_cos(wo), cosine_pdf = cosine_hemisphere_pdf_solid_angle(wi.z);
     const F fresnel = fresnel_dielectric<L>(clamp(dot(wo, m), F(0.0f), F(1.0f)), this->eta).reflectance;
     const F mirrored = ks * fresnel * density * shadowing_over_cos(wo) * shadowing_over_cos(wi) * wi.z;
@@ -32,13 +32,13 @@ template <class L> struct NoriMicrofacetBsdf : NoriMicrofacetParameters<L> {
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     const BeckmannDistribution<L> facets(this->alpha, this->alpha);
     const Vec3<L> mirrored = reflect(wo, facets.sample_visible(wo, u.y, u.z));
-    return sample_specular_or_diffuse<L>(mirrored, facet_share(), u,
+    return sample_specular_or_diffuse<L>(mirrored, specular_weight(), u,
                                          [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });
   }
 
  private:
   /// ks; also the probability of sampling the Beckmann lobe.
-  SHEAF_INLINE Float<L> facet_share() const {
+  SHEAF_INLINE Float<L> specular_weight() const {
     return clamp(Float<L>(1.0f) - max_component(this->kd), Float<L>(0.0f), Float<L>(1.0f));
   }
 

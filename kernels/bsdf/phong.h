@@ -30,8 +30,8 @@ template <class L> struct PhongBsdf : PhongParameters<L> {
     using F = Float<L>;
     const F cos_a = exp(log(max(u.y, F(1e-30f))) / (this->exponent + F(1.0f)));
     const F sin_a = safe_sqrt(F(1.0f) - cos_a * cos_a);
-    const auto turn = sincos_2pi<L>(u.z);
-    const Vec3<L> around{sin_a * turn.cos, sin_a * turn.sin, cos_a};
+    const auto azimuth = sincos_2pi<L>(u.z);
+    const Vec3<L> around{sin_a * azimuth.cos, sin_a * azimuth.sin, cos_a};
     const Vec3<L> glossy = Frame<L>::from_normal({-wo.x, -wo.y, wo.z}).to_world(around);
     return sample_specular_or_diffuse<L>(glossy, probability(), u,
                                          [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });

@@ -26,11 +26,12 @@ SHEAF_INLINE Spectrum<L> coated_albedo(Spectrum<L> albedo, Float<L> internal_ref
   });
 }
 
-/// Probability of sampling the specular lobe of a coat with Fresnel reflectance `share`. Proportional to what each lobe
-/// scatters, by its largest component.
-template <class L> SHEAF_INLINE Float<L> coat_probability(Float<L> share, Spectrum<L> specular, Spectrum<L> diffuse) {
+/// Probability of sampling the specular lobe of a coat with Fresnel reflectance `reflected`. Proportional to what each
+/// lobe scatters, by its largest component.
+template <class L>
+SHEAF_INLINE Float<L> coat_probability(Float<L> reflected, Spectrum<L> specular, Spectrum<L> diffuse) {
   using F = Float<L>;
-  const F coat = share * max_component(specular), base = (F(1.0f) - share) * max_component(diffuse);
+  const F coat = reflected * max_component(specular), base = (F(1.0f) - reflected) * max_component(diffuse);
   return select(coat + base > F(0.0f), coat / max(coat + base, F(1e-30f)), F(0.5f));
 }
 
@@ -40,19 +41,20 @@ template <class L> struct PlasticBsdf : PlasticParameters<L> {
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L> wo, Vec3<L> wi) const {
     using F = Float<L>;
-    const F share = coat_share(wo.z);
+    const F reflected = coat_reflectance(wo.z);
     const F cosine_pdf = select(wo.z > F(0.0f), cosine_hemisphere_pdf_solid_angle(wi.z), F(0.0f));
-    return {base(share, wi.z) * cosine_pdf, cosine_pdf * (F(1.0f) - probability(share))};
+    return {base(reflected, wi.z) * cosine_pdf, cosine_pdf * (F(1.0f) - probability(reflected))};
   }
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L> wo, const Random4<L>& u) const {
     using F = Float<L>;
-    const F share = coat_share(wo.z), p_coat = probability(share), p_base = F(1.0f) - p_coat;
+    const F reflected = coat_reflectance(wo.z), p_coat = probability(reflected), p_base = F(1.0f) - p_coat;
     const auto at_coat = u.x < p_coat;
     const Vec3<L> diffuse_wi = square_to_cosine_hemisphere<L>(u.y, u.z);
     BsdfSample<L> s;
     s.wi = select<L>(at_coat, {-wo.x, -wo.y, wo.z}, diffuse_wi);
-    s.weight = select<L>(at_coat, this->specular * (share / p_coat), base(share, diffuse_wi.z) * (F(1.0f) / p_base));
+    s.weight =
+        select<L>(at_coat, this->specular * (reflected / p_coat), base(reflected, diffuse_wi.z) * (F(1.0f) / p_base));
     s.pdf_solid_angle = select(at_coat, F(0.0f), cosine_hemisphere_pdf_solid_angle(diffuse_wi.z) * p_base);
     s.eta_scale = F(1.0f);
     s.valid = (wo.z > F(0.0f)) & (s.wi.z > F(0.0f));
@@ -60,15 +62,15 @@ template <class L> struct PlasticBsdf : PlasticParameters<L> {
   }
 
  private:
-  SHEAF_INLINE Float<L> coat_share(Float<L> cosine) const {
+  SHEAF_INLINE Float<L> coat_reflectance(Float<L> cosine) const {
     return fresnel_dielectric<L>(abs(cosine), this->eta).reflectance;
   }
-  SHEAF_INLINE Float<L> probability(Float<L> share) const {
-    return coat_probability<L>(share, this->specular, this->diffuse);
+  SHEAF_INLINE Float<L> probability(Float<L> reflected) const {
+    return coat_probability<L>(reflected, this->specular, this->diffuse);
   }
-  /// Albedo of the diffuse lobe for incident light at cosine `cos_i`; `share`: coat_share(wo.z).
-  SHEAF_INLINE Spectrum<L> base(Float<L> share, Float<L> cos_i) const {
-    const Float<L> through = (Float<L>(1.0f) - share) * (Float<L>(1.0f) - coat_share(cos_i));
+  /// Albedo of the diffuse lobe for incident light at cosine `cos_i`; `reflected`: coat_reflectance(wo.z).
+  SHEAF_INLINE Spectrum<L> base(Float<L> reflected, Float<L> cos_i) const {
+    const Float<L> through = (Float<L>(1.0f) - reflected) * (Float<L>(1.0f) - coat_reflectance(cos_i));
     return coated_albedo<L>(this->diffuse, this->internal_reflectance, this->nonlinear, this->eta) * through;
   }
 };

@@ -40,12 +40,12 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     F span_o;         ///< GgxTerms::span() of wo
     F brdf, bsdf;     ///< weights of the diffuse base and of refraction
     F sheen;          ///< weight of sheen
-    Spectrum<L> hue;  ///< base colour scaled to luminance 1; set only for tints
+    Spectrum<L> hue;  ///< base color scaled to luminance 1; set only for tints
     /// reflectance at normal incidence of the part that uses Schlick's approximation
     Spectrum<L> schlick_color;
-    F schlick_share;     ///< weight of that part
-    F dielectric_share;  ///< weight of the part that uses the Fresnel equations
-    /// square root of the base colour, because light passes the surface twice
+    F schlick_fraction;     ///< weight of that part
+    F dielectric_fraction;  ///< weight of the part that uses the Fresnel equations
+    /// square root of the base color, because light passes the surface twice
     Spectrum<L> transmittance;
     F max_transmittance;              ///< its largest component
     Clearcoat<L> coat;                ///< only where p_coat > 0
@@ -73,8 +73,8 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       const F metal = select(front, p.metallic, zero), tinted = select(front, dielectric * p.spec_tint, zero);
       if (any((tinted > zero) | (sheen > zero))) hue = sheaf::hue(c, rec709_luminance(c, p.base_luminance));
       schlick_color = c * metal + hue * (f0 * tinted);
-      schlick_share = metal + tinted;
-      dielectric_share = select(front, dielectric * (one - p.spec_tint), bsdf);
+      schlick_fraction = metal + tinted;
+      dielectric_fraction = select(front, dielectric * (one - p.spec_tint), bsdf);
       choose_probabilities(p, f0);
       if (any(p_coat > zero)) coat = Clearcoat<L>(p.clearcoat_gloss);
     }
@@ -85,8 +85,8 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       const F fresnel = lerp(weight_o, f0, one);
       const F diffuse = fma(brdf, max_component(p.base_color), F(0.1f) * sheen * (weight_o + F(0.02f)));
       const F coated = select(front, p.clearcoat * Clearcoat<L>::fresnel(weight_o) * wo.z, zero);
-      const F specular = max_component(schlick_color) * (one - weight_o) + schlick_share * weight_o +
-                         dielectric_share * fresnel + bsdf * (one - fresnel) * max_transmittance;
+      const F specular = max_component(schlick_color) * (one - weight_o) + schlick_fraction * weight_o +
+                         dielectric_fraction * fresnel + bsdf * (one - fresnel) * max_transmittance;
       const F scale = one / max(diffuse + coated + specular, F(1e-20f));
       p_diffuse = diffuse * scale;
       p_coat = coated * scale;
@@ -99,7 +99,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
     F cos_transmitted;      ///< of the refracted direction, positive; 0 at total internal reflection
     F weight;               ///< Schlick weight, by the angle on the less dense side
     Spectrum<L> reflected;  ///< reflected fraction
-    F transmitted;          ///< transmitted fraction, before it is coloured
+    F transmitted;          ///< transmitted fraction, before it is colored
     F reflects, transmits;  ///< their largest components; sampling is proportional to them
 
     SHEAF_INLINE Facet(const View& view, F cos_d) {
@@ -111,7 +111,7 @@ template <class L> struct PrincipledBsdf : PrincipledParameters<L> {
       const F fresnel =
           F(0.5f) * (sqr(s_difference * p_sum) + sqr(p_difference * s_sum)) / max(sqr(s_sum * p_sum), F(1e-36f));
       weight = schlick_weight(select(eta > one, cos_d, cos_transmitted));
-      const F white = fma(view.dielectric_share, fresnel, view.schlick_share * weight);
+      const F white = fma(view.dielectric_fraction, fresnel, view.schlick_fraction * weight);
       const Spectrum<L> color = view.schlick_color * (one - weight) + Spectrum<L>(white);
       reflected = select<L>(eta != one, color, Spectrum<L>(zero));
       transmitted = view.bsdf * max(one - fresnel, zero);

@@ -89,7 +89,7 @@ template <class L> struct DiffuseAngles {
   F cos_i, weight_i;  ///< of the incident direction to the normal
   F retro;            ///< roughness times the squared cosine between wo and the half vector
 
-  /// pi f / base colour: dark edges at low roughness, bright ones at high roughness (Burley 2012, section 5.3).
+  /// pi f / base color: dark edges at low roughness, bright ones at high roughness (Burley 2012, section 5.3).
   SHEAF_INLINE F diffuse() const {
     const F excess = F(2.0f) * retro - F(0.5f);
     return fma(excess, weight_o, F(1.0f)) * fma(excess, weight_i, F(1.0f));
@@ -104,7 +104,7 @@ template <class L> struct DiffuseAngles {
   }
 };
 
-/// The clearcoat, a second specular lobe on top: the generalised Trowbridge-Reitz distribution with exponent 1 (long
+/// The clearcoat, a second specular lobe on top: the generalized Trowbridge-Reitz distribution with exponent 1 (long
 /// tails), an index of refraction of 1.5, and a separate Smith term (Burley 2012, section 5.4 and appendix B).
 template <class L> struct Clearcoat {
   using F = typename L::Float;

@@ -45,9 +45,9 @@ template <class L> struct PrincipledThinBsdf : PrincipledThinParameters<L> {
     // 0.
     const F reflectance = fma(F(0.8f), fresnel, F(0.1f)), base = max_component(this->base_color);
     const F d = F(0.5f) * this->diff_trans, diffuse = one - this->spec_trans;
-    const F sheen_share = F(0.1f) * this->sheen * (schlick_weight(cos_o) + F(0.02f));
+    const F sheen_term = F(0.1f) * this->sheen * (schlick_weight(cos_o) + F(0.02f));
     const Probabilities p{this->spec_trans * reflectance, this->spec_trans * (one - reflectance) * base,
-                          diffuse * (one - d) * (base + sheen_share), diffuse * d * base};
+                          diffuse * (one - d) * (base + sheen_term), diffuse * d * base};
     const F scale =
         one / max(p.specular_reflect + p.specular_transmit + p.diffuse_reflect + p.diffuse_transmit, F(1e-20f));
     return {p.specular_reflect * scale, p.specular_transmit * scale, p.diffuse_reflect * scale,

@@ -53,15 +53,15 @@ template <class L> struct RoughDiffuseBsdf : RoughDiffuseParameters<L> {
     const F cos_phi =
         select(sines > F(1e-7f), clamp(fma(wo.x, wi.x, wo.y * wi.y) / max(sines, F(1e-7f)), -one, one), zero);
     const F tan_beta = sin_beta / cos_beta;
-    const F c1 = one - F(0.5f) * variance / (variance + F(0.33f)), share = variance / (variance + F(0.09f));
-    const F brief = c1 + F(0.45f) * share * max(cos_phi, zero) * sin_alpha * tan_beta;
+    const F c1 = one - F(0.5f) * variance / (variance + F(0.33f)), ratio = variance / (variance + F(0.09f));
+    const F brief = c1 + F(0.45f) * ratio * max(cos_phi, zero) * sin_alpha * tan_beta;
     const Mask<L> is_fast = this->fast != Uint<L>(0u);
     if (all(is_fast)) return {brief, zero};
 
     // alpha and beta of the paper, over pi / 2.
     const F outer = acos(cos_alpha) * F(2.0f * kInvPi), inner = acos(min(cos_beta, one)) * F(2.0f * kInvPi);
-    const F c2 = F(0.45f) * share * (sin_alpha - select(cos_phi < zero, inner * inner * inner, zero));
-    const F c3 = F(0.125f) * share * sqr(outer * inner);
+    const F c2 = F(0.45f) * ratio * (sin_alpha - select(cos_phi < zero, inner * inner * inner, zero));
+    const F c3 = F(0.125f) * ratio * sqr(outer * inner);
     const F tan_half = (sin_alpha + sin_beta) / max(cos_alpha + cos_beta, F(1e-6f));
     const F single = c1 + cos_phi * c2 * tan_beta + (one - abs(cos_phi)) * c3 * tan_half;
     const F twice = F(0.17f) * variance / (variance + F(0.13f)) * (one - cos_phi * sqr(inner));

@@ -1,12 +1,12 @@
 // Sheen of cloth: the microfacet model of Estevez and Kulla, "Production Friendly Microfacet Sheen BRDF" (SIGGRAPH 2017
-// course notes), in the form of KHR_materials_sheen. The normals of fibres are distributed as a power of the sine.
+// course notes), in the form of KHR_materials_sheen. The normals of fibers are distributed as a power of the sine.
 #pragma once
 
 #include "kernels/bsdf/microfacet.h"
 
 namespace sheaf {
 
-/// The sheen lobe without its colour.
+/// The sheen lobe without its color.
 ///
 /// The albedo of the model exceeds 1 at grazing incidence if the roughness is below 0.3. evaluate() divides by the
 /// larger of the two albedos where that exceeds 1, which conserves energy and keeps the lobe reciprocal.

@@ -27,7 +27,7 @@ template <class L> struct SpecularChoice {
             color, [&](Float<L> c) SHEAF_LAMBDA_INLINE { return scaled_reflectance(fresnel, eta, specular, c); })),
         probability(middle(reflectance)) {}
 
-  /// The middle of the first three lanes, the only ones in both colour modes.
+  /// The middle of the first three lanes, the only ones in both color modes.
   static SHEAF_INLINE Float<L> middle(const Spectrum<L>& s) {
     return Float<L>(0.5f) * (min(min(s.c0, s.c1), s.c2) + max(max(s.c0, s.c1), s.c2));
   }

@@ -11,15 +11,15 @@
 
 namespace sheaf {
 
-/// Two neighbouring indices and the interpolation weight between them.
-template <class L> struct Neighbours {
+/// Two neighboring indices and the interpolation weight between them.
+template <class L> struct Neighbors {
   Uint<L> low, high;
   Float<L> t;
 };
 
 /// Locates `x` among `count` increasing numbers that start at tables[first]. Values outside are clamped to the ends.
 template <class L>
-SHEAF_INLINE Neighbours<L> find_neighbours(const float* tables, Uint<L> first, Uint<L> count, Float<L> x) {
+SHEAF_INLINE Neighbors<L> find_neighbors(const float* tables, Uint<L> first, Uint<L> count, Float<L> x) {
   using F = Float<L>;
   using U = Uint<L>;
   const U low = find_interval<L>(count, [&](U i) SHEAF_LAMBDA_INLINE { return gather(tables, first + i) <= x; });
@@ -32,16 +32,16 @@ SHEAF_INLINE Neighbours<L> find_neighbours(const float* tables, Uint<L> first, U
 /// Up to four slices and their weights, which sum to 1.
 template <class L> struct SliceMix {
   Uint<L> slice[4];
-  Float<L> share[4];
+  Float<L> weight[4];
   int count;  ///< number of slices that have a weight in any lane
 
   /// The slices around a point in two parameters; the inner parameter varies fastest.
-  SHEAF_INLINE SliceMix(const Neighbours<L>& outer, const Neighbours<L>& inner, Uint<L> inner_count) {
+  SHEAF_INLINE SliceMix(const Neighbors<L>& outer, const Neighbors<L>& inner, Uint<L> inner_count) {
     const Float<L> one(1.0f);
     slice[0] = outer.low * inner_count + inner.low, slice[1] = outer.low * inner_count + inner.high;
     slice[2] = outer.high * inner_count + inner.low, slice[3] = outer.high * inner_count + inner.high;
-    share[0] = (one - outer.t) * (one - inner.t), share[1] = (one - outer.t) * inner.t;
-    share[2] = outer.t * (one - inner.t), share[3] = outer.t * inner.t;
+    weight[0] = (one - outer.t) * (one - inner.t), weight[1] = (one - outer.t) * inner.t;
+    weight[2] = outer.t * (one - inner.t), weight[3] = outer.t * inner.t;
     count = any(outer.t > Float<L>(0.0f)) ? 4 : 2;
   }
 };
@@ -69,17 +69,17 @@ template <class L> struct TableGrid {
 
   /// Float `i` of the mixed slices.
   SHEAF_INLINE F at(U i) const {
-    F sum = mix.share[0] * gather(tables, first[0] + i);
-    for (int k = 1; k < mix.count; ++k) sum = fma(mix.share[k], gather(tables, first[k] + i), sum);
+    F sum = mix.weight[0] * gather(tables, first[0] + i);
+    for (int k = 1; k < mix.count; ++k) sum = fma(mix.weight[k], gather(tables, first[k] + i), sum);
     return sum;
   }
 
   SHEAF_INLINE TableCell<L> cell(F x, F y) const {
     const U last_column = width - U(2u), last_row = height - U(2u);
-    const F place_x = clamp(x, F(0.0f), F(1.0f)) * to_float(width - U(1u));
-    const F place_y = clamp(y, F(0.0f), F(1.0f)) * to_float(height - U(1u));
-    const U column = min(to_uint(place_x), last_column), row = min(to_uint(place_y), last_row);
-    return {row * width + column, row, place_x - to_float(column), place_y - to_float(row)};
+    const F position_x = clamp(x, F(0.0f), F(1.0f)) * to_float(width - U(1u));
+    const F position_y = clamp(y, F(0.0f), F(1.0f)) * to_float(height - U(1u));
+    const U column = min(to_uint(position_x), last_column), row = min(to_uint(position_y), last_row);
+    return {row * width + column, row, position_x - to_float(column), position_y - to_float(row)};
   }
 
   /// Bilinear value in the cell, of the grid that begins `offset` floats into each slice.

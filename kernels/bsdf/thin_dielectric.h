@@ -28,9 +28,10 @@ template <class L> struct ThinDielectricBsdf : DielectricParameters<L> {
     const F chosen = once.probability;
     const auto reflected = u.x * (F(1.0f) + chosen) < chosen + chosen;
     // Reflectance or transmittance of the pane, over its probability
-    const auto share = [&](F r) SHEAF_LAMBDA_INLINE { return select(reflected, r + r, F(1.0f) - r) / (F(1.0f) + r); };
-    const F probability = max(share(chosen), F(1e-20f));
-    const auto weight = [&](F r) SHEAF_LAMBDA_INLINE { return share(r) / probability; };
+    const auto fraction = [&](F r)
+                              SHEAF_LAMBDA_INLINE { return select(reflected, r + r, F(1.0f) - r) / (F(1.0f) + r); };
+    const F probability = max(fraction(chosen), F(1e-20f));
+    const auto weight = [&](F r) SHEAF_LAMBDA_INLINE { return fraction(r) / probability; };
     BsdfSample<L> s;
     s.wi = {-wo.x, -wo.y, select(reflected, wo.z, -wo.z)};
     s.weight = select<L>(reflected, this->reflectance, this->transmittance) * map_spectrum<L>(once.reflectance, weight);

@@ -1,5 +1,5 @@
 // Ward's BRDF for anisotropic Gaussian slopes over a Lambertian base (Ward, "Measuring and Modeling Anisotropic
-// Reflection", SIGGRAPH 1992). With the unnormalised half vector h = wo + wi and
+// Reflection", SIGGRAPH 1992). With the unnormalized half vector h = wo + wi and
 //   e = exp(-((h.x / alpha_u)^2 + (h.y / alpha_v)^2) / h.z^2) / (pi alpha_u alpha_v)
 // the variants are
 //   Ward 1992                                  e / (4 sqrt(cos_o cos_i)), which loses energy at grazing angles,
@@ -38,8 +38,8 @@ template <class L> struct WardBsdf : WardParameters<L> {
     using F = Float<L>;
     // Draw a slope from the Gaussian
     const F r = sqrt(-log(max(F(1.0f) - u.y, F(1e-30f))));
-    const auto turn = sincos_2pi<L>(u.z);
-    const Vec3<L> m = normalize<L>({this->alpha_u * r * turn.cos, this->alpha_v * r * turn.sin, F(1.0f)});
+    const auto azimuth = sincos_2pi<L>(u.z);
+    const Vec3<L> m = normalize<L>({this->alpha_u * r * azimuth.cos, this->alpha_v * r * azimuth.sin, F(1.0f)});
     return sample_specular_or_diffuse<L>(reflect(wo, m), probability(), u,
                                          [&](Vec3<L> wi) SHEAF_LAMBDA_INLINE { return evaluate(wo, wi); });
   }

@@ -84,7 +84,7 @@ CasterTriangle caster_triangle(const SceneView& scene, const ShapeRow& shape, st
 
 std::optional<InstancePlacement<Scalar>> caster_placement(const SceneView& scene, std::uint32_t instance, float time) {
   if (instance == kNone) return {};
-  return place_at<Scalar>(scene.motion, scene.geometry.instances[instance], instance, true, time).placed;
+  return placement_at<Scalar>(scene.motion, scene.geometry.instances[instance], instance, true, time).placed;
 }
 
 CausticCasters::CausticCasters(const SceneView& scene) : instance_of_(scene.geometry.shape_count, kNotCaster) {

@@ -23,7 +23,7 @@ struct CasterTriangle {
 /// Triangle of the mesh of a shape, which may deform, at a time in [0, 1].
 CasterTriangle caster_triangle(const SceneView& scene, const ShapeRow& shape, std::uint32_t triangle, float time);
 
-/// Where a caster is at a time in [0, 1]. Empty without an instance: its tables are in world space.
+/// Placement of a caster at a time in [0, 1]. Empty without an instance: its tables are in world space.
 std::optional<InstancePlacement<Scalar>> caster_placement(const SceneView& scene, std::uint32_t instance, float time);
 
 /// Casters: meshes, spheres, disks and cylinders outside of groups that do not emit and whose material is a smooth

@@ -12,7 +12,7 @@ namespace {
 /// Relative deviation of the distance at which the last ray hits the light from that of the sampled point.
 constexpr float kDistanceError = 1e-3f;
 /// Fraction of the distance to a light at a point that must be unoccluded.
-constexpr float kOpenShare = 0.9999f;
+constexpr float kOpenFraction = 0.9999f;
 /// Assumed probability with which a walk finds a chain.
 constexpr float kWalkProbability = 0.1f;
 
@@ -105,7 +105,7 @@ Spectrum4 arriving(ChainTracer& tracer, const SceneView& scene, const CausticCas
       sample_light<Scalar, kMode>(scene, {from, {}}, {end.light, 1}, {}, tracer.time(), lambda);
   if (!s.valid) return {};
   const Vec3f to = s.target - from;
-  if (!tracer.is_open(from, to * kOpenShare)) return {};
+  if (!tracer.is_open(from, to * kOpenFraction)) return {};
   // Lights at a point: from intensity over squared distance to intensity.
   return s.radiance * (end.target.is_infinite ? 1.0f : dot(to, to));
 }
@@ -138,8 +138,8 @@ float chain_bsdf_weight(const SceneView& scene, const CausticCasters& casters, c
                                     {end.from, end.direction, end.t, end.ng, end.primitive}, end.time);
   const float by_bsdf = cosine * kInvPi * ratio * end.t * end.t;
   if (!(by_walk > 0)) return 1;
-  const float odds = by_bsdf / by_walk;
-  return std::isfinite(odds) ? odds * odds / (1 + odds * odds) : 1.0f;
+  const float pdf_ratio = by_bsdf / by_walk;
+  return std::isfinite(pdf_ratio) ? pdf_ratio * pdf_ratio / (1 + pdf_ratio * pdf_ratio) : 1.0f;
 }
 
 }  // namespace sheaf

@@ -2,7 +2,7 @@
 // sampled point on the light, and sampling the BSDF of the vertex.
 //
 // The probability with which walks find a chain has no closed form. Any weights that depend on the path alone and add
-// up to 1 keep the sum unbiased, so an assumed probability takes its place. The weights are the power heuristic of two
+// up to 1 keep the sum unbiased, so an assumed probability replaces it. The weights are the power heuristic of two
 // densities per area of the light:
 //     walks           assumed probability x density of the point on the light
 //     BSDF sampling   cosine / pi x solid angle of the first direction per area of the light
@@ -26,9 +26,9 @@ struct ChainLight {
 std::optional<ChainLight> sample_chain_light(const SceneView& scene, const CausticCasters& casters, Vec3f p, float time,
                                              const Spectrum4& lambda, MediumRandom& random);
 
-/// What arrives at the start of a chain along its direction at the time of the tracer, over the pdf of `end` and
-/// weighted: radiance times solid angle, with the specular vertices taken as lossless. 0 if something lies between the
-/// chain and the light. `cosine`: absolute, of the first direction to the geometric normal of the vertex.
+/// Light that arrives at the start of a chain along its direction at the time of the tracer, over the pdf of `end` and
+/// with its MIS weight: radiance times solid angle, with the specular vertices taken as lossless. 0 if something lies
+/// between the chain and the light. `cosine`: absolute, of the first direction to the geometric normal of the vertex.
 Spectrum4 arriving_light(ChainTracer& tracer, const SceneView& scene, const CausticCasters& casters,
                          const ChainLight& end, const ConnectedChain& chain, float cosine, const Spectrum4& lambda);
 

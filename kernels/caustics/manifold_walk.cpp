@@ -15,7 +15,7 @@ constexpr int kMaxIterations = 20;
 /// Minimum fraction of a Newton step.
 constexpr float kMinStep = 1.0f / 32;
 /// Largest change of the first direction in one iteration, as a tangent.
-constexpr float kMaxTurn = 0.5f;
+constexpr float kMaxStepAngle = 0.5f;
 /// A walk has converged when the step falls below this angle, rad.
 constexpr float kConvergedStep = 1e-5f;
 /// Error of the last ray, rad, that rounding may prevent from decreasing further.
@@ -71,7 +71,7 @@ std::optional<ConnectedChain> walk_to_target(ChainTracer& tracer, const ChainSta
   DifferentialRay ray = start.ray(direction);
   if (!tracer.follow(type, ray)) return {};
   Residual residual = residual_of(ray, target);
-  float share = 1;
+  float step_fraction = 1;
   for (int i = 0; i < kMaxIterations && has_step(residual); ++i) {
     const float size = std::hypot(residual.step.x, residual.step.y);
     const bool converged = size <= kConvergedStep && residual.error <= kMaxError;
@@ -79,10 +79,10 @@ std::optional<ConnectedChain> walk_to_target(ChainTracer& tracer, const ChainSta
       return ConnectedChain{type, direction, ray.origin, ray.direction, 1 / std::fabs(residual.determinant)};
     // Move the first direction, by half as much until the error decreases
     const auto frame = Frame<Scalar>::from_normal(direction);
-    const float limit = std::min(1.0f, kMaxTurn / size);
+    const float limit = std::min(1.0f, kMaxStepAngle / size);
     bool moved = false;
-    for (; share >= kMinStep && !moved; share *= 0.5f) {
-      const float scale = share * limit;
+    for (; step_fraction >= kMinStep && !moved; step_fraction *= 0.5f) {
+      const float scale = step_fraction * limit;
       const Vec3f next =
           normalize(direction + frame.s * (scale * residual.step.x) + frame.t * (scale * residual.step.y));
       DifferentialRay next_ray = start.ray(next);
@@ -95,7 +95,7 @@ std::optional<ConnectedChain> walk_to_target(ChainTracer& tracer, const ChainSta
     if (!moved && residual.error <= kRoundingError)
       return ConnectedChain{type, direction, ray.origin, ray.direction, 1 / std::fabs(residual.determinant)};
     if (!moved) return {};
-    share = std::min(1.0f, 4 * share);  // the loop has halved it once more
+    step_fraction = std::min(1.0f, 4 * step_fraction);  // the loop has halved it once more
   }
   return {};
 }

@@ -4,7 +4,7 @@
 // The unknowns are the two coordinates of the chain's first direction. Each iteration traces the chain along that
 // direction, so that it satisfies the laws of reflection and refraction, and its first surfaces are visible. The
 // residual is the distance between its last ray and the light point, and its Jacobian follows from the ray's
-// differentials. At the solution, the determinant of the Jacobian is the generalised geometry term.
+// differentials. At the solution, the determinant of the Jacobian is the generalized geometry term.
 #pragma once
 
 #include "kernels/caustics/specular_chain.h"
@@ -55,7 +55,7 @@ struct ChainSeed {
   Vec3f direction;
 };
 /// The first direction of a seed, of unit length; may not be finite. Together with sample_seed_type(), each chain of at
-/// most `max_length` vertices has a positive density in its neighbourhood.
+/// most `max_length` vertices has a positive density in its neighborhood.
 Vec3f sample_seed_direction(const ChainTracer& tracer, const ChainStart& start, const ChainTarget& target,
                             MediumRandom& random);
 /// Samples the type of a seed with a finite direction. Empty if no chain begins in that direction.

@@ -33,7 +33,7 @@ template <class Closure> bool has_closure(const SceneView& scene, std::uint32_t 
   return scene.materials.rows[material].kind == kClosureKind<Closure>;
 }
 
-/// Derivative of an interpolated normal by a displacement `d` in the plane of a triangle. Not normalised.
+/// Derivative of an interpolated normal by a displacement `d` in the plane of a triangle. Not normalized.
 Vec3f interpolated_change(const CasterTriangle& at, Vec3f d) {
   const Vec3f e1 = at.p[1] - at.p[0], e2 = at.p[2] - at.p[0];
   const float e11 = dot(e1, e1), e12 = dot(e1, e2), e22 = dot(e2, e2), d1 = dot(d, e1), d2 = dot(d, e2);
@@ -43,7 +43,7 @@ Vec3f interpolated_change(const CasterTriangle& at, Vec3f d) {
   return (at.n[1] - at.n[0]) * du + (at.n[2] - at.n[0]) * dv;
 }
 
-/// Normal of a hit before normalisation, and its derivatives by displacements.
+/// Normal of a hit before normalization, and its derivatives by displacements.
 struct NormalChange {
   Vec3f normal;  ///< 0: the normal is constant
   Vec3f d[2];
@@ -86,7 +86,7 @@ NormalChange normal_change(const SceneView& scene, const ShapeRow& shape, const 
   return change;
 }
 
-/// Derivative of the normalised normal `n` from that of the normal before normalisation.
+/// Derivative of the normalized normal `n` from that of the normal before normalization.
 Vec3f normalized_change(Vec3f n, Vec3f change, float length) { return (change - n * dot(n, change)) / length; }
 
 }  // namespace

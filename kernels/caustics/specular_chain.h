@@ -19,7 +19,7 @@ struct DifferentialRay {
 /// The ray along the unit vector `direction`, with derivatives by coordinates along Frame::from_normal().
 DifferentialRay start_ray(Vec3f origin, Vec3f direction);
 
-/// Which of its two directions each vertex of a chain takes.
+/// The choice between reflection and refraction at each vertex of a chain.
 struct ChainType {
   int length = 0;               ///< vertices, at most kMaxChainLength
   std::uint32_t refracted = 0;  ///< bit i: vertex i refracts; otherwise it reflects

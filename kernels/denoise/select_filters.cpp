@@ -34,10 +34,10 @@ Plane estimate_error(const FilteredPlanes& filter, const Planes3& color, const P
 
 Planes3 select_filters(std::vector<FilteredPlanes> filters, const Planes3& color, const Planes3& variance) {
   const int width = color[0].width(), height = color[0].height();
-  std::vector<Plane> errors, shares;
+  std::vector<Plane> errors, weights;
   for (const FilteredPlanes& filter : filters) {
     errors.push_back(estimate_error(filter, color, variance));
-    shares.emplace_back(width, height);
+    weights.emplace_back(width, height);
   }
   for (int y = 0; y < height; ++y)
     // Select the filter with the smallest error.
@@ -45,16 +45,16 @@ Planes3 select_filters(std::vector<FilteredPlanes> filters, const Planes3& color
       std::size_t best = 0;
       for (std::size_t i = 1; i < filters.size(); ++i)
         if (errors[i].at(x, y) < errors[best].at(x, y)) best = i;
-      shares[best].at(x, y) = 1;
+      weights[best].at(x, y) = 1;
     }
   // Smooth the selection and blend the results with it.
-  for (Plane& share : shares) share = box_mean(share, kChoiceRadius);
+  for (Plane& weight : weights) weight = box_mean(weight, kChoiceRadius);
   Planes3 out;
   for (std::size_t c = 0; c < 3; ++c) {
     out[c] = Plane(width, height);
     tbb::parallel_for(0, height, [&](int y) {
       for (std::size_t i = 0; i < filters.size(); ++i)
-        for (int x = 0; x < width; ++x) out[c].at(x, y) += shares[i].at(x, y) * filters[i].color[c].at(x, y);
+        for (int x = 0; x < width; ++x) out[c].at(x, y) += weights[i].at(x, y) * filters[i].color[c].at(x, y);
     });
   }
   return out;

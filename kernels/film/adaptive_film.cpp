@@ -65,7 +65,7 @@ bool AdaptiveFilm::begin_round() {
   units_.clear();
   const std::uint32_t max_per_half = goal_.max_samples / kSets;
   // The variance of one half's mean is twice the variance of the mean of both halves.
-  const double wanted = 2 * goal_.noise * goal_.noise;
+  const double requested = 2 * goal_.noise * goal_.noise;
   const std::vector<double> noise[2] = {spread_noise(0), spread_noise(1)};
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
@@ -73,11 +73,11 @@ bool AdaptiveFilm::begin_round() {
     if (tile.is_converged()) continue;
     // Test both halves, and estimate the final number of samples by the noisier one: the variance is proportional to
     // 1 / n.
-    const bool is_known = wanted > 0 && taken >= kMinSamples;
+    const bool is_known = requested > 0 && taken >= kMinSamples;
     double expected = is_known ? taken : max_per_half;
     for (int half = 0; half < 2; ++half) {
-      tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && noise[half][i] <= wanted);
-      if (is_known && !tile.converged[half]) expected = std::max(expected, taken * noise[half][i] / wanted);
+      tile.converged[half] = tile.converged[half] || taken >= max_per_half || (is_known && noise[half][i] <= requested);
+      if (is_known && !tile.converged[half]) expected = std::max(expected, taken * noise[half][i] / requested);
     }
     expected = std::min(expected, 1.0 * max_per_half);
     const std::uint32_t next = tile.is_converged() ? 0 : std::min(next_samples(taken), max_per_half - taken);
@@ -179,7 +179,7 @@ std::vector<double> AdaptiveFilm::spread_noise(int half) const {
       own[i] = *noise;
       known[{tiles_[i].square.x0, tiles_[i].square.y0}] = *noise;
     }
-  // Raise it to the mean of the neighbourhood
+  // Raise it to the mean of the neighborhood
   std::vector<double> spread = own;
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     const PixelRect& square = tiles_[i].square;

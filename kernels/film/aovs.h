@@ -108,7 +108,7 @@ std::vector<std::string> light_group_layers(const std::vector<std::string>& ligh
 /// get variances, and with the AOV "variance" also the AOVs that support them.
 FilmLayout film_layout(AovSet aovs, bool with_variances, const std::vector<std::string>& light_groups = {});
 
-/// Where a sample holds each AOV of AovSource::kVertex.
+/// Offsets of each AOV of AovSource::kVertex in a sample.
 class AovChannels {
  public:
   AovChannels() { first_.fill(-1); }

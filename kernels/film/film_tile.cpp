@@ -11,7 +11,7 @@ namespace sheaf {
 namespace {
 
 /// Maximum number of samples that add_together() adds at once.
-constexpr std::size_t kTogether = 16;
+constexpr std::size_t kMaxSamplesAtOnce = 16;
 
 /// The pixels in [begin, end) within a sample's reach along one axis, and the weights of all pixels within reach.
 struct Span {
@@ -83,7 +83,7 @@ void FilmTile::begin(const FilmRow& row, const FilterWeights* weights, const Pix
   sums_.assign(pixels * row_.size(), 0.0);
   counts_.assign(pixels, 0);
   coverage_.assign(has_surface_ids ? pixels : 0, {});
-  terms_.assign(kTogether * row_.bins_at, 0.0);
+  terms_.assign(kMaxSamplesAtOnce * row_.bins_at, 0.0);
 }
 
 void FilmTile::take(const float* sample, double* terms) const {
@@ -117,8 +117,8 @@ void FilmTile::cover(int x, int y, const SurfaceSample& surface, double weight) 
 void FilmTile::add(int x, int y, const SampleBuffer& samples, std::size_t first, std::size_t count) {
   const bool has_sums_alone = row_.bins == 0 && row_.tile_squares == 0 && !has_surface_ids();
   if (weights_ != nullptr && has_sums_alone && weights_->length() == static_cast<int>(kRegister)) {
-    for (std::size_t k = 0; k < count; k += kTogether)
-      add_together(x, y, samples, first + k, std::min(kTogether, count - k));
+    for (std::size_t k = 0; k < count; k += kMaxSamplesAtOnce)
+      add_together(x, y, samples, first + k, std::min(kMaxSamplesAtOnce, count - k));
     return;
   }
   for (std::size_t k = 0; k < count; ++k)
@@ -130,7 +130,7 @@ void FilmTile::add_together(int x, int y, const SampleBuffer& samples, std::size
   const PixelRect reached = PixelRect{x - reach, y - reach, x + reach + 1, y + reach + 1}.intersection(outer_);
   if (reached.is_empty()) return;
   // Not initialized: that would take as long as the rest of the function.
-  alignas(kSimdAlignment) double across[kTogether * kRegister], down[kTogether * kRegister];
+  alignas(kSimdAlignment) double across[kMaxSamplesAtOnce * kRegister], down[kMaxSamplesAtOnce * kRegister];
   const std::size_t stride = row_.size();
   // Collect the terms of the samples and their weights along both axes.
   std::size_t taken = 0;

@@ -52,7 +52,7 @@ void check_overlaps(std::span<const ImagePart> parts) {
     }
 }
 
-double covered_share(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples) {
+double covered_fraction(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples) {
   double covered = 0;
   for (const ImagePart& part : parts)
     covered += static_cast<double>(part.pixels.intersection(whole).area()) * part.samples.count;

@@ -44,7 +44,7 @@ void check_overlaps(std::span<const ImagePart> parts);
 std::optional<PartGap> find_gap(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
 /// Fraction, 0 to 1, of all samples of the pixels `whole` that non-overlapping parts hold.
-double covered_share(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
+double covered_fraction(std::span<const ImagePart> parts, const PixelRect& whole, std::uint32_t samples);
 
 /// Whether the merged image omits a channel, because it only serves merging or cannot be merged.
 bool is_left_out(std::string_view channel);
@@ -71,7 +71,7 @@ class ImageMerger {
   std::size_t pixels_without_variance() const { return single_units_; }
 
  private:
-  /// How to merge a channel.
+  /// Rule of merging a channel.
   enum class Rule : std::uint8_t { kMean, kVariance, kHalf, kCount, kId };
   struct Channel {
     Rule rule = Rule::kMean;

@@ -40,8 +40,12 @@ std::vector<double> filter_integrals(const FilterWeights& weights, double radius
 
 }  // namespace
 
-SplatFilter::SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float turn)
-    : weights_(filter), sampled_(sampled), is_weighted_(mode == FilterMode::kWeighted), turn_(turn), cumulative_{0.0} {
+SplatFilter::SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float panorama_width)
+    : weights_(filter),
+      sampled_(sampled),
+      is_weighted_(mode == FilterMode::kWeighted),
+      panorama_width_(panorama_width),
+      cumulative_{0.0} {
   for (const double integral : filter_integrals(weights_, filter_radius(filter)))
     cumulative_.push_back(cumulative_.back() + integral);
 }
@@ -49,7 +53,7 @@ SplatFilter::SplatFilter(const PixelFilter& filter, FilterMode mode, const Pixel
 SplatFilter::Bounds SplatFilter::bounds(const PixelRect& crop) const {
   PixelRect pixels = crop.grown(weights_.reach());
   if (is_weighted_) pixels = pixels.intersection(sampled_);
-  if (turn_ > 0) return {-kInfinity, static_cast<float>(pixels.y0), kInfinity, static_cast<float>(pixels.y1)};
+  if (panorama_width_ > 0) return {-kInfinity, static_cast<float>(pixels.y0), kInfinity, static_cast<float>(pixels.y1)};
   return {static_cast<float>(pixels.x0), static_cast<float>(pixels.y0), static_cast<float>(pixels.x1),
           static_cast<float>(pixels.y1)};
 }
@@ -103,8 +107,9 @@ void SplatFilm::add(std::span<const std::vector<Splat>> tasks, const SplatFilter
     const SplatFilter::Span down = filter.down(splat.y, begin, end);
     if (down.count == 0) return;
     add_at(splat, splat.x, down);
-    for (int k = 1; k <= filter.turns(); ++k)
-      for (const int sign : {-1, 1}) add_at(splat, splat.x + static_cast<float>(sign * k) * filter.turn(), down);
+    for (int k = 1; k <= filter.wraps(); ++k)
+      for (const int sign : {-1, 1})
+        add_at(splat, splat.x + static_cast<float>(sign * k) * filter.panorama_width(), down);
   };
   // Add all splats to each band, in the order of tasks
   const int bands = (crop_.height() + kRowsPerBand - 1) / kRowsPerBand;

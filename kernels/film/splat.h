@@ -30,14 +30,16 @@ struct Splat {
 /// splats count from every position within the filter's support.
 class SplatFilter {
  public:
-  /// `sampled`: the pixels of camera samples, that is the frame and its border, regardless of the crop window. `turn`:
-  /// width of 360 degrees in pixels for panoramic cameras, where positions this far apart are equal;
+  /// `sampled`: the pixels of camera samples, that is the frame and its border, regardless of the crop window.
+  /// `panorama_width`: width of 360 degrees in pixels for panoramic cameras, where positions this far apart are equal;
   /// otherwise 0. Throws SceneError for a filter that make_filter_table() rejects.
-  SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float turn = 0);
+  SplatFilter(const PixelFilter& filter, FilterMode mode, const PixelRect& sampled, float panorama_width = 0);
 
-  float turn() const { return turn_; }
+  float panorama_width() const { return panorama_width_; }
   /// Maximum number of panorama widths between a film position and the pixels that it can reach.
-  int turns() const { return turn_ > 0 ? 1 + static_cast<int>(static_cast<float>(weights_.reach()) / turn_) : 0; }
+  int wraps() const {
+    return panorama_width_ > 0 ? 1 + static_cast<int>(static_cast<float>(weights_.reach()) / panorama_width_) : 0;
+  }
 
   /// Film positions that can reach the crop window.
   struct Bounds {
@@ -65,7 +67,7 @@ class SplatFilter {
   FilterWeights weights_;
   PixelRect sampled_;
   bool is_weighted_;
-  float turn_;
+  float panorama_width_;
   /// Element i is the integral of the filter over the first i pixels within reach.
   std::vector<double> cumulative_;
 };

@@ -16,7 +16,7 @@ constexpr float kMemory = 0.5f;
 constexpr double kLargestPart = 0.01;
 /// Priors, in effective samples: on the weight of each lobe, on each lobe being isotropic, and on equal weights of BSDF
 /// and lobes.
-constexpr float kSharePrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
+constexpr float kLobeWeightPrior = 0.05f, kEvenPrior = 0.1f, kBsdfPrior = 4;
 /// Bounds on the weight of the BSDF: the lobes may have missed light, and the BSDF may hardly ever find it.
 constexpr float kMinBsdf = 0.3f, kMaxBsdf = 0.95f;
 /// Initial concentration of the lobes on a hemisphere: roughly that of evenly spread lobes.
@@ -89,7 +89,7 @@ struct WideSums {
 GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& samples) {
   WideSums sums;
   WideFloat of_bsdf;
-  const float a = mixture.bsdf_share;
+  const float a = mixture.bsdf_probability;
   for (const Samples& s : samples) {
     alignas(64) float parts[kWidth][kGuideLobes];
     for (int lane = 0; lane < kWidth; ++lane) lobe_parts(mixture, {s.x[lane], s.y[lane], s.z[lane]}, parts[lane]);
@@ -107,27 +107,27 @@ GuideSums expectation(const GuideMixture& mixture, const std::vector<Samples>& s
   return out;
 }
 
-/// Returns `share` * `a` + `b`.
-GuideSums weighted_sum(const GuideSums& a, float share, const GuideSums& b) {
+/// Returns `fraction` * `a` + `b`.
+GuideSums weighted_sum(const GuideSums& a, float fraction, const GuideSums& b) {
   GuideSums out;
   for (int k = 0; k < kGuideLobes; ++k) {
-    out.count[k] = a.count[k] * share + b.count[k];
-    out.x[k] = a.x[k] * share + b.x[k];
-    out.y[k] = a.y[k] * share + b.y[k];
-    out.z[k] = a.z[k] * share + b.z[k];
+    out.count[k] = a.count[k] * fraction + b.count[k];
+    out.x[k] = a.x[k] * fraction + b.x[k];
+    out.y[k] = a.y[k] * fraction + b.y[k];
+    out.z[k] = a.z[k] * fraction + b.z[k];
   }
-  out.bsdf = a.bsdf * share + b.bsdf;
+  out.bsdf = a.bsdf * fraction + b.bsdf;
   return out;
 }
 
-/// Sets peaks and cumulative weights from unnormalised weights.
-void set_shares(GuideMixture& mixture, const float (&shares)[kGuideLobes]) {
+/// Sets peaks and cumulative weights from unnormalized weights.
+void set_lobe_weights(GuideMixture& mixture, const float (&weights)[kGuideLobes]) {
   double sum = 0, below = 0;
-  for (const float s : shares) sum += double{s};
+  for (const float s : weights) sum += double{s};
   for (int k = 0; k < kGuideLobes; ++k) {
-    const double share = double{shares[k]} / sum;
-    below += share;
-    mixture.peak[k] = static_cast<float>(share) * lobe_peak(mixture.kappa[k]);
+    const double fraction = double{weights[k]} / sum;
+    below += fraction;
+    mixture.peak[k] = static_cast<float>(fraction) * lobe_peak(mixture.kappa[k]);
     mixture.below[k] = static_cast<float>(below);
   }
   mixture.below[kGuideLobes - 1] = 1;
@@ -135,11 +135,11 @@ void set_shares(GuideMixture& mixture, const float (&shares)[kGuideLobes]) {
 
 /// M step: the mixture of maximum likelihood for these sums. The concentration is that of Banerjee et al., "Clustering
 /// on the Unit Hypersphere using von Mises-Fisher Distributions", 2005, equation 4.4.
-void maximisation(const GuideSums& sums, GuideMixture& mixture) {
-  float shares[kGuideLobes], lobes = 0;
+void maximization(const GuideSums& sums, GuideMixture& mixture) {
+  float weights[kGuideLobes], lobes = 0;
   for (int k = 0; k < kGuideLobes; ++k) {
     lobes += sums.count[k];
-    shares[k] = sums.count[k] + kSharePrior;
+    weights[k] = sums.count[k] + kLobeWeightPrior;
     const Vec3f sum{sums.x[k], sums.y[k], sums.z[k]};
     const float along = length(sum);
     if (!(along > 1e-6f)) continue;
@@ -147,8 +147,8 @@ void maximisation(const GuideSums& sums, GuideMixture& mixture) {
     const float mean = std::min(along / (sums.count[k] + kEvenPrior), 0.99999f);
     mixture.kappa[k] = clamp(mean * (3 - mean * mean) / (1 - mean * mean), kMinKappa, kMaxKappa);
   }
-  set_shares(mixture, shares);
-  mixture.bsdf_share = clamp((sums.bsdf + kBsdfPrior) / (sums.bsdf + lobes + 2 * kBsdfPrior), kMinBsdf, kMaxBsdf);
+  set_lobe_weights(mixture, weights);
+  mixture.bsdf_probability = clamp((sums.bsdf + kBsdfPrior) / (sums.bsdf + lobes + 2 * kBsdfPrior), kMinBsdf, kMaxBsdf);
 }
 
 }  // namespace
@@ -157,19 +157,19 @@ GuideMixture first_mixture(Vec3f axis) {
   const bool half = length(axis) > 0;
   const Frame<Scalar> frame = Frame<Scalar>::from_normal(half ? axis : Vec3f{0, 0, 1});
   GuideMixture out;
-  float shares[kGuideLobes];
+  float weights[kGuideLobes];
   for (int k = 0; k < kGuideLobes; ++k) {
     // Evenly spaced directions on a spiral (Vogel 1979).
     const float u = (static_cast<float>(k) + 0.5f) / kGuideLobes, z = half ? 1 - u : 1 - 2 * u;
-    const float turn = 0.61803398875f * static_cast<float>(k), r = std::sqrt(1 - z * z);
-    const auto angle = sincos_2pi<Scalar>(turn - std::floor(turn));
+    const float azimuth = 0.61803398875f * static_cast<float>(k), r = std::sqrt(1 - z * z);
+    const auto angle = sincos_2pi<Scalar>(azimuth - std::floor(azimuth));
     const Vec3f d = frame.to_world({r * angle.cos, r * angle.sin, z});
     out.x[k] = d.x, out.y[k] = d.y, out.z[k] = d.z;
     out.kappa[k] = half ? kFirstKappa : 0.5f * kFirstKappa;
-    shares[k] = 1;
+    weights[k] = 1;
   }
-  set_shares(out, shares);
-  out.bsdf_share = 0.5f;
+  set_lobe_weights(out, weights);
+  out.bsdf_probability = 0.5f;
   return out;
 }
 
@@ -178,7 +178,7 @@ void fit_mixture(std::span<const GuideRecord> records, GuideMixture& mixture, Gu
   GuideSums found;
   for (int round = 0; round < kRounds; ++round) {
     found = weighted_sum(sums, kMemory, expectation(mixture, samples));
-    maximisation(found, mixture);
+    maximization(found, mixture);
   }
   sums = found;
 }

@@ -1,7 +1,7 @@
-// Fits the mixture of a guide cell to training samples by expectation maximisation (EM).
+// Fits the mixture of a guide cell to training samples by expectation maximization (EM).
 //
 // At a vertex, paths sample the mixture a p_b + (1 - a) sum_k s_k v_k of the BSDF p_b and the lobes v_k. EM over
-// directions, weighted by their light over their pdf, minimises the Kullback-Leibler divergence of this mixture from
+// directions, weighted by their light over their pdf, minimizes the Kullback-Leibler divergence of this mixture from
 // the integrand. Mueller ("Practical Path Guiding in Production", 2019) learns the weight `a` with the same objective.
 // Here the BSDF is one component of the mixture, with a given shape: the lobes learn the rest, and `a` needs no
 // learning rate.

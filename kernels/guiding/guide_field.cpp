@@ -83,21 +83,22 @@ std::vector<GuideField::Span> GuideField::sort_records(const std::vector<std::ve
     for (std::size_t i = tasks.size() * group / groups; i < tasks.size() * (group + 1) / groups; ++i)
       for (const GuideRecord& r : tasks[i]) f(r, group * cells + (r.row() == 0 ? r.side() : r.row() - 1));
   };
-  std::vector<std::size_t> places(groups * cells);
+  std::vector<std::size_t> first_of_cell(groups * cells);
   for_each_parallel(groups, 1, [&](std::size_t group) {
-    for_each_in_group(group, [&](const GuideRecord&, std::size_t place) { ++places[place]; });
+    for_each_in_group(group, [&](const GuideRecord&, std::size_t group_cell) { ++first_of_cell[group_cell]; });
   });
   // Reserve the ranges
   std::size_t end = 0;
   for (std::size_t cell = 0; cell < cells; ++cell) {
     spans[cell].begin = end;
-    for (std::size_t group = 0; group < groups; ++group) end += std::exchange(places[group * cells + cell], end);
+    for (std::size_t group = 0; group < groups; ++group) end += std::exchange(first_of_cell[group * cells + cell], end);
     spans[cell].end = end;
   }
   // Copy the records to them
   records_.resize(end);
   for_each_parallel(groups, 1, [&](std::size_t group) {
-    for_each_in_group(group, [&](const GuideRecord& r, std::size_t place) { records_[places[place]++] = r; });
+    for_each_in_group(group,
+                      [&](const GuideRecord& r, std::size_t group_cell) { records_[first_of_cell[group_cell]++] = r; });
   });
   return spans;
 }

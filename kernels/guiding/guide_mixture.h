@@ -24,7 +24,8 @@ struct alignas(64) GuideMixture {
   float kappa[kGuideLobes] = {};                                        ///< concentration, in [kMinKappa, kMaxKappa]
   float peak[kGuideLobes] = {};   ///< pdf in the mean direction, 1/sr, times the lobe's weight
   float below[kGuideLobes] = {};  ///< cumulative weights, including this lobe
-  float bsdf_share = 1;  ///< probability by which directions are sampled from the BSDF and not from the lobes; above 0
+  float bsdf_probability =
+      1;  ///< probability by which directions are sampled from the BSDF and not from the lobes; above 0
 };
 
 inline constexpr float kMinKappa = 0.01f, kMaxKappa = 5000;
@@ -74,8 +75,8 @@ template <class L> SHEAF_INLINE Vec3<L> sample_lobe(Vec3<L> middle, Float<L> kap
   const F ratio = log(u + (F(1.0f) - u) * exp(F(-2.0f) * kappa)) / kappa;
   const F m = clamp(-ratio, F(0.0f), F(2.0f));  // 1 - cosine
   const F sine = safe_sqrt(m * (F(2.0f) - m));
-  const auto turn = sincos_2pi<L>(v);
-  return Frame<L>::from_normal(middle).to_world({sine * turn.cos, sine * turn.sin, F(1.0f) - m});
+  const auto azimuth = sincos_2pi<L>(v);
+  return Frame<L>::from_normal(middle).to_world({sine * azimuth.cos, sine * azimuth.sin, F(1.0f) - m});
 }
 
 }  // namespace sheaf

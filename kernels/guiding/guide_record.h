@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/color/float4.h"
-#include "kernels/guiding/candidate_trial.h"
+#include "kernels/guiding/candidate_moments.h"
 #include "kernels/guiding/guide_view.h"
 
 #include <array>
@@ -47,7 +47,7 @@ class TrainingSamples {
   void begin(int paths) {
     open_.clear();
     radiance_.assign(static_cast<std::size_t>(paths), 0.0f);
-    trial_.clear();
+    squared_radiance_.clear();
     vertices_ = {};
   }
   /// Adds the next vertex of a path. `before`: radiance of the path when it left the vertex, summed over lanes.
@@ -56,9 +56,9 @@ class TrainingSamples {
   void finish(std::uint32_t path, float radiance) { radiance_[path] = radiance; }
 
   /// If the pass compares light candidates: ends a path, with PathMoments::radiance and `excess`.
-  void finish_trial(std::uint32_t path, const Spectrum4& radiance, const Spectrum4& excess) {
-    trial_.resize(radiance_.size());
-    trial_[path] = to_spectrum(Float4(radiance) * Float4(radiance) + Float4(excess));
+  void finish_moments(std::uint32_t path, const Spectrum4& radiance, const Spectrum4& excess) {
+    squared_radiance_.resize(radiance_.size());
+    squared_radiance_[path] = to_spectrum(Float4(radiance) * Float4(radiance) + Float4(excess));
   }
   /// Likewise counts vertices that sample lights, and those that would have a shadow ray with kCandidateCounts[i]
   /// candidates.
@@ -74,7 +74,7 @@ class TrainingSamples {
   };
   const Vertices& vertices() const { return vertices_; }
   /// Estimates of the squared radiance of each path, for each of kCandidateCounts; empty unless they are compared.
-  const std::vector<Spectrum4>& squared_radiance() const { return trial_; }
+  const std::vector<Spectrum4>& squared_radiance() const { return squared_radiance_; }
   /// Radiance of each path, lanes added up.
   const std::vector<float>& radiance() const { return radiance_; }
   /// All records, by path and then by vertex, independent of the order in which waves have added them. `means`: mean of
@@ -93,7 +93,7 @@ class TrainingSamples {
 
   std::vector<Open> open_;
   std::vector<float> radiance_;  ///< per path
-  std::vector<Spectrum4> trial_;
+  std::vector<Spectrum4> squared_radiance_;
   Vertices vertices_;
 };
 

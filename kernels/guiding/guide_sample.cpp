@@ -14,7 +14,7 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
   constexpr auto kWords = static_cast<std::uint32_t>(sizeof(GuideMixture) / sizeof(float));
   const U first = select(L::first(count), rows, U(0u)) * U(kWords);
   // Choose between BSDF and guide
-  const F a = gather(&guide.mixtures->bsdf_share, first);
+  const F a = gather(&guide.mixtures->bsdf_probability, first);
   GuideSample<L> out{};
   // The BSDF uses the lower part of u, rescaled, so that its lobes are as well stratified as without guiding.
   out.bsdf_u = min(u.x / a, F(kOneMinusEpsilon));
@@ -33,20 +33,20 @@ GuideValue<L> evaluate_guide(const GuideView& guide, Uint<L> rows, std::uint32_t
   if (lanes == 0) return {Float<L>(1.0f), Float<L>(0.0f)};
   const LaneArray<Uint<L>> row(rows);
   const LaneRows<L, Vec3> directions(direction);
-  LaneArray<Float<L>> share;
+  LaneArray<Float<L>> probability;
   alignas(kSimdAlignment) float parts[L::width][kGuideLobes];
   for (int lane = 0; lane < L::width; ++lane) {
     if ((lanes >> lane & 1u) == 0) {
-      share[lane] = 1;
+      probability[lane] = 1;
       std::fill_n(parts[lane], kGuideLobes, 0.0f);
       continue;
     }
     const GuideMixture& m = guide.mixtures[row[lane]];
-    share[lane] = m.bsdf_share;
+    probability[lane] = m.bsdf_probability;
     lobe_parts(m, directions[lane], parts[lane]);
   }
   GuideValue<L> out;
-  out.bsdf_share = share.load();
+  out.bsdf_probability = probability.load();
   out.pdf_solid_angle = sum_parts<L>(parts);
   return out;
 }

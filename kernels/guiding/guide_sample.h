@@ -11,7 +11,7 @@ namespace sheaf {
 template <class L> struct GuideSample {
   typename L::Mask taken;    ///< lanes that sample the guide
   Vec3<L> direction;         ///< world space; only in lanes of `taken`
-  typename L::Float bsdf_u;  ///< elsewhere: new number in [0, 1) in place of u.x
+  typename L::Float bsdf_u;  ///< elsewhere: new number in [0, 1) instead of u.x
 };
 
 /// Chooses with the mixtures in `rows` of the first `count` vertices. `u.x` makes the choice, `u.y` and `u.z` give the
@@ -21,12 +21,12 @@ GuideSample<L> sample_guide(const GuideView& guide, Uint<L> rows, int count, con
 
 /// Value of the guide for a direction at a vertex.
 template <class L> struct GuideValue {
-  typename L::Float bsdf_share;       ///< probability of sampling the BSDF, in (0, 1]
-  typename L::Float pdf_solid_angle;  ///< of guided directions
+  typename L::Float bsdf_probability;  ///< probability of sampling the BSDF, in (0, 1]
+  typename L::Float pdf_solid_angle;   ///< of guided directions
 
   /// Pdf of the mixture of BSDF and guide, where the BSDF has pdf `bsdf_pdf`. `guided` scales the pdf of the guide.
   SHEAF_INLINE Float<L> mixed(Float<L> bsdf_pdf, Float<L> guided = Float<L>(1.0f)) const {
-    return fma(bsdf_share, bsdf_pdf, (Float<L>(1.0f) - bsdf_share) * guided * pdf_solid_angle);
+    return fma(bsdf_probability, bsdf_pdf, (Float<L>(1.0f) - bsdf_probability) * guided * pdf_solid_angle);
   }
 };
 

@@ -1,8 +1,8 @@
 // The guide as kernels read it: mixtures, and the trees that map a vertex to its mixture.
 //
 // There is one tree for each side that surfaces may face and one for media, all over the same cube. A tree halves the
-// cube along x, y and z in turn, so the path to a leaf is the Morton code of a point. The first kGuideTopBits levels
-// are a table.
+// cube along x, y and z alternately, so the path to a leaf is the Morton code of a point. The first kGuideTopBits
+// levels are a table.
 #pragma once
 
 #include "kernels/guiding/guide_mixture.h"
@@ -24,7 +24,7 @@ struct GuideView {
   /// Per mixture: mean light that vertices of its cell scatter, over their throughput; -1: unknown.
   const float* means = nullptr;
   Vec3f low{};      ///< corner of the cube
-  float scale = 0;  ///< cells of the finest level per metre
+  float scale = 0;  ///< cells of the finest level per meter
 };
 
 /// Side of a surface whose normal, on the viewer's side, is `n`.
@@ -60,13 +60,13 @@ template <class L> SHEAF_INLINE Uint<L> guide_row(const GuideView& guide, Uint<L
   using U = Uint<L>;
   if (guide.roots == nullptr) return U(0u);
   U node = gather(guide.roots, (side << kGuideTopBits) + (code >> (kGuideBits - kGuideTopBits)));
-  U way = code << (32 - kGuideBits + kGuideTopBits);
+  U bits = code << (32 - kGuideBits + kGuideTopBits);
   for (;;) {
     const auto inner = (node & U(kGuideLeaf)) == U(0u);
     if (!any(inner)) return node & U(~kGuideLeaf);
-    const U child = gather(guide.children, select(inner, (node << 1) + (way >> 31), U(0u)));
+    const U child = gather(guide.children, select(inner, (node << 1) + (bits >> 31), U(0u)));
     node = select(inner, child, node);
-    way = way << 1;
+    bits = bits << 1;
   }
 }
 

@@ -1,5 +1,5 @@
 // Environment maps: radiance lookup by direction, and sampling of directions in proportion to it. Generic in the lane
-// policy. scene/tables/envmap.h defines the parameterisation.
+// policy. scene/tables/envmap.h defines the parameterization.
 #pragma once
 
 #include "core/color/uplift.h"
@@ -28,7 +28,7 @@ namespace detail {
 template <class L> struct EnvmapCell { typename L::Uint column, row; };
 
 /// Position in a cell, in [0, 1]: x from its first column to the next, y from its upper row to the lower.
-template <class L> struct EnvmapPlace { typename L::Float x, y; };
+template <class L> struct EnvmapCellPosition { typename L::Float x, y; };
 
 /// Table entries of a cell and its four nodes, in the order upper left, lower left, upper right, lower right.
 template <class L> struct EnvmapNodes {
@@ -59,24 +59,25 @@ template <class L> SHEAF_INLINE EnvmapNodes<L> load_nodes(const EnvmapView& map,
 }
 
 /// Bilinear interpolation of four values in the order of EnvmapNodes.
-template <class L> SHEAF_INLINE Float<L> mix(const EnvmapPlace<L>& at, Float<L> a, Float<L> b, Float<L> c, Float<L> d) {
+template <class L>
+SHEAF_INLINE Float<L> mix(const EnvmapCellPosition<L>& at, Float<L> a, Float<L> b, Float<L> c, Float<L> d) {
   return lerp(at.x, lerp(at.y, a, b), lerp(at.y, c, d));
 }
 
 /// Density on the unit square: that of the cell, distributed in proportion to the interpolated brightness.
-template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes, const EnvmapPlace<L>& at) {
+template <class L> SHEAF_INLINE Float<L> density_at(const EnvmapNodes<L>& nodes, const EnvmapCellPosition<L>& at) {
   using F = Float<L>;
   const F* const b = nodes.brightness;
   const F sum = (b[0] + b[1]) + (b[2] + b[3]);
   const auto uneven = sum > F(0.0f);
-  const F share = F(4.0f) * mix<L>(at, b[0], b[1], b[2], b[3]) / select(uneven, sum, F(1.0f));
-  return nodes.density * select(uneven, share, F(1.0f));
+  const F fraction = F(4.0f) * mix<L>(at, b[0], b[1], b[2], b[3]) / select(uneven, sum, F(1.0f));
+  return nodes.density * select(uneven, fraction, F(1.0f));
 }
 
 /// Radiance at a position in a cell. Spectral mode: at `lambda`.
 template <class L, ColorMode kMode>
 SHEAF_INLINE Spectrum<L> radiance_at(const EnvmapView& map, const EnvmapNodes<L>& nodes, const EnvmapCell<L>& cell,
-                                     const EnvmapPlace<L>& at, const Spectrum<L>& lambda) {
+                                     const EnvmapCellPosition<L>& at, const Spectrum<L>& lambda) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto between = [&](F a, F b, F c, F d) SHEAF_LAMBDA_INLINE { return mix<L>(at, a, b, c, d); };
@@ -132,15 +133,15 @@ SHEAF_INLINE EnvmapValue<L> lookup_envmap(const EnvmapView& map, Vec3<L> directi
   const F y = fma(F(m[3]), direction.x, fma(F(m[4]), direction.y, F(m[5]) * direction.z));
   const F z = fma(F(m[6]), direction.x, fma(F(m[7]), direction.y, F(m[8]) * direction.z));
   const F sin_theta = sqrt(x * x + z * z);
-  const F turn = atan2(x, -z) * F(0.5f * kInvPi);
+  const F azimuth = atan2(x, -z) * F(0.5f * kInvPi);
   const F columns(static_cast<float>(map.width)), rows(static_cast<float>(map.height - 1));
   // floor(across), in [0, W], is the right node of the cell. The left node is one less (W - 1 for 0).
-  const F across = clamp((turn - floor(turn)) * columns + F(0.5f), F(0.5f), columns + F(0.5f));
+  const F across = clamp((azimuth - floor(azimuth)) * columns + F(0.5f), F(0.5f), columns + F(0.5f));
   const F down = clamp(atan2(sin_theta, y) * F(kInvPi), F(0.0f), F(1.0f)) * rows;
   const U after = to_uint(across);
   const detail::EnvmapCell<L> cell{select(after == U(0u), U(map.width - 1), after - U(1u)),
                                    min(to_uint(down), U(map.height - 2))};
-  const detail::EnvmapPlace<L> at{across - to_float(after), down - to_float(cell.row)};
+  const detail::EnvmapCellPosition<L> at{across - to_float(after), down - to_float(cell.row)};
   const auto nodes = detail::load_nodes<L>(map, cell);
   return {detail::radiance_at<L, kMode>(map, nodes, cell, at, lambda),
           detail::envmap_solid_angle_pdf(detail::density_at<L>(nodes, at), sin_theta)};
@@ -204,7 +205,7 @@ SHEAF_INLINE EnvmapSample<L> sample_envmap(const EnvmapView& map, const EnvmapDr
   const F of_row = gather(map.rows, row.index);
   const F of_column =
       nodes.density * F(1.0f / (static_cast<float>(map.width) * static_cast<float>(map.height - 1))) / of_row;
-  detail::EnvmapPlace<L> at;
+  detail::EnvmapCellPosition<L> at;
   // Sample the position in the cell.
   at.y = detail::sample_linear(row.remapped(of_row), b[0] + b[2], b[1] + b[3]);
   at.x = detail::sample_linear(column.remapped(of_column), lerp(at.y, b[0], b[1]), lerp(at.y, b[2], b[3]));

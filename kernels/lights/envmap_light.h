@@ -38,17 +38,17 @@ struct EnvmapLight {
                                              TextureQuery<L>&) {
     using F = Float<L>;
     const EnvmapView& map = lights.scene.lights.envmap;
-    const Vec3<L> to_light = select<L>(b.z < F(kUniformShare), square_to_sphere<L>(b.x, b.y),
+    const Vec3<L> to_light = select<L>(b.z < F(kUniformProbability), square_to_sphere<L>(b.x, b.y),
                                        sample_envmap<L, kMode>(map, b.x, b.y, lights.lambda).direction);
     const auto value = arriving<L, kMode>(lights.scene, {}, lights.light.radiance, to_light, lights.lambda);
-    const F pdf = fma(F(1.0f - kUniformShare), value.pdf_solid_angle, F(kUniformShare * kUniformSpherePdf));
+    const F pdf = fma(F(1.0f - kUniformProbability), value.pdf_solid_angle, F(kUniformProbability * kUniformSpherePdf));
     return emit_from_infinity<L>(lights.scene, -to_light, value.radiance, pdf, a);
   }
 
  private:
   /// Fraction of the photons with uniform directions. The map's own pdf is 0 where EnvmapDescription::mis_compensation
   /// reduces it to 0.
-  static constexpr float kUniformShare = 0.125f;
+  static constexpr float kUniformProbability = 0.125f;
 
   /// Spectral mode: the map multiplies the emission of the light's row.
   template <class L, ColorMode kMode>

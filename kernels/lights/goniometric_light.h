@@ -38,8 +38,8 @@ struct GoniometricLight {
   template <class L> static SHEAF_INLINE void look_up(Mask<L> m, Vec3<L> local, TextureQuery<L>& texture) {
     using F = Float<L>;
     using U = Uint<L>;
-    const Vec2<L> place = equal_area_octahedral<L>(local);
-    set_query<L>(m, {{place.x, F(1.0f) - place.y}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
+    const Vec2<L> uv = equal_area_octahedral<L>(local);
+    set_query<L>(m, {{uv.x, F(1.0f) - uv.y}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
   }
 };
 

@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Distance of the photons' start from the centre of the bounding sphere, in radii.
+/// Distance of the photons' start from the center of the bounding sphere, in radii.
 inline constexpr float kDiskDistance = 1.05f;
 
 /// End of a shadow ray to such a light.
@@ -14,7 +14,7 @@ template <class L> SHEAF_INLINE Vec3<L> beyond_scene(const SceneView& scene, Vec
   return from + direction * Float<L>(2.1f * scene.radius);
 }
 
-/// Radius, in metres, of the sphere around SceneView::center that photons from infinity must cover. An unbounded outer
+/// Radius, in meters, of the sphere around SceneView::center that photons from infinity must cover. An unbounded outer
 /// medium extends a little beyond the scene.
 inline float covered_radius(const SceneView& scene) {
   return scene.media.outer_medium != 0 && scene.media.outer_radius < kInfinity ? scene.media.outer_radius

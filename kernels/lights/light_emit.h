@@ -21,7 +21,7 @@ template <class L> SHEAF_INLINE void merge(Mask<L> m, const PhotonEmission<L>& f
 }  // namespace light_emit_detail
 
 /// Emits a photon from each light chosen by choose_light_by_power(). a.y, a.z and a.w choose the position, b.x, b.y and
-/// b.z the direction. `time`: in [0, 1]. Spectral mode: flux at `lambda`, per nanometre.
+/// b.z the direction. `time`: in [0, 1]. Spectral mode: flux at `lambda`, per nanometer.
 template <class L, ColorMode kMode = ColorMode::kRgb>
 PhotonEmission<L> emit_photon(const SceneView& scene, const LightChoice<L>& choice, const Random4<L>& a,
                               const Random4<L>& b, Float<L> time, const Spectrum<L>& lambda = {}) {

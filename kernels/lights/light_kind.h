@@ -12,7 +12,7 @@
 // and optionally, as constants that are true
 //     kIsSampledInline  for common kinds: light sampling inlines their code for registers with lights of one kind,
 //     kIsForPhotons     light sampling never reaches the light.
-// A specialisation of LightOf below the struct makes it the kernel of its scene half.
+// A specialization of LightOf below the struct makes it the kernel of its scene half.
 //
 // The lanes of a register may hold lights of several kinds. A kind may compute anything in the lanes of other kinds,
 // since those results are discarded, but it must not read rows that do not exist.
@@ -28,7 +28,7 @@
 
 namespace sheaf {
 
-/// How paths hit lights by sampling BSDFs and phase functions.
+/// Hits of lights by paths that sample BSDFs and phase functions.
 enum class LightHitKind {
   kNever,    ///< not at all: the light is a single point or direction
   kSurface,  ///< by hitting a shape
@@ -36,7 +36,7 @@ enum class LightHitKind {
   kMedium,   ///< by passing through a medium
 };
 
-/// `Type` is the kernel of a kind of scene/lights/list.h. Each kernel specialises it beside its definition.
+/// `Type` is the kernel of a kind of scene/lights/list.h. Each kernel specializes it beside its definition.
 template <class Kind> struct LightOf;
 
 /// Loads the rows lights[light], one per lane.

@@ -18,7 +18,7 @@ SHEAF_INLINE Spectrum<L> light_spectra(const SceneView& scene, typename L::Uint 
   return evaluate<L>(scene.spectral.lights, light, scene.spectral.tables, lambda);
 }
 
-/// Spectra of texture colours, as factors on light_spectra().
+/// Spectra of texture colors, as factors on light_spectra().
 template <class L>
 SHEAF_INLINE Spectrum<L> uplifted_light(const SceneView& scene, const Spectrum<L>& rgb, const Spectrum<L>& lambda) {
   return evaluate(uplift_unbounded<L>(*scene.spectral.uplift, {rgb.c0, rgb.c1, rgb.c2}), lambda);
@@ -90,7 +90,7 @@ template <class L, ColorMode kMode>
   return s;
 }
 
-/// Samples given lights where their tables place them, without their coats. `query`: set where a texture is looked up.
+/// Samples given lights in their rest pose, without their coats. `query`: set where a texture is looked up.
 template <class L, ColorMode kMode>
 SHEAF_INLINE LightSample<L> sample_at_rest(const SceneView& scene, const LightSampleContext<L>& at,
                                            const LightRecord<L>& light, const Random4<L>& u, const Spectrum<L>& lambda,

@@ -115,7 +115,7 @@ template <class L> SHEAF_INLINE Importance<L> importance(const LightChild<L>& ch
   const F cos_receiver = fma(abs(dot(at.n, d)) + child.radius, inverse, at.cosine_bias);
   // The distance counts as at least the radius.
   const F inverse_distance = min(inverse, rough_reciprocal<L>(child.radius));
-  const F weight = child.share * (inverse_distance * inverse_distance) *
+  const F weight = child.power_fraction * (inverse_distance * inverse_distance) *
                    (clamp(cos_light, min_cosine, one) * min(cos_receiver, one));
   const auto shines = cos_light + child.reach > one;
   return {select(shines, weight, F(0.0f)), shines};
@@ -274,7 +274,7 @@ SHEAF_INLINE LightTreeSample<L> sample_light_tree(const LightTreeView& tree, Vec
 template <class L> struct LightTreeCut {
   /// Cumulative probabilities of each upper node's first one, two and three children. kSkipNode if there is no node,
   /// because a leaf lies above it; kUnreachable if none of its lights can contribute.
-  typename L::Float cdf[(kLightChildren - 1) * kLightTopTurns];
+  typename L::Float cdf[(kLightChildren - 1) * kLightCutNodes];
 
   static constexpr float kSkipNode = 2, kUnreachable = -1;
   static constexpr auto fields(auto& s) { return std::tie(s.cdf); }
@@ -282,15 +282,15 @@ template <class L> struct LightTreeCut {
 
 /// Evaluates the upper levels of the tree for a point; see sample_light_tree(). The tree must have lights.
 template <class L>
-SHEAF_INLINE LightTreeCut<L> light_tree_top(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
+SHEAF_INLINE LightTreeCut<L> light_tree_cut(const LightTreeView& tree, Vec3<L> p, Vec3<L> n, Mask<L> has_normal) {
   using namespace light_tree_detail;
   using F = Float<L>;
   const Receiver<L> at = make_receiver<L>(p, n, has_normal);
   LightTreeCut<L> out;
-  for (int node = 0; node < kLightTopTurns; ++node) {
+  for (int node = 0; node < kLightCutNodes; ++node) {
     F* const cdf = out.cdf + (kLightChildren - 1) * node;
     for (int k = 0; k + 1 < kLightChildren; ++k) cdf[k] = F(LightTreeCut<L>::kSkipNode);
-    const std::uint32_t position = tree.top[node];
+    const std::uint32_t position = tree.cut_nodes[node];
     if ((position & kLightLeaf) != 0) continue;
     const ChildWeights<L> children = child_weights<L>(broadcast<L>(tree.nodes[position], at), at);
     const F sum = children.sum();
@@ -313,7 +313,7 @@ SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(const LightTreeView& tr
   using namespace light_tree_detail;
   using F = Float<L>;
   using U = Uint<L>;
-  static_assert(kLightTopLevels == 2);
+  static_assert(kLightCutLevels == 2);
   constexpr int kCdfSize = kLightChildren - 1;
   const F zero(0.0f), one(1.0f);
   Traversal<L> state = Traversal<L>::at_root(u);
@@ -333,7 +333,7 @@ SHEAF_INLINE LightTreeTraversal<L> begin_light_traversal(const LightTreeView& tr
     cdf[k] = pick<L>(of_children, first);
   }
   const U second = sample_child(cdf);
-  const U position = gather(tree.top, (first << 2) + second + U(kLightTopTurns));
+  const U position = gather(tree.cut_nodes, (first << 2) + second + U(kLightCutNodes));
   return {make_receiver<L>(p, n, has_normal), state, position};
 }
 

@@ -71,8 +71,8 @@ struct MeshLight {
     triangle.edge2 = select<L>(deforms, now.edge2, triangle.edge2);
     triangle.normal = select<L>(deforms, now.normal, triangle.normal);
     triangle.offset = select(deforms, now.offset, triangle.offset);
-    const F share = gather_member<L>(scene.lights.triangle_alias, &AliasEntry::pdf, first);
-    pdf_area = select(deforms, F(2.0f) * share / max(twice_area, F(1e-37f)), pdf_area);
+    const F probability = gather_member<L>(scene.lights.triangle_alias, &AliasEntry::pdf, first);
+    pdf_area = select(deforms, F(2.0f) * probability / max(twice_area, F(1e-37f)), pdf_area);
   }
 
   /// Samples a point by u.y, u.z and u.w.

@@ -26,7 +26,7 @@ struct ProjectorLight {
     s.valid = s.valid & ahead & (min(u, v) >= F(0.0f)) & (max(u, v) <= F(1.0f));
     const F inverse_cosine = sqrt(dot(local, local)) / depth;
     const F inverse_cosines = inverse_cosine * inverse_cosine * inverse_cosine;
-    s.radiance = s.radiance * select(lights.light.has_flag(kIsEven), F(1.0f), inverse_cosines);
+    s.radiance = s.radiance * select(lights.light.has_flag(kConstantIntensity), F(1.0f), inverse_cosines);
     set_query<L>(lights.active & s.valid, {{u, v}, U(0u), U(0u), F(0.0f), F(0.0f)}, texture);
     return s;
   }
@@ -46,7 +46,7 @@ struct ProjectorLight {
     auto e = emit_from_position<L>(lights.light, light.position, normalize_any(frame.world_vector(local)),
                                    inverse_area * inverse_cosines);
     e.flux = lights.light.radiance *
-             (F(1.0f) / (inverse_area * select(lights.light.has_flag(kIsEven), inverse_cosines, F(1.0f))));
+             (F(1.0f) / (inverse_area * select(lights.light.has_flag(kConstantIntensity), inverse_cosines, F(1.0f))));
     set_query<L>(lights.active, {{b.x, b.y}, Uint<L>(0u), Uint<L>(0u), F(0.0f), F(0.0f)}, texture);
     return e;
   }

@@ -22,10 +22,10 @@ template <class SpotKind> struct SpotLight {
                                             TextureQuery<L>& texture) {
     const SpotLightData<L> spot = lights.light.template data<SpotLightData>();
     const LightFrameRecord<L> frame = load_frames<L>(lights, spot.frame);
-    const Float<L> share = falloff<L>(lights, spot, frame.local_point(from), texture);
+    const Float<L> attenuation = falloff<L>(lights, spot, frame.local_point(from), texture);
     LightSample<L> s = sample_position<L>(lights.light, spot.position, from);
-    s.radiance = s.radiance * share;
-    s.valid = s.valid & (share > Float<L>(0.0f));
+    s.radiance = s.radiance * attenuation;
+    s.valid = s.valid & (attenuation > Float<L>(0.0f));
     return s;
   }
 
@@ -39,11 +39,11 @@ template <class SpotKind> struct SpotLight {
     const F one_minus_cos = cone_one_minus_cos<L>(spot);
     const Vec3<L> local = square_to_cone<L>(b.x, b.y, one_minus_cos);
     const Vec3<L> along = frame.world_vector(local);
-    const F share = falloff<L>(lights, spot, local, texture);
+    const F attenuation = falloff<L>(lights, spot, local, texture);
     const F pdf = world_pdf<L>(frame, along, F(0.5f * kInvPi) / max(one_minus_cos, F(1e-37f)));
     auto e = emit_from_position<L>(lights.light, spot.position, normalize_any(along), pdf);
-    e.flux = e.flux * share;
-    e.valid = e.valid & (share > F(0.0f));
+    e.flux = e.flux * attenuation;
+    e.valid = e.valid & (attenuation > F(0.0f));
     return e;
   }
 

@@ -13,18 +13,18 @@
 
 namespace sheaf {
 
-/// Pdf, per cubic metre, of sampling the point `p` of a volume light.
+/// Pdf, per cubic meter, of sampling the point `p` of a volume light.
 inline float volume_light_pdf(const SceneView& scene, std::uint32_t index, Vec3f p) {
   const VolumeLightData<Scalar> light = scene.lights.rows[index].data<VolumeLightData>();
   const VolumeCells cells = VolumeCells::of_word(light.cells);
   const Vec3f size = light.extent;
-  const auto place = [](float x, float lower, float extent, std::uint32_t count) {
+  const auto cell_of = [](float x, float lower, float extent, std::uint32_t count) {
     const float at = (x - lower) / extent * static_cast<float>(count);
     return at >= 0.0f && at <= static_cast<float>(count) ? std::min(to_uint(at), count - 1u) : kNone;
   };
-  const std::uint32_t x = place(p.x, light.corner.x, size.x, cells.x);
-  const std::uint32_t y = place(p.y, light.corner.y, size.y, cells.y);
-  const std::uint32_t z = place(p.z, light.corner.z, size.z, cells.z);
+  const std::uint32_t x = cell_of(p.x, light.corner.x, size.x, cells.x);
+  const std::uint32_t y = cell_of(p.y, light.corner.y, size.y, cells.y);
+  const std::uint32_t z = cell_of(p.z, light.corner.z, size.z, cells.z);
   if (x == kNone || y == kNone || z == kNone) return 0.0f;
   const AliasEntry& cell = scene.lights.triangle_alias[light.first_cell + (z * cells.y + y) * cells.x + x];
   return cell.pdf * static_cast<float>(cells.count()) / (size.x * size.y * size.z);
@@ -41,7 +41,7 @@ inline float volume_light_pdf_at(const SceneView& scene, std::uint32_t index, Ve
 /// A point of a volume light.
 template <class L> struct VolumePoint {
   Vec3<L> p;
-  typename L::Float pdf_volume;  ///< per cubic metre
+  typename L::Float pdf_volume;  ///< per cubic meter
   Spectrum<L> emitted;           ///< sigma_a times the emitted radiance, W / (m^3 sr)
   static constexpr auto fields(auto& s) { return std::tie(s.p, s.pdf_volume, s.emitted); }
 };
@@ -75,7 +75,7 @@ struct VolumeLight {
   using Kind = VolumeLightKind;
   static constexpr LightHitKind kHitKind = LightHitKind::kMedium;
 
-  /// `radiance` of the sample is per metre.
+  /// `radiance` of the sample is per meter.
   template <class L, ColorMode kMode>
   static SHEAF_INLINE LightSample<L> sample(const LightQuery<L>& lights, Vec3<L> from, const Random4<L>& u,
                                             TextureQuery<L>&) {

@@ -1,4 +1,4 @@
-// Vectorised delta and ratio tracking through media whose extinction is the product of their spectra and one grid
+// Vectorized delta and ratio tracking through media whose extinction is the product of their spectra and one grid
 // (kMediumSingleGrid). A ray's outcome then depends only on one number per point, the density, and on the extinction of
 // its hero lane. The number of null collisions and the integrals of the bounds along the ray suffice to weight the
 // other lanes (kernels/media/density_weights.h).
@@ -39,7 +39,7 @@ inline constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.25f;
 /// A ray to track.
 template <class L> struct DensityRay {
   Vec3<L> origin, direction;  ///< as in MediumRay
-  Float<L> length;            ///< metres
+  Float<L> length;            ///< meters
   Float<L> extinction;        ///< extinction of the hero lane at density 1
   Float<L> largest;           ///< maximum over all lanes of the extinction at density 1
   Float<L> first;             ///< in [0, 1): random number for the distance to the first collision
@@ -62,7 +62,7 @@ enum class DensityOutcome : std::uint32_t {
 
 /// Result of tracking a ray.
 template <class L> struct TrackResult {
-  Float<L> t;                     ///< distance in metres at which the ray scatters
+  Float<L> t;                     ///< distance in meters at which the ray scatters
   Float<L> majorants, minorants;  ///< integrals along the ray of the bounds that were used
   Float<L> ratio;                 ///< see density_weights.h
   Float<L> survival;              ///< product of 1 / kSurvival over Russian roulette
@@ -145,7 +145,7 @@ SHEAF_INLINE DensityStart<L> start_density_ray(const DensityMedium& medium, cons
 }
 
 /// Advances the walking lanes to the end of their leaf, or to a collision before it.
-template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMedium& medium, DensityLane<L>& lane) {
+template <class L, DensityTracking kPurpose> SHEAF_INLINE void step(const DensityMedium& medium, DensityLane<L>& lane) {
   using F = Float<L>;
   LeafWalk<L>& walk = lane.start.walk;
   TrackResult<L>& sum = lane.end;
@@ -161,7 +161,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   const Mask<L> is_used_up = (minorant > F(0.0f)) & (used_up < leaf_end);
   const F end = select(is_used_up, used_up, leaf_end);
   const F left = max(end - walk.t, F(0.0f));
-  const F rate = kWhat == DensityTracking::kTransmittance ? s * (majorant - minorant) : s * majorant;
+  const F rate = kPurpose == DensityTracking::kTransmittance ? s * (majorant - minorant) : s * majorant;
   const F over = rate * left;
   // Step to the collision, or to the end.
   const Mask<L> collides = walking & (over > lane.start.depth), passes = walking & !collides;
@@ -173,7 +173,7 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
   // Leave the leaf or the box.
   const Mask<L> leaves_box = passes & !is_used_up & !(leaf.t_end < walk.leave);
   const Mask<L> leaves_leaf = passes & !is_used_up & (leaf.t_end < walk.leave);
-  walk.place = select<L>(leaves_leaf, place_behind<L>(medium.majorants, walk, leaf), walk.place);
+  walk.position = select<L>(leaves_leaf, position_behind<L>(medium.majorants, walk, leaf), walk.position);
   lane.majorant = select(collides, majorant, lane.majorant);
   lane.minorant = select(collides, minorant, lane.minorant);
   set_where<L>(collides, DensityOutcome::kColliding, lane.start.outcome);
@@ -181,7 +181,8 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void step(const DensityMe
 }
 
 /// Decides whether the colliding lanes have real or null collisions.
-template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const DensityMedium& medium, DensityLane<L>& lane) {
+template <class L, DensityTracking kPurpose>
+SHEAF_INLINE void collide(const DensityMedium& medium, DensityLane<L>& lane) {
   using F = Float<L>;
   using U = Uint<L>;
   const LeafWalk<L>& walk = lane.start.walk;
@@ -195,28 +196,28 @@ template <class L, DensityTracking kWhat> SHEAF_INLINE void collide(const Densit
   const F density = min(max(lookup_density<L>(medium.density, p), lane.minorant), lane.majorant);
   const F residual = lane.majorant - lane.minorant, null = lane.majorant - density;
   set_where<L>(colliding, DensityOutcome::kWalking, lane.start.outcome);
-  Mask<L> goes_on = colliding;
-  if constexpr (kWhat == DensityTracking::kScattering) {
+  Mask<L> is_active = colliding;
+  if constexpr (kPurpose == DensityTracking::kScattering) {
     const Mask<L> is_real = colliding & (u.y * lane.majorant < density);
     set_where<L>(is_real, DensityOutcome::kScattered, lane.start.outcome);
-    goes_on = colliding & !is_real;
-    sum.ratio = select(goes_on, sum.ratio * (residual / max(null, F(1e-30f))), sum.ratio);
+    is_active = colliding & !is_real;
+    sum.ratio = select(is_active, sum.ratio * (residual / max(null, F(1e-30f))), sum.ratio);
   } else {
     sum.ratio = select(colliding, sum.ratio * (null / residual), sum.ratio);
     const F passed = sum.ratio * exp(-(lane.start.extinction * sum.minorants)) * sum.survival;
-    const Mask<L> is_little = colliding & (passed < F(kRouletteThreshold));
-    sum.survival = select(is_little, sum.survival * F(1.0f / kSurvival), sum.survival);
-    const Mask<L> is_closed = (is_little & (u.y >= F(kSurvival))) | (colliding & !(sum.ratio > F(0.0f)));
-    set_where<L>(is_closed, DensityOutcome::kAbsorbed, lane.start.outcome);
+    const Mask<L> in_roulette = colliding & (passed < F(kRouletteThreshold));
+    sum.survival = select(in_roulette, sum.survival * F(1.0f / kSurvival), sum.survival);
+    const Mask<L> is_absorbed = (in_roulette & (u.y >= F(kSurvival))) | (colliding & !(sum.ratio > F(0.0f)));
+    set_where<L>(is_absorbed, DensityOutcome::kAbsorbed, lane.start.outcome);
   }
   // Sample the distance to the next collision.
-  sum.nulls = select(goes_on, sum.nulls + U(1u), sum.nulls);
+  sum.nulls = select(is_active, sum.nulls + U(1u), sum.nulls);
   lane.start.depth = select(colliding, exponential<L>(u.x), lane.start.depth);
-  set_where<L>(goes_on & !(sum.nulls < U(kMaxCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
+  set_where<L>(is_active & !(sum.nulls < U(kMaxCollisions)), DensityOutcome::kAbandoned, lane.start.outcome);
 }
 
 /// Distributes rays to the lanes, tracks them, and stores their results.
-template <class L, DensityTracking kWhat> class DensityTracker {
+template <class L, DensityTracking kPurpose> class DensityTracker {
  public:
   DensityTracker(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends)
       : medium_(medium), count_(count), ends_(ends) {
@@ -234,9 +235,9 @@ template <class L, DensityTracking kWhat> class DensityTracker {
       std::uint32_t colliding = 0, walking = kAll & ~idle_;
       do {
         if (walking == 0 || std::popcount(colliding) >= kEnough) {
-          collide<L, kWhat>(medium_, lane);
+          collide<L, kPurpose>(medium_, lane);
         } else {
-          step<L, kWhat>(medium_, lane);
+          step<L, kPurpose>(medium_, lane);
         }
         colliding = mask_bits(is_at<L>(lane.start.outcome, DensityOutcome::kColliding));
         walking = mask_bits(is_at<L>(lane.start.outcome, DensityOutcome::kWalking));
@@ -288,9 +289,9 @@ template <class L, DensityTracking kWhat> class DensityTracker {
 
 /// Tracks the first `count` rays. Rows after them, up to a whole register, must be set too. The result of a ray does
 /// not depend on the other rays.
-template <class L, DensityTracking kWhat>
+template <class L, DensityTracking kPurpose>
 inline void track_densities(const DensityMedium& medium, const DensityRays& rays, int count, TrackResults& ends) {
-  detail::DensityTracker<L, kWhat>(medium, rays, count, ends).run();
+  detail::DensityTracker<L, kPurpose>(medium, rays, count, ends).run();
 }
 
 }  // namespace sheaf

@@ -28,12 +28,12 @@ inline bool is_tracked_by_density(const MediumRay& ray, MediumEstimator estimato
 }
 
 /// Weights of the lanes relative to the hero, by path sampling and by light sampling.
-struct LaneOdds {
+struct LanePdfs {
   Float4 by_path, by_light;
 };
 
-inline LaneOdds lane_odds(const MediumRay& ray, const TrackResult<Scalar>& end) {
-  if (ray.has(kMediumGrey)) return {Float4(1.0f), Float4(1.0f)};
+inline LanePdfs lane_pdfs(const MediumRay& ray, const TrackResult<Scalar>& end) {
+  if (ray.has(kMediumGray)) return {Float4(1.0f), Float4(1.0f)};
   const Float4 s = majorant_spectrum(ray, 1.0f), more = Float4(s[ray.hero]) - s;
   Float4 power(1.0f), square = end.nulls > 0 ? s * (1.0f / s[ray.hero]) : power;
   for (std::uint32_t n = end.nulls; n != 0; n >>= 1, square = square * square)
@@ -43,25 +43,25 @@ inline LaneOdds lane_odds(const MediumRay& ray, const TrackResult<Scalar>& end) 
 
 /// Applies the result of kScattering: the path has passed, or scatters at TrackResult::t.
 inline void weigh_scattering(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
-  const LaneOdds odds = lane_odds(ray, end);
+  const LanePdfs pdf_ratio = lane_pdfs(ray, end);
   const float hero = majorant_spectrum(ray, 1.0f)[ray.hero];
-  path.beta = path.beta * odds.by_path;
-  path.r_u = path.r_u * ray.odds(odds.by_path);
-  path.r_l = path.r_l *
-             (delta ? ray.odds(odds.by_path) : ray.odds(odds.by_light) * (end.ratio * std::exp(hero * end.minorants)));
+  path.beta = path.beta * pdf_ratio.by_path;
+  path.r_u = path.r_u * ray.pdf_ratio(pdf_ratio.by_path);
+  path.r_l = path.r_l * (delta ? ray.pdf_ratio(pdf_ratio.by_path)
+                               : ray.pdf_ratio(pdf_ratio.by_light) * (end.ratio * std::exp(hero * end.minorants)));
   if (end.outcome != static_cast<std::uint32_t>(DensityOutcome::kScattered)) return;
   const MediumCoefficients c = coefficients_per_density(ray.scene, ray.medium, ray.spectra, ray.at(end.t), ray.lambda);
   path.beta = path.beta * c.sigma_s * (1.0f / hero);
-  path.r_u = path.r_u * ray.odds(c.sigma_t * (1.0f / hero));
+  path.r_u = path.r_u * ray.pdf_ratio(c.sigma_t * (1.0f / hero));
 }
 
 /// Applies the result of kTransmittance, or of kScattering with `delta`, to a shadow ray that has passed.
 inline void weigh_transmittance(const MediumRay& ray, const TrackResult<Scalar>& end, bool delta, PathWeights& path) {
-  const LaneOdds odds = lane_odds(ray, end);
+  const LanePdfs pdf_ratio = lane_pdfs(ray, end);
   const float passed = delta ? 1.0f : end.ratio * std::exp(-majorant_spectrum(ray, 1.0f)[ray.hero] * end.minorants);
-  path.beta = path.beta * odds.by_path * (passed * end.survival);
-  path.r_u = path.r_u * (ray.odds(odds.by_path) * passed);
-  path.r_l = path.r_l * ray.odds(delta ? odds.by_path : odds.by_light);
+  path.beta = path.beta * pdf_ratio.by_path * (passed * end.survival);
+  path.r_u = path.r_u * (ray.pdf_ratio(pdf_ratio.by_path) * passed);
+  path.r_l = path.r_l * ray.pdf_ratio(delta ? pdf_ratio.by_path : pdf_ratio.by_light);
 }
 
 /// A queue of rays to track, in any media. The sampler stratifies the distances to the first collisions over a pixel's
@@ -87,15 +87,15 @@ class DensityQueue {
   }
 
   /// Tracks all rays and sets end().
-  template <class L, DensityTracking kWhat> void track() {
+  template <class L, DensityTracking kPurpose> void track() {
     std::array<bool, kCapacity> is_tracked{};
     for (int i = 0; i < size_; ++i)
-      if (!is_tracked[static_cast<std::size_t>(i)]) track_medium<L, kWhat>(i, is_tracked);
+      if (!is_tracked[static_cast<std::size_t>(i)]) track_medium<L, kPurpose>(i, is_tracked);
   }
 
  private:
   /// Tracks all rays in the medium of ray `first`; earlier rays are done already.
-  template <class L, DensityTracking kWhat> void track_medium(int first, std::array<bool, kCapacity>& is_tracked) {
+  template <class L, DensityTracking kPurpose> void track_medium(int first, std::array<bool, kCapacity>& is_tracked) {
     // Collect the rays.
     DensityRays rows;
     TrackResults ends;
@@ -123,8 +123,8 @@ class DensityQueue {
       rows.template store<L>(i, row);
     }
     const std::uint32_t grid = medium.density != kNone ? medium.density : medium.first_grid;
-    track_densities<L, kWhat>({scene.media.majorants[medium.majorants], scene.media.grids.rows[grid]}, rows, count,
-                              ends);
+    track_densities<L, kPurpose>({scene.media.majorants[medium.majorants], scene.media.grids.rows[grid]}, rows, count,
+                                 ends);
     for (int i = 0; i < count; ++i)
       ends_[static_cast<std::size_t>(index[static_cast<std::size_t>(i)])] = ends.template load<Scalar>(i);
   }

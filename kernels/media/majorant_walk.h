@@ -23,9 +23,9 @@ struct MajorantSegment {
 template <class L> struct LeafWalk {
   using F = Float<L>;
   Vec3<L> origin, direction, inverse;  ///< in voxels; components close to 0 are set to 0
-  Vec3<L> place;                       ///< point in the current leaf
+  Vec3<L> position;                    ///< point in the current leaf
   F t, leave;                          ///< current distance, and where the ray leaves the box
-  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.inverse, s.place, s.t, s.leave); }
+  static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.inverse, s.position, s.t, s.leave); }
 };
 
 /// The leaf that contains the current point.
@@ -80,8 +80,8 @@ SHEAF_INLINE LeafWalk<L> start_leaf_walk(const MajorantGridRow& row, Vec3<L> ori
     const float end = static_cast<float>(row.cells[axis] << row.base_log2) - 0.5f;
     return min(max(o + enter * d, F(0.0f)), F(end));
   };
-  walk.place = {start(0, walk.origin.x, walk.direction.x), start(1, walk.origin.y, walk.direction.y),
-                start(2, walk.origin.z, walk.direction.z)};
+  walk.position = {start(0, walk.origin.x, walk.direction.x), start(1, walk.origin.y, walk.direction.y),
+                   start(2, walk.origin.z, walk.direction.z)};
   walk.t = select(hits, enter, t_max);
   walk.leave = select(hits, leave, t_max);
   return walk;
@@ -92,19 +92,20 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
   using F = Float<L>;
   using U = Uint<L>;
   const int base_log2 = static_cast<int>(row.base_log2);
-  const U x = to_uint(walk.place.x), y = to_uint(walk.place.y), z = to_uint(walk.place.z);
+  const U x = to_uint(walk.position.x), y = to_uint(walk.position.y), z = to_uint(walk.position.z);
   const U cell = ((z >> base_log2) * U(row.cells[1]) + (y >> base_log2)) * U(row.cells[0]) + (x >> base_log2);
   const U entry = gather(row.entries, cell);
   const U log2 = entry & U((1u << kMajorantSideBits) - 1u);
   MajorantLeaf<L> leaf;
   leaf.side = detail::power_of_two<L>(log2);
   const F inverse_side = detail::power_of_two<L>(U(0u) - log2);
-  const auto low_of = [&](F place) SHEAF_LAMBDA_INLINE { return floor(place * inverse_side) * leaf.side; };
-  leaf.low = {low_of(walk.place.x), low_of(walk.place.y), low_of(walk.place.z)};
+  const auto low_of = [&](F position) SHEAF_LAMBDA_INLINE { return floor(position * inverse_side) * leaf.side; };
+  leaf.low = {low_of(walk.position.x), low_of(walk.position.y), low_of(walk.position.z)};
   // Locate the leaf within its base cell. A leaf larger than a base cell begins before it.
   const F per_side = max(F(static_cast<float>(1u << base_log2)) * inverse_side, F(1.0f));
   const U in_base((1u << base_log2) - 1u);
-  const auto part_of = [&](U place) SHEAF_LAMBDA_INLINE { return floor(to_float(place & in_base) * inverse_side); };
+  const auto part_of = [&](U position)
+                           SHEAF_LAMBDA_INLINE { return floor(to_float(position & in_base) * inverse_side); };
   const U index =
       (entry >> kMajorantSideBits) + to_uint(fma(fma(part_of(z), per_side, part_of(y)), per_side, part_of(x)));
   const U bounds = gather(&row.bounds->bits, index);
@@ -124,7 +125,7 @@ template <class L> SHEAF_INLINE MajorantLeaf<L> find_leaf(const MajorantGridRow&
 
 /// The point at which the traversal continues after a leaf that ends before the box does.
 template <class L>
-SHEAF_INLINE Vec3<L> place_behind(const MajorantGridRow& row, const LeafWalk<L>& walk, const MajorantLeaf<L>& leaf) {
+SHEAF_INLINE Vec3<L> position_behind(const MajorantGridRow& row, const LeafWalk<L>& walk, const MajorantLeaf<L>& leaf) {
   using F = Float<L>;
   const auto behind = [&](int axis, F t_plane, F low, F o, F d) SHEAF_LAMBDA_INLINE {
     const F across = select(d > F(0.0f), low + leaf.side, low - F(0.5f));
@@ -170,7 +171,7 @@ class MajorantWalk {
       const MajorantLeaf<Scalar> leaf = find_leaf<Scalar>(row_, walk_);
       const bool is_last = !(leaf.t_end < walk_.leave);
       segment = {t_, is_last ? walk_.leave : leaf.t_end, leaf.majorant};
-      if (!is_last) walk_.place = place_behind<Scalar>(row_, walk_, leaf);
+      if (!is_last) walk_.position = position_behind<Scalar>(row_, walk_, leaf);
       if (is_last || segment.t1 > segment.t0) {
         t_ = segment.t1;
         return true;

@@ -44,7 +44,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
     const Float4 passed = exp(Float4() - depth);
     const Float4 ratio = passed * (1.0f / (passed[ray.hero] * sigma_t[ray.hero]));
     path.beta = path.beta * ratio * c.sigma_s;
-    path.r_u = path.r_u * ray.odds(ratio * sigma_t);
+    path.r_u = path.r_u * ray.pdf_ratio(ratio * sigma_t);
     found = begin + step;
     return false;
   });
@@ -61,7 +61,7 @@ inline float march(const MediumRay& ray, float u, MediumRandom& random, Tracking
   }
   const float p = max(passed[ray.hero], 1e-30f);
   path.beta = path.beta * passed * (1.0f / p);
-  path.r_u = path.r_u * ray.odds(passed * (1.0f / p));
+  path.r_u = path.r_u * ray.pdf_ratio(passed * (1.0f / p));
   path.r_l = path.r_l * (1.0f / p);
   return ray.length;
 }
@@ -76,7 +76,7 @@ inline void pass_by_marching(const MediumRay& ray, MediumRandom& random, Trackin
   });
   const Float4 passed = exp(Float4() - depth);
   path.beta = path.beta * passed;
-  if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.odds(passed);
+  if (ray.has(kMediumScatters)) path.r_u = path.r_u * ray.pdf_ratio(passed);
 }
 
 }  // namespace sheaf

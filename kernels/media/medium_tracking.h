@@ -41,7 +41,7 @@ struct MediumRay {
   MediumSpectra spectra;    ///< for this ray's direction, if extinction depends on it
   Spectrum4 lambda;         ///< the path's wavelengths
   Vec3f origin, direction;  ///< unit length, unless the medium is stretched
-  float length;             ///< metres of world space, at most kLongestStretch
+  float length;             ///< meters of world space, at most kLongestStretch
   int hero;                 ///< lane by which distances are sampled
   bool weighted;            ///< the other lanes have their own pdfs
 
@@ -51,15 +51,15 @@ struct MediumRay {
     MediumCoefficients c = medium_coefficients(scene, medium, spectra, p, lambda);
     if (!has(kMediumFlakes)) [[likely]]
       return c;
-    const float share = flake_share(scene, medium, p, direction);
-    return {c.sigma_a * share, c.sigma_s * share, c.sigma_t * share};
+    const float projected_area = flake_projected_area(scene, medium, p, direction);
+    return {c.sigma_a * projected_area, c.sigma_s * projected_area, c.sigma_t * projected_area};
   }
   Float4 emission(Vec3f p) const { return medium_emission(scene, medium, spectra, p, lambda); }
   /// Factor on the pdfs of the lanes, given the factor `ratio` relative to the hero's pdf.
-  Float4 odds(Float4 ratio) const { return weighted ? ratio : Float4(ratio[hero]); }
+  Float4 pdf_ratio(Float4 ratio) const { return weighted ? ratio : Float4(ratio[hero]); }
 };
 
-/// Transmittance over a distance in metres.
+/// Transmittance over a distance in meters.
 SHEAF_INLINE Float4 transmittance(Float4 sigma_t, float distance) { return exp(sigma_t * -distance); }
 
 /// Samples a distance for the extinction `sigma` > 0 by u in [0, 1).
@@ -81,7 +81,7 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
     const Float4 passed = transmittance(sigma_t, t);
     const Float4 ratio = passed * (1.0f / (passed[ray.hero] * sigma));
     path.beta = path.beta * ratio * c.sigma_s;
-    path.r_u = path.r_u * ray.odds(ratio * sigma_t);
+    path.r_u = path.r_u * ray.pdf_ratio(ratio * sigma_t);
     return t;
   }
   // Pass through the medium
@@ -89,7 +89,7 @@ inline float track_homogeneous(const MediumRay& ray, float u, PathWeights& path)
   const float p = passed[ray.hero];
   const Float4 ratio = passed * (1.0f / p);
   path.beta = path.beta * ratio;
-  path.r_u = path.r_u * ray.odds(ratio);
+  path.r_u = path.r_u * ray.pdf_ratio(ratio);
   path.r_l = path.r_l * (1.0f / p);
   return ray.length;
 }
@@ -109,15 +109,15 @@ inline float majorant_at(const MajorantGridRow& row, Vec3f p) {
   return find_leaf<Scalar>(row, walk).majorant;
 }
 
-/// Pdf per metre and lane of a collision at `p` as MediumEmission counts it, without the transmittance up to `p`.
+/// Pdf per meter and lane of a collision at `p` as MediumEmission counts it, without the transmittance up to `p`.
 inline Float4 collision_density(const MediumRay& ray, Vec3f p) {
-  if (ray.has(kMediumHomogeneous)) return ray.odds(medium_coefficients(ray.medium, ray.spectra).sigma_t);
-  return ray.odds(majorant_spectrum(ray, majorant_at(ray.scene.media.majorants[ray.medium.majorants], p)));
+  if (ray.has(kMediumHomogeneous)) return ray.pdf_ratio(medium_coefficients(ray.medium, ray.spectra).sigma_t);
+  return ray.pdf_ratio(majorant_spectrum(ray, majorant_at(ray.scene.media.majorants[ray.medium.majorants], p)));
 }
 
 /// A tentative collision with a medium that null particles fill up to its majorant.
 struct Collision {
-  float t;           ///< metres from the ray's origin
+  float t;           ///< meters from the ray's origin
   Float4 sigma_maj;  ///< majorant there, 1/m; positive in the hero lane
   Float4 passed;     ///< majorant transmittance since the last collision, over that of the hero
 };
@@ -127,7 +127,7 @@ struct Collision {
 template <class Collide>
 SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& random, TrackingCounts& counts,
                                        Collide&& collide) {
-  const bool grey = ray.has(kMediumGrey);
+  const bool gray = ray.has(kMediumGray);
   std::uint32_t collisions_left = kMaxCollisions;
   // Remaining optical depth of the hero lane until the next collision.
   float depth = detail::exponential<Scalar>(random.next());
@@ -142,7 +142,7 @@ SHEAF_INLINE Float4 for_each_collision(const MediumRay& ray, MediumRandom& rando
       const float left = segment.t1 - t;
       const bool collides = sigma * left > depth;
       const float step = collides ? depth / sigma : left;
-      if (!grey) passed = passed * exp((Float4(sigma) - sigma_maj) * step);
+      if (!gray) passed = passed * exp((Float4(sigma) - sigma_maj) * step);
       if (!collides) {
         depth -= sigma * left;
         break;
@@ -180,7 +180,7 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
       ++counts.real;
       const Float4 ratio = at.passed * (1.0f / hero);
       path.beta = path.beta * ratio * c.sigma_s;
-      path.r_u = path.r_u * ray.odds(ratio * sigma_t);
+      path.r_u = path.r_u * ray.pdf_ratio(ratio * sigma_t);
       scattered_at = at.t;
       return false;
     }
@@ -189,14 +189,14 @@ inline float track_null_collisions(const MediumRay& ray, MediumRandom& random, b
     const Float4 sigma_n = at.sigma_maj - sigma_t;
     const Float4 ratio = at.passed * (1.0f / max(majorant - hero, 1e-30f));
     path.beta = path.beta * ratio * sigma_n;
-    path.r_u = path.r_u * ray.odds(ratio * sigma_n);
-    path.r_l = path.r_l * ray.odds(ratio * (delta ? sigma_n : at.sigma_maj));
+    path.r_u = path.r_u * ray.pdf_ratio(ratio * sigma_n);
+    path.r_l = path.r_l * ray.pdf_ratio(ratio * (delta ? sigma_n : at.sigma_maj));
     return true;
   });
   if (scattered_at >= 0.0f) return scattered_at;
   path.beta = path.beta * rest;
-  path.r_u = path.r_u * ray.odds(rest);
-  path.r_l = path.r_l * ray.odds(rest);
+  path.r_u = path.r_u * ray.pdf_ratio(rest);
+  path.r_l = path.r_l * ray.pdf_ratio(rest);
   return ray.length;
 }
 
@@ -206,7 +206,7 @@ inline void pass_homogeneous(const MediumRay& ray, bool from_within, PathWeights
   const MediumCoefficients c = medium_coefficients(ray.medium, ray.spectra);
   const Float4 passed = transmittance(c.sigma_t, ray.length);
   path.beta = path.beta * passed;
-  if (ray.has(kMediumScatters) || from_within) path.r_u = path.r_u * ray.odds(passed);
+  if (ray.has(kMediumScatters) || from_within) path.r_u = path.r_u * ray.pdf_ratio(passed);
 }
 
 /// Estimates the transmittance of a heterogeneous medium along a shadow ray: by ratio tracking, or with `delta` by
@@ -224,14 +224,14 @@ inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, boo
       if (!open) return false;
       const Float4 ratio = at.passed * sigma_n * (1.0f / sigma_n[ray.hero]);
       path.beta = path.beta * ratio;
-      path.r_u = path.r_u * ray.odds(ratio);
-      path.r_l = path.r_l * ray.odds(ratio);
+      path.r_u = path.r_u * ray.pdf_ratio(ratio);
+      path.r_l = path.r_l * ray.pdf_ratio(ratio);
       return true;
     }
     const Float4 ratio = at.passed * (1.0f / majorant);
     path.beta = path.beta * ratio * sigma_n;
-    path.r_u = path.r_u * ray.odds(ratio * sigma_n);
-    path.r_l = path.r_l * ray.odds(ratio * at.sigma_maj);
+    path.r_u = path.r_u * ray.pdf_ratio(ratio * sigma_n);
+    path.r_l = path.r_l * ray.pdf_ratio(ratio * at.sigma_maj);
     // Russian roulette: small contributions survive with probability kSurvival.
     if (max_component(path.beta) < kRouletteThreshold * max_component(path.r_l)) {
       open = random.next() < kSurvival;
@@ -241,8 +241,8 @@ inline bool pass_null_collisions(const MediumRay& ray, MediumRandom& random, boo
   });
   path.beta = path.beta * rest;
   if (!open || !(max_component(path.beta) > 0.0f)) return false;
-  path.r_u = path.r_u * ray.odds(rest);
-  path.r_l = path.r_l * ray.odds(rest);
+  path.r_u = path.r_u * ray.pdf_ratio(rest);
+  path.r_l = path.r_l * ray.pdf_ratio(rest);
   return true;
 }
 

@@ -1,6 +1,6 @@
 // Media whose grids move. Grids are stored in their rest pose; an affine transform maps them to time t. Rays and points
 // are transformed to the rest pose by its inverse. Distances along rays stay those of
-// the world, because coefficients are per metre there: transformed directions are not of unit length if the motion
+// the world, because coefficients are per meter there: transformed directions are not of unit length if the motion
 // stretches the grid.
 #pragma once
 
@@ -37,9 +37,9 @@ inline FlakeMatrix flake_matrix_at(const SceneView& scene, std::uint32_t row, Ve
   const auto entry = [&](int i, int j) {
     const Vec3f v = columns[j];
     const auto& e = s.entries;
-    const Vec3f turned{e[0] * v.x + e[3] * v.y + e[4] * v.z, e[3] * v.x + e[1] * v.y + e[5] * v.z,
-                       e[4] * v.x + e[5] * v.y + e[2] * v.z};
-    return dot(columns[i], turned);
+    const Vec3f rotated{e[0] * v.x + e[3] * v.y + e[4] * v.z, e[3] * v.x + e[1] * v.y + e[5] * v.z,
+                        e[4] * v.x + e[5] * v.y + e[2] * v.z};
+    return dot(columns[i], rotated);
   };
   return {{entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)}};
 }

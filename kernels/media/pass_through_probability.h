@@ -32,14 +32,14 @@ float mixture_probability(const SceneView& scene, std::uint32_t row, bool behind
   row = passing_detail::side_of(scene, row, behind);
   const MaterialRow& m = scene.materials.rows[row];
   if ((m.flags & kComposite) == 0) return counts(row) ? 1.0f : 0.0f;
-  float second = m.second_share();
+  float second = m.second_weight();
   if (m.binding_count > 0)
     second = lookup_scalar<Scalar>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
   second = clamp(second, 0.0f, 1.0f);
-  float share = 0.0f;
-  if (second < 1.0f) share += (1.0f - second) * mixture_probability(scene, m.choice[0], behind, query, counts);
-  if (second > 0.0f) share += second * mixture_probability(scene, m.choice[1], behind, query, counts);
-  return share;
+  float probability = 0.0f;
+  if (second < 1.0f) probability += (1.0f - second) * mixture_probability(scene, m.choice[0], behind, query, counts);
+  if (second > 0.0f) probability += second * mixture_probability(scene, m.choice[1], behind, query, counts);
+  return probability;
 }
 
 /// Fraction of light, in [0, 1], that passes: the probability with which the select_materials stage lets a path pass.

@@ -13,9 +13,9 @@ template <class L> Float<L> phase_value(const SceneView& scene, std::uint32_t ro
   using F = Float<L>;
   const MaterialRow& material = scene.materials.rows[row];
   if ((material.flags & kComposite) != 0) {
-    const float share = clamp(material.second_share(), 0.0f, 1.0f);
-    return phase_value<L>(scene, material.choice[0], wi) * F(1.0f - share) +
-           phase_value<L>(scene, material.choice[1], wi) * F(share);
+    const float weight = clamp(material.second_weight(), 0.0f, 1.0f);
+    return phase_value<L>(scene, material.choice[0], wi) * F(1.0f - weight) +
+           phase_value<L>(scene, material.choice[1], wi) * F(weight);
   }
   F value(0.0f);
   for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {

@@ -10,7 +10,7 @@ double ratio(double a, double b) { return b > 0 ? a / b : 0.0; }
 
 double RenderReport::rays_per_second() const { return ratio(static_cast<double>(stats.rays.total()), render_seconds); }
 
-double RenderReport::trace_share() const {
+double RenderReport::trace_fraction() const {
   return ratio(static_cast<double>(stats.trace_ticks) * seconds_per_tick(), render_seconds * threads);
 }
 

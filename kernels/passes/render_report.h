@@ -16,7 +16,7 @@ namespace sheaf {
 struct RenderReport {
   std::string scene;          ///< the scene file, as given
   std::string integrator;     ///< its name as given, such as "path_mats"
-  std::string color = "rgb";  ///< colour mode
+  std::string color = "rgb";  ///< color mode
   std::string isa;            ///< instruction set of the kernels, e.g. "avx2"
   int width = 0, height = 0;  ///< of the frame, pixels
   std::uint32_t spp = 0;      ///< samples per pixel
@@ -63,7 +63,7 @@ struct RenderReport {
   /// Light candidates per vertex.
   struct Candidates {
     int count = 1;
-    std::vector<double> gains;  ///< CandidateChoice::gains, if a trial has chosen the number
+    std::vector<double> gains;  ///< CandidateChoice::gains, if a comparison has chosen the number
   } candidates;
   std::optional<AdaptiveSummary> adaptive;  ///< with adaptive sampling
   std::uint64_t peak_rss_bytes = 0, peak_private_bytes = 0;
@@ -76,8 +76,8 @@ struct RenderReport {
 
   /// Rays of all kinds per second of rendering; 0 if no time passed.
   double rays_per_second() const;
-  /// Share of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
-  double trace_share() const;
+  /// Fraction of all workers' rendering time spent inside Embree: trace seconds / (render_seconds * threads).
+  double trace_fraction() const;
   /// Factor on the number of samples that reduces the noise to `target`; 0 if the noise is unknown.
   double samples_factor(double target) const;
 };

@@ -49,7 +49,7 @@ template <class L> class Schedule {
     int candidate;
   };
 
-  /// Appends the stages collected in candidate_stages_ for each candidate in turn.
+  /// Appends the stages collected in candidate_stages_ once for each candidate.
   void repeat_candidate_stages(int candidates) {
     for (int candidate = 0; candidate < candidates; ++candidate)
       for (const auto run : candidate_stages_) steps_.push_back({nullptr, run, candidate});

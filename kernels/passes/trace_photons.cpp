@@ -17,20 +17,20 @@ namespace {
 
 /// Range of photons per task, and the minimum number of tasks of small maps.
 constexpr std::uint64_t kMinTaskPhotons = 64, kMaxTaskPhotons = 16384, kMinTasks = 64;
-/// The pilot emits kPilotPhotons, then doubles the total until it has stored kPilotStored photons, which gives the rate
-/// within a few percent, or has emitted kMaxPilotPhotons.
-constexpr std::uint64_t kPilotPhotons = 4096, kMaxPilotPhotons = 1 << 18, kPilotStored = 2048;
+/// The probe emits kMinProbePhotons, then doubles the total until it has stored kProbeStoredPhotons photons, which
+/// gives the rate within a few percent, or has emitted kMaxProbePhotons.
+constexpr std::uint64_t kMinProbePhotons = 4096, kMaxProbePhotons = 1 << 18, kProbeStoredPhotons = 2048;
 /// Index of the map of a set that holds photons of a kind.
 int map_of(PhotonKind kind) { return kind == PhotonKind::kCaustic ? 1 : kind == PhotonKind::kVolume ? 2 : 0; }
 
-/// Index of the first photon of a map, such that maps share no random numbers. The set of the pilot is kMaxPhotonSets.
+/// Index of the first photon of a map, such that maps share no random numbers. The set of the probe is kMaxPhotonSets.
 std::uint64_t first_photon(PhotonKind kind, std::uint32_t set) {
   constexpr int kMapBits = 37, kSetBits = 40;
   return std::uint64_t{set} << kSetBits | static_cast<std::uint64_t>(map_of(kind)) << kMapBits;
 }
 
 /// Maximum length of the pieces into which beams are cut, relative to the radius of the scene's bounding sphere.
-constexpr float kPieceOfScene = 0.125f;
+constexpr float kMaxBeamSegment = 0.125f;
 
 constexpr const char* kMapNames[] = {"photon map", "caustic map", "volume photon map"};
 
@@ -72,17 +72,17 @@ std::vector<StoredPhotons> trace_tasks(const StageContext& camera, Workers& work
   return stored;
 }
 
-/// Numbers of photons that the pilot has emitted and stored.
-struct PilotCount {
+/// Numbers of photons that the probe has emitted and stored.
+struct PhotonCounts {
   std::uint64_t emitted = 0, stored = 0;
 };
 
-PilotCount run_pilot(StageContext context, Workers& workers, PhotonKind kind, PhotonTracing& tracing) {
-  PilotCount count;
+PhotonCounts estimate_storing_rate(StageContext context, Workers& workers, PhotonKind kind, PhotonTracing& tracing) {
+  PhotonCounts count;
   // All wavelengths: the result must not depend on which set of maps is built first.
   context.wavelength_sample = -1.0f;
-  std::uint64_t next = kPilotPhotons;
-  while (count.stored < kPilotStored && count.emitted < kMaxPilotPhotons && context.scene.lights.count > 0 &&
+  std::uint64_t next = kMinProbePhotons;
+  while (count.stored < kProbeStoredPhotons && count.emitted < kMaxProbePhotons && context.scene.lights.count > 0 &&
          !tracing.stopped()) {
     const std::uint64_t first = first_photon(kind, kMaxPhotonSets) + count.emitted;
     for (const StoredPhotons& task : trace_tasks(context, workers, kind, first, next, tracing, 0))
@@ -124,10 +124,10 @@ std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, Pho
                               std::uint64_t max_emitted, PhotonTracing& tracing) {
   if (count == 0) return 0;
   const std::uint64_t start = timestamp();
-  const PilotCount pilot = run_pilot(context, workers, kind, tracing);
+  const PhotonCounts probe = estimate_storing_rate(context, workers, kind, tracing);
   tracing.report.trace_seconds += seconds_since(start);
   const double rate =
-      static_cast<double>(pilot.stored) / static_cast<double>(std::max<std::uint64_t>(pilot.emitted, 1));
+      static_cast<double>(probe.stored) / static_cast<double>(std::max<std::uint64_t>(probe.emitted, 1));
   const double needed = rate > 0 ? std::ceil(static_cast<double>(count) / rate) : 0;
   if (rate > 0 && needed <= static_cast<double>(max_emitted)) return static_cast<std::uint64_t>(needed);
   const std::uint64_t emitted = rate > 0 ? max_emitted : count;
@@ -157,7 +157,7 @@ VolumePhotonMaps trace_volume_photons(const StageContext& context, Workers& work
   const PhotonKernel kernel = context.integrator.photons.kernel;
   VolumePhotonMaps map{{traced.tasks, traced.emitted, request.radius, kernel}, {}};
   if (context.integrator.photons.uses_beams())
-    map.beams = {traced.beams, traced.emitted, request.beam_radius, kPieceOfScene * context.scene.radius, kernel};
+    map.beams = {traced.beams, traced.emitted, request.beam_radius, kMaxBeamSegment * context.scene.radius, kernel};
   tracing.report.index_seconds += seconds_since(start);
   return map;
 }

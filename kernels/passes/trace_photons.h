@@ -1,4 +1,4 @@
-// Traces photons and builds photon maps. The number of photons that a map emits is fixed in advance by a pilot with
+// Traces photons and builds photon maps. The number of photons that a map emits is fixed in advance by a probe with
 // random numbers of its own. Emitting until enough photons are stored, and dividing by the number emitted, would be
 // biased by about 1 / n.
 #pragma once
@@ -34,7 +34,7 @@ struct PhotonRequest {
 inline constexpr std::uint32_t kMaxPhotonSets = 1 << 22;
 
 /// Number of photons to emit so that about `count` photons of a kind are stored: at most `max_emitted`, or `count` if
-/// the pilot stores none, both with a warning. For the global map, photons of other kinds count too. Depends only on
+/// the probe stores none, both with a warning. For the global map, photons of other kinds count too. Depends only on
 /// scene, seed and arguments, so that all sets of maps emit the same number.
 std::uint64_t photons_to_emit(const StageContext& context, Workers& workers, PhotonKind kind, std::uint64_t count,
                               std::uint64_t max_emitted, PhotonTracing& tracing);

@@ -36,10 +36,10 @@ template <class L> struct HenyeyGreensteinBsdf : HenyeyGreensteinParameters<L> {
     const F narrow = rest * inverse_w;
     const F m = min(narrow * narrow * u.y * (F(1.0f) + a + w), F(2.0f));
     const F sine = sqrt(m * (F(2.0f) - m));
-    const auto turn = sincos_2pi<L>(u.z);
+    const auto azimuth = sincos_2pi<L>(u.z);
     const F root = narrow * (F(1.0f) + a);  // of `squared` in evaluate()
     BsdfSample<L> s;
-    s.wi = {sine * turn.cos, sine * turn.sin, copysign(F(1.0f), this->g) * (m - F(1.0f))};
+    s.wi = {sine * azimuth.cos, sine * azimuth.sin, copysign(F(1.0f), this->g) * (m - F(1.0f))};
     s.weight = Spectrum<L>(F(1.0f));
     s.pdf_solid_angle = F(0.25f * kInvPi) * rest * (F(1.0f) + a) / (root * root * root);
     s.eta_scale = F(1.0f);

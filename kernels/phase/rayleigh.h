@@ -26,9 +26,9 @@ template <class L> struct RayleighBsdf : RayleighParameters<L> {
     const F a = pow(q + sqrt(fma(q, q, F(1.0f))), F(1.0f / 3.0f));
     const F cosine = copysign(clamp(a - F(1.0f) / a, F(0.0f), F(1.0f)), signed_q);
     const F sine = safe_sqrt(F(1.0f) - cosine * cosine);
-    const auto turn = sincos_2pi<L>(u.z);
+    const auto azimuth = sincos_2pi<L>(u.z);
     BsdfSample<L> s;
-    s.wi = {sine * turn.cos, sine * turn.sin, -cosine};
+    s.wi = {sine * azimuth.cos, sine * azimuth.sin, -cosine};
     s.weight = Spectrum<L>(F(1.0f));
     s.pdf_solid_angle = density(cosine);
     s.eta_scale = F(1.0f);

@@ -4,9 +4,9 @@
 // where h is the half vector. sigma, the projected area of the flakes, scales the medium's extinction (MediumRay).
 //
 // In the local frame z is wo, and S = M M^T with M upper triangular, so the lower right element of M is sigma(wo). h^T
-// S^-1 h is the squared length of M^-1 h, found by substitution. A visible normal is M y, normalised, where y is
+// S^-1 h is the squared length of M^-1 h, found by substitution. A visible normal is M y, normalized, where y is
 // distributed over the hemisphere so that its projection onto the disk is uniform (section 4.2). Unlike the
-// determinant, this involves no cancellation for the matrices of thin fibres.
+// determinant, this involves no cancellation for the matrices of thin fibers.
 #pragma once
 
 #include "core/math/frame.h"
@@ -54,7 +54,7 @@ template <class L> struct SggxBsdf : SggxParameters<L> {
 };
 
 /// The local parameters for the world-space matrix (xx, yy, zz, xy, xz, yz) at a vertex with the frame `frame`. The
-/// phase function does not depend on the scale of the matrix, which is normalised to a trace of 1. Flakes that are
+/// phase function does not depend on the scale of the matrix, which is normalized to a trace of 1. Flakes that are
 /// almost perfectly aligned to a line or plane are spread by 1/1000 of that scale.
 template <class L> SHEAF_INLINE SggxParameters<L> sggx_parameters(const Float<L> (&s)[6], const Frame<L>& frame) {
   using F = Float<L>;

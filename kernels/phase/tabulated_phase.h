@@ -18,12 +18,12 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
   const float* tables = nullptr;
 
   SHEAF_INLINE BsdfValue<L> evaluate(Vec3<L>, Vec3<L> wi) const {
-    const TablePlace<L> place = find_table<L>(tables, this->table, TableTag::kPhase);
-    if (!any(place.valid)) return {Spectrum<L>(F(0.0f)), F(0.0f)};
-    const U last = count(place) - U(1u);
+    const FoundTable<L> found = find_table<L>(tables, this->table, TableTag::kPhase);
+    if (!any(found.valid)) return {Spectrum<L>(F(0.0f)), F(0.0f)};
+    const U last = count(found) - U(1u);
     const F at = clamp(fma(F(-0.5f), wi.z, F(0.5f)), F(0.0f), F(1.0f)) * to_float(last);
     const U i = min(to_uint(at), last - U(1u));
-    const U values = place.first + U(kValues);
+    const U values = found.first + U(kValues);
     const F pdf =
         F(0.5f * kInvPi) * lerp(at - to_float(i), gather(tables, values + i), gather(tables, values + i + U(1u)));
     return {Spectrum<L>(pdf), pdf};
@@ -31,9 +31,9 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
 
   SHEAF_INLINE BsdfSample<L> sample(Vec3<L>, const Random4<L>& u) const {
     BsdfSample<L> s{{F(0.0f), F(0.0f), F(-1.0f)}, Spectrum<L>(F(1.0f)), F(0.0f), F(1.0f), Mask<L>(false)};
-    const TablePlace<L> place = find_table<L>(tables, this->table, TableTag::kPhase);
-    if (!any(place.valid)) return s;
-    const U n = count(place), values = place.first + U(kValues), integrals = values + n;
+    const FoundTable<L> found = find_table<L>(tables, this->table, TableTag::kPhase);
+    if (!any(found.valid)) return s;
+    const U n = count(found), values = found.first + U(kValues), integrals = values + n;
     const U i = find_interval<L>(n, [&](U k) SHEAF_LAMBDA_INLINE { return gather(tables, integrals + k) <= u.y; });
     const F a = gather(tables, values + i), b = gather(tables, values + i + U(1u));
     const F step = F(2.0f) / to_float(n - U(1u));
@@ -42,8 +42,8 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
     // 1 - cosine and 1 + cosine, each computed without cancellation: near the poles the sine needs all digits.
     const F from_back = (to_float(i) + t) * step, from_front = (to_float(n - U(1u) - i) - t) * step;
     const F sine = sqrt(max(from_back * from_front, F(0.0f)));
-    const auto turn = sincos_2pi<L>(u.z);
-    s.wi = {sine * turn.cos, sine * turn.sin, F(1.0f) - from_back};
+    const auto azimuth = sincos_2pi<L>(u.z);
+    s.wi = {sine * azimuth.cos, sine * azimuth.sin, F(1.0f) - from_back};
     s.pdf_solid_angle = F(0.5f * kInvPi) * lerp(t, a, b);
     s.valid = s.pdf_solid_angle > F(0.0f);
     return s;
@@ -52,8 +52,8 @@ template <class L> struct TabulatedPhaseBsdf : TabulatedPhaseParameters<L> {
  private:
   static constexpr std::uint32_t kValues = 1 + kLeafCount<PhaseHead>;  ///< after the tag and the head
 
-  SHEAF_INLINE U count(const TablePlace<L>& place) const {
-    return to_uint(load_table_record<L, PhaseHead>(tables, place.first + U(1u)).count);
+  SHEAF_INLINE U count(const FoundTable<L>& found) const {
+    return to_uint(load_table_record<L, PhaseHead>(tables, found.first + U(1u)).count);
   }
 };
 

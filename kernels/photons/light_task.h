@@ -93,11 +93,11 @@ class LightTask {
  private:
   /// Counting sort by photon: the items of each photon are already in order.
   template <class Item> std::vector<Item> sorted(const std::vector<Item>& items) const {
-    std::vector<std::uint32_t> place(static_cast<std::size_t>(total_) + 1);
-    for (const Item& item : items) ++place[(item.order >> kVertexBits) + 1];
-    for (std::size_t i = 1; i < place.size(); ++i) place[i] += place[i - 1];
+    std::vector<std::uint32_t> starts(static_cast<std::size_t>(total_) + 1);
+    for (const Item& item : items) ++starts[(item.order >> kVertexBits) + 1];
+    for (std::size_t i = 1; i < starts.size(); ++i) starts[i] += starts[i - 1];
     std::vector<Item> sorted(items.size());
-    for (const Item& item : items) sorted[place[item.order >> kVertexBits]++] = item;
+    for (const Item& item : items) sorted[starts[item.order >> kVertexBits]++] = item;
     return sorted;
   }
 

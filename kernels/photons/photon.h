@@ -16,7 +16,7 @@ struct Photon {
   Vec3f p;                      ///< world space; in media whose grids move, relative to the grids
   Spectrum4 power;              ///< W, times the number of emitted photons
   std::uint32_t direction = 0;  ///< octahedral; towards the previous vertex
-  std::uint32_t surface = 0;    ///< see photon_surface(), photon_place()
+  std::uint32_t surface = 0;    ///< see photon_surface(), photon_medium_key()
   std::uint32_t order = 0;      ///< photon index in the task, above kVertexBits bits for its vertex
 };
 
@@ -36,7 +36,7 @@ inline std::uint32_t photon_normal(std::uint32_t surface) {
   return surface & ~(kMaxPhotonEdges | kPhotonSingleWavelength);
 }
 
-/// Which photons are stored, by the vertices between the light and the surface (S specular, D diffuse). Vertices in
+/// The photons that are stored, by the vertices between the light and the surface (S specular, D diffuse). Vertices in
 /// media count as D.
 enum class PhotonKind {
   kAll,            ///< L (S|D)* D
@@ -49,7 +49,7 @@ enum class PhotonKind {
 
 /// Photon::surface of photons in media: 1 + the row of the medium instead of a normal.
 inline constexpr int kPhotonMediumShift = 8;
-inline std::uint32_t photon_place(std::uint32_t medium, std::uint32_t edges, bool single_wavelength) {
+inline std::uint32_t photon_medium_key(std::uint32_t medium, std::uint32_t edges, bool single_wavelength) {
   return photon_surface(medium << kPhotonMediumShift, edges, single_wavelength);
 }
 

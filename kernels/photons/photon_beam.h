@@ -13,15 +13,15 @@ namespace sheaf {
 
 /// A photon beam.
 struct PhotonBeam {
-  Vec3f start, direction;   ///< world space; unit length
-  float length = 0;         ///< metres
-  Spectrum4 power;          ///< at the start; W, times the number of emitted photons
-  Spectrum4 odds;           ///< RescaledPdfs::r_u at the start, over its mean
-  std::uint32_t place = 0;  ///< see photon_place()
-  std::uint32_t order = 0;  ///< see Photon::order
+  Vec3f start, direction;        ///< world space; unit length
+  float length = 0;              ///< meters
+  Spectrum4 power;               ///< at the start; W, times the number of emitted photons
+  Spectrum4 pdf_ratio;           ///< RescaledPdfs::r_u at the start, over its mean
+  std::uint32_t medium_key = 0;  ///< see photon_medium_key()
+  std::uint32_t order = 0;       ///< see Photon::order
 };
 
-/// Maximum length of a beam, and maximum distance of its start from the origin, in metres. Products of such lengths
+/// Maximum length of a beam, and maximum distance of its start from the origin, in meters. Products of such lengths
 /// stay finite.
 inline constexpr float kLongestBeam = 1e12f;
 

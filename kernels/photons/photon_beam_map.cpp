@@ -11,7 +11,7 @@ PhotonBeamMap::PhotonBeamMap(const std::vector<std::vector<PhotonBeam>>& tasks, 
   for (const std::vector<PhotonBeam>& task : tasks)
     for (const PhotonBeam& beam : task) {
       lines.push_back({beam.start, beam.direction, beam.length});
-      records_.push_back({beam.power * scale, beam.odds, beam.place});
+      records_.push_back({beam.power * scale, beam.pdf_ratio, beam.medium_key});
     }
   lines_ = LineAccel(lines, radius, piece);
 }

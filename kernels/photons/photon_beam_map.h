@@ -12,16 +12,16 @@ namespace sheaf {
 class PhotonBeamMap {
  public:
   PhotonBeamMap() = default;
-  /// Takes the beams of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the beams, in metres,
+  /// Takes the beams of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the beams, in meters,
   /// positive; `piece`: see LineAccel.
   PhotonBeamMap(const std::vector<std::vector<PhotonBeam>>& tasks, std::uint64_t emitted, float radius, float piece,
                 PhotonKernel kernel);
 
   /// Data of a beam that a ray has found.
   struct Record {
-    Spectrum4 power;      ///< at the start, W
-    Spectrum4 odds;       ///< see PhotonBeam
-    std::uint32_t place;  ///< see photon_place()
+    Spectrum4 power;           ///< at the start, W
+    Spectrum4 pdf_ratio;       ///< see PhotonBeam
+    std::uint32_t medium_key;  ///< see photon_medium_key()
   };
 
   const LineAccel& lines() const { return lines_; }

@@ -77,7 +77,7 @@ struct PhotonMapView {
   int levels = 0;                                                ///< the last one is a single group
   std::uint32_t size = 0;                                        ///< photons
   std::uint32_t powers = 4;                                      ///< columns of powers
-  float radius = 0;                                              ///< metres
+  float radius = 0;                                              ///< meters
   PhotonKernel kernel = PhotonKernel::kDisc;
   int lookup_size = 0;  ///< see PhotonMappingSettings
 
@@ -100,7 +100,7 @@ struct PhotonMapView {
 class PhotonMap {
  public:
   PhotonMap() = default;
-  /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: in metres, positive;
+  /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: in meters, positive;
   /// `four_lanes`: whether powers have a fourth lane. Built by all threads; the map does not depend on their number.
   PhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius, PhotonKernel kernel,
             int lookup_size = 0, bool four_lanes = true);

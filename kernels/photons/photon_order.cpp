@@ -95,22 +95,22 @@ void sort_by_digit(const std::uint64_t* from, std::uint64_t* to, std::size_t cou
     });
   };
   // Count the digits of each chunk
-  std::vector<std::size_t> places(chunks * digits);
+  std::vector<std::size_t> starts(chunks * digits);
   for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    std::size_t* counts = &places[chunk * digits];
+    std::size_t* counts = &starts[chunk * digits];
     for (std::size_t i = begin; i < end; ++i) ++counts[from[i] >> shift & mask];
   });
   // Convert the counts to the first index of each chunk for each digit
   std::size_t total = 0;
   for (std::size_t d = 0; d < digits; ++d)
     for (std::size_t c = 0; c < chunks; ++c) {
-      const std::size_t here = places[c * digits + d];
-      places[c * digits + d] = total;
+      const std::size_t here = starts[c * digits + d];
+      starts[c * digits + d] = total;
       total += here;
     }
   // Move the keys
   for_chunks([&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    std::size_t* next = &places[chunk * digits];
+    std::size_t* next = &starts[chunk * digits];
     for (std::size_t i = begin; i < end; ++i) to[next[from[i] >> shift & mask]++] = from[i];
   });
 }
@@ -152,8 +152,8 @@ int PhotonOrder::make_keys(float cell) {
   const double highest = std::ldexp(1.0, axis_bits) - 1.0;
   const double scale = widest > 0.0 ? std::min(1.0 / static_cast<double>(cell), highest / widest) : 0.0;
   const auto cell_of = [&](float x, float low) {
-    const double place = (static_cast<double>(x) - static_cast<double>(low)) * scale;
-    return static_cast<std::uint32_t>(std::clamp(place, 0.0, highest));
+    const double scaled = (static_cast<double>(x) - static_cast<double>(low)) * scale;
+    return static_cast<std::uint32_t>(std::clamp(scaled, 0.0, highest));
   };
   // Compute the keys of each task
   std::vector<std::size_t> first(tasks_.size());

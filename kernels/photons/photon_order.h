@@ -15,7 +15,7 @@ void radix_sort(std::unique_ptr<std::uint64_t[]>& keys, std::size_t count, int f
 /// The photons of several tasks, sorted. Photons in the same cell of the curve keep the order of the tasks.
 class PhotonOrder {
  public:
-  /// `tasks` must remain valid. `cell`: size of the cells of the curve in metres, positive; cells are larger if the
+  /// `tasks` must remain valid. `cell`: size of the cells of the curve in meters, positive; cells are larger if the
   /// keys do not have enough bits. Does not depend on the number of threads.
   PhotonOrder(const std::vector<std::vector<Photon>>& tasks, float cell);
 

@@ -14,16 +14,16 @@ namespace sheaf {
 class VolumePhotonMap {
  public:
   VolumePhotonMap() = default;
-  /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the discs, in metres,
+  /// Takes the photons of all tasks, in order. `emitted`: number of emitted photons; `radius`: of the discs, in meters,
   /// positive.
   VolumePhotonMap(const std::vector<std::vector<Photon>>& tasks, std::uint64_t emitted, float radius,
                   PhotonKernel kernel);
 
   /// Data of a photon that a ray has found.
   struct Record {
-    Spectrum4 power;          ///< W
-    std::uint32_t direction;  ///< octahedral, towards the previous vertex
-    std::uint32_t place;      ///< see photon_place()
+    Spectrum4 power;           ///< W
+    std::uint32_t direction;   ///< octahedral, towards the previous vertex
+    std::uint32_t medium_key;  ///< see photon_medium_key()
   };
 
   const PointAccel& points() const { return points_; }

@@ -1,12 +1,12 @@
-// How paths find light that mirrors and glass focus onto other surfaces.
+// Sampling of light that mirrors and glass focus onto other surfaces.
 #pragma once
 
 namespace sheaf {
 
-/// How camera paths find caustics.
+/// Sampling of caustics by camera paths.
 enum class CausticMode {
   kSampled,   ///< by sampling BSDFs and the guide
-  kManifold,  ///< by manifold next-event estimation, in place of BSDF sampling
+  kManifold,  ///< by manifold next-event estimation, instead of BSDF sampling
 };
 
 }  // namespace sheaf

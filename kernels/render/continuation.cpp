@@ -41,7 +41,7 @@ std::string precomputation_problem(const RenderSettings& settings, const RenderS
   if (trains_guide(settings.guiding, integrator)) {
     if (settings.training != training_passes(width, height, before, settings.guiding))
       return "path guiding trains longer for more samples (--guiding off renders without)";
-    if (settings.has_candidate_trial != wants_candidate_trial(integrator, width, height, before))
+    if (settings.compares_candidates != wants_candidate_comparison(integrator, width, height, before))
       return "a render of so few samples has one light candidate (--candidates 1 keeps it)";
   }
   if (!integrator.traits().has_photon_maps() || integrator.photons.progressive) return "";

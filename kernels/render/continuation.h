@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// How a render continues from a checkpoint.
+/// Continuation of a render from a checkpoint.
 struct Continuation {
   RenderSettings settings;  ///< of the render
   std::string problem;  ///< why the render would not have the same bits as one without interruption; empty: it has them

@@ -18,8 +18,8 @@ PrecomputedLight::PrecomputedLight(StageContext& context, const RenderSettings& 
 
 void PrecomputedLight::train(const RenderSettings& settings, Workers& workers, StageContext& context) {
   guide_ = train_guide(context, workers, settings.film.width, settings.film.height, settings.training, settings.guiding,
-                       settings.has_candidate_trial, guide_training_);
-  if (settings.has_candidate_trial) {
+                       settings.compares_candidates, guide_training_);
+  if (settings.compares_candidates) {
     const CandidateChoice& choice = guide_training_.candidates;
     context.candidates = choice.count;
     candidates_ = {choice.count, {choice.gains.begin(), choice.gains.end()}};

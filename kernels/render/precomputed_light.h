@@ -12,8 +12,8 @@ class PrecomputedLight {
   /// For the camera passes of `context`.
   PrecomputedLight(StageContext& context, const RenderSettings& settings, ProgressReporter& reporter);
 
-  /// Trains the guide for the following samples of `context`. With GuidingMode::kAuto, these sample it only if it pays.
-  /// Sets their number of light candidates, if the passes are a trial.
+  /// Trains the guide for the following samples of `context`. With GuidingMode::kAuto, these sample it only if it is
+  /// worth its cost. Sets their number of light candidates, if the passes compare them.
   void train(const RenderSettings& settings, Workers& workers, StageContext& context);
   /// Builds the photon maps for the next samples of `context`, if the integrator uses photon maps. `sample`: the first.
   void prepare(std::uint32_t sample, Workers& workers, StageContext& context);

@@ -12,7 +12,7 @@
 
 namespace sheaf {
 
-/// What tasks add to a report, besides the samples.
+/// Additions of tasks to a report, besides the samples.
 struct TaskStatistics {
   const Workers& workers;
   int threads, wave_size;

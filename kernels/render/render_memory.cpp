@@ -118,7 +118,7 @@ WaveSetup wave_setup(const Scene& scene, const RenderSettings& settings, const R
   // The trial is short, so waves have the size that suits the passes of the image
   const WaveNeeds needs = needs_of(WaveNeeds::of(context));
   const int size = control.wave_size > 0 ? control.wave_size : Wave::default_capacity(needs);
-  return {settings.has_candidate_trial ? needs_of(WaveNeeds::with_candidate_trial(context)) : needs, size};
+  return {settings.compares_candidates ? needs_of(WaveNeeds::with_candidate_moments(context)) : needs, size};
 }
 
 std::vector<MemoryUse> render_memory(const Scene& scene, const RenderSettings& settings, const RenderControl& control) {

@@ -188,7 +188,7 @@ void set_training(RenderSettings& settings) {
   if (!trains_guide(settings.guiding, settings.integrator)) return;
   const std::uint32_t samples = settings.adapts ? std::min(settings.spp, kTypicalSamples) : settings.spp;
   settings.training = training_passes(film.width, film.height, samples, settings.guiding);
-  settings.has_candidate_trial = wants_candidate_trial(settings.integrator, film.width, film.height, samples);
+  settings.compares_candidates = wants_candidate_comparison(settings.integrator, film.width, film.height, samples);
 }
 
 }  // namespace

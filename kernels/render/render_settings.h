@@ -31,7 +31,7 @@ struct RenderFeatures {
   AovSet aovs;                ///< further layers; "variance" and "half" need two replicates or more
   bool light_groups = false;  ///< layers with the contribution of each of SceneNames::lights
   /// Path guiding, with training passes before the image is rendered. They also choose the number of light candidates
-  /// unless the scene sets it, see wants_candidate_trial().
+  /// unless the scene sets it, see wants_candidate_comparison().
   GuidingMode guiding = GuidingMode::kOff;
   /// How paths find caustics. kManifold requires an integrator of paths, next-event estimation, and a scene without
   /// participating media, transparent surfaces and motion.
@@ -42,11 +42,11 @@ struct RenderFeatures {
 struct RenderRequest : RenderFeatures {
   std::optional<std::uint32_t> samples_per_pixel;
   std::optional<std::uint32_t> seed;
-  /// Number of sets of samples (replicates) that are independent of each other, so that their spread gives the
-  /// variance. More sets estimate it better, but each is stratified less well: the squared error grows by some 5 % with
-  /// 2 sets of 16 samples, and by 10 to 20 % with 4. 1: none; the image has variances only if samples are independent
-  /// anyway and contribute to one pixel. 0: 8 if samples are independent, which costs nothing; otherwise 1 below 32
-  /// spp, and then one per 32 spp, at least 2 and at most 16.
+  /// Number of independent sets of samples (replicates), whose spread gives the variance. More sets estimate it better
+  /// and are stratified less well: the squared error grows by some 5 % with 2 sets of 16 samples, and by 10 to 20 %
+  /// with
+  /// 4. 1: the image has variances only if samples are independent anyway and contribute to one pixel. 0:
+  /// default_replicates().
   int replicates = 0;
   /// The samples of each pixel to be taken. They are the same as in a full render: merging the images of all parts
   /// gives the image of all samples. Default: all.
@@ -70,7 +70,7 @@ struct RenderSettings : SceneSettings, RenderFeatures, SampleDivision {
   VarianceUnit unit = VarianceUnit::kReplicate;
   bool has_variances = false;
   std::vector<TrainingPass> training;  ///< of the guide; empty: paths are not guided
-  bool has_candidate_trial = false;    ///< the first training passes are a trial of light candidates
+  bool compares_candidates = false;    ///< the first training passes compare numbers of light candidates
 
   /// Camera samples per pixel.
   std::uint32_t camera_samples() const { return spp / rays; }

@@ -50,11 +50,11 @@ void SamplePlan::set_photons(const Scene& scene) {
   // One photon per sample of the whole frame, so that a crop gets the same photons.
   const auto count = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * settings_.spp;
   const bool splats = settings_.integrator.max_depth != 1 && scene.view().lights.count > 0;
-  const bool turns = scene.view().sensor.camera.rays == CameraRays::kSpherical;
+  const bool is_panorama = scene.view().sensor.camera.rays == CameraRays::kSpherical;
   const PixelRect frame{0, 0, width, height};
-  photons_.emplace(PhotonRounds{
-      splats ? count : 0, SplatFilter(settings_.film.filter, settings_.film.filter_mode,
-                                      frame.grown(settings_.frame.border), turns ? static_cast<float>(width) : 0.0f)});
+  photons_.emplace(PhotonRounds{splats ? count : 0, SplatFilter(settings_.film.filter, settings_.film.filter_mode,
+                                                                frame.grown(settings_.frame.border),
+                                                                is_panorama ? static_cast<float>(width) : 0.0f)});
   state_.splats.emplace(settings_.crop);
 }
 

@@ -1,9 +1,9 @@
 // Stage: accumulate. Moves the radiance of finished paths to the samples of the task. At the end of the task the film
 // adds them in order (kernels/render/task_runner.cpp).
 //
-// In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The colour of a single sample
+// In spectral mode the sensor converts the four radiances of a path into linear Rec.709. The color of a single sample
 // is usually out of gamut, and its negative components must be kept. So samples are dropped for negative radiances,
-// never for negative colours. Pixels of spectral images may have negative components, by noise and for colours outside
+// never for negative colors. Pixels of spectral images may have negative components, by noise and for colors outside
 // of Rec.709.
 #include "core/color/color.h"
 #include "core/soa/lane_array.h"

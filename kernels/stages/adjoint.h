@@ -23,9 +23,9 @@ SHEAF_INLINE Float<L> adjoint_cosines(const VertexItem<L>& item, Vec3<L> arrivin
 /// mirrored, but the direction in which a photon leaves is not known when the normal is chosen. So one of the two
 /// normals is chosen at random, and photons that leave to the side that sees the other one are terminated.
 /// TexturedItem::normal_choice: 1 the normal, -1 its mirror image, 0 no choice.
-template <class F> SHEAF_INLINE F mirrored_probability(F cos_turn) {
+template <class F> SHEAF_INLINE F mirrored_probability(F cos_tilt) {
   // Approximates the fraction of directions above the unmapped normal from which the mapped one faces away.
-  return min(F(0.64f) * sqrt(max(F(0.5f) - F(0.5f) * cos_turn, F(0.0f))), F(0.5f));
+  return min(F(0.64f) * sqrt(max(F(0.5f) - F(0.5f) * cos_tilt, F(0.0f))), F(0.5f));
 }
 
 /// Whether a photon that leaves along `leaving` sees the normal that was chosen.

@@ -80,7 +80,7 @@ SHEAF_INLINE Float<L> depth_of(const SceneView& scene, const CameraTask& task, U
   });
 }
 
-/// Where the points `p` of surfaces that were hit at time `now` are at time `then`, both in [0, 1].
+/// Positions at time `then` of the points `p` of surfaces that were hit at time `now`, both in [0, 1].
 template <class L>
 Vec3<L> surface_at(const SceneView& scene, const HitState<L>& hit, Vec3<L> p, Float<L> now, Float<L> then) {
   using U = Uint<L>;
@@ -90,7 +90,7 @@ Vec3<L> surface_at(const SceneView& scene, const HitState<L>& hit, Vec3<L> p, Fl
       scene.geometry.instances != nullptr && (scene.motion.instances != nullptr || any_deforms) && any(instanced);
   const auto placed = [&](Float<L> time) SHEAF_LAMBDA_INLINE {
     const auto row = gather_rows<L>(scene.geometry.instances, select(instanced, hit.instance, U(0u)));
-    return place_at<L>(scene.motion, row, hit.instance, instanced, time).placed;
+    return placement_at<L>(scene.motion, row, hit.instance, instanced, time).placed;
   };
   Vec3<L> at = any_placed ? select<L>(instanced, placed(now).object_point(p), p) : p;
   // Curves that deform
@@ -129,8 +129,8 @@ template <class L>
     F step = to.film_x - from.film_x;
     // Panoramas of longitudes are periodic
     if (camera.is_panorama() && camera.rays != CameraRays::kEqualArea) {
-      const F turns = step * F(camera.film_step.x);
-      step = (turns - floor(turns + F(0.5f))) * F(1.0f / camera.film_step.x);
+      const F revolutions = step * F(camera.film_step.x);
+      step = (revolutions - floor(revolutions + F(0.5f))) * F(1.0f / camera.film_step.x);
     }
     return select(from.valid & to.valid, step, F(0.0f));
   });

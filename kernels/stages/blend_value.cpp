@@ -69,15 +69,15 @@ template <class L>
 [[gnu::noinline]] PartFrame<L> part_frame(const SceneView& scene, const MaterialRow& m, const BlendPoint<L>& at,
                                           Mask<L> lanes) {
   using F = Float<L>;
-  const auto turned = Mask<L>((m.flags & kTwoSided) != 0) & (dot(at.y.ns, at.from) > F(0.0f));
-  const Vec3<L> base = select<L>(turned, -at.y.ns, at.y.ns);
+  const auto flipped = Mask<L>((m.flags & kTwoSided) != 0) & (dot(at.y.ns, at.from) > F(0.0f));
+  const Vec3<L> base = select<L>(flipped, -at.y.ns, at.y.ns);
   Vec3<L> n = base;
   F terminator(0.0f);
   if (m.flags & kMapped) {
     const NormalMapRow& map = scene.materials.normal_maps[m.map];
     Mask<L> usable(false);
-    n = turned_normal<L>(scene.textures, map, at.query, base, select(turned, F(-1.0f), F(1.0f)), at.y.dp_du, at.y.dp_dv,
-                         lanes, usable);
+    n = perturbed_normal<L>(scene.textures, map, at.query, base, select(flipped, F(-1.0f), F(1.0f)), at.y.dp_du,
+                            at.y.dp_dv, lanes, usable);
     if (map.flags & NormalMapRow::kFixInvalid)
       n = select<L>(faces_away<L>(n, base, -at.from), mirrored_normal<L>(n, base), n);
     if (map.flags & NormalMapRow::kSoften) terminator = terminator_of(dot(n, base));
@@ -99,22 +99,22 @@ template <class L> struct BlendSum {
   /// Sum of the weights of all parts except "nothing".
   F there = F(0.0f);
 
-  void add(std::uint32_t row, F share) {
-    if (row == MaterialRow::kNothing || !any(lanes & (share > F(0.0f)))) return;
+  void add(std::uint32_t row, F weight) {
+    if (row == MaterialRow::kNothing || !any(lanes & (weight > F(0.0f)))) return;
     if (behind) row = scene.materials.rows[row].back;
     const MaterialRow& m = scene.materials.rows[row];
-    if ((m.flags & kComposite) == 0) return add_part(row, share);
-    F second(m.second_share());
+    if ((m.flags & kComposite) == 0) return add_part(row, weight);
+    F second(m.second_weight());
     if (m.binding_count > 0)
       second = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, at.query);
     second = clamp(second, F(0.0f), F(1.0f));
-    add(m.choice[0], share * (F(1.0f) - second));
-    add(m.choice[1], share * second);
+    add(m.choice[0], weight * (F(1.0f) - second));
+    add(m.choice[1], weight * second);
   }
 
  private:
-  void add_part(std::uint32_t row, F share) {
-    there = there + share;
+  void add_part(std::uint32_t row, F weight) {
+    there = there + weight;
     for_each_bsdf([&]<template <class> class Bsdf>(ClosureKind kind, BsdfTag<Bsdf>) {
       if constexpr (!Bsdf<L>::kIsSpecular && !kIsPhaseFunction<Bsdf<L>>) {
         if (kind != scene.materials.rows[row].kind) return;
@@ -133,12 +133,12 @@ template <class L> struct BlendSum {
         // Add its value times its weight
         BsdfValue<L> value = bsdf.evaluate(frame.wo, frame.wi);
         value.f_cos = value.f_cos * frame.softened;
-        sum.f_cos = sum.f_cos + value.f_cos * share;
-        sum.pdf_solid_angle = sum.pdf_solid_angle + value.pdf_solid_angle * share;
+        sum.f_cos = sum.f_cos + value.f_cos * weight;
+        sum.pdf_solid_angle = sum.pdf_solid_angle + value.pdf_solid_angle * weight;
         if (kDisperses<Bsdf<L>>) return;
-        sum.mixed_f_cos = sum.mixed_f_cos + value.f_cos * share;
-        sum.mixed_pdf = sum.mixed_pdf + value.pdf_solid_angle * share;
-        sum.guided_share = sum.guided_share + share;
+        sum.mixed_f_cos = sum.mixed_f_cos + value.f_cos * weight;
+        sum.mixed_pdf = sum.mixed_pdf + value.pdf_solid_angle * weight;
+        sum.guided_weight = sum.guided_weight + weight;
       }
     });
   }
@@ -178,7 +178,7 @@ BlendValue<L> evaluate_blends(const StageContext& context, const Wave& wave, con
     out.pdf_solid_angle = select(same, blend.sum.pdf_solid_angle * scale, out.pdf_solid_angle);
     out.mixed_f_cos = select<L>(same, blend.sum.mixed_f_cos * scale, out.mixed_f_cos);
     out.mixed_pdf = select(same, blend.sum.mixed_pdf * scale, out.mixed_pdf);
-    out.guided_share = select(same, blend.sum.guided_share * scale, out.guided_share);
+    out.guided_weight = select(same, blend.sum.guided_weight * scale, out.guided_weight);
     lanes = lanes & !same;
   }
   return out;

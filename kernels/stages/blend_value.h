@@ -21,7 +21,7 @@ template <class L> struct BlendValue {
   /// The same without dispersive parts. Selecting one of those loses wavelengths, so it keeps its own weight.
   Spectrum<L> mixed_f_cos;
   typename L::Float mixed_pdf;
-  typename L::Float guided_share;  ///< sum of the weights of parts that are neither specular nor dispersive
+  typename L::Float guided_weight;  ///< sum of the weights of parts that are neither specular nor dispersive
 };
 
 /// Whether vertices of a kind may be on parts of blends.

@@ -18,7 +18,7 @@ namespace {
 bool has_lens(const SceneView& scene) { return scene.sensor.camera.has_lens() || scene.sensor.more_camera_count > 0; }
 
 /// Draws the wavelengths. Pinholes leave one number of the camera's block unused. It is stratified jointly with the
-/// position in the pixel, which lowers colour noise in pixels whose parts differ.
+/// position in the pixel, which lowers color noise in pixels whose parts differ.
 template <class L>
 SHEAF_INLINE void start_wavelengths(const StageContext& context, Wave& wave, const Slot* slots, int count,
                                     const PathState<L>& path, const Random4<L>& camera) {
@@ -95,7 +95,7 @@ SHEAF_INLINE Uint<L> start_in_medium(const StageContext& context, Wave& wave, co
   return medium | (min(to_uint(u * F(3.0f)), U(2u)) << kRayHeroShift);
 }
 
-/// Stores the offsets of samples from their pixels' centres, for the film.
+/// Stores the offsets of samples from their pixels' centers, for the film.
 template <class L>
 SHEAF_INLINE void remember_offsets(CameraTask& task, Uint<L> sample, int count, Float<L> x, Float<L> y) {
   const LaneArray<Uint<L>> index(sample);
@@ -158,7 +158,7 @@ SHEAF_INLINE void start_tile(const StageContext& context, Wave& wave, const Slot
     for (int lane = 0; lane < count; ++lane) wave.distance_since_vertex[slots[lane]] = 0.0f;
   if (context.samples_guide())
     for (int lane = 0; lane < count; ++lane) wave.guide_references[slots[lane]] = 0.0f;
-  if (context.has_candidate_trial())
+  if (context.compares_candidates())
     for (int lane = 0; lane < count; ++lane) wave.moments.row(slots[lane]) = {};
   if (context.scene.needs_transmittance)
     ray.flags |= start_in_medium<L>(context, wave, slots, count, path, film_x, time);

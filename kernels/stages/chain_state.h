@@ -11,7 +11,7 @@
 // The state of the chain behind the last non-specular vertex is kept in the ray's bits of kRayHistory:
 //   0                     camera path without a non-specular vertex
 //   1 + k                 k specular vertices on casters since the last non-specular one
-//   kForeignChain         any other chain
+//   kUnconnectedChain         any other chain
 #pragma once
 
 #include "core/soa/lane_array.h"
@@ -21,8 +21,8 @@
 
 namespace sheaf {
 
-inline constexpr std::uint32_t kForeignChain = 7;
-static_assert(1 + kMaxChainLength < kForeignChain);
+inline constexpr std::uint32_t kUnconnectedChain = 7;
+static_assert(1 + kMaxChainLength < kUnconnectedChain);
 
 /// The state in RayState::flags.
 template <class L> SHEAF_INLINE Uint<L> chain_state(Uint<L> flags) {
@@ -41,10 +41,10 @@ template <class L> SHEAF_INLINE Mask<L> is_connected_chain(const StageContext& c
   using U = Uint<L>;
   if (!context.connects_caustics()) return Mask<L>(false);
   const U state = chain_state<L>(flags);
-  return (U(1u) < state) & (state < U(kForeignChain));
+  return (U(1u) < state) & (state < U(kUnconnectedChain));
 }
 
-/// What chains need of a surface vertex.
+/// A surface vertex of a chain.
 template <class L> struct ChainVertex {
   Vec3<L> ng;                  ///< geometric normal, unit length
   typename L::Mask specular;   ///< a delta lobe scatters the path
@@ -64,7 +64,7 @@ void follow_chain(const StageContext& context, Wave& wave, const Slot* slots, in
   const U state = chain_state<L>(wave.rays.gather<L>(slots).flags);
   const auto has_start = state != U(0u), has_room = state < U(1u + std::uint32_t{kMaxChainLength});
   const auto extends = has_start & has_room & (on_caster != U(0u));
-  const U behind_delta = select(state == U(0u), state, select(extends, state + U(1u), U(kForeignChain)));
+  const U behind_delta = select(state == U(0u), state, select(extends, state + U(1u), U(kUnconnectedChain)));
   ray.flags |= chain_bits<L>(select(vertex.specular, behind_delta, U(1u)));
   // Record the starts, and the lobes of specular vertices
   ChainStartState<L> start = wave.chain_starts.gather<L>(slots);

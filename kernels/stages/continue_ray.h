@@ -61,16 +61,16 @@ SHEAF_INLINE void continue_rays(const SceneView& scene, Wave& wave, const Slot* 
   ray.t_max = select(passing, max(ray.t_max - hit.t, F(0.0f)), ray.t_max);
   wave.rays.scatter<L>(slots, count, ray);
   add_distance_since_vertex<L>(wave, slots, pass, hit.t);
-  std::uint32_t going = pass;
+  std::uint32_t crossing = pass;
   // Other scenes draw no random numbers between one surface and the next.
   if (scene.needs_transmittance) {
-    going &= mask_bits(path.dimension() < U(kLongestPath));
+    crossing &= mask_bits(path.dimension() < U(kLongestPath));
     path.depth_and_dimension = select(passing, path.depth_and_dimension + U(kOneDimension), path.depth_and_dimension);
     wave.paths.scatter<L>(slots, count, path);
   }
-  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(going));
-  wave.active.push(slots, going);
-  wave.finished.push(slots, pass & ~going);
+  wave.stats.rays.scatter += static_cast<std::uint64_t>(std::popcount(crossing));
+  wave.active.push(slots, crossing);
+  wave.finished.push(slots, pass & ~crossing);
 }
 
 }  // namespace sheaf

@@ -7,7 +7,7 @@
 #include "kernels/lights/light_sample.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/photons/photon_maps.h"
-#include "kernels/stages/candidate_trial.h"
+#include "kernels/stages/candidate_moments.h"
 #include "kernels/stages/chain_state.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/light_sample_context.h"
@@ -43,12 +43,12 @@ SHEAF_INLINE void add_emission(const StageContext& context, Wave& wave, const Sl
   const LightStrategy strategy = context.integrator.strategy;
   const Float<L> weight = emission_weight<L>(strategy, context.candidates, scatter_pdf, light_pdf) / divisor;
   add_radiance<L>(wave, slots, lanes, emitted * weight, light);
-  if (!context.has_candidate_trial()) [[likely]]
+  if (!context.compares_candidates()) [[likely]]
     return;
   const auto found = [&](int i) {
     return total(emitted) * (emission_weight<L>(strategy, kCandidateCounts[i], scatter_pdf, light_pdf) / divisor);
   };
-  find_in_trial<L>(wave, slots, lanes, {found(0), found(1), found(2), found(3)});
+  add_emission_moments<L>(wave, slots, lanes, {found(0), found(1), found(2), found(3)});
 }
 
 /// The previous vertex as light_candidates saw it, and the pdfs of the path since then.
@@ -97,8 +97,8 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const SceneView& scene = context.scene;
   // Mark camera paths that hit nothing as transparent
   const bool visible = has_surroundings(scene);
-  const auto shown = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
-  const std::uint32_t transparent = mask_bits(from_camera & !shown & L::first(count));
+  const auto displayed = Mask<L>(visible) & !(from_camera & Mask<L>(context.integrator.hide_emitters));
+  const std::uint32_t transparent = mask_bits(from_camera & !displayed & L::first(count));
   for_each_lane(transparent, [&](int lane) SHEAF_LAMBDA_INLINE { mark_transparent(wave, slots[lane]); });
   if (!visible) return;
   // Add each light, weighted by MIS
@@ -106,7 +106,7 @@ SHEAF_INLINE void environment_tile(const StageContext& context, Wave& wave, cons
   const LightPath<L> from = light_path<L>(scene, wave, slots, ray, radiance);
   const Spectrum<L> lambda = shading_wavelengths<L, kMode>(wave, slots);
   const F time = path_times<L>(scene, wave, slots);
-  const auto counts = shown & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
+  const auto counts = displayed & !is_caustic<L>(context, ray.flags, radiance.scatter_pdf) & L::first(count);
   for (std::uint32_t light = scene.lights.bounded_count; light < scene.lights.count; ++light) {
     if (!surrounds_scene(scene, light)) continue;
     const EnvmapValue<L> arriving = environment_value<L, kMode>(scene, light, ray.direction, time, lambda);

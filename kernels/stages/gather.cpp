@@ -261,7 +261,7 @@ struct LookupCounts {
   std::uint64_t registers = 0, photons = 0, summed = 0;
 };
 
-/// What a lookup has found so far.
+/// Sums of a lookup so far.
 template <class L> struct LookupTotal {
   Spectrum<L> light{Float<L>(0.0f)};  ///< arriving, or reflected
   LookupCounts counts = {};

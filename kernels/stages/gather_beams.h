@@ -39,8 +39,8 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
   if (ray.edges_left == 0 || !ray.seen.has(kMediumScatters)) return;
   map.lines().near_ray(ray.seen.origin, ray.seen.direction, ray.seen.length, found);
   const auto counts_not = [&](const NearLine& line) {
-    const std::uint32_t place = map.beam(line.index).place;
-    return (place & kMaxPhotonEdges) > ray.edges_left || place >> kPhotonMediumShift != ray.medium;
+    const std::uint32_t medium_key = map.beam(line.index).medium_key;
+    return (medium_key & kMaxPhotonEdges) > ray.edges_left || medium_key >> kPhotonMediumShift != ray.medium;
   };
   found.erase(std::remove_if(found.begin(), found.end(), counts_not), found.end());
   std::sort(found.begin(), found.end(),
@@ -48,17 +48,17 @@ inline void find_beams(const PhotonBeamMap& map, const GatheringRay& ray, std::v
 }
 
 /// Phi(s) over Phi, for lanes that differ in extinction.
-class FlightShares {
+class FlightTransmittance {
  public:
-  FlightShares(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
+  FlightTransmittance(const StageContext& context, std::uint32_t flags, const GatheringRay& ray)
       : flight_(make_medium_ray(context, flags, ray.lambda, ray.seen.origin, ray.seen.direction, 0.0f, 0.0f)),
         sigma_t_(medium_coefficients(flight_.medium, flight_.spectra).sigma_t) {}
 
   Float4 operator()(const PhotonBeamMap::Record& beam, float along) const {
     // All lanes hold the same wavelength.
-    if ((beam.place & kPhotonSingleWavelength) != 0) return Float4(1.0f);
+    if ((beam.medium_key & kPhotonSingleWavelength) != 0) return Float4(1.0f);
     const Float4 passed = transmittance(sigma_t_, along);
-    return passed * (1.0f / lane_mean(flight_.scene, Float4(beam.odds) * flight_.odds(passed)));
+    return passed * (1.0f / lane_mean(flight_.scene, Float4(beam.pdf_ratio) * flight_.pdf_ratio(passed)));
   }
 
  private:
@@ -75,8 +75,8 @@ Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::
   if (found.empty()) return Float4();
   const MediumCoefficients c = medium_coefficients(ray.seen.medium, ray.seen.spectra);
   const Float4 sigma_t = c.sigma_t;
-  const bool alike = ray.seen.has(kMediumGrey);
-  const FlightShares shares(context, flags, ray);
+  const bool alike = ray.seen.has(kMediumGray);
+  const FlightTransmittance flight_transmittance(context, flags, ray);
   Float4 sum;
   for (std::size_t first = 0; first < found.size(); first += L::width) {
     LaneArray<F> cosines(F(0.0f)), sines(F(1.0f)), squares(F(0.0f));
@@ -93,8 +93,8 @@ Float4 gather_beams(const StageContext& context, const PhotonBeamMap& map, std::
       const NearLine& line = found[first + static_cast<std::size_t>(i)];
       const PhotonBeamMap::Record& beam = map.beam(line.index);
       // Ray and photon both compensate for lost wavelengths by a factor of 4, which must apply once.
-      const bool both = ray.single_wavelength && (beam.place & kPhotonSingleWavelength) != 0;
-      const Float4 power = alike ? Float4(beam.power) : Float4(beam.power) * shares(beam, line.along);
+      const bool both = ray.single_wavelength && (beam.medium_key & kPhotonSingleWavelength) != 0;
+      const Float4 power = alike ? Float4(beam.power) : Float4(beam.power) * flight_transmittance(beam, line.along);
       sum = sum + power * transmittance(sigma_t, line.t) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }

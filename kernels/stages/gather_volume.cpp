@@ -37,8 +37,8 @@ void find_photons(const VolumePhotonMap& map, const MediumRay& ray, float stretc
   found.clear();
   map.points().near_ray(ray.origin, ray.direction * (1.0f / stretch), ray.length * stretch, found);
   const auto counts = [&](const NearPoint& point) {
-    const std::uint32_t place = map.photon(point.index).place;
-    return (place & kMaxPhotonEdges) <= edges_left && place >> kPhotonMediumShift == medium;
+    const std::uint32_t medium_key = map.photon(point.index).medium_key;
+    return (medium_key & kMaxPhotonEdges) <= edges_left && medium_key >> kPhotonMediumShift == medium;
   };
   found.erase(std::remove_if(found.begin(), found.end(), [&](const NearPoint& point) { return !counts(point); }),
               found.end());
@@ -140,7 +140,7 @@ Float4 gather_points(const SceneView& scene, const VolumePhotonMap& map, const M
       const NearPhoton& one = near[first + static_cast<std::size_t>(i)];
       const VolumePhotonMap::Record& photon = map.photon(one.point.index);
       // Path and photon both compensate for lost wavelengths by a factor of 4, which must apply once.
-      const bool both = single_wavelength && (photon.place & kPhotonSingleWavelength) != 0;
+      const bool both = single_wavelength && (photon.medium_key & kPhotonSingleWavelength) != 0;
       sum = sum + Float4(photon.power) * Float4(one.transmittance) * (both ? 0.25f * weights[i] : weights[i]);
     }
   }

@@ -2,7 +2,7 @@
 //
 // A direction has pdf p = a p_b + (1 - a) p_g, with p_b that of the BSDF, p_g that of the guide, and a the probability
 // of sampling the BSDF. Its weight is f cos / p, whichever of both it was sampled from (one-sample model with the
-// balance heuristic, Veach 1997, section 9.2.4). The MIS weights of next-event estimation use p_b in place of p: any
+// balance heuristic, Veach 1997, section 9.2.4). The MIS weights of next-event estimation use p_b instead of p: any
 // weights that add up to 1 are unbiased, and light sampling then need not evaluate the guide. The guide cannot sample
 // delta lobes: if the BSDF samples one, its weight is divided by a. Specular closures are not guided. Dispersive
 // closures are not guided either, as the sampled direction splits their wavelengths.
@@ -35,7 +35,7 @@ SHEAF_INLINE GuideValue<L> guide_value(const StageContext& context, const Wave& 
 
 /// Pdf of the guided parts of a blend.
 template <class L> SHEAF_INLINE Float<L> guided_pdf(const GuideValue<L>& guide, const BlendValue<L>& blend) {
-  return guide.mixed(blend.mixed_pdf, blend.guided_share);
+  return guide.mixed(blend.mixed_pdf, blend.guided_weight);
 }
 
 /// Pdf that MIS weights use for a direction that a guided vertex samples: that of the BSDF, but above 0, which stands
@@ -98,13 +98,13 @@ template <class L, template <class> class Bsdf>
   // Combine the pdfs and the weight
   out.bsdf_pdf = s.pdf_solid_angle;
   const auto smooth = of_guide.taken | (s.valid & (s.pdf_solid_angle > F(0.0f)));
-  // The weight of a delta lobe needs bsdf_share as well.
+  // The weight of a delta lobe needs bsdf_probability as well.
   out.guide = guide_value<L>(context, wave, column, s.valid & L::first(count), out.direction);
   const F pdf = out.guide.mixed(s.pdf_solid_angle);
   s.valid = s.valid & ((!smooth) | (pdf > F(0.0f)));
   s.weight = select<L>(smooth, f_cos * (F(1.0f) / select(pdf > F(0.0f), pdf, F(1.0f))),
-                       s.weight * (F(1.0f) / out.guide.bsdf_share));
-  out.guided_pdf_ratio = select(smooth, guided_pdf_ratio<L>(pdf, out.bsdf_pdf), out.guide.bsdf_share);
+                       s.weight * (F(1.0f) / out.guide.bsdf_probability));
+  out.guided_pdf_ratio = select(smooth, guided_pdf_ratio<L>(pdf, out.bsdf_pdf), out.guide.bsdf_probability);
   s.pdf_solid_angle = select(smooth, mis_pdf<L>(out.bsdf_pdf), F(0.0f));
   return out;
 }
@@ -129,7 +129,7 @@ Float<L> expected_survival(const StageContext& context, Wave& wave, const Slot* 
       references[lane] = wave.guide_references[slots[lane]] = expected[lane];
   const F reference = references.load();
   const auto known = (mean >= F(0.0f)) & (reference > F(0.0f));
-  const F ratio = sum * mean / select(known, reference * F(kPlayedBelow), F(1.0f));
+  const F ratio = sum * mean / select(known, reference * F(kSurfaceRouletteThreshold), F(1.0f));
   const F max_ratio = select(depth < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth())), F(1.0f),
                              F(kLargestSurvival));
   return select(known, clamp(ratio, F(kMin), max_ratio), default_value);

@@ -45,19 +45,19 @@ SHEAF_INLINE void choose_for(const StageContext& context, Wave& wave, const Cand
                              LightChoice<L> (&choices)[kTilesPerGroup]) {
   LightTreeCut<L> cuts[kTilesPerGroup];
   Float<L> u[kTilesPerGroup];
-  const bool shares_tops = wave.needs.light_tops && shares_light_tops(context);
+  const bool uses_cuts = wave.needs.light_cuts && shares_light_cut(context);
   for (int i = 0; i < kTilesPerGroup; ++i) {
     u[i] = tiles[i].u.x;
-    if (!shares_tops) continue;
+    if (!uses_cuts) continue;
     const int column = tiles[i].column;
     if (!is_first) {
-      cuts[i] = wave.light_tops.load<L>(column);
+      cuts[i] = wave.light_cuts.load<L>(column);
     } else {
-      cuts[i] = light_tree_top<L>(context.scene.lights.tree, at[i].p, at[i].n, Mask<L>(true));
-      wave.light_tops.store<L>(column, cuts[i]);
+      cuts[i] = light_tree_cut<L>(context.scene.lights.tree, at[i].p, at[i].n, Mask<L>(true));
+      wave.light_cuts.store<L>(column, cuts[i]);
     }
   }
-  choose_lights<L>(context.scene, at, u, shares_tops ? cuts : nullptr, choices);
+  choose_lights<L>(context.scene, at, u, uses_cuts ? cuts : nullptr, choices);
 }
 
 /// Samples a point on the chosen light of each vertex and stores the candidate. `in_medium`: the vertices lie in media.

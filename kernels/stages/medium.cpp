@@ -67,7 +67,7 @@ class MediumEmission {
     if (hidden_) return;
     const Float4 found = path.beta * passed * ray_.coefficients(p).sigma_a * ray_.emission(p) * (1.0f / pdf);
     if (!(max_component(found) > 0.0f)) return;
-    const float by_path = lane_mean(scene_, path.r_u * ray_.odds(passed * collision * (1.0f / pdf)));
+    const float by_path = lane_mean(scene_, path.r_u * ray_.pdf_ratio(passed * collision * (1.0f / pdf)));
     radiance_ = radiance_ + found * (weight(path, t, p, passed, by_path, pdf) / by_path);
   }
 
@@ -95,10 +95,10 @@ class MediumEmission {
   float weight(const PathWeights& path, float t, Vec3f p, Float4 passed, float by_path, float pdf) const {
     if (!contested_) return 1.0f;
     // Light sampling passes homogeneous media with probability 1.
-    const Float4 on_the_way = ray_.has(kMediumHomogeneous) ? Float4(1.0f / pdf) : ray_.odds(passed * (1.0f / pdf));
+    const Float4 light_pdf = ray_.has(kMediumHomogeneous) ? Float4(1.0f / pdf) : ray_.pdf_ratio(passed * (1.0f / pdf));
     const float r = t + path_.distance_since_vertex;
     const Vec3f in_world = scene_.motion.lights != nullptr ? path_.ray.origin + path_.ray.direction * t : p;
-    const float by_light = lane_mean(scene_, path.r_l * on_the_way) * choice_ *
+    const float by_light = lane_mean(scene_, path.r_l * light_pdf) * choice_ *
                            volume_light_pdf_at(scene_, ray_.medium.light, in_world, path_.time) * r * r;
     return power_heuristic(by_path, by_light);
   }
@@ -171,7 +171,7 @@ void scatter_path(const StageContext& context, Wave& wave, MediumPath& path, con
   route_vertices<Scalar>(context, wave, &path.slot, 1u, path.hit.material, path.ray.flags);
 }
 
-/// Stores the flight of a photon along `length` metres of the ray as a beam. `r_u`: at its start.
+/// Stores the flight of a photon along `length` meters of the ray as a beam. `r_u`: at its start.
 void store_beam(const StageContext& context, Wave& wave, const MediumPath& path, const MediumRay& ray,
                 const Spectrum4& r_u, float length) {
   const RadianceState<Scalar>& row = wave.radiance.row(path.slot);
@@ -180,13 +180,13 @@ void store_beam(const StageContext& context, Wave& wave, const MediumPath& path,
   beam.start = ray.origin, beam.direction = ray.direction;
   beam.length = min(length, kLongestBeam);
   beam.power = path.state.beta * (row.weight * over);
-  beam.odds = r_u * over;
-  beam.place = photon_place(path.ray.flags >> kRayMediumShift, path.state.depth() + 1,
-                            has_single_wavelength(context, wave, path.slot));
+  beam.pdf_ratio = r_u * over;
+  beam.medium_key = photon_medium_key(path.ray.flags >> kRayMediumShift, path.state.depth() + 1,
+                                      has_single_wavelength(context, wave, path.slot));
   beam.order = row.task_sample << kVertexBits | path.state.dimension();
   const Vec3f far = abs(beam.start);
   if (!(max(max(far.x, far.y), far.z) < kLongestBeam) || !(beam.length > 0.0f)) return;
-  if (is_finite(max_component(beam.power)) && is_finite(max_component(beam.odds))) {
+  if (is_finite(max_component(beam.power)) && is_finite(max_component(beam.pdf_ratio))) {
     context.light_task().beams.push_back(beam);
     return;
   }

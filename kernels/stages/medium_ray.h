@@ -32,7 +32,7 @@ inline float medium_end(const SceneView& scene, Vec3f origin, Vec3f direction) {
   return max(b > 0.0f ? -c / (b + root) : root - b, 0.0f);
 }
 
-/// The segment of `length` metres from `origin` in the medium given by `flags` (RayState::flags), at a time in [0, 1].
+/// The segment of `length` meters from `origin` in the medium given by `flags` (RayState::flags), at a time in [0, 1].
 inline MediumRay make_medium_ray(const StageContext& context, std::uint32_t flags, const Spectrum4& lambda,
                                  Vec3f origin, Vec3f direction, float length, float time) {
   const std::uint32_t row = (flags >> kRayMediumShift) - 1u;

@@ -1,4 +1,4 @@
-// Normal and bump maps: how a texture perturbs the shading normal, and corrections of the artefacts of perturbed
+// Normal and bump maps: how a texture perturbs the shading normal, and corrections of the artifacts of perturbed
 // normals.
 #pragma once
 
@@ -22,13 +22,13 @@ SHEAF_INLINE Float<L> shadow_terminator(Vec3<L> ns_unmapped, Float<L> terminator
   return select(cos_unmapped * cos_wi > F(0.0f), g, F(0.0f));
 }
 
-/// Squared roughness for shadow_terminator(). `cos_turn`: cosine between the mapped and the unmapped normal.
-template <class F> SHEAF_INLINE F terminator_of(F cos_turn) {
-  const F cos2 = max(min(cos_turn * cos_turn, F(1.0f)), F(1e-12f));
+/// Squared roughness for shadow_terminator(). `cos_tilt`: cosine between the mapped and the unmapped normal.
+template <class F> SHEAF_INLINE F terminator_of(F cos_tilt) {
+  const F cos2 = max(min(cos_tilt * cos_tilt, F(1.0f)), F(1e-12f));
   return clamp(F(0.125f) * (F(1.0f) - cos2) / cos2, F(0.0f), F(1.0f));
 }
 
-/// The normal of a normal map, in the unmapped shading frame, unnormalised.
+/// The normal of a normal map, in the unmapped shading frame, unnormalized.
 template <class L>
 SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query) {
   using F = Float<L>;
@@ -37,7 +37,7 @@ SHEAF_INLINE Vec3<L> mapped_normal(const TextureView& textures, const NormalMapR
   return {scale * x, scale * (map.flags & NormalMapRow::kFlipGreen ? -y : y), F(2.0f) * rgb.c2 - F(1.0f)};
 }
 
-/// The normal of the surface displaced by a bump map, in world space, unnormalised. Ignores the change of the unmapped
+/// The normal of the surface displaced by a bump map, in world space, unnormalized. Ignores the change of the unmapped
 /// normal over the surface (Blinn 1978).
 template <class L>
 SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
@@ -53,9 +53,9 @@ SHEAF_INLINE Vec3<L> bumped_normal(const TextureView& textures, const NormalMapR
 /// `handedness`: -1 if it was flipped, otherwise 1. Sets `usable` to the lanes of `lanes` where the map gives a normal,
 /// and returns `base` in the others.
 template <class L>
-SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapRow& map, const TextureQuery<L>& query,
-                                   Vec3<L> base, Float<L> handedness, Vec3<L> dp_du, Vec3<L> dp_dv, Mask<L> lanes,
-                                   Mask<L>& usable) {
+SHEAF_INLINE Vec3<L> perturbed_normal(const TextureView& textures, const NormalMapRow& map,
+                                      const TextureQuery<L>& query, Vec3<L> base, Float<L> handedness, Vec3<L> dp_du,
+                                      Vec3<L> dp_dv, Mask<L> lanes, Mask<L>& usable) {
   using F = Float<L>;
   const Frame<L> frame = Frame<L>::from_normal(base);
   const Vec2<L> c = tangent_of<L>(frame, dp_du);
@@ -80,13 +80,13 @@ SHEAF_INLINE Vec3<L> turned_normal(const TextureView& textures, const NormalMapR
 }
 
 /// Mirrors a mapped normal at the unmapped one, to replace it where it faces away from the viewer.
-template <class L> SHEAF_INLINE Vec3<L> mirrored_normal(Vec3<L> n, Vec3<L> unturned) {
-  return unturned * (Float<L>(2.0f) * dot(unturned, n)) - n;
+template <class L> SHEAF_INLINE Vec3<L> mirrored_normal(Vec3<L> n, Vec3<L> unmapped) {
+  return unmapped * (Float<L>(2.0f) * dot(unmapped, n)) - n;
 }
 
 /// Whether direction `wo` sees the mapped and the unmapped normal from different sides.
-template <class L> SHEAF_INLINE Mask<L> faces_away(Vec3<L> n, Vec3<L> unturned, Vec3<L> wo) {
-  return dot(n, wo) * dot(unturned, wo) < Float<L>(0.0f);
+template <class L> SHEAF_INLINE Mask<L> faces_away(Vec3<L> n, Vec3<L> unmapped, Vec3<L> wo) {
+  return dot(n, wo) * dot(unmapped, wo) < Float<L>(0.0f);
 }
 
 }  // namespace sheaf

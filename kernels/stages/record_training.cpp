@@ -13,9 +13,9 @@ template <class L> void record_training(const StageContext& context, Wave& wave)
     const RadianceState<Scalar>& row = wave.radiance.row(slot);
     const std::uint32_t path = row.task_sample & ~kTransparent;
     context.training_samples().finish(path, total(row.radiance));
-    if (!context.has_candidate_trial()) continue;
+    if (!context.compares_candidates()) continue;
     const PathMoments<Scalar>& moments = wave.moments.row(slot);
-    context.training_samples().finish_trial(path, moments.radiance, moments.excess);
+    context.training_samples().finish_moments(path, moments.radiance, moments.excess);
   }
 }
 

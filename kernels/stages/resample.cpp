@@ -17,7 +17,7 @@
 #include "kernels/bsdf/list.h"
 #include "kernels/lights/light_weight.h"
 #include "kernels/stages/blend_value.h"
-#include "kernels/stages/candidate_trial.h"
+#include "kernels/stages/candidate_moments.h"
 #include "kernels/stages/normal_map.h"
 #include "kernels/stages/push_shadow_ray.h"
 #include "kernels/stages/shading_frame.h"
@@ -128,10 +128,11 @@ SHEAF_INLINE Reservoir<L> keep_one(const StageContext& context, Wave& wave, int 
   // Choose between the kept candidate and this one: P(x_i) = W_i / sum_j<=i W_j
   r = wave.reservoirs.load<L>(column);
   r.sum = r.sum + weight;
-  const F share = weight / max(r.sum, F(1e-37f));
-  const auto taken = r.u < share;
+  const F probability = weight / max(r.sum, F(1e-37f));
+  const auto taken = r.u < probability;
   // The remainder of u is uniform again.
-  const F rest = select(taken, r.u, r.u - share) / max(select(taken, share, F(1.0f) - share), F(1e-37f));
+  const F rest =
+      select(taken, r.u, r.u - probability) / max(select(taken, probability, F(1.0f) - probability), F(1e-37f));
   r.u = clamp(rest, F(0.0f), F(kOneMinusEpsilon));
   // Replace the kept candidate
   r.target = select<L>(taken, light.target, r.target);
@@ -160,7 +161,7 @@ SHEAF_INLINE void resample_tile(const StageContext& context, Wave& wave, const S
                               kInMedium, weighed.single);
   const Reservoir<L> kept = keep_one<L>(context, wave, column, path, light, weighed, candidate.index == 0);
   const ReservoirItem<L>& r = kept.item;
-  if (context.has_candidate_trial()) [[unlikely]]
+  if (context.compares_candidates()) [[unlikely]]
     try_candidate<L>(context, wave, slots, column, count, total(weighed.contribution) * weighed.mis_weight,
                      weighed.pdf_ratio, kept.taken, candidate.index);
   if (!candidate.is_last()) return wave.reservoirs.store<L>(column, r);

@@ -12,7 +12,7 @@ namespace sheaf {
 
 /// Throughput, relative to the start of the path, below which Russian roulette terminates camera paths. Shadow rays in
 /// media have a threshold of their own (kernels/media/density_tracking.h).
-inline constexpr float kPlayedBelow = 0.5f;
+inline constexpr float kSurfaceRouletteThreshold = 0.5f;
 /// Maximum survival probability, so that paths between perfect mirrors end.
 inline constexpr float kLargestSurvival = 0.99f;
 
@@ -22,7 +22,7 @@ template <class L>
 SHEAF_INLINE Float<L> survival_by_throughput(const StageContext& context, const PathState<L>& path, Float<L> divisor) {
   using F = Float<L>;
   const auto exempt = path.depth() < Uint<L>(static_cast<std::uint32_t>(context.integrator.roulette_depth()));
-  const F threshold(!context.starts_at_lights() ? kPlayedBelow : 1.0f);
+  const F threshold(!context.starts_at_lights() ? kSurfaceRouletteThreshold : 1.0f);
   const F survival = min(max_component(path.beta) * path.eta_scale / (divisor * threshold), F(kLargestSurvival));
   return select(exempt, F(1.0f), survival);
 }

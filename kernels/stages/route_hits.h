@@ -5,7 +5,7 @@
 
 namespace sheaf {
 
-/// What the rays of one tile hit.
+/// The hits of the rays of one tile.
 template <class L> struct RoutedHits {
   typename L::Mask found;                   ///< false: the ray left the scene
   typename L::Uint light, material, flags;  ///< HitState::light and material, RayState::flags

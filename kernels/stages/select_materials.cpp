@@ -16,40 +16,41 @@ namespace sheaf {
 namespace {
 
 /// Weights of the second choice for lanes of different materials, one material at a time.
-template <class L> Float<L> share_of(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
+template <class L>
+Float<L> second_weights(const SceneView& scene, Mask<L> lanes, Uint<L> row, const TextureQuery<L>& query) {
   using F = Float<L>;
   using U = Uint<L>;
-  F share(0.0f);
+  F probability(0.0f);
   const LaneArray<U> rows(row);
   while (any(lanes)) {
     const std::uint32_t material = rows[std::countr_zero(mask_bits(lanes))];
     const MaterialRow& m = scene.materials.rows[material];
     const auto same = lanes & (row == U(material));
-    F value(m.second_share());
+    F value(m.second_weight());
     if (m.binding_count > 0)
       value = lookup_scalar<L>(scene.textures, scene.materials.bindings[m.first_binding].texture, query);
-    share = select(same, value, share);
+    probability = select(same, value, probability);
     lanes = lanes & !same;
   }
-  return share;
+  return probability;
 }
 
 /// The first selection of a tile's paths.
 template <class L> struct FirstChoice {
-  typename L::Uint row;     ///< the composite material
-  typename L::Float share;  ///< of its second choice
+  typename L::Uint row;           ///< the composite material
+  typename L::Float probability;  ///< of its second choice
 };
 
 /// Pass-through probabilities of simple masks: one of the two choices is "nothing", and the other is not composite.
 /// Same values as pass_through_probability(), without another texture lookup.
-template <class L> struct KnownShares {
-  typename L::Float share;
+template <class L> struct KnownWeights {
+  typename L::Float probability;
   typename L::Mask known;
 };
 
 template <class L>
-SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstChoice<L>& first, Uint<L> material,
-                                            Mask<L> behind, Mask<L> lanes) {
+SHEAF_INLINE KnownWeights<L> mask_weights(const SceneView& scene, const FirstChoice<L>& first, Uint<L> material,
+                                          Mask<L> behind, Mask<L> lanes) {
   using F = Float<L>;
   using U = Uint<L>;
   const MaterialRow* const rows = scene.materials.rows;
@@ -65,7 +66,7 @@ SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstC
   Mask<L> known = lanes & (second_passes | (choice[0] == nothing)) & (other != nothing);
   const U flags = gather_member<L>(rows, &MaterialRow::flags, side_of(select(known, other, zero)));
   known = known & ((flags & U(kComposite)) == zero) & (side_of(select(lanes, material, zero)) == first.row);
-  return {select(second_passes, first.share, F(1.0f) - first.share), known};
+  return {select(second_passes, first.probability, F(1.0f) - first.probability), known};
 }
 
 /// Divides r_l of the paths of `lanes` by the pass-through probability. Paths pass the surface with that probability;
@@ -73,18 +74,18 @@ SHEAF_INLINE KnownShares<L> shares_of_masks(const SceneView& scene, const FirstC
 template <class L>
 SHEAF_INLINE void note_passing(const SceneView& scene, Wave& wave, const Slot* slots, std::uint32_t lanes,
                                const TextureQuery<L>& query, Uint<L> material, Mask<L> behind,
-                               const KnownShares<L>& masks) {
+                               const KnownWeights<L>& masks) {
   const std::uint32_t known = mask_bits(masks.known), from_behind = mask_bits(behind);
-  const LaneArray<Float<L>> shares(masks.share);
+  const LaneArray<Float<L>> probabilities(masks.probability);
   const LaneArray<Uint<L>> materials(material);
   const LaneRows<L, TextureQuery> queries(query);
   for_each_lane(lanes, [&](int lane) SHEAF_LAMBDA_INLINE {
-    float share = shares[lane];
+    float probability = probabilities[lane];
     if ((known >> lane & 1u) == 0)
-      share = pass_through_probability(scene, materials[lane], (from_behind >> lane & 1u) != 0, queries[lane]);
-    if (share == 1.0f) return;
+      probability = pass_through_probability(scene, materials[lane], (from_behind >> lane & 1u) != 0, queries[lane]);
+    if (probability == 1.0f) return;
     Spectrum4& r_l = wave.rescaled_pdfs.row(slots[lane]).r_l;
-    const float divisor = max(share, 1e-20f);
+    const float divisor = max(probability, 1e-20f);
     r_l = {r_l.c0 / divisor, r_l.c1 / divisor, r_l.c2 / divisor, r_l.c3 / divisor};
   });
 }
@@ -115,10 +116,10 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
     open = open & ((flags & U(kComposite)) != U(0u));
     if (!any(open)) break;
     // The remainder of the random number is uniform again.
-    const F share = clamp(share_of<L>(context.scene, open, safe, query), F(0.0f), F(1.0f));
-    if (is_first) first.share = share;
-    const auto second = u < share;
-    u = select(second, u / max(share, F(1e-20f)), (u - share) / max(F(1.0f) - share, F(1e-20f)));
+    const F probability = clamp(second_weights<L>(context.scene, open, safe, query), F(0.0f), F(1.0f));
+    if (is_first) first.probability = probability;
+    const auto second = u < probability;
+    u = select(second, u / max(probability, F(1e-20f)), (u - probability) / max(F(1.0f) - probability, F(1e-20f)));
     u = clamp(u, F(0.0f), F(0.99999994f));
     const U chosen = select(second, gather_element<L>(context.scene.materials.rows, &MaterialRow::choice, 1, safe),
                             gather_element<L>(context.scene.materials.rows, &MaterialRow::choice, 0, safe));
@@ -137,7 +138,7 @@ SHEAF_INLINE void select_tile(const StageContext& context, Wave& wave, const Slo
   route_vertices<L>(context, wave, slots, all_bits & ~pass, select(passing, U(0u), row), ray.flags);
   if (pass != 0)
     note_passing<L>(context.scene, wave, slots, pass, query, shape.material, behind,
-                    shares_of_masks<L>(context.scene, first, shape.material, behind, passing & L::first(count)));
+                    mask_weights<L>(context.scene, first, shape.material, behind, passing & L::first(count)));
   continue_rays<L>(context.scene, wave, slots, count, passing, y, shape.boundary, hit, ray, path);
 }
 

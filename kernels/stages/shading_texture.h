@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Upsamples a looked-up colour to the wavelengths `lambda`, nm (Jakob and Hanika 2019). `role`: reflectances stay in
+/// Upsamples a looked-up color to the wavelengths `lambda`, nm (Jakob and Hanika 2019). `role`: reflectances stay in
 /// [0, 1], other spectra are unbounded.
 template <class L>
 SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, const Spectrum<L>& rgb,
@@ -17,7 +17,7 @@ SHEAF_INLINE Spectrum<L> uplifted(const SceneView& scene, TextureRole role, cons
   return evaluate(reflectance ? uplift_reflectance<L>(table, color) : uplift_unbounded<L>(table, color), lambda);
 }
 
-/// The `binding.words` values of a texture, in the first lanes of the result. Spectral mode: colours are upsampled to
+/// The `binding.words` values of a texture, in the first lanes of the result. Spectral mode: colors are upsampled to
 /// the wavelengths `lambda`, nm.
 template <class L, ColorMode kMode>
 SHEAF_INLINE Spectrum<L> shading_texture(const SceneView& scene, const TextureBinding& binding,

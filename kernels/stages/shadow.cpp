@@ -1,7 +1,7 @@
 // Stage: shadow. Traces shadow rays between vertices and sampled lights with Embree, sixteen at a time, and adds the
 // unoccluded contributions.
 #include "core/soa/lane_array.h"
-#include "kernels/stages/candidate_trial.h"
+#include "kernels/stages/candidate_moments.h"
 #include "kernels/stages/shadow_packet.h"
 #include "kernels/stages/stage_list.h"
 #include "kernels/stages/trace_packets.h"
@@ -13,12 +13,12 @@ namespace sheaf {
 namespace {
 
 /// Adds the contribution of item `i` to its path.
-SHEAF_INLINE void add_unoccluded(const StageContext& context, Wave& wave, int i, LightTally& tally) {
+SHEAF_INLINE void add_unoccluded(const StageContext& context, Wave& wave, int i, LightCounter& tally) {
   const ShadowItem<Columns>& c = wave.shadows.columns();
   const Spectrum4 found{c.contribution.c0[i], c.contribution.c1[i], c.contribution.c2[i], c.contribution.c3[i]};
   tally.arrive(c.light[i], found);
-  if (context.has_candidate_trial()) [[unlikely]]
-    arrive_in_trial(wave, static_cast<Slot>(c.slot[i]), total<Scalar>(found));
+  if (context.compares_candidates()) [[unlikely]]
+    add_unoccluded_moments(wave, static_cast<Slot>(c.slot[i]), total<Scalar>(found));
   add_radiance(wave, static_cast<Slot>(c.slot[i]), Float4(found), c.light[i]);
 }
 
@@ -30,7 +30,7 @@ template <class L> void shadow(const StageContext& context, Wave& wave) noexcept
   StageTimer timer(wave.stats, stage_named<L>("shadow"));
   timer.count(rays, kPacketWidth);
   count_shadow_rays(wave);
-  LightTally tally(wave.stats);
+  LightCounter tally(wave.stats);
   trace_packets(
       context.scene, wave, rays, RayRecorder::Query::kAny,
       [&](int first, int count, RayPacket& packet) {

@@ -33,34 +33,34 @@ SHEAF_INLINE void pack_shadow_rays(const SceneView& scene, const Wave& wave, int
 
 /// Counts the shadow rays of each light and their contributions. The counts of consecutive rays to the same light are
 /// kept locally and added once.
-class LightTally {
+class LightCounter {
  public:
-  explicit LightTally(Stats& stats) : stats_(stats) {}
-  ~LightTally() { put_down(); }
-  LightTally(const LightTally&) = delete;
-  LightTally& operator=(const LightTally&) = delete;
+  explicit LightCounter(Stats& stats) : stats_(stats) {}
+  ~LightCounter() { flush_counts(); }
+  LightCounter(const LightCounter&) = delete;
+  LightCounter& operator=(const LightCounter&) = delete;
 
   /// Counts a shadow ray that will be traced.
   SHEAF_INLINE void spend(std::uint32_t light) {
-    turn_to(light);
+    transpose_to(light);
     ++counted_.rays;
   }
   /// Counts a shadow ray that is unoccluded.
   SHEAF_INLINE void arrive(std::uint32_t light, const Spectrum4& found) {
-    turn_to(light);
+    transpose_to(light);
     ++counted_.arrived;
     counted_.radiance += static_cast<double>((found.c0 + found.c1) + (found.c2 + found.c3));
   }
 
  private:
-  SHEAF_INLINE void turn_to(std::uint32_t light) {
+  SHEAF_INLINE void transpose_to(std::uint32_t light) {
     if (light == light_) [[likely]]
       return;
-    put_down();
+    flush_counts();
     light_ = light;
     counted_ = {};
   }
-  void put_down() {
+  void flush_counts() {
     if (light_ < stats_.lights.size()) stats_.lights[light_] += counted_;
   }
 
@@ -72,7 +72,7 @@ class LightTally {
 /// Counts the shadow rays of the wave, before they are traced.
 inline void count_shadow_rays(Wave& wave) {
   wave.stats.rays.shadow += static_cast<std::uint64_t>(wave.shadow_count);
-  LightTally tally(wave.stats);
+  LightCounter tally(wave.stats);
   const std::uint32_t* const light = wave.shadows.columns().light;
   for (int i = 0; i < wave.shadow_count; ++i) tally.spend(light[i]);
 }

@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// Converts the radiance of a path to linear Rec.709. Returns false if a lane is negative or the colour is not finite.
+/// Converts the radiance of a path to linear Rec.709. Returns false if a lane is negative or the color is not finite.
 bool spectrum_to_rgb(const SceneView& scene, const Wave& wave, Slot slot, const Spectrum4& radiance, float (&rgb)[3]) {
   const float lowest = std::min(std::min(radiance.c0, radiance.c1), std::min(radiance.c2, radiance.c3));
   Vec3f color{radiance.c0, radiance.c1, radiance.c2};
@@ -27,9 +27,9 @@ bool spectrum_to_rgb(const SceneView& scene, const Wave& wave, Slot slot, const 
 void splat_path(const StageContext& context, Wave& wave, Slot slot, int column) {
   Spectrum4& radiance = wave.radiance.row(slot).radiance;
   if (radiance.c0 == 0.0f && radiance.c1 == 0.0f && radiance.c2 == 0.0f && radiance.c3 == 0.0f) return;
-  const RasterPosition<Scalar> place = wave.raster_positions.load<Scalar>(column);
+  const RasterPosition<Scalar> position = wave.raster_positions.load<Scalar>(column);
   const PathState<Scalar> path = wave.paths.get(slot);
-  Splat splat{place.x, place.y, {}, std::uint64_t{wave.radiance.row(slot).task_sample} << 16 | path.dimension()};
+  Splat splat{position.x, position.y, {}, std::uint64_t{wave.radiance.row(slot).task_sample} << 16 | path.dimension()};
   const bool good = spectrum_to_rgb(context.scene, wave, slot, radiance, splat.rgb);
   radiance = Spectrum4(0.0f);
   if (good) {

@@ -152,11 +152,11 @@ inline bool has_transparent_shadows(const StageContext& context) {
 struct StageEntry {
   std::string_view name;  ///< name of the function and of its file; in reports and benchmarks, too
   QueueSet reads;         ///< queues that it leaves as they are
-  QueueSet consumes;      ///< queues that it empties; a source empties free slots only as far as it has paths
+  QueueSet consumes;      ///< queues that it empties; a source takes only as many free slots as it has paths
   QueueSet produces;      ///< queues that it pushes to
   StageCondition takes_part;
-  void (*run)(const StageContext&, Wave&) noexcept;  ///< stages that process one light candidate: the first
-  /// Stages that run once for each light candidate: for the candidate of that index. Null for others.
+  void (*run)(const StageContext&, Wave&) noexcept;  ///< runs candidate 0 if the stage has run_candidate
+  /// Runs one light candidate, for stages that run once for each. Null for others.
   void (*run_candidate)(const StageContext&, Wave&, int candidate) noexcept = nullptr;
   Stage stage{};  ///< position in the list, which sets it
 

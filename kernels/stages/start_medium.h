@@ -23,13 +23,13 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
   const LaneRows<L, Vec3> directions(direction);
   const LaneArray<Float<L>> times(time);
   LaneArray<U> medium(U(scene.media.outer_medium));
-  int lane_of[L::width], going = 0;
-  for_each_lane(mask_bits(lanes), [&](int lane) { lane_of[going++] = lane; });
+  int lane_of[L::width], active_count = 0;
+  for_each_lane(mask_bits(lanes), [&](int lane) { lane_of[active_count++] = lane; });
   // Trace from surface to surface up to a boundary of media
-  for (int round = 0; going > 0 && round < kMaxCrossings; ++round) {
+  for (int round = 0; active_count > 0 && round < kMaxCrossings; ++round) {
     int next = 0;
     trace_packets(
-        scene, wave, going, RayRecorder::Query::kNearest,
+        scene, wave, active_count, RayRecorder::Query::kNearest,
         [&](int first, int count, RayPacket& packet) {
           for (int i = 0; i < count; ++i) {
             packet.set_ray(i, origins[lane_of[first + i]], directions[lane_of[first + i]]);
@@ -58,7 +58,7 @@ Uint<L> start_medium(const SceneView& scene, Wave& wave, Vec3<L> origin, Vec3<L>
             lane_of[next++] = lane;
           }
         });
-    going = next;
+    active_count = next;
   }
   return medium.load();
 }

@@ -26,7 +26,8 @@ bool is_specular(ClosureKind kind) {
 
 /// Probability of selecting, among the parts of a composite material, one where photons are stored; 1 for other
 /// materials. Vertices that look photons up are selected with the same probability, so photons are divided by it.
-float storing_share(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray, float time) {
+float storing_probability(const SceneView& scene, const HitState<Scalar>& hit, const RayState<Scalar>& ray,
+                          float time) {
   if (!scene.materials.has_composites) return 1.0f;
   const ShapeRecord<Scalar> shape = gather_rows<Scalar>(scene.geometry.shapes, hit.shape);
   if (shape.material == hit.material) return 1.0f;
@@ -63,19 +64,20 @@ void store_path(const StageContext& context, Wave& wave, Slot slot, int column, 
   const float divisor = context.scene.needs_transmittance
                             ? lane_mean<Scalar>(context.scene.color, wave.rescaled_pdfs.row(slot).r_u)
                             : 1.0f;
-  const float share =
-      in_medium ? 1.0f : storing_share(context.scene, wave.hits.get(slot), ray, path_time(context.scene, wave, slot));
+  const float probability =
+      in_medium ? 1.0f
+                : storing_probability(context.scene, wave.hits.get(slot), ray, path_time(context.scene, wave, slot));
   // Make the record
   Photon photon;
   photon.p = item.p;
-  photon.power = path.beta * (row.weight / (divisor * max(share, 1e-20f)));
+  photon.power = path.beta * (row.weight / (divisor * max(probability, 1e-20f)));
   Vec3f direction = ray.direction;
   if (in_medium && context.scene.motion.media != nullptr)
     rest_photon(context.scene, (ray.flags >> kRayMediumShift) - 1u, path_time(context.scene, wave, slot), direction,
                 photon);
   photon.direction = encode_octahedral<Scalar>(-direction);
   const bool single = has_single_wavelength(context, wave, slot);
-  photon.surface = in_medium ? photon_place(ray.flags >> kRayMediumShift, path.depth() + 1, single)
+  photon.surface = in_medium ? photon_medium_key(ray.flags >> kRayMediumShift, path.depth() + 1, single)
                              : photon_surface(encode_octahedral<Scalar>(item.ng), path.depth() + 1, single);
   photon.order = row.task_sample << kVertexBits | path.dimension();
   // Store it, or count it as dropped

@@ -39,13 +39,13 @@ template <class L, class Bsdf> [[gnu::noinline]] Spectrum<L> directional_albedo(
   return sum * F(1.0f / kAlbedoPoints);
 }
 
-/// Applies a linear map of colours to each lane.
+/// Applies a linear map of colors to each lane.
 template <class L> SHEAF_INLINE Vec3<L> map_color(Vec3f (*map)(Vec3f), const Vec3<L>& v) {
   return broadcast<L>(map({1, 0, 0})) * v.x + broadcast<L>(map({0, 1, 0})) * v.y + broadcast<L>(map({0, 0, 1})) * v.z;
 }
 
-/// Colour under D65 of a reflectance at four wavelengths. Each component of XYZ is the mean of the reflectance weighted
-/// by its matching function, so grey has no noise. The mean over samples has a small bias, as it is a mean of ratios.
+/// Color under D65 of a reflectance at four wavelengths. Each component of XYZ is the mean of the reflectance weighted
+/// by its matching function, so gray has no noise. The mean over samples has a small bias, as it is a mean of ratios.
 template <class L>
 SHEAF_INLINE Vec3<L> reflectance_to_rgb(const SpectralView& spectral, const Wavelengths<L>& w,
                                         const Spectrum<L>& value) {

@@ -37,7 +37,7 @@ SHEAF_INLINE void closure_words(const SceneView& scene, Wave& wave, Uint<L> mate
   }
 }
 
-/// Spectral mode: replaces the material's colours by spectra at the path's wavelengths.
+/// Spectral mode: replaces the material's colors by spectra at the path's wavelengths.
 template <class L>
 SHEAF_INLINE void closure_spectra_words(const SceneView& scene, Wave& wave, const Slot* slots, Uint<L> material,
                                         const ClosureSpectra& spectra, int column) {
@@ -63,17 +63,17 @@ SHEAF_INLINE void surface_item(const SceneView& scene, Wave& wave, const Slot* s
   const auto y =
       surface_point<L, kTextured>(scene, shape, hit.primitive, hit.u, hit.v, ray.origin + ray.direction * hit.t,
                                   hit.instance, path_times<L>(scene, wave, slots));
-  const auto turned = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
+  const auto flipped = ((flags & U(kTwoSided)) != U(0u)) & (dot(y.ns, ray.direction) > F(0.0f));
   VertexItem<L> item;
   item.p = y.p;
   item.ng = y.ng;
-  item.ns = select<L>(turned, -y.ns, y.ns);
+  item.ns = select<L>(flipped, -y.ns, y.ns);
   item.offset = y.offset;
   item.tangent = {F(1.0f), F(0.0f)};
   if constexpr (kTextured) {
     if (with_tangent) item.tangent = tangent_of<L>(Frame<L>::from_normal(item.ns), y.dp_du);
     wave.textured.store<L>(column,
-                           {y.uv, y.dp_du, y.dp_dv, item.ns, select(turned, F(-1.0f), F(1.0f)), F(0.0f), F(0.0f)});
+                           {y.uv, y.dp_du, y.dp_dv, item.ns, select(flipped, F(-1.0f), F(1.0f)), F(0.0f), F(0.0f)});
   }
   item.wo = ShadingFrame<L, kTextured>(item).to_local(-ray.direction);
   wave.vertices.store<L>(column, item);

@@ -79,11 +79,11 @@ template <class L> void orient_rotation(Wave& wave, std::uint32_t word, const Te
 /// Selects at random between a mapped normal and its mirror image for photons, and divides the throughput by the
 /// probability. `may_choose`: lanes where both may be visible. Returns the lanes with the mirror image.
 template <class L>
-Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile<L>& tile, Float<L> cos_turn,
+Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile<L>& tile, Float<L> cos_tilt,
                       Mask<L> may_choose, TexturedItem<L>& t) {
   using F = Float<L>;
   PathState<L> path = wave.paths.gather<L>(tile.slots);
-  const F probability = mirrored_probability(cos_turn);
+  const F probability = mirrored_probability(cos_tilt);
   const auto choice = may_choose & (probability > F(0.0f));
   const auto mirrored =
       choice &
@@ -97,7 +97,7 @@ Mask<L> choose_normal(const StageContext& context, Wave& wave, const TextureTile
 }
 
 template <class L, bool kWithTangent>
-void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
+void map_normals(const StageContext& context, Wave& wave, const MaterialRow& material, const TextureTile<L>& tile) {
   const SceneView& scene = context.scene;
   VertexItem<L> item = wave.vertices.load<L>(tile.column);
   TexturedItem<L> t = wave.textured.load<L>(tile.column);
@@ -108,7 +108,7 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   const Vec3<L> base = item.ns;
   // Evaluate the map
   Mask<L> usable(false);
-  Vec3<L> n = turned_normal<L>(scene.textures, map, query, base, t.handedness, t.dp_du, t.dp_dv, lanes, usable);
+  Vec3<L> n = perturbed_normal<L>(scene.textures, map, query, base, t.handedness, t.dp_du, t.dp_dv, lanes, usable);
 
   const Vec3<L> wo = ShadingFrame<L, kWithTangent>(base, item.tangent).to_world(item.wo);
   // Mirror normals that face away from the viewer
@@ -119,9 +119,9 @@ void turn_normals(const StageContext& context, Wave& wave, const MaterialRow& ma
   }
   // Update the shading frame
   item.ns = n;
-  const Frame<L> turned = Frame<L>::from_normal(n);
+  const Frame<L> rotated = Frame<L>::from_normal(n);
   if constexpr (kWithTangent) {
-    const Vec2<L> tangent = tangent_of<L>(turned, t.dp_du);
+    const Vec2<L> tangent = tangent_of<L>(rotated, t.dp_du);
     item.tangent = {select(lanes, tangent.x, item.tangent.x), select(lanes, tangent.y, item.tangent.y)};
   }
   item.wo = select<L>(lanes, ShadingFrame<L, kWithTangent>(n, item.tangent).to_local(wo), item.wo);
@@ -161,7 +161,7 @@ void texture_run(const StageContext& context, Wave& wave, const VertexRun& run, 
       with_color_mode(scene, [&]<ColorMode kMode>() { texture_words<L, kMode>(scene, wave, material, tile); });
     if (const std::uint32_t word = material.flags >> kRotationWordShift; word != 0)
       orient_rotation<L>(wave, word - 1, tile);
-    if (material.flags & kMapped) turn_normals<L, kWithTangent>(context, wave, material, tile);
+    if (material.flags & kMapped) map_normals<L, kWithTangent>(context, wave, material, tile);
   }
 }
 

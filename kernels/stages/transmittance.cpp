@@ -9,7 +9,7 @@
 #include "kernels/media/density_weights.h"
 #include "kernels/media/medium_marching.h"
 #include "kernels/media/pass_through_probability.h"
-#include "kernels/stages/candidate_trial.h"
+#include "kernels/stages/candidate_moments.h"
 #include "kernels/stages/continue_ray.h"
 #include "kernels/stages/medium_ray.h"
 #include "kernels/stages/push_shadow_ray.h"
@@ -122,10 +122,10 @@ bool pass_surface(const StageContext& context, const Wave& wave, const RayPacket
   } else {
     passage.probability = pass_through_probability(scene, shape.material, behind,
                                                    {y.uv, packet.shape[at], packet.primitive[at], u, v, y.p});
-    passage.share = Spectrum4(passage.probability);
+    passage.attenuation = Spectrum4(passage.probability);
   }
   if (!(passage.probability > 0.0f)) return false;
-  ray.item.contribution = ray.item.contribution * passage.share;
+  ray.item.contribution = ray.item.contribution * passage.attenuation;
   // BSDF sampling passes the surface with this probability, light sampling with certainty.
   ray.state.r_u = ray.state.r_u * passage.probability;
   // Move the origin behind the surface
@@ -155,8 +155,8 @@ void add_unoccluded(const StageContext& context, Wave& wave, const ShadowRay& ra
   const float by_light = lane_mean(context.scene, Float4(ray.state.r_l)),
               by_path = lane_mean(context.scene, r_u) * ray.state.pdf_ratio;
   const Float4 found = Float4(ray.item.contribution) * (power_heuristic(by_light, by_path) / by_light);
-  LightTally(wave.stats).arrive(ray.item.light, to_spectrum(found));
-  if (context.has_candidate_trial()) arrive_in_trial(wave, static_cast<Slot>(ray.item.slot), total(found));
+  LightCounter(wave.stats).arrive(ray.item.light, to_spectrum(found));
+  if (context.compares_candidates()) add_unoccluded_moments(wave, static_cast<Slot>(ray.item.slot), total(found));
   add_radiance(wave, static_cast<Slot>(ray.item.slot), found, ray.item.light);
 }
 

@@ -36,12 +36,12 @@ struct PixelError {
 float lane(const Spectrum4& s, std::size_t i) { return (&s.c0)[i]; }
 
 /// The errors of all pixels but those with the largest ones.
-std::vector<PixelError> pixel_errors(const TrialPass& pass, const TrialBrightness& brightness) {
+std::vector<PixelError> pixel_errors(const ComparedPass& pass, const PassBrightness& brightness) {
   std::vector<PixelError> errors;
   for (std::size_t task = 0; task < pass.tasks.size(); ++task) {
     const auto& [radiance, squared] = pass.tasks[task];
     for (std::size_t i = 0; i < radiance[0].size(); ++i) {
-      // The variance with kTrialCandidates, plus the difference of the squared radiance with other numbers
+      // The variance with kMaxComparedCandidates, plus the difference of the squared radiance with other numbers
       PixelError error;
       const float difference = radiance[0][i] - radiance[1][i];
       for (std::size_t k = 0; k < kCounts; ++k) {
@@ -50,11 +50,11 @@ std::vector<PixelError> pixel_errors(const TrialPass& pass, const TrialBrightnes
         error.squared[k] = 0.5f * (difference * difference + first + second);
       }
       error.per_brightness = static_cast<float>(1 / brightness.of_task[task]);
-      error.group = static_cast<std::uint32_t>(errors.size() / kTrialSet % kTrialGroups);
+      error.group = static_cast<std::uint32_t>(errors.size() / kComparedSamples % kJackknifeGroups);
       errors.push_back(error);
     }
   }
-  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(static_cast<double>(errors.size()) * (1 - kTrialLeftOut)));
+  const auto kept = static_cast<std::ptrdiff_t>(std::ceil(static_cast<double>(errors.size()) * (1 - kTrimmedFraction)));
   const auto smaller = [](const PixelError& a, const PixelError& b) { return a.largest() < b.largest(); };
   std::nth_element(errors.begin(), errors.begin() + std::max<std::ptrdiff_t>(kept - 1, 0), errors.end(), smaller);
   errors.resize(static_cast<std::size_t>(kept));
@@ -62,7 +62,7 @@ std::vector<PixelError> pixel_errors(const TrialPass& pass, const TrialBrightnes
 }
 
 /// Number of rays with each number of candidates, candidates included.
-ByCount costs_of(const TrialPass& pass, double cost) {
+ByCount costs_of(const ComparedPass& pass, double cost) {
   ByCount costs;
   for (std::size_t i = 0; i < kCounts; ++i)
     costs[i] = static_cast<double>(pass.rays - pass.shadow_rays.back() + pass.shadow_rays[i]) +
@@ -82,11 +82,11 @@ double candidate_cost(const SceneView& scene) {
   return lights.count == 1 ? kOneLight : kFewLights;
 }
 
-CandidateChoice choose_candidates(const TrialPass& pass, double cost) {
-  const TrialBrightness brightness(pass);
+CandidateChoice choose_candidates(const ComparedPass& pass, double cost) {
+  const PassBrightness brightness(pass);
   if (!(brightness.of_frame > 0) || pass.light_vertices == 0) return {};
   // Add up the errors of each group of pixels
-  std::array<ErrorSums, kTrialGroups> groups;
+  std::array<ErrorSums, kJackknifeGroups> groups;
   ErrorSums all;
   for (const PixelError& error : pixel_errors(pass, brightness))
     for (std::size_t k = 0; k < kCounts; ++k)
@@ -103,8 +103,8 @@ CandidateChoice choose_candidates(const TrialPass& pass, double cost) {
       return sums.logarithm(0) - sums.logarithm(k) + std::log(costs[0] / costs[k]);
     };
     const double gain = logarithm(all);
-    std::array<double, kTrialGroups> without{};
-    for (std::size_t group = 0; group < kTrialGroups; ++group) {
+    std::array<double, kJackknifeGroups> without{};
+    for (std::size_t group = 0; group < kJackknifeGroups; ++group) {
       ErrorSums others = all;
       for (std::size_t i = 0; i < kCounts; ++i) {
         others.squared[i] -= groups[group].squared[i];

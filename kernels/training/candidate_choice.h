@@ -1,7 +1,7 @@
-// Chooses the number of light candidates per vertex from a training pass; see kernels/guiding/candidate_trial.h.
+// Chooses the number of light candidates per vertex from a training pass; see kernels/guiding/candidate_moments.h.
 #pragma once
 
-#include "kernels/training/trial_pass.h"
+#include "kernels/training/compared_pass.h"
 #include "scene/tables/scene_view.h"
 
 namespace sheaf {
@@ -19,6 +19,6 @@ double candidate_cost(const SceneView& scene);
 /// The number among kCandidateCounts with the lowest product of error and cost. It is above 1 only if it gains 5 % or
 /// more, and twice the standard error of that estimate by the jackknife. The error is that of guiding_gain(). The cost
 /// is the number of rays plus `cost` for each candidate.
-CandidateChoice choose_candidates(const TrialPass& pass, double cost);
+CandidateChoice choose_candidates(const ComparedPass& pass, double cost);
 
 }  // namespace sheaf

@@ -1,14 +1,14 @@
 // Estimates from training passes whether path guiding is worth its cost.
 #pragma once
 
-#include "kernels/training/trial_pass.h"
+#include "kernels/training/compared_pass.h"
 
 #include <cstddef>
 
 namespace sheaf {
 
 /// Number of training passes whose samples are compared. Only the first one is unguided.
-inline constexpr std::size_t kTrialPasses = 3;
+inline constexpr std::size_t kComparedPasses = 3;
 
 /// Efficiency of guiding: (error x rays without guiding) / (error x rays with guiding).
 struct GuidingGain {
@@ -26,6 +26,6 @@ struct GuidingGain {
 /// smaller. It is estimated from half the squared difference of the means of a pixel's two sets. A guided ray counts as
 /// 1.2 rays. The passes may differ in size. The standard error is that of the jackknife (Efron and Stein 1981). The
 /// ratio is 1 if a pass holds no light.
-GuidingGain guiding_gain(const TrialPass& unguided, const TrialPass& guided);
+GuidingGain guiding_gain(const ComparedPass& unguided, const ComparedPass& guided);
 
 }  // namespace sheaf

@@ -9,7 +9,7 @@ namespace sheaf {
 enum class GuidingMode {
   kOff,
   kOn,
-  kAuto,  ///< if it pays, see guiding_gain()
+  kAuto,  ///< if it is worth its cost, see guiding_gain()
 };
 
 /// Whether the integrator has paths that can sample a guide.

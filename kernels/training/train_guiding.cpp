@@ -58,7 +58,7 @@ std::vector<std::vector<std::uint32_t>> pixels_of_tasks(const SampledFrame& fram
 SamplerView training_sampler(const SamplerView& image_sampler) {
   std::uint32_t x = image_sampler.seed, y = 0x6775u, z = 0x6964u, w = 0x65u;
   hash4(x, y, z, w);
-  return make_sampler(SamplerKind::kSobol, x, kTrialSet);
+  return make_sampler(SamplerKind::kSobol, x, kComparedSamples);
 }
 
 /// Number of rays that the workers have traced.
@@ -68,15 +68,15 @@ std::uint64_t traced_rays(const Workers& workers) {
   return rays;
 }
 
-/// Runs a pass. Returns the records of each set of each task in order. `trial`: output.
+/// Runs a pass. Returns the records of each set of each task in order. `compared`: output.
 std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Workers& workers, int width, int height,
                                                const TrainingPass& pass, std::span<const float> means,
-                                               const GuideTraining& training, TrialPass& trial) {
+                                               const GuideTraining& training, ComparedPass& compared) {
   const SampledFrame frame{width};
   const std::vector<std::vector<std::uint32_t>> pixels = pixels_of_tasks(frame, height, pass);
   // The first pair of sets of all pixels, then the next; the two sets of a task are taken one by one
-  trial.tasks.resize(pass.pairs * pixels.size());
-  const std::size_t sets = 2 * trial.tasks.size();
+  compared.tasks.resize(pass.pairs * pixels.size());
+  const std::size_t sets = 2 * compared.tasks.size();
   std::vector<std::vector<GuideRecord>> records(sets);
   std::vector<TrainingSamples::Vertices> vertices(sets);
   const std::uint64_t rays_before = traced_rays(workers);
@@ -86,18 +86,18 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
         for (std::size_t i = range.begin(); i < range.end() && !training.stopped(); ++i) {
           const FlushDenormals flush;
           Worker& worker = workers.local();
-          TrialTask& task = trial.tasks[i / 2];
+          ComparedTask& task = compared.tasks[i / 2];
           const std::size_t set = i % 2, pair = pass.first_pair + i / 2 / pixels.size();
           const auto replicate = static_cast<std::uint32_t>(2 * pair + set);
           std::vector<PixelSamples> samples;
           for (const std::uint32_t pixel : pixels[i / 2 % pixels.size()])
-            samples.push_back({pixel, replicate * kTrialSet, pass.set_samples});
+            samples.push_back({pixel, replicate * kComparedSamples, pass.set_samples});
           worker.camera.begin(samples, frame, kBeautyChannels);
           worker.guide.begin(worker.camera.total());
           StageContext of_task = context;
           of_task.set_camera_task(worker.camera);
           of_task.record_in(worker.guide);
-          of_task.sampler = sampler_of_replicate(context.sampler, replicate, kTrialSet);
+          of_task.sampler = sampler_of_replicate(context.sampler, replicate, kComparedSamples);
           run_pass<Wide>(of_task, worker.wave);
           records[i] = worker.guide.records(context.guide(), means);
           task.radiance[set] = worker.guide.radiance();
@@ -107,10 +107,10 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
         }
       },
       tbb::simple_partitioner());
-  trial.rays = traced_rays(workers) - rays_before;
+  compared.rays = traced_rays(workers) - rays_before;
   for (const TrainingSamples::Vertices& of_task : vertices) {
-    trial.light_vertices += of_task.sampled;
-    for (std::size_t i = 0; i < trial.shadow_rays.size(); ++i) trial.shadow_rays[i] += of_task.shadow_rays[i];
+    compared.light_vertices += of_task.sampled;
+    for (std::size_t i = 0; i < compared.shadow_rays.size(); ++i) compared.shadow_rays[i] += of_task.shadow_rays[i];
   }
   return records;
 }
@@ -118,24 +118,24 @@ std::vector<std::vector<GuideRecord>> run_pass(const StageContext& context, Work
 }  // namespace
 
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_trial,
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_comparison,
                        GuideTraining& training) {
   GuideField field;
   StageContext of_passes = context;
   of_passes.sampler = training_sampler(context.sampler);
   RenderReport::Guiding& report = training.report;
   report.is_used = true;
-  std::vector<TrialPass> trials;
-  const std::size_t trial_passes = std::min(kTrialPasses, passes.size());
+  std::vector<ComparedPass> comparisons;
+  const std::size_t compared_passes = std::min(kComparedPasses, passes.size());
   for (const TrainingPass& pass : passes) {
     if (training.stopped()) break;
     // Take the samples
     std::uint64_t start = timestamp();
     of_passes.sample_from(field.view());
     StageContext of_pass = of_passes;
-    if (has_trial && trials.size() < kTrialPasses) of_pass.start_candidate_trial();
+    if (has_comparison && comparisons.size() < kComparedPasses) of_pass.start_candidate_comparison();
     const auto records =
-        run_pass(of_pass, workers, width, height, pass, field.means(), training, trials.emplace_back());
+        run_pass(of_pass, workers, width, height, pass, field.means(), training, comparisons.emplace_back());
     report.trace_seconds += seconds_since(start);
     report.samples += training_samples(width, height, {&pass, 1});
     // Train the guide
@@ -144,17 +144,17 @@ GuideField train_guide(const StageContext& context, Workers& workers, int width,
     field.train(records, static_cast<std::size_t>(kSplitRecords * std::sqrt(size_ratio(pass, passes[0]))));
     report.fit_seconds += seconds_since(start);
     ++report.passes;
-    if (trials.size() < 2 || trials.size() > trial_passes || training.stopped()) continue;
+    if (comparisons.size() < 2 || comparisons.size() > compared_passes || training.stopped()) continue;
     // Decide about guiding and about the number of light candidates
-    const bool is_last = trials.size() == trial_passes;
+    const bool is_last = comparisons.size() == compared_passes;
     if (mode == GuidingMode::kAuto) {
-      const GuidingGain gain = guiding_gain(trials.front(), trials.back());
+      const GuidingGain gain = guiding_gain(comparisons.front(), comparisons.back());
       report.gain = gain.ratio;
       report.is_used = is_last ? gain.is_significant() : gain.is_promising();
     }
-    if (has_trial && (is_last || !report.is_used)) {
+    if (has_comparison && (is_last || !report.is_used)) {
       training.candidates =
-          choose_candidates(report.is_used ? trials.back() : trials.front(), candidate_cost(context.scene));
+          choose_candidates(report.is_used ? comparisons.back() : comparisons.front(), candidate_cost(context.scene));
       of_passes.candidates = training.candidates.count;
     }
     if (report.is_used) continue;

@@ -22,9 +22,11 @@ struct GuideTraining {
 };
 
 /// Trains the guide for a frame. It depends only on scene, seed, frame and passes. `context`: of a path pass. With
-/// GuidingMode::kAuto, training ends as soon as guiding is not promising, or after the trial if it does not pay.
-/// `has_trial`: the passes of the trial try light candidates, and the following ones have the number that pays.
+/// GuidingMode::kAuto, training ends as soon as guiding is not promising, or after the comparison if it is not worth
+/// its cost. `has_comparison`: the first passes compare numbers of light candidates, and the following ones use the
+/// best.
 GuideField train_guide(const StageContext& context, Workers& workers, int width, int height,
-                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_trial, GuideTraining& training);
+                       std::span<const TrainingPass> passes, GuidingMode mode, bool has_comparison,
+                       GuideTraining& training);
 
 }  // namespace sheaf

@@ -1,7 +1,7 @@
 // The context of a stage: all that it reads besides its wave.
 #pragma once
 
-#include "kernels/guiding/candidate_trial.h"
+#include "kernels/guiding/candidate_moments.h"
 #include "kernels/guiding/guide_view.h"
 #include "scene/scene.h"
 
@@ -15,7 +15,7 @@ class CausticCasters;
 class TrainingSamples;
 struct PhotonMaps;
 
-/// What a pass transports, from where.
+/// The quantity that a pass transports, and where its paths start.
 enum class PassKind {
   kPath,    ///< radiance along paths from the camera to the film
   kLight,   ///< importance along paths from the lights, whose vertices are connected to the camera
@@ -58,8 +58,8 @@ class StageContext {
   bool samples_guide() const { return samples_guide_; }
   /// Whether camera paths record training_samples() for the guide.
   bool trains_guide() const { return trains_guide_; }
-  /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_trial.h.
-  bool has_candidate_trial() const { return has_candidate_trial_; }
+  /// Whether the pass compares numbers of light candidates; see kernels/guiding/candidate_moments.h.
+  bool compares_candidates() const { return compares_candidates_; }
   /// Whether camera paths are connected to lights by specular chains (kernels/stages/chain_state.h).
   bool connects_caustics() const { return caustic_casters_ != nullptr; }
 
@@ -82,11 +82,11 @@ class StageContext {
     trains_guide_ = true;
     training_samples_ = &samples;
   }
-  /// Path passes that record training samples: also compares numbers of light candidates, with kTrialCandidates of
-  /// them.
-  void start_candidate_trial() {
-    has_candidate_trial_ = true;
-    candidates = kTrialCandidates;
+  /// Path passes that record training samples: also compares numbers of light candidates, with kMaxComparedCandidates
+  /// of them.
+  void start_candidate_comparison() {
+    compares_candidates_ = true;
+    candidates = kMaxComparedCandidates;
   }
   /// Path passes without media and transparency: connects paths to lights by specular chains over `casters`.
   void connect_caustics(const CausticCasters& casters) {
@@ -97,7 +97,7 @@ class StageContext {
   void start_at_lights(PassKind kind, LightTask& task) {
     pass_ = kind;
     light_task_ = &task;
-    gathers_photons_ = samples_guide_ = trains_guide_ = has_candidate_trial_ = false;
+    gathers_photons_ = samples_guide_ = trains_guide_ = compares_candidates_ = false;
     caustic_casters_ = nullptr;
   }
 
@@ -134,7 +134,7 @@ class StageContext {
 
  private:
   PassKind pass_;
-  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, has_candidate_trial_ = false;
+  bool gathers_photons_ = false, samples_guide_ = false, trains_guide_ = false, compares_candidates_ = false;
   CameraTask* camera_task_ = nullptr;
   LightTask* light_task_ = nullptr;
   const PhotonMaps* photon_maps_ = nullptr;
@@ -148,9 +148,8 @@ inline bool samples_lights(const StageContext& context) {
   return context.scene.lights.count > 0 && context.integrator.strategy != LightStrategy::kBsdfOnly;
 }
 
-/// Whether the candidates of a vertex share a cut of the light tree. From these numbers on, it saves more time than
-/// computing the cut takes.
-inline bool shares_light_tops(const StageContext& context) {
+/// Whether the candidates of a vertex share a cut of the light tree. Worthwhile from 4 candidates and 32 lights.
+inline bool shares_light_cut(const StageContext& context) {
   constexpr int kMinCandidates = 4;
   constexpr std::uint32_t kMinLights = 32;
   return context.candidates >= kMinCandidates && context.scene.light_selector == LightSelector::kBvh &&

@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Mean of all four lanes in spectral mode, or of the three colours in RGB mode.
+/// Mean of all four lanes in spectral mode, or of the three colors in RGB mode.
 template <class L> SHEAF_INLINE Float<L> lane_mean(ColorMode color, const Spectrum<L>& r) {
   return color == ColorMode::kSpectral ? total(r) * Float<L>(0.25f) : (r.c0 + r.c1 + r.c2) * Float<L>(1.0f / 3.0f);
 }

@@ -2,7 +2,7 @@
 // stage. Independent of cameras and films.
 #pragma once
 
-#include "kernels/guiding/candidate_trial.h"
+#include "kernels/guiding/candidate_moments.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/slot_list.h"
 #include "kernels/wave/wave_needs.h"
@@ -50,7 +50,7 @@ struct PathPool {
   float* distance_since_vertex = nullptr;
   /// WaveNeeds::guides: expected contribution of the path's first guided vertex, lanes added up; 0: none yet.
   float* guide_references = nullptr;
-  SlotTable<PathMoments> moments;  ///< WaveNeeds::candidate_trial
+  SlotTable<PathMoments> moments;  ///< WaveNeeds::candidate_moments
 
   // In the order of Queue.
   SlotList free;       ///< unused slots
@@ -80,7 +80,7 @@ struct PathPool {
     f(pool.times, needs.times);
     f(pool.distance_since_vertex, needs.distance);
     f(pool.guide_references, needs.guides);
-    f(pool.moments, needs.candidate_trial);
+    f(pool.moments, needs.candidate_moments);
   }
 };
 static_assert(std::size(PathPool::kLists) == kSlotLists);

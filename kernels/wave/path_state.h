@@ -12,7 +12,7 @@ namespace sheaf {
 template <class L> struct RayState {
   Vec3<L> origin;
   typename L::Float t_max;  ///< maximum distance
-  Vec3<L> direction;        ///< normalised
+  Vec3<L> direction;        ///< normalized
   typename L::Uint flags;   ///< RayFlags
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.t_max, s.direction, s.flags); }
 };
@@ -177,14 +177,14 @@ template <class L> struct GuideCell {
 
 /// A ray towards a light, or from a photon's vertex towards the camera.
 template <class L> struct ShadowItem {
-  Vec3<L> origin, direction;  ///< world space; direction not normalised: the target is at t = 1
+  Vec3<L> origin, direction;  ///< world space; direction not normalized: the target is at t = 1
   Spectrum<L> contribution;   ///< radiance if unoccluded
   typename L::Uint slot;      ///< path that receives the radiance
   typename L::Uint light;     ///< row of the light that is sampled
   static constexpr auto fields(auto& s) { return std::tie(s.origin, s.direction, s.contribution, s.slot, s.light); }
 };
 
-/// What a shadow ray carries besides its ShadowItem in scenes with SceneView::needs_transmittance. Same row as its
+/// State of a shadow ray besides its ShadowItem in scenes with SceneView::needs_transmittance. Same row as its
 /// ShadowItem, whose contribution does not include the MIS weight then.
 template <class L> struct TransmittanceItem {
   Spectrum<L> r_u, r_l;         ///< see RescaledPdfs: by BSDF sampling, by light sampling

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/soa/soa.h"
-#include "kernels/guiding/candidate_trial.h"
+#include "kernels/guiding/candidate_moments.h"
 #include "kernels/lights/light_tree.h"
 #include "kernels/wave/path_state.h"
 #include "kernels/wave/wave_needs.h"
@@ -26,8 +26,8 @@ struct ShadingColumns {
   Soa<ClosureItem> closures;                ///< as many words as WaveNeeds::closure_words
   Soa<LightCandidate> candidates;           ///< WaveNeeds::candidates
   Soa<ReservoirItem> reservoirs;            ///< WaveNeeds::reservoirs
-  Soa<CandidateWeights> candidate_weights;  ///< WaveNeeds::candidate_trial
-  Soa<LightTreeCut> light_tops;             ///< WaveNeeds::light_tops
+  Soa<CandidateWeights> candidate_weights;  ///< WaveNeeds::candidate_moments
+  Soa<LightTreeCut> light_cuts;             ///< WaveNeeds::light_cuts
   Soa<RasterPosition> raster_positions;     ///< WaveNeeds::raster_positions
   Soa<GuideCell> guide_cells;               ///< WaveNeeds::guides
   Soa<ShadowItem> shadows;
@@ -46,8 +46,8 @@ struct ShadingColumns {
     f(c.closures, rows, needs.closure_words);
     f(c.candidates, rows, all(needs.candidates, kLeafCount<LightCandidate>));
     f(c.reservoirs, rows, all(needs.reservoirs, kLeafCount<ReservoirItem>));
-    f(c.candidate_weights, rows, all(needs.candidate_trial, kLeafCount<CandidateWeights>));
-    f(c.light_tops, rows, all(needs.light_tops, kLeafCount<LightTreeCut>));
+    f(c.candidate_weights, rows, all(needs.candidate_moments, kLeafCount<CandidateWeights>));
+    f(c.light_cuts, rows, all(needs.light_cuts, kLeafCount<LightTreeCut>));
     f(c.raster_positions, rows, all(needs.raster_positions, kLeafCount<RasterPosition>));
     f(c.guide_cells, rows, all(needs.guides, kLeafCount<GuideCell>));
     f(c.shadows, paths, kLeafCount<ShadowItem>);

@@ -63,8 +63,8 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   needs.textures = false;
   needs.candidates = !context.integrator.traits().connects_photons();
   needs.reservoirs = needs.candidates && context.candidates > 1;
-  needs.light_tops = needs.candidates && shares_light_tops(context);
-  needs.candidate_trial = false;
+  needs.light_cuts = needs.candidates && shares_light_cut(context);
+  needs.candidate_moments = false;
   needs.raster_positions = !needs.candidates;
   needs.guides = context.samples_guide();
   needs.chains = context.connects_caustics();
@@ -75,11 +75,11 @@ WaveNeeds WaveNeeds::of(const StageContext& context) {
   return needs;
 }
 
-WaveNeeds WaveNeeds::with_candidate_trial(const StageContext& context) {
-  StageContext trial = context;
-  trial.start_candidate_trial();
-  WaveNeeds needs = of(trial);
-  needs.candidate_trial = true;
+WaveNeeds WaveNeeds::with_candidate_moments(const StageContext& context) {
+  StageContext compared = context;
+  compared.start_candidate_comparison();
+  WaveNeeds needs = of(compared);
+  needs.candidate_moments = true;
   return needs;
 }
 

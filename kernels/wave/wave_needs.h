@@ -14,8 +14,8 @@ struct WaveNeeds {
   bool textures = true;                  ///< inputs of textures and normal maps
   bool candidates = true;                ///< light candidates
   bool reservoirs = true;                ///< resampling of several light candidates
-  bool light_tops = true;                ///< cuts of the light tree, shared by the candidates of a vertex
-  bool candidate_trial = true;           ///< moments by the number of light candidates
+  bool light_cuts = true;                ///< cuts of the light tree, shared by the candidates of a vertex
+  bool candidate_moments = true;         ///< moments by the number of light candidates
   bool raster_positions = true;          ///< film positions of photons' vertices
   std::uint32_t counted_lights = 0;      ///< lights whose shadow rays are counted separately
   bool guides = true;                    ///< guide cells
@@ -24,7 +24,7 @@ struct WaveNeeds {
 
   static WaveNeeds of(const StageContext& context);
   /// Union of the needs of passes that compare numbers of light candidates and of the final passes.
-  static WaveNeeds with_candidate_trial(const StageContext& context);
+  static WaveNeeds with_candidate_moments(const StageContext& context);
 };
 
 }  // namespace sheaf

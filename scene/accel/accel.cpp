@@ -104,7 +104,7 @@ void resolve_instances(RayPacket& packet, int count, const InstanceRow* instance
     const InstanceRecord<L> record = gather_rows<L>(instances, select(instanced, row, Uint<L>(0u)));
     Float<L> time;
     load(packet.time + at, time);
-    const InstancePlacement<L> placed = place_at<L>(motion, record, row, instanced, time).placed;
+    const InstancePlacement<L> placed = placement_at<L>(motion, record, row, instanced, time).placed;
     store(packet.shape + at, select(instanced, shape + record.first_shape, shape));
     Vec3<L> normal;
     load(packet.normal_x + at, normal.x);

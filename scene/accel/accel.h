@@ -14,7 +14,7 @@ namespace sheaf {
 /// Rays per call.
 inline constexpr int kPacketWidth = 16;
 
-/// Sixteen rays and their hits, in Embree's layout. Rays must be finite. Directions need not be normalised; distances
+/// Sixteen rays and their hits, in Embree's layout. Rays must be finite. Directions need not be normalized; distances
 /// are in units of their length.
 struct alignas(64) RayPacket {
   float origin_x[kPacketWidth], origin_y[kPacketWidth], origin_z[kPacketWidth];
@@ -33,7 +33,7 @@ struct alignas(64) RayPacket {
   std::uint32_t instance[kPacketWidth];   ///< row of the instance that was hit; kNone: not an instanced shape
   std::uint32_t instance_primitive[kPacketWidth];
 
-  /// Initialises the fields that are the same for all packets.
+  /// Initializes the fields that are the same for all packets.
   RayPacket();
 
   /// Sets origin, direction and maximum distance of ray `i`.
@@ -100,12 +100,12 @@ class Accel {
 
 /// A point with the maximum distance at which rays find it.
 struct alignas(16) AccelPoint {
-  float x, y, z, radius;  ///< metres
+  float x, y, z, radius;  ///< meters
 };
 
 /// A point near a ray.
 struct NearPoint {
-  float t;              ///< along the ray, metres
+  float t;              ///< along the ray, meters
   float squared;        ///< squared ratio of the distance from the ray to the point's radius; below 1
   std::uint32_t index;  ///< of the point
 };
@@ -138,13 +138,13 @@ class PointAccel {
 /// A line segment.
 struct AccelLine {
   Vec3f start, direction;  ///< unit length
-  float length;            ///< metres
+  float length;            ///< meters
 };
 
 /// A line near a ray, at their points of closest approach.
 struct NearLine {
-  float t;              ///< along the ray, metres
-  float along;          ///< along the line from its start, metres
+  float t;              ///< along the ray, meters
+  float along;          ///< along the line from its start, meters
   float squared;        ///< squared ratio of their distance to the radius; below 1
   float cosine, sine;   ///< of the angle between their directions; the sine is positive
   std::uint32_t index;  ///< of the line
@@ -155,7 +155,7 @@ class LineAccel {
  public:
   /// Empty.
   LineAccel();
-  /// `radius`: maximum distance from a ray, metres. Lines longer than `piece`, metres, are split for Embree, because
+  /// `radius`: maximum distance from a ray, meters. Lines longer than `piece`, meters, are split for Embree, because
   /// bounding boxes of long lines are mostly empty. Throws Error (runtime) if out of memory.
   LineAccel(const std::vector<AccelLine>& lines, float radius, float piece);
   ~LineAccel();

@@ -127,7 +127,7 @@ RTCGeometry make_curves(RTCDevice device, const AccelInput& in, const ShapeRow& 
   rtcSetGeometryIntersectFilterFunction(geometry, cull_inside);
   rtcSetGeometryOccludedFilterFunction(geometry, cull_inside);
   if (!linear) return geometry;
-  // With these flags, Embree joins neighbouring segments without a surface in between.
+  // With these flags, Embree joins neighboring segments without a surface in between.
   auto* flags = static_cast<std::uint8_t*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_FLAGS, 0, RTC_FORMAT_UCHAR, 1, shape.triangle_count));
   const std::uint32_t* first = in.curve_segments + shape.first_triangle;

@@ -28,7 +28,7 @@ Triple apply_normal(const float* to_object, const Triple& n) {
 }
 
 /// Roots t0 <= t1 of |o + t d|^2 = 1 over the first `n` coordinates; false if there are none. The discriminant is
-/// computed from the point closest to the axis or centre, which stays accurate for distant origins.
+/// computed from the point closest to the axis or center, which stays accurate for distant origins.
 bool unit_roots(const Triple& o, const Triple& d, std::size_t n, double& t0, double& t1) {
   double a = 0, b = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -67,14 +67,14 @@ Triple squared_axes(const Triple (&of)[3]) {
   // One-sided Jacobi rotations until the columns are orthogonal
   Triple columns[3] = {of[0], of[1], of[2]};
   constexpr int kMaxSweeps = 30;
-  bool turned = true;
-  for (int sweep = 0; turned && sweep < kMaxSweeps; ++sweep) {
-    turned = false;
+  bool changed = true;
+  for (int sweep = 0; changed && sweep < kMaxSweeps; ++sweep) {
+    changed = false;
     for (std::size_t k = 0; k < 3; ++k) {
       Triple &u = columns[k], &v = columns[(k + 1) % 3];
       const double uu = dot_product(u, u), vv = dot_product(v, v), uv = dot_product(u, v);
       if (!(std::fabs(uv) > 1e-14 * std::sqrt(uu * vv))) continue;
-      turned = true;
+      changed = true;
       const double zeta = (vv - uu) / (2 * uv);
       const double t = std::copysign(1.0, zeta) / (std::fabs(zeta) + std::hypot(1.0, zeta));
       const double c = 1 / std::hypot(1.0, t), s = c * t;

@@ -80,7 +80,7 @@ struct Cubic {
   double slope(double s) const { return (3 * c[3] * s + 2 * c[2]) * s + c[1]; }
 
   /// Extrema within (0, end), in order.
-  int turns(double end, double* s) const {
+  int extrema(double end, double* s) const {
     const double a = 3 * c[3], b = c[2], discriminant = b * b - a * c[1];
     if (!(discriminant > 0)) return 0;
     const double q = -(b + std::copysign(std::sqrt(discriminant), b));
@@ -115,7 +115,7 @@ struct Passage {
   double begin, end;
   int in = -1, out = -1;
 
-  /// `o`, `d`: in units of the grid. Neighbouring cells compute identical parameters for their common face.
+  /// `o`, `d`: in units of the grid. Neighboring cells compute identical parameters for their common face.
   Passage(const Triple& o, const Triple& d, const Triple& corner, double t_near, double t_far)
       : begin(t_near), end(t_far) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -132,7 +132,7 @@ struct Passage {
 };
 
 /// Position of the ray in the cell; exactly on the face perpendicular to `axis`.
-Triple place(const Triple& o, const Triple& d, const Triple& corner, double t, int axis, bool upper) {
+Triple position(const Triple& o, const Triple& d, const Triple& corner, double t, int axis, bool upper) {
   Triple x;
   for (std::size_t i = 0; i < 3; ++i) x[i] = std::clamp(o[i] + t * d[i] - corner[i], 0.0, 1.0);
   if (axis >= 0) x[static_cast<std::size_t>(axis)] = upper ? 1 : 0;
@@ -183,23 +183,23 @@ std::optional<QuadricHit> intersect_sdf_cell(const SdfGridView& view, std::uint3
 
   const Corners corners(*view.grid, view.values, low_corner);
   const auto goes_up = [&](int axis) { return axis >= 0 && d[static_cast<std::size_t>(axis)] > 0; };
-  const Triple first = place(o, d, corner, passage.begin, passage.in, passage.in >= 0 && !goes_up(passage.in));
-  const Triple last = place(o, d, corner, passage.end, passage.out, goes_up(passage.out));
+  const Triple first = position(o, d, corner, passage.begin, passage.in, passage.in >= 0 && !goes_up(passage.in));
+  const Triple last = position(o, d, corner, passage.end, passage.out, goes_up(passage.out));
   const double length = passage.end - passage.begin;
   const Cubic cubic(corners, first, d);
 
   double ends[4] = {0}, values[4] = {corners.at(first)};
-  const int turns = cubic.turns(length, ends + 1);
-  for (int i = 1; i <= turns; ++i) values[i] = cubic.at(ends[i]);
-  ends[turns + 1] = length;
-  values[turns + 1] = corners.at(last);
-  for (int i = 0; i <= turns; ++i) {
+  const int extrema = cubic.extrema(length, ends + 1);
+  for (int i = 1; i <= extrema; ++i) values[i] = cubic.at(ends[i]);
+  ends[extrema + 1] = length;
+  values[extrema + 1] = corners.at(last);
+  for (int i = 0; i <= extrema; ++i) {
     const double fa = values[i], fb = values[i + 1];
     if (!(fa * fb <= 0) || (fa == 0 && fb == 0)) continue;
     const double s = fa == 0 ? ends[i] : fb == 0 ? ends[i + 1] : cubic.root(ends[i], ends[i + 1], fa, fb);
     const float t = static_cast<float>(passage.begin + s);
     if (!(t > t_near && t < t_far)) continue;
-    const Triple n = corners.gradient(place(o, d, corner, passage.begin + s, -1, false));
+    const Triple n = corners.gradient(position(o, d, corner, passage.begin + s, -1, false));
     const double scale = placement.normal_sign / std::max({std::fabs(n[0]), std::fabs(n[1]), std::fabs(n[2]), 1e-300});
     const Vec3f normal = placement.world_normal(
         {static_cast<float>(n[0] * scale), static_cast<float>(n[1] * scale), static_cast<float>(n[2] * scale)});

@@ -27,7 +27,7 @@ Bounds3f sdf_cell_bounds(const SdfGridView& view, std::uint32_t cell);
 
 /// Nearest intersection with the surface inside one cell, with t in (t_near, t_far). Solves a cubic polynomial along
 /// the ray (Marmitt et al. 2004; Hansson-Soederlund, Evans and Akenine-Moeller 2022). There are no gaps between
-/// neighbouring cells: both compute the same value at the point where the ray crosses their common face.
+/// neighboring cells: both compute the same value at the point where the ray crosses their common face.
 std::optional<QuadricHit> intersect_sdf_cell(const SdfGridView& view, std::uint32_t cell, Vec3f origin, Vec3f direction,
                                              float t_near, float t_far) noexcept;
 

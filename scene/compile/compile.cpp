@@ -20,7 +20,7 @@ namespace sheaf {
 
 namespace {
 
-constexpr const char* kFewerTriangles = "use fewer triangles, or instances in place of copies";
+constexpr const char* kFewerTriangles = "use fewer triangles, or instances instead of copies";
 
 /// Runs a step. If memory runs out, throws an error that names the data and gives advice.
 template <class Step> void with_memory_for(const char* what, const char* advice, Step&& step) {
@@ -133,7 +133,7 @@ void set_bounds(const Bounds3f& shapes, std::span<const CameraDescription> camer
   scene.radius = length(shapes.max * 0.5f - shapes.min * 0.5f);
   const float sphere = std::max(scene.radius, 1e-3f);
   for (std::size_t i = 0; i < cameras.size(); ++i)
-    place_distant(scene.sensor.camera_of(i), cameras[i], scene.center, sphere);
+    move_outside_scene(scene.sensor.camera_of(i), cameras[i], scene.center, sphere);
   // Shadow rays to the environment end outside of everything, including the cameras.
   for (std::size_t i = 0; i < cameras.size(); ++i)
     for (const Vec3f p :
@@ -169,7 +169,7 @@ std::vector<PlacedGrid> add_media_and_lights(const Description& in, const Compil
   });
   for (const MediumRow& medium : scene.media.rows)
     if ((medium.flags & kMediumEmits) != 0 && medium.light == kNone) scene.names.has_other_light = true;
-  end_media(motion, scene);
+  bound_outer_medium(motion, scene);
   // Extend the tables of motions to all rows
   const auto extend = [](std::vector<MotionRow>& rows, std::size_t count) {
     if (!rows.empty()) rows.resize(count);

@@ -14,7 +14,7 @@ namespace sheaf {
 struct PlacedGrid {
   std::string name;           ///< the file, and the grid's name in it, if any
   SourceLocation where;       ///< location of its owner in the scene file
-  Bounds3f box{};             ///< around its voxels; world space, metres
+  Bounds3f box{};             ///< around its voxels; world space, meters
   std::array<int, 3> size{};  ///< voxels along each axis, without background; 0: the grid is empty
   int channels = 1;
   std::size_t bytes = 0;
@@ -32,7 +32,7 @@ struct CompileReport {
   double texture_seconds = 0, mesh_seconds = 0, accel_seconds = 0;
 };
 
-/// How the memory layout of the acceleration structure is chosen: by the user, or compact if kFast would not fit.
+/// Choice of the memory layout of the acceleration structure: by the user, or compact if kFast would not fit.
 enum class BvhChoice { kAuto, kFast, kCompact };
 inline constexpr NameTable<BvhChoice> kBvhChoices{
     {{"auto", BvhChoice::kAuto}, {"fast", BvhChoice::kFast}, {"compact", BvhChoice::kCompact}}};
@@ -50,7 +50,7 @@ struct CompileOptions {
   /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
   /// acceleration structure. Empty: none.
   std::function<double(const Scene&)> render_bytes = {};
-  /// Receives the errors of elements that cannot be compiled: textures become grey, materials diffuse and media empty;
+  /// Receives the errors of elements that cannot be compiled: textures become gray, materials diffuse and media empty;
   /// shapes and lights are left out. Null: as in strict mode.
   ErrorSink* errors = nullptr;
   /// Geometry of an earlier scene (scene/compile/geometry/kept_geometry.h), used instead of an equal one; null: none.

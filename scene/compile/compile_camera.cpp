@@ -22,7 +22,7 @@ void check(const CameraDescription& d) {
     throw SceneError(d.where, fmt::format("focus distance must be positive, found {}", d.focus_distance));
 }
 
-/// Direction in world space of a vector in camera space, normalised. Throws SceneError if its length is zero or not
+/// Direction in world space of a vector in camera space, normalized. Throws SceneError if its length is zero or not
 /// finite.
 Vec3f unit_vector(const CameraDescription& d, Vec3f v) {
   const Vec3f world = d.to_world.vector(v);
@@ -107,7 +107,7 @@ CameraDescription at_open(CameraDescription camera, std::size_t index, MotionCom
     probes.add_point(camera.to_world.point({0, 0, 0}));
     const auto steps = tabulate_motion({*transform, camera.to_world.inverse()}, probes, motion.shutter());
     if (steps.size() > 1) MotionCompiler::set(motion.tables().cameras, index, motion.add(steps));
-  } catch (const SceneError& error) { throw at_place(camera.where, error); }
+  } catch (const SceneError& error) { throw at_location(camera.where, error); }
   return camera;
 }
 
@@ -202,7 +202,7 @@ Camera make_camera(const CameraDescription& description, int width, int height) 
   return camera;
 }
 
-void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius) {
+void move_outside_scene(Camera& camera, const CameraDescription& description, Vec3f center, float radius) {
   if (description.projection != CameraDescription::Projection::kDistant) return;
   const Vec3f direction = camera.corner;
   if (const auto* point = std::get_if<Vec3d>(&description.target)) {

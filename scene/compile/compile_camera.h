@@ -22,7 +22,7 @@ CompiledCameras compile_cameras(const Description& description, MotionCompiler& 
 /// monotonic on the film, and a panorama whose transform is not a rotation.
 Camera make_camera(const CameraDescription& description, int width, int height);
 
-/// Places a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
-void place_distant(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
+/// Moves a kDistant camera outside the scene, whose shapes lie in the given sphere. Other cameras are unchanged.
+void move_outside_scene(Camera& camera, const CameraDescription& description, Vec3f center, float radius);
 
 }  // namespace sheaf

@@ -92,8 +92,8 @@ class LightTableBuilder {
     return view;
   }
 
-  void leave_out(const SourceLocation& where, const SceneError& error) {
-    errors_.report(at_place(where, error), "light left out");
+  void omit(const SourceLocation& where, const SceneError& error) {
+    errors_.report(at_location(where, error), "light left out");
   }
 
   /// Emission of a shape; empty if it is black or cannot be compiled.
@@ -101,7 +101,7 @@ class LightTableBuilder {
     if (!shape.radiance) return std::nullopt;
     try {
       return emission_of(shape, *shape.radiance);
-    } catch (const SceneError& error) { leave_out(shape.where, error); }
+    } catch (const SceneError& error) { omit(shape.where, error); }
     return std::nullopt;
   }
 
@@ -175,7 +175,7 @@ class LightTableBuilder {
       const MotionRow from_rest = motion_.add(steps_from_rest(steps, std::to_array(placed.rest.to_world)));
       for (std::uint32_t light = instance.first_light; light < count(); ++light)
         MotionCompiler::set(motion_.tables().lights, light, from_rest);
-    } catch (const SceneError& error) { leave_out(geometry_.sources[emitters[0].shape].shape->where, error); }
+    } catch (const SceneError& error) { omit(geometry_.sources[emitters[0].shape].shape->where, error); }
   }
 
   void add_area_light(const Emitter& emitter, const LightInstance* instance) {
@@ -184,10 +184,10 @@ class LightTableBuilder {
     const ShapeTables tables{geometry.vertices.data(), geometry.triangles.data(), geometry.quadrics.data(),
                              scene_.motion.view().deformations};
     // Build the light
-    LightPlaces places{static_cast<std::uint32_t>(lights_.triangle_alias.size()),
-                       static_cast<std::uint32_t>(lights_.uvs.size()), row.first_triangle};
-    if (instance != nullptr) places.quadric = static_cast<std::uint32_t>(geometry.quadrics.size());
-    AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, places, instance);
+    LightTableOffsets positions{static_cast<std::uint32_t>(lights_.triangle_alias.size()),
+                                static_cast<std::uint32_t>(lights_.uvs.size()), row.first_triangle};
+    if (instance != nullptr) positions.quadric = static_cast<std::uint32_t>(geometry.quadrics.size());
+    AreaLight light = make_area_light(row, emitter.shape, tables, emitter.emission, positions, instance);
     constexpr std::size_t kRowWords = sizeof(LightTriangleRow) / sizeof(float);
     if (kRowWords * (lights_.triangles.size() + light.triangles.size()) > kMaxTableWords)
       throw SceneError(fmt::format("the lights have more than {} triangles in all", kMaxTableWords / kRowWords));
@@ -224,7 +224,7 @@ class LightTableBuilder {
         if (LightKinds::is_environment(light.model) && !(row && max_component(emitted_rgb(row->row)) > 0.0f))
           lights_.has_black_environment = true;
         if (row) placed.push_back({*row, &light});
-      } catch (const SceneError& error) { leave_out(light.where, error); }
+      } catch (const SceneError& error) { omit(light.where, error); }
     }
     return placed;
   }
@@ -235,7 +235,7 @@ class LightTableBuilder {
       if (is_infinite(light.row) != at_infinity || !(max_component(emitted_rgb(light.row)) > 0.0f)) continue;
       if (light_compiler_of(light.row).domain == LightDomain::kEnvironment) {
         if (lights_.environment != kNone) {
-          leave_out(from->where, SceneError("a scene may have only one environment light", SceneErrorCode::kDuplicate));
+          omit(from->where, SceneError("a scene may have only one environment light", SceneErrorCode::kDuplicate));
           continue;
         }
         lights_.environment = count();
@@ -340,9 +340,9 @@ void select_lights(const MotionCompiler& motion, SceneTables& scene) {
     const Vec3f power = lights.powers[i];
     // Much of an environment's light passes the bounding sphere without hitting anything. With its full power it would
     // take samples from lights inside.
-    constexpr double kEnvironmentShare = 0.25;
-    const double share = i == view.lights.environment ? kEnvironmentShare : 1.0;
-    const double mean = (double(power.x) + power.y + power.z) / 3.0 * share;
+    constexpr double kEnvironmentFraction = 0.25;
+    const double fraction = i == view.lights.environment ? kEnvironmentFraction : 1.0;
+    const double mean = (double(power.x) + power.y + power.z) / 3.0 * fraction;
     // Weights must be positive and finite for lights of any power.
     weights.push_back(static_cast<float>(std::clamp(mean, 1e-30, 1e30)));
   }

@@ -34,8 +34,8 @@ class MotionCompiler {
 
   /// Appends steps.
   MotionRow add(const std::vector<MotionStepRow>& steps);
-  /// Adds the motion of an object relative to its transform at the first key, by which its tables place it. Returns a
-  /// row without segments if the object is always there.
+  /// Adds the motion of an object relative to its rest pose, the transform at the first key. Returns a row without
+  /// segments if the object is static.
   MotionRow add_from_rest(const AnimatedTransform& motion, const MotionProbes& probes);
   /// Adds a shape that deforms, with `vertex_count` points at each of `segment_count` + 1 steps. Returns its bits of
   /// ShapeRow::flags.
@@ -52,7 +52,7 @@ class MotionCompiler {
 
   /// The transform of each step of a motion, as the row of an instance.
   std::vector<InstanceRow> placements(const MotionRow& motion) const;
-  /// A point, and where it is at each step of a motion.
+  /// The positions of a point at rest and at each step of a motion.
   std::vector<Vec3f> positions(const MotionRow& motion, Vec3f p) const;
 
  private:

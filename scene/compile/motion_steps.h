@@ -31,7 +31,7 @@ class MotionProbes {
   /// Maximum error as a fraction of the motion, of the size of the object, and of the length of a direction.
   static constexpr double kMaxError = 1e-4;
 
-  /// The corners and the centre of a box. Their error is also bounded by a fraction of the size of the box in world
+  /// The corners and the center of a box. Their error is also bounded by a fraction of the size of the box in world
   /// space.
   static MotionProbes of_box(const Bounds3f& box);
   /// The three axes, with errors of at most `max_relative_error` of their lengths.
@@ -55,7 +55,7 @@ class MotionProbes {
 std::vector<MotionStepRow> tabulate_motion(const Motion& motion, const MotionProbes& probes,
                                            const ShutterDescription& shutter);
 
-/// The steps of an object in the space of `steps` whose tables place it by `rest`: each step maps from there to where
+/// The steps of an object in the space of `steps` whose rest pose is `rest`: each step maps from there to where
 /// `steps` place the object. Linear interpolation preserves this. Throws SceneError if a matrix is too extreme.
 std::vector<MotionStepRow> steps_from_rest(const std::vector<MotionStepRow>& steps, const std::array<float, 12>& rest);
 

@@ -14,7 +14,7 @@ namespace sheaf {
 Vec3d render_origin(Vec3d camera, std::span<const Vec3d> points);
 
 /// The same by the camera and a point of each shape and instance. Mesh files are not read: their shapes are taken to
-/// lie where the transform places the origin.
+/// lie at the transformed origin.
 Vec3d render_origin(const Description& description);
 
 /// The description with everything moved by `-origin`.

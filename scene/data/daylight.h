@@ -19,7 +19,7 @@ inline constexpr std::size_t kLimbOrder = 6;
 std::span<const float> sky_shape();
 /// Factor of the sky's distribution: [turbidity][albedo 0 and 1][control point][R, G, B].
 std::span<const float> sky_radiance();
-/// Radiance of the sun's centre: [turbidity][piece][wavelength][power of the elevation above the start of the piece].
+/// Radiance of the sun's center: [turbidity][piece][wavelength][power of the elevation above the start of the piece].
 std::span<const float> sun_radiance();
 /// Limb darkening of the sun: [wavelength][power of the cosine].
 std::span<const float> limb_darkening();

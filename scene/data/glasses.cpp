@@ -12,7 +12,7 @@ using Form = Dispersion::Form;
 
 constexpr float square(float a) { return a * a; }
 
-/// Schott N-BK7, borosilicate crown. Schott AG, optical glass catalogue, January 2017.
+/// Schott N-BK7, borosilicate crown. Schott AG, optical glass catalog, January 2017.
 constexpr Dispersion kBk7{
     Form::kSellmeier, 1, {{{1.03961212f, 0.00600069867f}, {0.231792344f, 0.0200179144f}, {1.01046945f, 103.560653f}}}};
 /// Schott N-BAF10, barium flint. As above.

@@ -41,9 +41,9 @@ double daylight(double nominal_temperature, double wavelength) {
   const double m = 0.0241 + 0.2562 * x - 0.7341 * y;
   const double m1 = three_decimals((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
   const double m2 = three_decimals((0.0300 - 31.4424 * x + 30.0717 * y) / m);
-  const double place = (wavelength - 360.0) / 10.0;
-  const std::size_t i = std::min(static_cast<std::size_t>(place), kDaylightSize - 2);
-  const double u = place - static_cast<double>(i);
+  const double position = (wavelength - 360.0) / 10.0;
+  const std::size_t i = std::min(static_cast<std::size_t>(position), kDaylightSize - 2);
+  const double u = position - static_cast<double>(i);
   const auto at = [&](std::size_t k) { return kDaylight0[k] + m1 * kDaylight1[k] + m2 * kDaylight2[k]; };
   return (1 - u) * at(i) + u * at(i + 1);
 }

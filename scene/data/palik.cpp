@@ -13,8 +13,8 @@ constexpr MetalSample kAmorphousCarbon[] = {{344.4f, 1.94f, 0.92f}, {364.6f, 2.0
                                             {413.3f, 2.11f, 0.9f},  {442.8f, 2.17f, 0.89f}, {476.8f, 2.24f, 0.88f},
                                             {516.6f, 2.3f, 0.87f},  {563.5f, 2.38f, 0.82f}, {619.9f, 2.43f, 0.75f},
                                             {688.8f, 2.43f, 0.7f},  {774.9f, 2.33f, 0.71f}, {885.6f, 2.24f, 0.8f}};
-/// Aluminium arsenide.
-constexpr MetalSample kAluminiumArsenide[] = {
+/// Aluminum arsenide.
+constexpr MetalSample kAluminumArsenide[] = {
     {354.2f, 4.48f, 0.334f},    {375.7f, 4.13f, 0.139f},    {442.8f, 3.703f, 0.00161f},  {459.2f, 3.57f, 0.00156f},
     {476.8f, 3.472f, 0.00153f}, {495.9f, 3.394f, 0.00125f}, {516.6f, 3.329f, 0.000682f}, {539.0f, 3.273f, 0.000275f},
     {563.5f, 3.225f, 4e-05f},   {590.4f, 3.183f, 2e-06f},   {619.9f, 3.145f, 0.0f},      {652.5f, 3.112f, 0.0f},
@@ -139,8 +139,8 @@ constexpr MetalSample kSilver[] = {
     {670.18f, 0.140063f, 4.29312f}, {688.8f, 0.14f, 4.44f},   {708.48f, 0.144313f, 4.58625f}, {729.32f, 0.148f, 4.74f},
     {751.42f, 0.145875f, 4.90813f}, {774.9f, 0.143f, 5.09f},  {799.9f, 0.142563f, 5.28875f},  {826.56f, 0.145f, 5.5f},
     {855.06f, 0.151938f, 5.72062f}};
-/// Aluminium. D. Y. Smith, E. Shiles and M. Inokuti, volume I.
-constexpr MetalSample kAluminium[] = {
+/// Aluminum. D. Y. Smith, E. Shiles and M. Inokuti, volume I.
+constexpr MetalSample kAluminum[] = {
     {359.37f, 0.39575f, 4.365f},    {364.66f, 0.407f, 4.43f}, {370.1f, 0.419125f, 4.49375f},  {375.71f, 0.432f, 4.56f},
     {381.49f, 0.445688f, 4.63375f}, {387.45f, 0.46f, 4.71f},  {393.6f, 0.474688f, 4.78437f},  {399.95f, 0.49f, 4.86f},
     {406.51f, 0.506188f, 4.93813f}, {413.28f, 0.523f, 5.02f}, {420.29f, 0.540063f, 5.10875f}, {427.53f, 0.558f, 5.2f},
@@ -222,8 +222,8 @@ constexpr MetalSample kTungsten[] = {
     {670.16f, 3.76f, 2.95f}, {688.78f, 3.82f, 2.91f}, {708.46f, 3.85f, 2.86f}, {729.29f, 3.84f, 2.78f},
     {751.39f, 3.78f, 2.72f}, {774.88f, 3.67f, 2.68f}, {799.87f, 3.56f, 2.73f}, {826.53f, 3.48f, 2.79f},
     {855.03f, 3.38f, 2.85f}};
-/// Aluminium antimonide.
-constexpr MetalSample kAluminiumAntimonide[] = {
+/// Aluminum antimonide.
+constexpr MetalSample kAluminumAntimonide[] = {
     {354.23f, 3.95f, 2.69f}, {364.65f, 3.97f, 2.64f}, {375.7f, 4.14f, 2.69f},   {387.44f, 4.51f, 2.47f},
     {399.94f, 4.57f, 2.12f}, {413.27f, 4.52f, 1.97f}, {427.52f, 4.66f, 2.06f},  {442.79f, 5.27f, 1.58f},
     {459.19f, 5.08f, 0.92f}, {476.85f, 4.81f, 0.63f}, {495.92f, 4.61f, 0.46f},  {516.58f, 4.44f, 0.33f},
@@ -294,9 +294,9 @@ constexpr MetalSample kSeleniumExtraordinary[] = {
     {619.9f, 4.79f, 0.76f},  {688.78f, 4.46f, 0.022f}, {830.0f, 4.46f, 0.022f}};
 
 constexpr NamedMetal kPalikMetals[] = {{"Ag", kSilver},
-                                       {"Al", kAluminium},
-                                       {"AlAs", kAluminiumArsenide},
-                                       {"AlSb", kAluminiumAntimonide},
+                                       {"Al", kAluminum},
+                                       {"AlAs", kAluminumArsenide},
+                                       {"AlSb", kAluminumAntimonide},
                                        {"Au", kGold},
                                        {"Be", kBeryllium},
                                        {"Cr", kChromium},

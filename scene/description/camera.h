@@ -16,7 +16,7 @@ namespace sheaf {
 struct CameraDescription {
   enum class Projection {
     kPerspective,
-    kOrthographic,     ///< with a lens, the rays through the lens centre are parallel
+    kOrthographic,     ///< with a lens, the rays through the lens center are parallel
     kSpherical,        ///< all directions by longitude and latitude, in the layout of EnvmapDescription
     kRadianceMeter,    ///< a ray along +z
     kDistant,          ///< rays along +z from outside the scene, to `target` or across the scene's bounding sphere
@@ -30,7 +30,7 @@ struct CameraDescription {
   enum class FovAxis { kX, kY, kDiagonal, kSmaller, kLarger } fov_axis = FovAxis::kX;
   float aperture_radius = 0;         ///< radius of the lens in camera space; 0: pinhole
   float focus_distance = kInfinity;  ///< z of the focal plane in camera space
-  /// Film position of the direction (0, 0, 1): offset from the centre to the left and upwards, in fractions of the
+  /// Film position of the direction (0, 0, 1): offset from the center to the left and upwards, in fractions of the
   /// film's size.
   float principal_point_x = 0, principal_point_y = 0;
   float near_clip = 0, far_clip = kInfinity;  ///< visible range of z in camera space

@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// A dispersion formula in its published form, with wavelengths w in micrometres.
+/// A dispersion formula in its published form, with wavelengths w in micrometers.
 struct Dispersion {
   enum class Form {
     kSellmeier,     ///< n^2 = constant + sum of b w^2 / (w^2 - c)
@@ -17,7 +17,7 @@ struct Dispersion {
     kPowers,        ///< n = constant + sum of b w^c
   };
   struct Term {
-    float b = 0, c = 0;  ///< c: square micrometres, or an even exponent
+    float b = 0, c = 0;  ///< c: square micrometers, or an even exponent
     static constexpr auto fields(auto& s) { return std::tie(s.b, s.c); }
   };
 
@@ -47,7 +47,7 @@ template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Fl
   return d.form == Dispersion::Form::kPowers ? sum : sqrt(sum);
 }
 
-/// Index of refraction at the helium d line, at which glasses are catalogued.
-inline float catalogue_ior(const Dispersion& d) { return ior<Scalar>(d, 587.56f); }
+/// Index of refraction at the helium d line, at which glasses are catalogd.
+inline float catalog_ior(const Dispersion& d) { return ior<Scalar>(d, 587.56f); }
 
 }  // namespace sheaf

@@ -16,15 +16,15 @@ std::string lines_of(const std::vector<SceneError>& errors) {
 
 SceneErrors::SceneErrors(std::vector<SceneError> all) : SceneError(all.at(0), lines_of(all)), all_(std::move(all)) {}
 
-ErrorSink::ErrorSink(bool lenient, std::vector<std::string>& stand_ins)
-    : lenient_(lenient), stand_ins_(stand_ins), reported_(stand_ins.begin(), stand_ins.end()) {}
+ErrorSink::ErrorSink(bool lenient, std::vector<std::string>& substitutions)
+    : lenient_(lenient), substitutions_(substitutions), reported_(substitutions.begin(), substitutions.end()) {}
 
 void ErrorSink::report(const SceneError& error, std::string_view substitute) {
   throw_if_full();
   const std::string text = lenient_ ? fmt::format("{} ({})", error.what(), substitute) : error.what();
   if (!reported_.insert(text).second) return;
   errors_.push_back(error);
-  if (lenient_) stand_ins_.push_back(text);
+  if (lenient_) substitutions_.push_back(text);
   throw_if_full();
 }
 

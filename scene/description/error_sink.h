@@ -29,8 +29,9 @@ class ErrorSink {
   /// Errors after which strict reading ends.
   static constexpr std::size_t kMaxErrors = 20;
 
-  /// `stand_ins`: receives a message for each error in lenient mode, unless it already has it. Must outlive the sink.
-  ErrorSink(bool lenient, std::vector<std::string>& stand_ins);
+  /// `substitutions`: receives a message for each error in lenient mode, unless it already has it. Must outlive the
+  /// sink.
+  ErrorSink(bool lenient, std::vector<std::string>& substitutions);
   ErrorSink(const ErrorSink&) = delete;
   ErrorSink& operator=(const ErrorSink&) = delete;
 
@@ -58,7 +59,7 @@ class ErrorSink {
   void throw_if_full() const;
 
   bool lenient_;
-  std::vector<std::string>& stand_ins_;
+  std::vector<std::string>& substitutions_;
   std::vector<SceneError> errors_;
   std::unordered_set<std::string> reported_;  ///< messages
 };

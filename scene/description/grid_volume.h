@@ -33,7 +33,7 @@ struct GridVolumeDescription {
   bool fit_to_shape = false;
   GridFilter filter = GridFilter::kTrilinear;
   Wrap wrap = Wrap::kClamp;
-  bool raw = false;                              ///< three channels are data, not colours
+  bool raw = false;                              ///< three channels are data, not colors
   std::shared_ptr<const DenseVolume> made = {};  ///< kInMemory
   std::optional<MotionId> motion = {};           ///< media only; see MediumDescription
 };

@@ -30,7 +30,7 @@ struct SpectrumDescription {
   struct Rgb {
     Vec3f value;
   };
-  /// Piecewise linear over wavelength, zero outside. Wavelengths in nanometres, strictly increasing.
+  /// Piecewise linear over wavelength, zero outside. Wavelengths in nanometers, strictly increasing.
   struct Table {
     std::vector<float> wavelengths, values;
     /// RGB mode: convert with illuminant E instead of D65, as Mitsuba does for named metals.
@@ -48,9 +48,9 @@ struct SpectrumDescription {
   static SpectrumDescription rgb(float r, float g, float b) { return {Rgb{{r, g, b}}}; }
 };
 
-/// A colour parameter: a constant or a texture.
+/// A color parameter: a constant or a texture.
 using SpectrumInput = std::variant<SpectrumDescription, TextureId>;
-/// A scalar parameter: a constant or a texture (the luminance of a coloured one).
+/// A scalar parameter: a constant or a texture (the luminance of a colored one).
 using ScalarInput = std::variant<float, TextureId>;
 
 /// The use of a spectrum; determines which values are valid.

@@ -58,12 +58,12 @@ struct AbsorptionScatteringDescription {
 };
 
 /// A medium inside or outside of shapes. Coefficients are in 1/m of world space. All grids of a medium move alike: from
-/// their places at the first key, by the same affine map.
+/// their positions at the first key, by the same affine map.
 struct MediumDescription {
   std::variant<ExtinctionAlbedoDescription, AbsorptionScatteringDescription> coefficients;
   std::optional<GridVolumeDescription> density;  ///< multiplies the coefficients; one channel
   float scale = 1;                               ///< multiplies the coefficients
-  /// Radiance of an optically thick volume of the medium, W / (m^2 sr): the medium emits sigma_a times this per metre.
+  /// Radiance of an optically thick volume of the medium, W / (m^2 sr): the medium emits sigma_a times this per meter.
   std::optional<VolumeInput> emission;
   std::optional<GridVolumeDescription>
       emission_factor;  ///< multiplies the emission, also that of `temperature`; one channel

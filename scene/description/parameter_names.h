@@ -1,4 +1,4 @@
-// How models of textures, materials and lights declare the names that files give to them and to their parameters.
+// Declarations of the names of textures, materials and lights in files, and of their parameters.
 #pragma once
 
 #include "scene/description/inputs.h"

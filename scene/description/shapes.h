@@ -53,7 +53,7 @@ struct MeshFileShape {
   enum class BadFaces { kError, kDrop } bad_faces = BadFaces::kError;
 };
 /// A mesh that deforms: the same triangles at several times. Between them its vertices and normals change linearly;
-/// before the first and after the last one it stands still.
+/// before the first and after the last one it is static.
 struct DeformingMesh {
   struct Key {
     double time = 0;  ///< in the unit of ShutterDescription
@@ -82,7 +82,7 @@ struct CylinderShape {
 /// Round tubes, normals outwards. u is the angle / 2 pi; v runs along all segments in order.
 struct Curves {
   enum class Basis {
-    kLinear,   ///< cones between neighbouring points, with spheres around the points
+    kLinear,   ///< cones between neighboring points, with spheres around the points
     kBspline,  ///< uniform cubic B-splines, one segment per four consecutive points; no caps at the ends
   } basis = Basis::kBspline;
   struct Point {
@@ -97,7 +97,7 @@ struct Curves {
 };
 
 /// Curves that deform: the same curves at several times. Between them positions and radii change linearly; before the
-/// first and after the last one they stand still.
+/// first and after the last one they are static.
 struct DeformingCurves {
   struct Key {
     double time = 0;  ///< in the unit of ShutterDescription
@@ -116,9 +116,9 @@ struct SdfGrid {
 };
 
 /// Height field over [-1, 1]^2 of the xy plane, from a texture. It becomes a mesh of `width` x `height` vertices, at
-/// the centres of the cells of a regular grid on the unit square of uv.
+/// the centers of the cells of a regular grid on the unit square of uv.
 struct HeightFieldShape {
-  SpectrumInput texture;  ///< luminance if coloured
+  SpectrumInput texture;  ///< luminance if colored
   int width = 0, height = 0;
   float scale = 1;
   bool smooth = true;  ///< the mesh gets normals

@@ -10,7 +10,7 @@ void check_table(const SpectrumDescription::Table& table, const SourceLocation& 
     throw SceneError(
         where, fmt::format("spectrum has {} wavelengths and {} values", table.wavelengths.size(), table.values.size()));
   if (table.wavelengths.size() < 2) throw SceneError(where, "spectrum needs at least two wavelength:value pairs");
-  if (!(table.wavelengths[0] > 0)) throw SceneError(where, "wavelengths must be positive nanometres");
+  if (!(table.wavelengths[0] > 0)) throw SceneError(where, "wavelengths must be positive nanometers");
   for (std::size_t i = 1; i < table.wavelengths.size(); ++i)
     if (!(table.wavelengths[i] > table.wavelengths[i - 1]))
       throw SceneError(where, fmt::format("wavelengths must increase, found {} after {}", table.wavelengths[i],

@@ -1,4 +1,4 @@
-// The colour mode of the renderer that a scene file was written for.
+// The color mode of the renderer that a scene file was written for.
 #pragma once
 
 #include "core/color/spectrum.h"

@@ -24,7 +24,7 @@ MaterialId add_textured(Description& description, TextureDescription texture, co
   return add_two_sided(description, DiffuseDescription{id});
 }
 
-/// Returns the material of a model's texture image or colours, if it has any.
+/// Returns the material of a model's texture image or colors, if it has any.
 std::optional<MaterialId> color_material(const MeshFile& model, const std::filesystem::path& file,
                                          Description& description) {
   TextureDescription texture;
@@ -52,7 +52,7 @@ std::optional<MaterialId> color_material(const MeshFile& model, const std::files
   return std::nullopt;
 }
 
-/// Loads the mesh file of a shape into memory, computes creased normals if it has none, and applies its colours.
+/// Loads the mesh file of a shape into memory, computes creased normals if it has none, and applies its colors.
 void load_model(ShapeDescription& shape, const MeshFileShape& from, Description& description) {
   MeshFile model = read_mesh(from);
   Mesh& mesh = model.mesh;
@@ -80,7 +80,7 @@ bool reads_as_mesh(const std::filesystem::path& file) {
   return format != nullptr && format->read != nullptr;
 }
 
-Description read_model(const std::filesystem::path& file, const ModelView& view, const ModelSurroundings& surroundings,
+Description read_model(const std::filesystem::path& file, const ModelView& view, const ModelEnvironment& surroundings,
                        bool lenient) {
   Description description;
   description.file = file;
@@ -92,7 +92,7 @@ Description read_model(const std::filesystem::path& file, const ModelView& view,
   shape.geometry = std::move(mesh);
   shape.where = {file.string(), 0};
   description.shapes.push_back(std::move(shape));
-  ErrorSink errors(lenient, description.stand_ins);
+  ErrorSink errors(lenient, description.substitutions);
   expand_obj_materials(description, errors, true);
   // Nothing replaces the only shape
   if (description.shapes.empty()) throw errors.errors().back();
@@ -104,9 +104,9 @@ Description read_model(const std::filesystem::path& file, const ModelView& view,
   const std::array<Vec3d, 2> box = read_bounds(description, errors);
   frame_box(box, view, description);
   // Add default materials, floor and light
-  const MaterialId grey = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
+  const MaterialId gray = add_two_sided(description, {SpectrumDescription::rgb(0.6f, 0.6f, 0.6f)});
   for (ShapeDescription& part : description.shapes)
-    if (!part.material) part.material = grey;
+    if (!part.material) part.material = gray;
   if (surroundings.floor) add_floor(box, view, description);
   add_sky(box, view, surroundings, description);
   set_model_defaults(description);
@@ -121,7 +121,7 @@ Description read_gltf_scene(const std::filesystem::path& file, const ReadOptions
                                           options.camera, options.lenient, description);
   std::array<Vec3d, 2> box{Vec3d{-1, -1, -1}, Vec3d{1, 1, 1}};
   if (!description.shapes.empty() || !description.instances.empty()) {
-    ErrorSink errors(options.lenient, description.stand_ins);
+    ErrorSink errors(options.lenient, description.substitutions);
     box = read_bounds(description, errors);
     errors.throw_errors();
   } else {

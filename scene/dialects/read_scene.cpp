@@ -44,7 +44,7 @@ void rename_old_plugins(ExpandedScene& scene) {
 }
 
 /// Adds a white sky to a scene without lights, which would render black.
-void light_what_is_dark(Description& description) {
+void add_default_light(Description& description) {
   const auto emits = [](const ShapeDescription& shape) { return shape.radiance.has_value(); };
   bool lit = !description.lights.empty() || std::any_of(description.shapes.begin(), description.shapes.end(), emits);
   for (const ShapeGroup& group : description.groups)
@@ -52,7 +52,8 @@ void light_what_is_dark(Description& description) {
   for (const MediumDescription& medium : description.media) lit = lit || medium.emission || medium.temperature;
   if (lit || !description.integrator.traits().uses_lights()) return;
   description.lights.push_back({ConstantLightDescription{}, {}});
-  description.stand_ins.push_back(description.file.string() + ": the scene has no light (rendered with a white sky)");
+  description.substitutions.push_back(description.file.string() +
+                                      ": the scene has no light (rendered with a white sky)");
 }
 
 }  // namespace
@@ -130,7 +131,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     throw SceneError(root.where, fmt::format("root element is <{}>, expected <scene>", root.name));
   Description description;
   description.file = file;
-  description.stand_ins = scene.stand_ins();
+  description.substitutions = scene.substitutions();
   const bool nori = is_nori(root);
   if (nori) {
     reject_camera_choice(options);
@@ -139,7 +140,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     rename_old_plugins(scene);
   }
   // Read the elements
-  ErrorSink errors(options.lenient, description.stand_ins);
+  ErrorSink errors(options.lenient, description.substitutions);
   ReadContext context{scene, description, description, description.textures, description.materials, description.phases,
                       errors};
   context.mirrors_nori_camera = options.nori_camera == NoriCamera::kEth;
@@ -159,7 +160,7 @@ Description read_xml_scene(ExpandedScene& scene, const std::filesystem::path& fi
     if (!options.lenient) return;
     if (context.frames_scene) frame_box(read_bounds(description, errors), options.view, description);
   });
-  if (options.lenient) light_what_is_dark(description);
+  if (options.lenient) add_default_light(description);
   return description;
 }
 
@@ -176,7 +177,7 @@ Description read_format(const std::filesystem::path& file, const ReadOptions& op
     reject_camera_choice(options);
     Description description;
     description.file = file;
-    ErrorSink errors(options.lenient, description.stand_ins);
+    ErrorSink errors(options.lenient, description.substitutions);
     errors.run(
         [&] { read_pbrt(file, options.folder.value_or(file.parent_path()), description, options.defines, errors); });
     if (options.lenient) drop_bad_faces(description);
@@ -200,9 +201,9 @@ void note_closed_shutter(Description& description, const ReadOptions& options) {
 Description completed(Description description, const ReadOptions& options) {
   if (options.shutter) description.shutter = *options.shutter;
   note_closed_shutter(description, options);
-  // Early Russian roulette pays off for surfaces. In absorbing media it causes rare samples of high weight.
+  // Early Russian roulette is efficient for surfaces. In absorbing media it causes rare samples of high weight.
   std::optional<int>& rr_depth = description.integrator.rr_depth;
-  if (!description.media.empty() && !rr_depth) rr_depth = kOtherRouletteDepth;
+  if (!description.media.empty() && !rr_depth) rr_depth = kDefaultRouletteDepth;
   return description;
 }
 

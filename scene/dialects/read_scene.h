@@ -19,13 +19,13 @@ enum class NoriCamera { kEth, kUpstream };
 /// Options of reading.
 struct ReadOptions {
   std::vector<std::pair<std::string, std::string>> defines;  ///< -D name=value: the value of `$name` in the file
-  bool lenient = false;  ///< substitute or drop unreadable elements; see Description::stand_ins
+  bool lenient = false;  ///< substitute or drop unreadable elements; see Description::substitutions
   NoriCamera nori_camera = NoriCamera::kEth;
   /// Folder to which relative paths in the scene file refer. Default: that of the file.
   std::optional<std::filesystem::path> folder;
   ModelView view;  ///< for models and, if lenient, scenes without a camera
-  ModelSurroundings surroundings;
-  ModelMoment moment;
+  ModelEnvironment surroundings;
+  AnimationTime moment;
   std::string camera;  ///< name or number of a camera, in glTF files and scenes of Mitsuba; empty: the first
   /// Replaces the shutter of the scene. For models, its times are relative to `moment.time`.
   std::optional<ShutterDescription> shutter;

@@ -30,8 +30,8 @@ std::vector<int> columns_of(const PlyElement& element, const std::string& file) 
   return columns;
 }
 
-/// Returns the transform of the unit sphere: semi-axes, rotation by the quaternion (w, x, y, z), which is normalised,
-/// and centre.
+/// Returns the transform of the unit sphere: semi-axes, rotation by the quaternion (w, x, y, z), which is normalized,
+/// and center.
 Transform placement(const Row& row, double scale) {
   double q[4], squared = 0;
   for (std::size_t i = 0; i < 4; ++i) squared += row[6 + i] * row[6 + i];

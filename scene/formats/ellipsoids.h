@@ -8,7 +8,7 @@
 
 namespace sheaf {
 
-/// Reads a PLY file, ASCII or binary. Its first element holds one ellipsoid per row: centre x, y, z, logarithms of the
+/// Reads a PLY file, ASCII or binary. Its first element holds one ellipsoid per row: center x, y, z, logarithms of the
 /// semi-axes scale_0 to scale_2, and a rotation quaternion rot_0 (real part) to rot_3 (Kerbl et al. 2023). Other
 /// properties are ignored. Returns the transforms of the unit sphere to the ellipsoids, with semi-axes multiplied by
 /// `scale`. Throws SceneError for a missing, truncated or malformed file, for missing properties, and for values that

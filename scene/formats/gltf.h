@@ -45,7 +45,7 @@ struct GltfAccessor {
   std::size_t offset = 0, count = 0;
   int components = 1;  ///< 1 to 4, 9 or 16
   GltfComponent type = GltfComponent::kFloat;
-  bool normalized = false;  ///< integers stand for fractions
+  bool normalized = false;  ///< integers represent fractions
   /// Elements that differ from those of the view.
   struct Sparse {
     std::size_t count = 0;
@@ -230,7 +230,7 @@ GltfFile read_gltf_file(const std::filesystem::path& file, const std::filesystem
 /// Bytes of an element: columns of matrices are padded to multiples of four.
 std::size_t element_bytes(GltfComponent type, int components);
 
-/// Elements of an accessor as floats, `components` each; normalised integers are converted to [0, 1] or [-1, 1]. Throws
+/// Elements of an accessor as floats, `components` each; normalized integers are converted to [0, 1] or [-1, 1]. Throws
 /// SceneError if the accessor has another number of components.
 std::vector<float> read_floats(const GltfFile& file, int accessor, int components);
 

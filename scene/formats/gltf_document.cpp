@@ -188,7 +188,7 @@ class ByteLoader {
     return bytes;
   }
 
-  /// Whether a buffer only stands in for compressed ones.
+  /// Whether a buffer is only a fallback for compressed ones.
   static bool is_fallback(const json& object) {
     const auto extensions = object.find("extensions");
     if (extensions == object.end() || !extensions->is_object()) return false;

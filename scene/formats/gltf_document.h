@@ -23,11 +23,11 @@ struct GltfDocument {
 /// notes. Throws SceneError, with the line for malformed JSON.
 GltfDocument read_gltf_document(GltfFile& out);
 
-/// Loads the buffers, and finds the images, of a document; then replaces both in the JSON by short stand-ins, so that
-/// the library that parses it has no bytes to read. Adds external files to `out.files`. Throws SceneError.
+/// Loads the buffers, and finds the images, of a document; then replaces both in the JSON by short placeholders, so
+/// that the library that parses it has no bytes to read. Adds external files to `out.files`. Throws SceneError.
 void take_bytes(GltfDocument& document, GltfFile& out);
 
-/// Extension of primitives that adapt_document() adds. Its member "accessor" stands for the primitive's indices.
+/// Extension of primitives that adapt_document() adds. Its member "accessor" replaces the primitive's indices.
 inline constexpr const char* kIndicesWithoutView = "SHEAF_indices_without_view";
 
 /// Changes what the library rejects although it is valid; adds notes on what is ignored.

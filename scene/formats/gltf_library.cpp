@@ -343,18 +343,18 @@ class Converter : GltfChecker {
     GltfAnimation to;
     to.name = from.name;
     for (std::size_t i = 0; i < from.channels.size(); ++i) {
-      const std::string place = fmt::format("{}.{}", part, at("channels", i));
+      const std::string location = fmt::format("{}.{}", part, at("channels", i));
       const tinygltf::AnimationChannel& channel = from.channels[i];
       if (channel.target_node == kNoIndex) continue;  // the target is defined by an extension
       const auto path = std::find(std::begin(kPaths), std::end(kPaths), channel.target_path);
       if (path == std::end(kPaths)) continue;
-      const int sampler = required(channel.sampler, from.samplers.size(), place, "sampler");
+      const int sampler = required(channel.sampler, from.samplers.size(), location, "sampler");
       const tinygltf::AnimationSampler& s = from.samplers[static_cast<std::size_t>(sampler)];
       Channel c;
-      c.node = index(channel.target_node, model.nodes.size(), place, "target.node");
+      c.node = index(channel.target_node, model.nodes.size(), location, "target.node");
       c.path = static_cast<Channel::Path>(path - std::begin(kPaths));
-      c.times = required(s.input, out.accessors.size(), place, "input");
-      c.values = required(s.output, out.accessors.size(), place, "output");
+      c.times = required(s.input, out.accessors.size(), location, "input");
+      c.values = required(s.output, out.accessors.size(), location, "output");
       if (s.interpolation == "STEP") c.interpolation = Channel::Interpolation::kStep;
       if (s.interpolation == "CUBICSPLINE") c.interpolation = Channel::Interpolation::kCubic;
       to.channels.push_back(c);
@@ -392,8 +392,9 @@ class Converter : GltfChecker {
 /// Throws SceneError for files of another major version, and for those that need a later minor version (glTF 2.0, 3.2).
 void check_version(const nlohmann::json& document, GltfFile& out) {
   const auto member = [&](const char* name) {
-    const nlohmann::json::json_pointer place(std::string("/asset/") + name);
-    return document.contains(place) && document[place].is_string() ? document[place].get<std::string>() : std::string();
+    const nlohmann::json::json_pointer location(std::string("/asset/") + name);
+    return document.contains(location) && document[location].is_string() ? document[location].get<std::string>()
+                                                                         : std::string();
   };
   const std::string version = member("version"), needed = member("minVersion");
   if (!version.empty() && !version.starts_with("2."))

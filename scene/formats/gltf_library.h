@@ -1,4 +1,5 @@
-// What the readers of glTF share: the document as tinygltf has parsed it. Only scene/formats/gltf*.cpp include this.
+// Common code of the readers of glTF: the document as tinygltf has parsed it. Only scene/formats/gltf*.cpp include
+// this.
 #pragma once
 
 #include "scene/formats/gltf.h"

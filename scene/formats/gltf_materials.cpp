@@ -138,8 +138,8 @@ class MaterialConverter {
   }
   float component(const Value& array, std::size_t k) const {
     if (!array.IsArray() || array.ArrayLen() <= k || !array.Get(k).IsNumber())
-      throw from_.out.error(part_, fmt::format("a colour has less than {} numbers", k + 1));
-    return positive(array.Get(k).GetNumberAsDouble(), "a colour");
+      throw from_.out.error(part_, fmt::format("a color has less than {} numbers", k + 1));
+    return positive(array.Get(k).GetNumberAsDouble(), "a color");
   }
   Vec3f color(const Value& object, const char* name, float otherwise) const {
     const Value* value = GltfChecker::find(object, name);

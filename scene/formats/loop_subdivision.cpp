@@ -26,9 +26,9 @@ constexpr std::uint32_t kNobody = 0xffffffffu;
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) { return std::uint64_t{from} << 32 | to; }
 
 /// Adjacency of a triangle mesh.
-class Neighbours {
+class Neighbors {
  public:
-  Neighbours(const std::vector<Triangle>& triangles, std::size_t vertices)
+  Neighbors(const std::vector<Triangle>& triangles, std::size_t vertices)
       : first_(vertices, kNobody), corners_(vertices, 0) {
     across_.reserve(3 * triangles.size());
     for (const Triangle& t : triangles)
@@ -85,16 +85,16 @@ class Neighbours {
 
  private:
   std::unordered_map<std::uint64_t, std::uint32_t> across_;  ///< by directed edge: the vertex to its left
-  std::vector<std::uint32_t> first_;                         ///< one neighbour of each vertex
+  std::vector<std::uint32_t> first_;                         ///< one neighbor of each vertex
   std::vector<std::size_t> corners_;                         ///< number of triangles at each vertex
 };
 
-/// Weight of each neighbour in the vertex rule for valence k (Warren 1995).
-double share_of(std::size_t k) { return k == 3 ? 3.0 / 16 : 3.0 / (8 * static_cast<double>(k)); }
+/// Weight of each neighbor in the vertex rule for valence k (Warren 1995).
+double neighbor_weight(std::size_t k) { return k == 3 ? 3.0 / 16 : 3.0 / (8 * static_cast<double>(k)); }
 
-/// Applies a vertex rule: each neighbour has the weight `inner`; on the boundary, each boundary neighbour has
+/// Applies a vertex rule: each neighbor has the weight `inner`; on the boundary, each boundary neighbor has
 /// `boundary`.
-Point moved(const std::vector<Point>& points, std::uint32_t vertex, const Neighbours::Ring& ring, double inner,
+Point moved(const std::vector<Point>& points, std::uint32_t vertex, const Neighbors::Ring& ring, double inner,
             double boundary) {
   if (ring.vertices.empty()) return points[vertex];
   if (!ring.closed)
@@ -106,12 +106,12 @@ Point moved(const std::vector<Point>& points, std::uint32_t vertex, const Neighb
 }
 
 void refine(std::vector<Point>& points, std::vector<Triangle>& triangles) {
-  const Neighbours neighbours(triangles, points.size());
+  const Neighbors neighbors(triangles, points.size());
   std::vector<Point> out(points.size());
   // Move the old vertices
   for (std::uint32_t v = 0; v < points.size(); ++v) {
-    const Neighbours::Ring ring = neighbours.ring(v);
-    out[v] = moved(points, v, ring, share_of(ring.vertices.size()), 1.0 / 8);
+    const Neighbors::Ring ring = neighbors.ring(v);
+    out[v] = moved(points, v, ring, neighbor_weight(ring.vertices.size()), 1.0 / 8);
   }
   // Add a vertex per edge
   std::unordered_map<std::uint64_t, std::uint32_t> middles;
@@ -119,7 +119,7 @@ void refine(std::vector<Point>& points, std::vector<Triangle>& triangles) {
     const auto [found, is_new] =
         middles.emplace(directed(std::min(a, b), std::max(a, b)), static_cast<std::uint32_t>(out.size()));
     if (!is_new) return found->second;
-    const std::uint32_t left = neighbours.left(a, b), right = neighbours.left(b, a);
+    const std::uint32_t left = neighbors.left(a, b), right = neighbors.left(b, a);
     const Point ends = points[a] + points[b];
     out.push_back(left == kNobody || right == kNobody ? ends * 0.5
                                                       : ends * 0.375 + (points[left] + points[right]) * 0.125);
@@ -150,8 +150,8 @@ Point across_boundary(const std::vector<Point>& points, std::uint32_t vertex, co
   return sum;
 }
 
-/// Returns the normal of the limit surface at a vertex, not normalised; zero if undefined.
-Point limit_normal(const std::vector<Point>& points, std::uint32_t vertex, const Neighbours::Ring& ring) {
+/// Returns the normal of the limit surface at a vertex, not normalized; zero if undefined.
+Point limit_normal(const std::vector<Point>& points, std::uint32_t vertex, const Neighbors::Ring& ring) {
   const std::vector<std::uint32_t>& around = ring.vertices;
   const std::size_t k = around.size();
   if (k < 2) return {};
@@ -183,11 +183,12 @@ Mesh subdivide(const Mesh& control, int levels) {
     throw SceneError(fmt::format("the surface would have more than {} triangles", kMaxSubdivided));
   for (int level = 0; level < levels; ++level) refine(points, triangles);
   // Project the vertices to the limit surface
-  const Neighbours neighbours(triangles, points.size());
+  const Neighbors neighbors(triangles, points.size());
   Mesh out;
   for (std::uint32_t v = 0; v < points.size(); ++v) {
-    const Neighbours::Ring ring = neighbours.ring(v);
-    const double inner = 1 / (static_cast<double>(ring.vertices.size()) + 3 / (8 * share_of(ring.vertices.size())));
+    const Neighbors::Ring ring = neighbors.ring(v);
+    const double inner =
+        1 / (static_cast<double>(ring.vertices.size()) + 3 / (8 * neighbor_weight(ring.vertices.size())));
     out.positions.push_back(to_float(moved(points, v, ring, inner, 1.0 / 6)));
     const Point normal = limit_normal(points, v, ring);
     const double length = std::sqrt(dot(normal, normal));

@@ -30,7 +30,7 @@ class MeasuredReader {
     const TensorFile::Shape incident = {out.phi.size(), out.theta.size()};
     out.vndf = grids("vndf", incident);
     out.luminance = grids("luminance", incident);
-    // Read the values, as spectra or as colours
+    // Read the values, as spectra or as colors
     const bool spectra = file_.has("spectra") && (prefer_spectra || !file_.has("rgb"));
     if (!spectra && !file_.has("rgb")) file_.fail("has neither a field 'rgb' nor a field 'spectra'");
     if (spectra) out.wavelengths = list("wavelengths");
@@ -61,8 +61,8 @@ class MeasuredReader {
 
   void check_phi(const MeasuredBrdf& brdf) const {
     if (brdf.isotropic()) return;
-    const double turns = 6.283185307179586 / (double(brdf.phi.back()) - double(brdf.phi.front()));
-    const double whole = std::rint(turns);
+    const double revolutions = 6.283185307179586 / (double(brdf.phi.back()) - double(brdf.phi.front()));
+    const double whole = std::rint(revolutions);
     if (whole != 1 && whole != 2 && whole != 4)
       file_.fail(fmt::format("field 'phi_i' goes from {} to {} (expected a full, half or quarter turn, in radians)",
                              brdf.phi.front(), brdf.phi.back()));

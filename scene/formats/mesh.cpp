@@ -14,7 +14,7 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Normalises a vector; returns zero for a vector without a direction.
+/// Normalizes a vector; returns zero for a vector without a direction.
 Vec3d direction(Vec3d a) {
   const double l = length(a);
   return l > 0 && std::isfinite(l) ? a * (1 / l) : Vec3d{};
@@ -51,8 +51,8 @@ void fill_zero_normals(Mesh& mesh) {
   }
   for (std::uint32_t i = 0; i < mesh.normals.size(); ++i) {
     if (!is_missing(i)) continue;
-    constexpr double kCancelled = 1e-9;  // for triangles back to back
-    mesh.normals[i] = (length(sums[i]) > kCancelled ? direction(sums[i]) : spares[i]).rounded();
+    constexpr double kCanceled = 1e-9;  // for triangles back to back
+    mesh.normals[i] = (length(sums[i]) > kCanceled ? direction(sums[i]) : spares[i]).rounded();
     if (is_missing(i)) mesh.normals[i] = {0, 0, 1};
   }
 }
@@ -101,12 +101,12 @@ std::vector<T> select_rows(const std::vector<T>& values, const std::vector<std::
 
 bool is_per_vertex(const Mesh::Attribute& attribute) { return attribute.name.starts_with("vertex_"); }
 
-/// Adds a square around `centre` with half edges u and v. Its front faces `normal`.
-void append_square(Mesh& mesh, Vec3f centre, Vec3f normal, Vec3f u, Vec3f v) {
+/// Adds a square around `center` with half edges u and v. Its front faces `normal`.
+void append_square(Mesh& mesh, Vec3f center, Vec3f normal, Vec3f u, Vec3f v) {
   constexpr std::array<Vec2f, 4> kCorners{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const Vec2f corner : kCorners) {
-    mesh.positions.push_back(centre + u * (2 * corner.x - 1) + v * (2 * corner.y - 1));
+    mesh.positions.push_back(center + u * (2 * corner.x - 1) + v * (2 * corner.y - 1));
     mesh.normals.push_back(normal);
     mesh.uvs.push_back(corner);
   }
@@ -278,25 +278,26 @@ std::vector<float> edge_distances(const Mesh& mesh, bool relative) {
   return heights;
 }
 
-std::vector<std::uint32_t> same_places(const Mesh& mesh) {
+std::vector<std::uint32_t> same_positions(const Mesh& mesh) {
   std::vector<std::uint32_t> order(mesh.positions.size()), same(mesh.positions.size());
   std::iota(order.begin(), order.end(), 0u);
-  const auto place = [&](std::uint32_t vertex) {
+  const auto position = [&](std::uint32_t vertex) {
     const Vec3f& p = mesh.positions[vertex];
     return std::tuple(p.x + 0.0f, p.y + 0.0f, p.z + 0.0f);  // -0 is 0
   };
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return place(a) != place(b) ? place(a) < place(b) : a < b; });
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return position(a) != position(b) ? position(a) < position(b) : a < b;
+  });
   for (std::size_t i = 0; i < order.size(); ++i)
-    same[order[i]] = i > 0 && place(order[i]) == place(order[i - 1]) ? same[order[i - 1]] : order[i];
+    same[order[i]] = i > 0 && position(order[i]) == position(order[i - 1]) ? same[order[i - 1]] : order[i];
   return same;
 }
 
 std::vector<std::array<std::uint32_t, 2>> open_edges(const Mesh& mesh) {
-  const std::vector<std::uint32_t> same = same_places(mesh);
+  const std::vector<std::uint32_t> same = same_positions(mesh);
   struct Edge {
     std::uint64_t ends;
-    int way;
+    int winding;
   };
   // Collect the edges with their directions
   std::vector<Edge> edges;
@@ -312,7 +313,7 @@ std::vector<std::array<std::uint32_t, 2>> open_edges(const Mesh& mesh) {
   for (std::size_t i = 0; i < edges.size();) {
     int balance = 0;
     const std::uint64_t ends = edges[i].ends;
-    for (; i < edges.size() && edges[i].ends == ends; ++i) balance += edges[i].way;
+    for (; i < edges.size() && edges[i].ends == ends; ++i) balance += edges[i].winding;
     if (balance != 0) open.push_back({static_cast<std::uint32_t>(ends >> 32), static_cast<std::uint32_t>(ends)});
   }
   return open;

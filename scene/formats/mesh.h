@@ -70,7 +70,7 @@ bool is_traceable_triangle(const Mesh& mesh, std::uint32_t triangle);
 std::size_t drop_degenerate_triangles(Mesh& mesh);
 
 /// Returns for each vertex the first vertex at the same position.
-std::vector<std::uint32_t> same_places(const Mesh& mesh);
+std::vector<std::uint32_t> same_positions(const Mesh& mesh);
 
 /// Returns the vertices of the open edges, those without equally many triangles on both sides. Vertices at the same
 /// position count as one. Empty for a closed surface, independent of vertex splits. O(n log n).

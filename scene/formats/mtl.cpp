@@ -152,7 +152,7 @@ class MtlReader {
     fail(fmt::format("expected a number after '{}', found {}", keyword, quoted(word)));
   }
 
-  /// A single number stands for all three channels.
+  /// A single number applies to all three channels.
   void read_color(std::string_view keyword, std::string_view arguments, std::optional<Vec3f>& color) {
     if (arguments.starts_with("spectral") || arguments.starts_with("xyz")) {
       note(fmt::format("'{}' by 'spectral' or 'xyz' is not supported: ignored", keyword));

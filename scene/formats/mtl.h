@@ -1,7 +1,7 @@
 // Material libraries (MTL) of Wavefront OBJ files, as written in the file. See scene/dialects/model/obj_materials.h
 // for their conversion.
 //
-// tinyobj::LoadMtl() does not suffice: it does not distinguish missing properties from default values, takes the colour
+// tinyobj::LoadMtl() does not suffice: it does not distinguish missing properties from default values, takes the color
 // "Kd 0.5" for (0.5, 0, 0), takes options behind an image for its name, reads malformed numbers as 0, and reports
 // neither lines nor unknown statements.
 #pragma once

@@ -31,7 +31,7 @@ template <class T> T value_at(const char* bytes) {
 }
 
 /// Truncates a name from a file for a message.
-std::string shown(const std::string& name) {
+std::string displayed(const std::string& name) {
   constexpr std::size_t kLongest = 60;
   return name.size() <= kLongest ? name : name.substr(0, kLongest) + "...";
 }
@@ -66,7 +66,7 @@ class Directory {
     std::string list;
     for (const GridEntry& entry : entries_) {
       names.push_back(entry.name);
-      if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + shown(entry.name) + "'";
+      if (names.size() <= kMaxListed) list += (list.empty() ? "'" : ", '") + displayed(entry.name) + "'";
     }
     if (names.size() > kMaxListed) list += " and others";
     fail(fmt::format("no grid '{}' (the file holds {}){}", name, list, did_you_mean(name, names)));
@@ -151,7 +151,7 @@ class GridMemory {
   std::uint64_t size() const { return entry_.size; }
   std::size_t stored_bytes() const { return entry_.stored.size(); }
   [[noreturn]] void fail(const std::string& message) const {
-    throw SceneError(SourceLocation{file_}, fmt::format("grid '{}': {}", shown(entry_.name), message));
+    throw SceneError(SourceLocation{file_}, fmt::format("grid '{}': {}", displayed(entry_.name), message));
   }
 
  private:

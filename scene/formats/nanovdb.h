@@ -10,7 +10,7 @@
 namespace sheaf {
 
 /// Reads a grid of a .nvdb file: the grid named `grid`, or the first one if `grid` is empty. Values are single floats
-/// (float, or quantised Fp4, Fp8, Fp16, FpN), or three of them (Vec3f). Inactive voxels count, too. The file may be
+/// (float, or quantized Fp4, Fp8, Fp16, FpN), or three of them (Vec3f). Inactive voxels count, too. The file may be
 /// uncompressed, deflated, or compressed with Blosc if the build includes it. Throws SceneError for a missing,
 /// truncated or corrupt file, for OpenVDB files (with conversion advice), unknown grid names, level sets, other value
 /// types, and values that are not finite.

@@ -1,5 +1,5 @@
 // Writes NanoVDB files: builds the tree of each grid from its voxels. The encodings instantiate much of NanoVDB, which
-// is why this file is apart from the reader and less optimised (CMakeLists.txt).
+// is why this file is apart from the reader and less optimized (CMakeLists.txt).
 #define NANOVDB_USE_ZIP
 #include "core/io/output_file.h"
 #include "scene/formats/nanovdb.h"

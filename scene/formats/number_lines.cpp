@@ -26,8 +26,8 @@ bool NumberLines::next() {
 void NumberLines::read(std::span<float> numbers, const char* what) const {
   constexpr std::size_t kShown = 60;
   const auto malformed = [&] {
-    const std::string shown(line_.substr(0, kShown));
-    fail(fmt::format("expected {} finite numbers ({}), found '{}{}", numbers.size(), what, shown,
+    const std::string displayed(line_.substr(0, kShown));
+    fail(fmt::format("expected {} finite numbers ({}), found '{}{}", numbers.size(), what, displayed,
                      line_.size() > kShown ? "...'" : "'"));
   };
   std::string_view rest = line_;

@@ -80,17 +80,17 @@ class AttributeFinder {
   void add(PlyAttribute attribute) {
     const std::size_t channels = attribute.properties.size();
     if (channels != 1 && channels != 3) {
-      leave_out(attribute, fmt::format("has {} channels, expected 1 or 3", channels));
+      omit(attribute, fmt::format("has {} channels, expected 1 or 3", channels));
     } else if (std::any_of(attributes_.begin(), attributes_.end(),
                            [&](const PlyAttribute& other) { return other.name == attribute.name; })) {
-      leave_out(attribute, "appears twice");
+      omit(attribute, "appears twice");
     } else {
       attributes_.push_back(std::move(attribute));
     }
   }
 
   /// Warns that the attribute is not read.
-  void leave_out(const PlyAttribute& attribute, const std::string& reason) {
+  void omit(const PlyAttribute& attribute, const std::string& reason) {
     warnings_.push_back(fmt::format("attribute '{}' {}: left out", attribute.name, reason));
     left_out_.insert(left_out_.end(), attribute.properties.begin(), attribute.properties.end());
   }

@@ -51,13 +51,13 @@ class CornerSets {
 };
 
 /// Joins corners at the same position that belong to the same smoothing group.
-void join_groups(const Mesh& mesh, const std::vector<std::uint32_t>& places, std::span<const std::uint32_t> groups,
-                 CornerSets& sets) {
+void join_groups(const Mesh& mesh, const std::vector<std::uint32_t>& welded_vertices,
+                 std::span<const std::uint32_t> groups, CornerSets& sets) {
   std::unordered_map<std::uint64_t, std::uint32_t> first;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (groups[t] == 0) continue;
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint64_t key = std::uint64_t{groups[t]} << 32 | places[mesh.triangles[t][k]];
+      const std::uint64_t key = std::uint64_t{groups[t]} << 32 | welded_vertices[mesh.triangles[t][k]];
       const auto [found, is_new] = first.try_emplace(key, 3 * t + k);
       if (!is_new) sets.join(found->second, 3 * t + k);
     }
@@ -65,7 +65,7 @@ void join_groups(const Mesh& mesh, const std::vector<std::uint32_t>& places, std
 }
 
 /// Joins corners across edges that two triangles share, except creases.
-void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& places,
+void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& welded_vertices,
                        const std::vector<Direction>& normals, CornerSets& sets) {
   struct Edge {
     std::uint64_t ends;  ///< position indices, the lower one first
@@ -73,10 +73,10 @@ void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& place
   };
   std::vector<Edge> edges;
   edges.reserve(3 * mesh.triangles.size());
-  const auto place = [&](std::uint32_t corner) { return places[mesh.triangles[corner / 3][corner % 3]]; };
+  const auto welded = [&](std::uint32_t corner) { return welded_vertices[mesh.triangles[corner / 3][corner % 3]]; };
   const auto next = [](std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
   for (std::uint32_t corner = 0; corner < 3 * mesh.triangles.size(); ++corner) {
-    const std::uint64_t a = place(corner), b = place(next(corner));
+    const std::uint64_t a = welded(corner), b = welded(next(corner));
     if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), corner});
   }
   std::sort(edges.begin(), edges.end(),
@@ -90,7 +90,7 @@ void join_across_edges(const Mesh& mesh, const std::vector<std::uint32_t>& place
     i = end;
     if (!pair || dot(normals[a / 3], normals[b / 3]) < smallest) continue;
     std::uint32_t a_end = next(a), b_end = next(b);
-    if (place(a) != place(b)) std::swap(b, b_end);
+    if (welded(a) != welded(b)) std::swap(b, b_end);
     sets.join(a, b);
     sets.join(a_end, b_end);
   }
@@ -120,9 +120,9 @@ void apply(Mesh& mesh, CornerSets& sets, const std::vector<Direction>& normals) 
   for (std::uint32_t corner = 0; corner < sums.size(); ++corner) {
     std::uint32_t& vertex = mesh.triangles[corner / 3][corner % 3];
     const std::uint32_t set = sets.find(corner);
-    constexpr double kCancelled = 1e-9;  // for triangles back to back
-    const bool cancelled = !(dot(sums[set], sums[set]) > kCancelled * kCancelled);
-    const Direction normal = cancelled ? normals[corner / 3] : unit(sums[set]);
+    constexpr double kCanceled = 1e-9;  // for triangles back to back
+    const bool canceled = !(dot(sums[set], sums[set]) > kCanceled * kCanceled);
+    const Direction normal = canceled ? normals[corner / 3] : unit(sums[set]);
     const Vec3f rounded{static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)};
     if (first_set[vertex] == kUnused) {
       first_set[vertex] = set;
@@ -154,13 +154,13 @@ std::vector<Direction> triangle_normals(const Mesh& mesh) {
 }  // namespace
 
 void compute_creased_normals(Mesh& mesh, std::span<const std::uint32_t> groups) {
-  const std::vector<std::uint32_t> places = same_places(mesh);
+  const std::vector<std::uint32_t> welded_vertices = same_positions(mesh);
   const std::vector<Direction> normals = triangle_normals(mesh);
   CornerSets sets(3 * mesh.triangles.size());
   if (groups.empty()) {
-    join_across_edges(mesh, places, normals, sets);
+    join_across_edges(mesh, welded_vertices, normals, sets);
   } else {
-    join_groups(mesh, places, groups, sets);
+    join_groups(mesh, welded_vertices, groups, sets);
   }
   apply(mesh, sets, normals);
 }

@@ -13,7 +13,7 @@ struct Point {
 };
 
 /// Returns twice the signed area of the triangle a b c, positive if counter-clockwise.
-double turn(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double cross(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 /// Projects the polygon to the coordinate plane where its area is largest, in counter-clockwise order. Empty if it has
 /// no finite area.
@@ -52,7 +52,7 @@ bool is_convex(const std::vector<Point>& p) {
   double last_step = 0, first_step = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Point a = p[i], b = p[(i + 1) % n], c = p[(i + 2) % n];
-    if (turn(a, b, c) < 0) return false;
+    if (cross(a, b, c) < 0) return false;
     const double step = b.x - a.x;
     if (step == 0) continue;
     if (last_step * step < 0) ++reversals;
@@ -80,7 +80,7 @@ class Ring {
 
   std::uint32_t next(std::uint32_t i) const { return next_[i]; }
   std::uint32_t previous(std::uint32_t i) const { return previous_[i]; }
-  double turn_at(std::uint32_t i) const { return turn(points_[previous_[i]], points_[i], points_[next_[i]]); }
+  double cross_at(std::uint32_t i) const { return cross(points_[previous_[i]], points_[i], points_[next_[i]]); }
 
   /// Whether the triangle at corner i contains no other corner of the ring. Adds the number of visited corners to
   /// `work`.
@@ -91,7 +91,7 @@ class Ring {
       const Point p = points_[k];
       const auto is_at = [&](Point q) { return p.x == q.x && p.y == q.y; };
       if (is_at(a) || is_at(b) || is_at(c)) continue;
-      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+      if (cross(a, b, p) >= 0 && cross(b, c, p) >= 0 && cross(c, a, p) >= 0) return false;
     }
     return true;
   }
@@ -114,9 +114,9 @@ bool clip_ears(const std::vector<Point>& points, std::vector<PolygonTriangle>& o
   while (left > 3 && since_last_ear <= left && work < kMaxWork) {
     ++since_last_ear;
     ++work;
-    const double turned = ring.turn_at(i);
-    if (turned == 0 || (turned > 0 && ring.is_empty_at(i, work))) {
-      if (turned > 0) out.push_back({ring.previous(i), i, ring.next(i)});
+    const double signed_area = ring.cross_at(i);
+    if (signed_area == 0 || (signed_area > 0 && ring.is_empty_at(i, work))) {
+      if (signed_area > 0) out.push_back({ring.previous(i), i, ring.next(i)});
       ring.remove(i);
       --left;
       since_last_ear = 0;

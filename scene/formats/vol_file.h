@@ -15,7 +15,7 @@ enum class VolChannels {
 
 /// Reads a file of version 3 (manual of Mitsuba 0.5, "Grid-based volume data source"), all numbers little endian:
 ///   - "VOL" and a byte for the version,
-///   - int32 encoding (1: 32-bit floats, 2: 16-bit floats, 3: bytes, where 255 stands for 1),
+///   - int32 encoding (1: 32-bit floats, 2: 16-bit floats, 3: bytes, where 255 is 1),
 ///   - three int32 for the resolution, one for the number of channels,
 ///   - six floats for a bounding box,
 ///   - the values, x fastest, channels interleaved.

@@ -8,7 +8,8 @@
 namespace sheaf {
 
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                          const AreaEmission& emission, const LightPlaces& places, const LightInstance* instance) {
+                          const AreaEmission& emission, const LightTableOffsets& offsets,
+                          const LightInstance* instance) {
   AreaLight light;
   light.row.texture = emission.texture;
   if (emission.texture != kNone || emission.coat.texture != kNone) light.row.flags |= kNeedsTextureQuery;
@@ -17,9 +18,9 @@ AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, cons
   if (emission.missed_by_rays) light.row.flags |= kMissedByRays;
   light.row.radiance = {emission.radiance.x, emission.radiance.y, emission.radiance.z, 0.0f};
   if (static_cast<ShapeKind>(shape.kind) == ShapeKind::kMesh) {
-    complete_mesh_light(light, shape, shape_index, tables, places, instance);
+    complete_mesh_light(light, shape, shape_index, tables, offsets, instance);
   } else {
-    complete_quadric_light(light, shape, shape_index, tables, places, instance);
+    complete_quadric_light(light, shape, shape_index, tables, offsets, instance);
   }
   return light;
 }

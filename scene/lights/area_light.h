@@ -17,7 +17,7 @@ struct ShapeTables {
 };
 
 /// Future positions of a light's parts in the scene's tables.
-struct LightPlaces {
+struct LightTableOffsets {
   std::uint32_t first_triangle;  ///< in light_triangles and triangle_alias
   std::uint32_t first_uv;        ///< in light_uvs
   std::uint32_t quadric;         ///< that of the shape; for an instance, the one to be appended
@@ -53,7 +53,7 @@ struct AreaLight {
 
 /// An instance of a shape that emits.
 struct LightInstance {
-  InstanceRow rest;  ///< where the light's tables place it
+  InstanceRow rest;  ///< rest pose of the light
   /// If it moves: the transforms from the group's space at some times over the shutter, with the changes of their
   /// entries over the whole interval if they always changed as then.
   struct Step {
@@ -69,14 +69,15 @@ struct LightInstance {
 
 /// Makes the light of the shape with index `shape_index`, or of an instance of it if `instance` is not null.
 AreaLight make_area_light(const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                          const AreaEmission& emission, const LightPlaces& places, const LightInstance* instance);
+                          const AreaEmission& emission, const LightTableOffsets& offsets,
+                          const LightInstance* instance);
 
 /// Sets the members of `light` that depend on the kind of shape.
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                         const LightPlaces& places, const LightInstance* instance);
+                         const LightTableOffsets& offsets, const LightInstance* instance);
 /// Makes a mesh light a rectangle light if its triangles form a rectangle.
 void complete_rectangle_light(AreaLight& light);
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
-                            const ShapeTables& tables, const LightPlaces& places, const LightInstance* instance);
+                            const ShapeTables& tables, const LightTableOffsets& offsets, const LightInstance* instance);
 
 }  // namespace sheaf

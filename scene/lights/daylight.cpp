@@ -4,7 +4,7 @@
 // R (1 + A e^(B / (cos theta + 0.01))) (C + D e^(E gamma) + F cos^2 gamma + G chi(H, gamma) + I sqrt(cos theta)),
 // chi(g, gamma) = (1 + cos^2 gamma) / (1 + g^2 - 2 g cos gamma)^(3/2).
 // R and A to I are quintic Bezier curves over the cube root of the sun's elevation (equation 11), linear in turbidity
-// and albedo. In the tables, H comes last. Hosek and Wilkie 2013: the radiance at the sun's centre is a piecewise cubic
+// and albedo. In the tables, H comes last. Hosek and Wilkie 2013: the radiance at the sun's center is a piecewise cubic
 // of its elevation, with pieces of equal length in the cube root. It is multiplied by a polynomial of the cosine at the
 // sun's surface for limb darkening, whose average over the disk is used here.
 #include "scene/lights/daylight.h"
@@ -34,13 +34,13 @@ constexpr double kFirstWavelength = 320, kWavelengthStep = 40;
 constexpr std::size_t kMaxSkies = 256;
 
 /// Interpolation between tables of turbidity: index of the lower table, and weight of the upper one.
-struct TurbidityPlace {
+struct TurbidityInterpolation {
   std::size_t below;
   double above;
-  explicit TurbidityPlace(float turbidity) {
-    const double place = std::clamp(double(turbidity), 1.0, double(data::kTurbidities)) - 1;
-    below = std::min(static_cast<std::size_t>(place), data::kTurbidities - 2);
-    above = place - static_cast<double>(below);
+  explicit TurbidityInterpolation(float turbidity) {
+    const double interpolation = std::clamp(double(turbidity), 1.0, double(data::kTurbidities)) - 1;
+    below = std::min(static_cast<std::size_t>(interpolation), data::kTurbidities - 2);
+    above = interpolation - static_cast<double>(below);
   }
   /// Interpolates entry `i` of tables with `size` entries.
   double mix(std::span<const float> tables, std::size_t size, std::size_t i) const {
@@ -49,8 +49,8 @@ struct TurbidityPlace {
 };
 
 /// Evaluates entry `i` of a Bezier curve whose control points have `size` entries.
-double bezier(std::span<const float> tables, const TurbidityPlace& turbidity, double albedo, double x, std::size_t size,
-              std::size_t i) {
+double bezier(std::span<const float> tables, const TurbidityInterpolation& turbidity, double albedo, double x,
+              std::size_t size, std::size_t i) {
   constexpr double kBinomial[data::kControlPoints] = {1, 5, 10, 10, 5, 1};
   const std::size_t of_albedo = data::kControlPoints * size;
   double sum = 0;
@@ -70,7 +70,7 @@ struct Skies {
     SkyModel model;
   };
   std::vector<Sky> all;
-  double share = 0;
+  double sun_weight = 0;
 
   explicit Skies(const SkyDescription& sky) {
     const std::size_t stride = (sky.suns.size() + kMaxSkies - 1) / kMaxSkies;
@@ -81,7 +81,7 @@ struct Skies {
       all.push_back(
           {sky.suns[i], SkyModel(sky.turbidity, reflectance_rgb(sky.albedo), std::asin(std::min(height, 1.0)))});
     }
-    share = count > 0 ? 1.0 / static_cast<double>(count) : 0;
+    sun_weight = count > 0 ? 1.0 / static_cast<double>(count) : 0;
   }
 
   /// Radiance from a unit direction, with cosine `cos_zenith` to the zenith.
@@ -90,7 +90,7 @@ struct Skies {
     for (const Sky& sky : all) {
       const double to_sun = 2 * std::asin(std::min(0.5 * double(length(direction - sky.sun)), 1.0));
       const auto one = sky.model.radiance(cos_zenith, to_sun);
-      for (std::size_t c = 0; c < 3; ++c) sum[c] += share * one[c];
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += sun_weight * one[c];
     }
     return sum;
   }
@@ -100,16 +100,16 @@ struct Skies {
 void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapImage& image) {
   const double half = std::sin(0.5 * double(SunDescription::kSunRadius) * (kPiD / 180));
   const double solid_angle = 4 * kPiD * half * half;
-  const double share = double(sky.sun_scale) * solid_angle / static_cast<double>(sky.suns.size());
+  const double sun_weight = double(sky.sun_scale) * solid_angle / static_cast<double>(sky.suns.size());
   for (const Vec3f sun : sky.suns) {
-    // Compute the colour of the sun at its elevation
+    // Compute the color of the sun at its elevation
     const double height = dot(sun, sky.up);
     if (!(height >= 0.0)) continue;
     const Vec3f rgb = sun_rgb(sun_spectrum(sky.turbidity, std::asin(std::min(height, 1.0))));
     // Find its position between nodes
     const Vec3f at = frame.to_local(stretched(sun, sky.up, sky.stretch));
-    const double turn = std::atan2(double(at.x), -double(at.z)) / (2 * kPiD);
-    const double across = (turn - std::floor(turn)) * image.width - 0.5;
+    const double azimuth = std::atan2(double(at.x), -double(at.z)) / (2 * kPiD);
+    const double across = (azimuth - std::floor(azimuth)) * image.width - 0.5;
     const double down = std::acos(std::clamp(double(at.y), -1.0, 1.0)) / kPiD * (image.height - 1);
     const double column = std::floor(across), row = std::min(std::floor(down), image.height - 2.0);
     // Distribute its power bilinearly over the four nodes
@@ -119,7 +119,7 @@ void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapImage
       const double weight = (1 - std::fabs(across - x)) * (1 - std::fabs(down - y));
       const auto j = static_cast<std::uint32_t>(y);
       const auto i = static_cast<std::uint32_t>(x + image.width) % image.width;
-      const double scale = share * weight / node_solid_angle(j, image.width, image.height);
+      const double scale = sun_weight * weight / node_solid_angle(j, image.width, image.height);
       float* node = &image.rgb[3 * (std::size_t{j} * image.width + i)];
       node[0] += static_cast<float>(scale * double(rgb.x));
       node[1] += static_cast<float>(scale * double(rgb.y));
@@ -131,7 +131,7 @@ void add_suns(const SkyDescription& sky, const Frame<Scalar>& frame, EnvmapImage
 }  // namespace
 
 SkyModel::SkyModel(float turbidity, Vec3f albedo, double elevation) {
-  const TurbidityPlace place(turbidity);
+  const TurbidityInterpolation interpolation(turbidity);
   const double x = std::cbrt(std::clamp(elevation / (0.5 * kPiD), 0.0, 1.0));
   const float albedos[3] = {albedo.x, albedo.y, albedo.z};
   // The tables are integrals over the spectrum; RGB mode divides these by the integral of the y curve.
@@ -140,8 +140,8 @@ SkyModel::SkyModel(float turbidity, Vec3f albedo, double elevation) {
     const double ground = std::clamp(double(albedos[c]), 0.0, 1.0);
     for (std::size_t k = 0; k < 9; ++k)
       shape_[c][k] =
-          bezier(data::sky_shape(), place, ground, x, 3 * data::kSkyParameters, data::kSkyParameters * c + k);
-    radiance_[c] = bezier(data::sky_radiance(), place, ground, x, 3, c) / kUnits;
+          bezier(data::sky_shape(), interpolation, ground, x, 3 * data::kSkyParameters, data::kSkyParameters * c + k);
+    radiance_[c] = bezier(data::sky_radiance(), interpolation, ground, x, 3, c) / kUnits;
   }
 }
 
@@ -160,23 +160,23 @@ std::array<double, 3> SkyModel::radiance(double cos_zenith, double to_sun) const
 }
 
 SpectrumDescription::Table sun_spectrum(float turbidity, double elevation) {
-  const TurbidityPlace place(turbidity);
+  const TurbidityInterpolation interpolation(turbidity);
   const double pieces = double(data::kSunPieces);
   const double at = std::cbrt(std::clamp(elevation / (0.5 * kPiD), 0.0, 1.0)) * pieces;
   const std::size_t piece = std::min(static_cast<std::size_t>(at), data::kSunPieces - 1);
   const double above = elevation - 0.5 * kPiD * std::pow(double(piece) / pieces, 3);
   SpectrumDescription::Table table;
   for (std::size_t k = 0; k < data::kSunWavelengths; ++k) {
-    double centre = 0, limb = 0;
+    double center = 0, limb = 0;
     for (std::size_t n = data::kSunOrder; n-- > 0;)
-      centre =
-          centre * above + place.mix(data::sun_radiance(), data::kSunPieces * data::kSunWavelengths * data::kSunOrder,
-                                     (piece * data::kSunWavelengths + k) * data::kSunOrder + n);
+      center = center * above + interpolation.mix(data::sun_radiance(),
+                                                  data::kSunPieces * data::kSunWavelengths * data::kSunOrder,
+                                                  (piece * data::kSunWavelengths + k) * data::kSunOrder + n);
     // The average of the n-th power of the cosine over the disk is 2 / (n + 2).
     for (std::size_t n = 0; n < data::kLimbOrder; ++n)
       limb += double(data::limb_darkening()[data::kLimbOrder * k + n]) * 2 / (double(n) + 2);
     table.wavelengths.push_back(static_cast<float>(kFirstWavelength + kWavelengthStep * double(k)));
-    table.values.push_back(static_cast<float>(std::max(centre * limb, 0.0)));
+    table.values.push_back(static_cast<float>(std::max(center * limb, 0.0)));
   }
   return table;
 }

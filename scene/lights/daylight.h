@@ -26,7 +26,7 @@ class SkyModel {
 /// Radiance of the sun, averaged over its disk, W / (m^2 sr nm), for its elevation in [0, pi / 2], radians.
 SpectrumDescription::Table sun_spectrum(float turbidity, double elevation);
 
-/// Colour of the sun in RGB mode: the sum over the table's wavelengths, as in Mitsuba 3. About 6% brighter than the
+/// Color of the sun in RGB mode: the sum over the table's wavelengths, as in Mitsuba 3. About 6% brighter than the
 /// integral of emission_rgb().
 Vec3f sun_rgb(const SpectrumDescription::Table& spectrum);
 

@@ -1,4 +1,4 @@
-// What lights at a point with an orientation share: spot lights, projectors and goniometric lights.
+// Common code of lights at a point with an orientation: spot lights, projectors and goniometric lights.
 #pragma once
 
 #include "core/math/transform.h"

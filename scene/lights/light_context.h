@@ -17,7 +17,7 @@ namespace sheaf {
 class SpectrumSet;
 struct IntegratorSettings;
 
-/// The emission of a light in both colour modes.
+/// The emission of a light in both color modes.
 struct LightEmission {
   Vec3f rgb;             ///< linear Rec.709, RGB mode; 1 for textures
   SpectrumRow spectrum;  ///< spectral mode; relative to D65 for textures

@@ -60,8 +60,8 @@ std::vector<Vec3f> light_powers(const SceneView& scene) {
   // Total number of points for all integrals, and minimum number for each
   constexpr std::size_t kMaxPoints = 1 << 20, kMinPoints = 256;
   const IntegralGroups groups(scene);
-  const std::size_t share = kMaxPoints / std::max<std::size_t>(groups.firsts().size(), 1);
-  const int points = static_cast<int>(std::clamp<std::size_t>(share, kMinPoints, kMeanPoints));
+  const std::size_t points_per_integral = kMaxPoints / std::max<std::size_t>(groups.firsts().size(), 1);
+  const int points = static_cast<int>(std::clamp<std::size_t>(points_per_integral, kMinPoints, kMeanPoints));
   std::vector<Vec3f> integrals, powers;
   for (const std::uint32_t light : groups.firsts()) {
     const LightRow& row = scene.lights.rows[light];

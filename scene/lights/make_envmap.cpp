@@ -205,7 +205,7 @@ void uplift_nodes(Envmap& map) {
   tbb::parallel_for(std::size_t{0}, std::size_t{map.height}, [&](std::size_t row) {
     for (std::size_t first = 0; first < width; first += kWidth) {
       const int count = static_cast<int>(std::min<std::size_t>(kWidth, width - first));
-      // Gather the colours of a register of nodes
+      // Gather the colors of a register of nodes
       alignas(kSimdAlignment) float colors[3][kWidth];
       float* to[kWidth];
       for (int lane = 0; lane < kWidth; ++lane) {
@@ -225,7 +225,7 @@ void uplift_nodes(Envmap& map) {
 
 EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw) {
   const SourceLocation where{file.string(), 0};
-  // Read the image and find its colours
+  // Read the image and find its colors
   StoredImage stored = cached(file, "stored image", [&] { return read_stored_image(file); });
   const std::vector<std::size_t> channels = find_color_channels(stored.channels, where).channels;
   const std::size_t stride = stored.channels.size();

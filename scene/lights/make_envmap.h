@@ -27,10 +27,10 @@ Envmap make_envmap(EnvmapImage image, float scale, bool mis_compensation);
 /// Solid angle of a node of row `row`, in a map of `width` by `height` nodes.
 double node_solid_angle(std::uint32_t row, std::uint32_t width, std::uint32_t height);
 
-/// Fills `spectra` from the nodes' colours with UpliftTable, for spectral mode. Runs in parallel.
+/// Fills `spectra` from the nodes' colors with UpliftTable, for spectral mode. Runs in parallel.
 void uplift_nodes(Envmap& map);
 
-/// Reads an image. Integers are decoded by the sRGB curve unless `raw`; grey is used for all channels; alpha is
+/// Reads an image. Integers are decoded by the sRGB curve unless `raw`; gray is used for all channels; alpha is
 /// dropped. Throws SceneError if the image is missing, broken, too large, or has unknown channels.
 EnvmapImage read_envmap_image(const std::filesystem::path& file, bool raw = false);
 

@@ -95,7 +95,7 @@ DeformationRow motion_of(const DeformationRow* motions, const ShapeRow& shape) {
 /// Triangles at the steps of a mesh, and for each pair of successive steps triangles whose normals complete the cone of
 /// the normals in between. The area vector of a triangle with linearly moving edges is a quadratic Bezier curve; its
 /// middle control point is half the sum of the cross products of either first edge with the other second edge.
-std::vector<LightTriangleRow> with_turns(std::span<const LightTriangleRow> steps, std::size_t count) {
+std::vector<LightTriangleRow> with_normal_cones(std::span<const LightTriangleRow> steps, std::size_t count) {
   std::vector<LightTriangleRow> out(steps.begin(), steps.end());
   for (std::size_t i = 0; i + count < steps.size(); ++i) {
     const LightTriangleRow &a = steps[i], &b = steps[i + count];
@@ -131,8 +131,8 @@ Triple cross3(const Triple& a, const Triple& b) {
 /// direction.
 class PeakSearch {
  public:
-  explicit PeakSearch(const Triple& favourite) {
-    directions_[0] = favourite;
+  explicit PeakSearch(const Triple& favorite) {
+    directions_[0] = favorite;
     std::size_t n = 1;
     for (int sign = -1; sign <= 1; sign += 2)
       for (std::size_t axis = 0; axis < 3; ++axis, ++n) directions_[n] = Triple{}, directions_[n][axis] = sign;
@@ -170,7 +170,7 @@ LightBounds MeshLightKind::bounds(const SceneView& scene, const LightRow& light,
                                                 (segments + std::size_t(1)) * mesh.triangle_count);
   const auto radiance = static_cast<float>(power / (double(kPi) * area));
   LightBounds out = segments == 0 ? mesh_light_bounds(first, radiance)
-                                  : mesh_light_bounds(with_turns(first, mesh.triangle_count),
+                                  : mesh_light_bounds(with_normal_cones(first, mesh.triangle_count),
                                                       radiance / static_cast<float>(2 * segments + 1));
   out.two_sided = light.is_two_sided();
   // Cones beyond a hemisphere are not convex, and need not contain the normals in between
@@ -184,13 +184,13 @@ Vec3f MeshLightKind::integral(const SceneView& scene, const LightRow& light, int
   TextureMean mean(scene, light.texture);
   int next = 0;
   for (std::uint32_t i = 0; i < mesh.triangle_count; ++i) {
-    const double share = scene.lights.triangle_alias[mesh.first_triangle + i].pdf;
-    const int points = std::clamp(static_cast<int>(std::ceil(share * mean_points)), 1, mean_points);
+    const double fraction = scene.lights.triangle_alias[mesh.first_triangle + i].pdf;
+    const int points = std::clamp(static_cast<int>(std::ceil(fraction * mean_points)), 1, mean_points);
     const LightUvRow& uvs = scene.lights.uvs[mesh.first_uv + i];
     for (int k = 0; k < points; ++k) {
       const Vec2f u = spread_point(next++);
       const Vec2f b = square_to_triangle<Scalar>(u.x, u.y);
-      mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), mesh.shape, i, b.x, b.y}, share / points);
+      mean.add({uvs.at(1 - b.x - b.y, b.x, b.y), mesh.shape, i, b.x, b.y}, fraction / points);
     }
   }
   return mean.value();
@@ -207,13 +207,13 @@ IntegralSharing MeshLightKind::integral_key(const SceneView& scene, const LightR
     const LightUvRow& uvs = scene.lights.uvs[mesh.first_uv + i];
     for (const Vec2f uv : {uvs.at(1, 0, 0), uvs.at(0, 1, 0), uvs.at(0, 0, 1)})
       key.insert(key.end(), {float_bits(uv.x), float_bits(uv.y)});
-    key.push_back(rounded_share(scene.lights.triangle_alias[mesh.first_triangle + i].pdf));
+    key.push_back(rounded_fraction(scene.lights.triangle_alias[mesh.first_triangle + i].pdf));
   }
   return IntegralSharing::kShared;
 }
 
 void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index, const ShapeTables& tables,
-                         const LightPlaces& places, const LightInstance* instance) {
+                         const LightTableOffsets& offsets, const LightInstance* instance) {
   const bool textured = light.row.needs_texture_query();
   const DeformationRow motion = motion_of(tables.deformations, shape);
   std::vector<float> areas(shape.triangle_count);
@@ -225,17 +225,17 @@ void complete_mesh_light(AreaLight& light, const ShapeRow& shape, std::uint32_t 
       const TriangleWithArea triangle = make_triangle(corners, instance);
       light.triangles.push_back(triangle.row);
       if (textured && step == 0) light.uvs.push_back(make_uvs(shape, corners));
-      const auto share = static_cast<float>(triangle.area / (motion.segment_count + 1));
-      areas[i] += share;
-      area += share;
+      const auto fraction = static_cast<float>(triangle.area / (motion.segment_count + 1));
+      areas[i] += fraction;
+      area += fraction;
     }
   const std::vector<AliasEntry> alias = build_alias_table(areas);
   for (std::uint32_t step = 0; step <= motion.segment_count; ++step)
     light.alias.insert(light.alias.end(), alias.begin(), alias.end());
   light.area = static_cast<float>(area);
   light.row.kind = static_cast<std::uint32_t>(kLightKind<MeshLightKind>);
-  light.row.set_data(MeshLightData<Scalar>{shape_index, places.first_triangle, shape.triangle_count,
-                                           textured ? places.first_uv : 0u, light.area});
+  light.row.set_data(MeshLightData<Scalar>{shape_index, offsets.first_triangle, shape.triangle_count,
+                                           textured ? offsets.first_uv : 0u, light.area});
   if (motion.segment_count == 0) complete_rectangle_light(light);
 }
 

@@ -14,7 +14,7 @@ namespace sheaf {
 
 namespace {
 
-/// Lookups along each side of a node's neighbourhood.
+/// Lookups along each side of a node's neighborhood.
 constexpr std::uint32_t kLookups = 4;
 
 struct SineCosine {
@@ -54,12 +54,12 @@ Vec3f mean_around(const EnvmapImage& square, std::uint32_t i, std::uint32_t j, c
   for (std::uint32_t b = 0; b < kLookups; ++b)
     for (std::uint32_t a = 0; a < kLookups; ++a) {
       const SineCosine &phi = angles.phi[kLookups * i + a], &theta = angles.theta[kLookups * j + b];
-      const Vec2f place = equal_area_octahedral<Scalar>(direction_of(phi, theta));
+      const Vec2f uv = equal_area_octahedral<Scalar>(direction_of(phi, theta));
       const auto texel = [&](float coordinate) {
         const auto t = static_cast<std::uint32_t>(std::max(coordinate, 0.0f) * static_cast<float>(square.width));
         return std::min(t, square.width - 1);
       };
-      const float* rgb = &square.rgb[3 * (std::size_t{texel(place.y)} * square.width + texel(place.x))];
+      const float* rgb = &square.rgb[3 * (std::size_t{texel(uv.y)} * square.width + texel(uv.x))];
       sum = sum + Vec3f{counts(rgb[0]) ? rgb[0] : 0, counts(rgb[1]) ? rgb[1] : 0, counts(rgb[2]) ? rgb[2] : 0};
     }
   return sum * (1.0f / (kLookups * kLookups));

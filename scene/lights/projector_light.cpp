@@ -29,18 +29,18 @@ LightBounds ProjectorLightKind::bounds(const SceneView& scene, const LightRow& l
 }
 
 /// Integral of the intensity over all directions for LightRecord::radiance 1: the integral of the image over its
-/// rectangle at distance 1, times the cube of the cosine if kIsEven.
+/// rectangle at distance 1, times the cube of the cosine if kConstantIntensity.
 Vec3f ProjectorLightKind::integral(const SceneView& scene, const LightRow& light, int points) {
   const Vec2f scale = light.data<ProjectorLightData>().image_scale;
   const float area = 1.0f / (scale.x * scale.y);
-  const bool is_even = light.has_flag(kIsEven);
-  if (light.texture == kNone && !is_even) return {area, area, area};
+  const bool constant_intensity = light.has_flag(kConstantIntensity);
+  if (light.texture == kNone && !constant_intensity) return {area, area, area};
   TextureMean mean(scene, light.texture);
   double weights = 0;
   for (int k = 0; k < points; ++k) {
     const Vec2f at = spread_point(k);
     const double x = (0.5 - double{at.x}) / double{scale.x}, y = (0.5 - double{at.y}) / double{scale.y};
-    const double weight = is_even ? std::pow(1 + x * x + y * y, -1.5) : 1.0;
+    const double weight = constant_intensity ? std::pow(1 + x * x + y * y, -1.5) : 1.0;
     weights += weight;
     if (light.texture != kNone) mean.add({at, 0, 0, 0, 0}, weight);
   }
@@ -51,7 +51,7 @@ Vec3f ProjectorLightKind::integral(const SceneView& scene, const LightRow& light
 IntegralSharing ProjectorLightKind::integral_key(const SceneView&, const LightRow& light,
                                                  std::vector<std::uint32_t>& key) {
   const Vec2f scale = light.data<ProjectorLightData>().image_scale;
-  key.insert(key.end(), {float_bits(scale.x), float_bits(scale.y), light.flags & kIsEven});
+  key.insert(key.end(), {float_bits(scale.x), float_bits(scale.y), light.flags & kConstantIntensity});
   return IntegralSharing::kShared;
 }
 
@@ -61,7 +61,7 @@ std::optional<CompiledLight> ProjectorDescription::compile(const SourceLocation&
   const double aspect = image != nullptr ? aspect_of(context.textures[texture]) : 1;
   const double half_width = half_width_of(fov, fov_axis, aspect, 1.0, where);
   LightEmission emission = context.emission(irradiance, where);
-  const float factor = is_even ? scale : kPi * scale;
+  const float factor = constant_intensity ? scale : kPi * scale;
   emission.rgb = emission.rgb * factor;
   emission.spectrum.scale *= factor;
   const ProjectorLightData<Scalar> data{
@@ -69,7 +69,7 @@ std::optional<CompiledLight> ProjectorDescription::compile(const SourceLocation&
       {static_cast<float>(0.5 / half_width), static_cast<float>(0.5 * aspect / half_width)}};
   CompiledLight out = context.light(emission, data);
   out.row.texture = texture;
-  if (is_even) out.row.flags |= kIsEven;
+  if (constant_intensity) out.row.flags |= kConstantIntensity;
   return out;
 }
 

@@ -13,13 +13,13 @@ struct ProjectorDescription {
   SpectrumInput irradiance = SpectrumDescription::constant(1);
   float scale = 1;
   /// The intensity is scale * irradiance (W / sr) instead, without the factor pi / cos^3.
-  bool is_even = false;
+  bool constant_intensity = false;
   float fov = 50;  ///< degrees
   CameraDescription::FovAxis fov_axis = CameraDescription::FovAxis::kX;
 
   static constexpr auto kPlugins = kNoPlugins;
   static constexpr auto fields(auto& s) {
-    return std::tie(s.to_world, s.irradiance, s.scale, s.is_even, s.fov, s.fov_axis);
+    return std::tie(s.to_world, s.irradiance, s.scale, s.constant_intensity, s.fov, s.fov_axis);
   }
   std::optional<CompiledLight> compile(const SourceLocation& where, LightContext& context) const;
 };

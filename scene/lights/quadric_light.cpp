@@ -91,14 +91,15 @@ IntegralSharing QuadricLightKind::integral_key(const SceneView& scene, const Lig
   };
   const double trace = product(0, 0) + product(1, 1) + product(2, 2);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j <= i; ++j) key.push_back(rounded_share(static_cast<float>(product(i, j) / trace)));
+    for (int j = 0; j <= i; ++j) key.push_back(rounded_fraction(static_cast<float>(product(i, j) / trace)));
   return IntegralSharing::kShared;
 }
 
 void complete_quadric_light(AreaLight& light, const ShapeRow& shape, std::uint32_t shape_index,
-                            const ShapeTables& tables, const LightPlaces& places, const LightInstance* instance) {
+                            const ShapeTables& tables, const LightTableOffsets& offsets,
+                            const LightInstance* instance) {
   QuadricRow q = tables.quadrics[shape.first_triangle];
-  QuadricLightData<Scalar> data{shape_index, places.quadric, canonical_area(q.kind), 0.0f};
+  QuadricLightData<Scalar> data{shape_index, offsets.quadric, canonical_area(q.kind), 0.0f};
   if (instance != nullptr) {
     data.min_offset = quadric_offset(q, *instance);
     q = place_quadric(q, instance->rest);

@@ -10,7 +10,7 @@ template <class L> struct QuadricLightData {
   typename L::Uint shape;            ///< into GeometryView::shapes
   typename L::Uint quadric;          ///< into GeometryView::quadrics
   typename L::Float canonical_area;  ///< see canonical_area()
-  typename L::Float min_offset;      ///< minimum distance by which points are moved off the surface, metres
+  typename L::Float min_offset;      ///< minimum distance by which points are moved off the surface, meters
 
   static constexpr auto fields(auto& s) { return std::tie(s.shape, s.quadric, s.canonical_area, s.min_offset); }
 };

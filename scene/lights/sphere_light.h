@@ -9,7 +9,7 @@ namespace sheaf {
 template <class L> struct SphereLightData {
   QuadricLightData<L> surface;
   Vec3<L> center;            ///< world space
-  typename L::Float radius;  ///< metres
+  typename L::Float radius;  ///< meters
 
   static constexpr auto fields(auto& s) { return std::tie(s.surface, s.center, s.radius); }
 };

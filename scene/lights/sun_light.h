@@ -25,7 +25,7 @@ struct SunDescription {
 
 /// Data of a sun.
 template <class L> struct SunLightData {
-  Vec3<L> to_light;                 ///< towards the centre of the disk, unit length
+  Vec3<L> to_light;                 ///< towards the center of the disk, unit length
   typename L::Float one_minus_cos;  ///< 1 - cosine of the angular radius
 
   static constexpr auto fields(auto& s) { return std::tie(s.to_light, s.one_minus_cos); }

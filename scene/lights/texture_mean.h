@@ -20,7 +20,9 @@ inline Vec2f spread_point(int i) {
 }
 
 /// Rounds a fraction of one, so that values that differ only by rounding errors become equal keys.
-inline std::uint32_t rounded_share(float share) { return static_cast<std::uint32_t>(std::lround(share * 0x1p16f)); }
+inline std::uint32_t rounded_fraction(float fraction) {
+  return static_cast<std::uint32_t>(std::lround(fraction * 0x1p16f));
+}
 
 /// Weighted mean of texture values, clamped to 0 as lights do.
 class TextureMean {

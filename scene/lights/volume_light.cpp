@@ -16,7 +16,7 @@ constexpr int kCells = 32;
 /// Sample points per cell along each axis.
 constexpr int kPoints = 2;
 
-/// Wavelengths (nm) in spectral mode, in place of red, green and blue.
+/// Wavelengths (nm) in spectral mode, instead of red, green and blue.
 const Spectrum4 kSeen{600, 550, 450, 500};
 
 /// Emission at a point, W / (m^3 sr).

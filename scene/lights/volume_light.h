@@ -25,7 +25,7 @@ template <class L> struct VolumeLightData {
   typename L::Uint first_cell;  ///< into LightView::triangle_alias
   typename L::Uint cells;       ///< see VolumeCells
   Vec3<L> corner;               ///< minimum corner of the box, world space
-  Vec3<L> extent;               ///< size of the box, metres
+  Vec3<L> extent;               ///< size of the box, meters
 
   static constexpr auto fields(auto& s) { return std::tie(s.medium, s.first_cell, s.cells, s.corner, s.extent); }
 };

@@ -66,7 +66,7 @@ BlendDescription BlendDescription::read_mixture(Properties& p, const BsdfDialect
   if (!(sum > 0.0f) || !std::isfinite(sum))
     p.fail_at("weights", fmt::format("add up to {}, expected more than 0", sum));
   const bool conserves = p.boolean("ensure_energy_conservation", true);
-  // Normalise the weights, or fill up with black
+  // Normalize the weights, or fill up with black
   if (sum > kMaxWeight) {
     if (!conserves) p.fail_at("weights", "add up to more than 1, expected at most 1");
     p.context().note(p.where(), fmt::format("weights add up to {}, normalized to 1", sum));

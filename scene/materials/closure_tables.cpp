@@ -15,7 +15,7 @@ namespace {
 
 float bits(TableTag tag) { return bits_float(static_cast<std::uint32_t>(tag)); }
 
-/// Normalises grids to densities. Each slice is divided by its integral and followed by its cumulative integrals along
+/// Normalizes grids to densities. Each slice is divided by its integral and followed by its cumulative integrals along
 /// x and over rows. A slice that is all 0 becomes all 1.
 std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
   const std::size_t w = grids.width, h = grids.height, size = w * h, slices = grids.values.size() / size;
@@ -44,7 +44,7 @@ std::vector<float> make_warps(const MeasuredBrdf::Grids& grids) {
   return out;
 }
 
-/// Rec.709 colour of D65 at a wavelength, up to a factor.
+/// Rec.709 color of D65 at a wavelength, up to a factor.
 Vec3f daylight_rgb(float lambda) { return xyz_to_rec709(cie_1931_xyz(lambda)) * cie_d65(lambda); }
 
 /// Makes a measured BRDF's table, including the tag.
@@ -91,15 +91,15 @@ std::vector<float> make_measured_table(const MeasuredBrdf& brdf) {
 
 void make_rgb(MeasuredBrdf& brdf) {
   // Weight of each channel in red, green and blue: the integral of the hat function around its wavelength.
-  const std::vector<float> places = places_of_wavelengths(brdf.wavelengths);
-  std::vector<double> share[3], total(3, 0.0);
-  for (auto& list : share) list.resize(brdf.channels);
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  const std::vector<float> positions = wavelength_positions(brdf.wavelengths);
+  std::vector<double> fraction[3], total(3, 0.0);
+  for (auto& list : fraction) list.resize(brdf.channels);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const Vec3f rgb = daylight_rgb(kWavelengthMin + static_cast<float>(i));
-    const auto low = static_cast<std::size_t>(places[i]), high = std::min(low + 1, brdf.channels - 1);
-    const double t = double(places[i]) - double(low), c[3] = {double(rgb.x), double(rgb.y), double(rgb.z)};
+    const auto low = static_cast<std::size_t>(positions[i]), high = std::min(low + 1, brdf.channels - 1);
+    const double t = double(positions[i]) - double(low), c[3] = {double(rgb.x), double(rgb.y), double(rgb.z)};
     for (std::size_t k = 0; k < 3; ++k) {
-      share[k][low] += (1 - t) * c[k], share[k][high] += t * c[k];
+      fraction[k][low] += (1 - t) * c[k], fraction[k][high] += t * c[k];
       total[k] += c[k];
     }
   }
@@ -110,7 +110,7 @@ void make_rgb(MeasuredBrdf& brdf) {
       for (std::size_t i = 0; i < size; ++i) {
         double sum = 0;
         for (std::size_t c = 0; c < brdf.channels; ++c)
-          sum += share[k][c] * double(brdf.values.values[slice * in + c * size + i]);
+          sum += fraction[k][c] * double(brdf.values.values[slice * in + c * size + i]);
         values[(slice * 3 + k) * size + i] = static_cast<float>(std::max(sum / total[k], 0.0));
       }
   brdf.values.values = std::move(values);
@@ -118,17 +118,17 @@ void make_rgb(MeasuredBrdf& brdf) {
   brdf.wavelengths.clear();
 }
 
-std::vector<float> places_of_wavelengths(const std::vector<float>& wavelengths) {
-  std::vector<float> places(SpectrumTableView::kSamples);
-  for (std::size_t i = 0; i < places.size(); ++i) {
+std::vector<float> wavelength_positions(const std::vector<float>& wavelengths) {
+  std::vector<float> positions(SpectrumTableView::kSamples);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     const float lambda = kWavelengthMin + static_cast<float>(i);
     const auto above = std::upper_bound(wavelengths.begin(), wavelengths.end(), lambda);
     if (above == wavelengths.begin()) continue;
     const auto low = static_cast<std::size_t>(above - wavelengths.begin()) - 1;
-    places[i] = static_cast<float>(low);
-    if (above != wavelengths.end()) places[i] += (lambda - wavelengths[low]) / (*above - wavelengths[low]);
+    positions[i] = static_cast<float>(low);
+    if (above != wavelengths.end()) positions[i] += (lambda - wavelengths[low]) / (*above - wavelengths[low]);
   }
-  return places;
+  return positions;
 }
 
 const ClosureTables::Measured& ClosureTables::measured(const std::filesystem::path& file, bool spectral) {

@@ -23,7 +23,7 @@ class ClosureTables {
     std::vector<float> wavelengths;  ///< wavelengths of its channels; empty: red, green, blue
   };
 
-  /// Table of a file, which is read once. In RGB mode spectra are converted to colours under D65. Throws SceneError.
+  /// Table of a file, which is read once. In RGB mode spectra are converted to colors under D65. Throws SceneError.
   const Measured& measured(const std::filesystem::path& file, bool spectral);
 
   /// Table of a BRDF that is already in memory.
@@ -47,6 +47,6 @@ class ClosureTables {
 void make_rgb(MeasuredBrdf& brdf);
 
 /// Fractional indices of the wavelengths 360, 361, ... 830 nm in a list of wavelengths.
-std::vector<float> places_of_wavelengths(const std::vector<float>& wavelengths);
+std::vector<float> wavelength_positions(const std::vector<float>& wavelengths);
 
 }  // namespace sheaf

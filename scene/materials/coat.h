@@ -59,7 +59,7 @@ template <template <class> class Parameters> constexpr int coated_word(int k) {
 /// A dielectric layer over an opaque material.
 struct CoatDescription {
   float int_ior = 1.5046f, ext_ior = 1.000277f;
-  float thickness = 1;                                       ///< metres
+  float thickness = 1;                                       ///< meters
   SpectrumInput sigma_a = SpectrumDescription::constant(0);  ///< absorption inside the coat, 1/m
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1);
   std::optional<RoughnessDescription> roughness;  ///< empty: smooth; otherwise with the limits of PlasticDescription

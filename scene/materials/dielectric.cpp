@@ -12,7 +12,7 @@ namespace sheaf {
 
 namespace {
 
-/// n = A + B / w^2 + C / w^4 with w in micrometres (Cauchy 1830).
+/// n = A + B / w^2 + C / w^4 with w in micrometers (Cauchy 1830).
 Dispersion read_cauchy(Properties& p, const char* name) {
   const std::vector<float> numbers = read_numbers(p, name);
   if (numbers.size() < 2 || numbers.size() > 3)
@@ -60,7 +60,7 @@ void read_side(Properties& p, const std::string& side, std::optional<bool> names
   find(cauchy.c_str(), read_cauchy);
   find(sellmeier.c_str(), read_sellmeier);
   if (dispersion) {
-    index = catalogue_ior(*dispersion);
+    index = catalog_ior(*dispersion);
     return;
   }
   index = read_ior(p, plain.c_str(), index);

@@ -92,7 +92,7 @@ struct DielectricDescription {
   bool thin = false;  ///< thin dielectric: transmitted light keeps its direction; never rough
   std::optional<RoughnessDescription> roughness;  ///< empty: smooth
   /// Factors on the reflectance (KHR_materials_specular): at all angles, and at normal incidence. The rest is
-  /// transmitted. The colour may exceed 1.
+  /// transmitted. The color may exceed 1.
   ScalarInput specular = 1.0f;
   SpectrumInput specular_color = SpectrumDescription::constant(1.0f);
 

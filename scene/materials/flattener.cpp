@@ -86,17 +86,17 @@ std::uint32_t MaterialFlattener::push(MaterialRow row, const MaterialSpectra& sp
   return row.back;
 }
 
-std::uint32_t MaterialFlattener::push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& share) {
+std::uint32_t MaterialFlattener::push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& weight) {
   MaterialRow row;
   row.flags = kComposite;
   row.choice[0] = first;
   row.choice[1] = second;
-  if (const float* value = std::get_if<float>(&share)) {
+  if (const float* value = std::get_if<float>(&weight)) {
     row.words[0] = *value;
   } else {
     row.first_binding = static_cast<std::uint32_t>(bindings.size());
     row.binding_count = 1;
-    bindings.push_back({static_cast<std::uint32_t>(std::get<TextureId>(share)), 0, 1, TextureRole::kScalar});
+    bindings.push_back({static_cast<std::uint32_t>(std::get<TextureId>(weight)), 0, 1, TextureRole::kScalar});
   }
   return push(row);
 }

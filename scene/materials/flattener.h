@@ -50,8 +50,8 @@ class MaterialFlattener {
   std::uint32_t push_default();
   /// Adds a row with its spectra.
   std::uint32_t push(MaterialRow row, const MaterialSpectra& spectra_of_row = {});
-  /// Adds a row that chooses `second` with probability `share`, otherwise `first`. Either may be kNothing.
-  std::uint32_t push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& share);
+  /// Adds a row that chooses `second` with probability `weight`, otherwise `first`. Either may be kNothing.
+  std::uint32_t push_choice(std::uint32_t first, std::uint32_t second, const ScalarInput& weight);
   /// Adds a row that is `front` from the front and `back` from the back.
   std::uint32_t push_sides(std::uint32_t front, std::uint32_t back);
 

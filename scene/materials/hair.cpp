@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Absorption by melanin, per fibre radius and unit of concentration, in linear Rec.709 (d'Eon et al. 2011; PBR 9.9).
+/// Absorption by melanin, per fiber radius and unit of concentration, in linear Rec.709 (d'Eon et al. 2011; PBR 9.9).
 const SpectrumDescription kEumelanin = SpectrumDescription::rgb(0.419f, 0.697f, 1.37f);
 const SpectrumDescription kPheomelanin = SpectrumDescription::rgb(0.187f, 0.4f, 1.05f);
 
@@ -61,7 +61,7 @@ MaterialRow HairDescription::make_row(RowContext& context) const {
   m.p.eta = int_ior / ext_ior;
   m.p.fourth = context.set != nullptr ? 1 : 0;
   MaterialRow row = m.row<HairClosure>();
-  row.flags |= kNeedsUv;  // the fibre is along the tangent
+  row.flags |= kNeedsUv;  // the fiber is along the tangent
   return row;
 }
 

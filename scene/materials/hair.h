@@ -1,4 +1,4 @@
-// A hair fibre (Chiang et al. 2016).
+// A hair fiber (Chiang et al. 2016).
 #pragma once
 
 #include "scene/materials/model.h"
@@ -9,8 +9,8 @@ namespace sheaf {
 
 /// Parameters of kernels/bsdf/hair.h.
 template <class L> struct HairParameters {
-  Spectrum<L> absorption;  ///< per fibre radius, times `scale`; or the colour of dense hair, see `by_reflectance`
-  Spectrum<L> eumelanin_absorption, pheomelanin_absorption;  ///< per fibre radius and unit of concentration
+  Spectrum<L> absorption;  ///< per fiber radius, times `scale`; or the color of dense hair, see `by_reflectance`
+  Spectrum<L> eumelanin_absorption, pheomelanin_absorption;  ///< per fiber radius and unit of concentration
   typename L::Float scale;
   typename L::Float eumelanin, pheomelanin;                       ///< concentrations
   typename L::Float longitudinal_roughness, azimuthal_roughness;  ///< in [0, 1]
@@ -28,27 +28,27 @@ struct HairClosure : ClosureOf<HairParameters> {
   static constexpr ClosureInfo kInfo = {.name = "hair"};
 };
 
-/// A hair fibre (Chiang et al. 2016). Lengths inside are in units of the fibre's radius.
+/// A hair fiber (Chiang et al. 2016). Lengths inside are in units of the fiber's radius.
 struct HairDescription {
   /// Absorption from the concentrations of pigments.
   struct Melanin {
     ScalarInput eumelanin = 1.3f, pheomelanin = 0.2f;
     static constexpr auto fields(auto& s) { return std::tie(s.eumelanin, s.pheomelanin); }
   };
-  /// Absorption per fibre radius.
+  /// Absorption per fiber radius.
   struct Absorption {
     SpectrumInput sigma_a = SpectrumDescription::constant(0);
     float scale = 1;
     static constexpr auto fields(auto& s) { return std::tie(s.sigma_a, s.scale); }
   };
-  /// Absorption for which dense hair reflects this colour under white light.
+  /// Absorption for which dense hair reflects this color under white light.
   struct Reflectance {
     SpectrumInput color = SpectrumDescription::constant(0.5f);
     static constexpr auto fields(auto& s) { return std::tie(s.color); }
   };
   std::variant<Melanin, Absorption, Reflectance> color = Melanin{};
   ScalarInput longitudinal_roughness = 0.3f, azimuthal_roughness = 0.3f;  ///< in [0, 1]
-  float scale_tilt = 2;  ///< degrees by which the scales rise from the fibre
+  float scale_tilt = 2;  ///< degrees by which the scales rise from the fiber
   float int_ior = 1.55f, ext_ior = 1.000277f;
 
   using Closures = ClosureList<HairClosure>;

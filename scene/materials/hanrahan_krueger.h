@@ -23,7 +23,7 @@ struct HanrahanKruegerDescription {
   /// With by_albedo: sigma_t (1/m) and albedo. Otherwise: sigma_s and sigma_a (1/m).
   SpectrumInput first = SpectrumDescription::constant(1), second = SpectrumDescription::constant(0.75f);
   bool by_albedo = true;
-  float thickness = 1;  ///< metres
+  float thickness = 1;  ///< meters
   float g = 0;          ///< of the Henyey-Greenstein phase function
 
   using Closures = ClosureList<HanrahanKruegerClosure>;

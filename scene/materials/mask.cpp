@@ -8,7 +8,7 @@ namespace sheaf {
 
 namespace {
 
-/// Reads a filter that transmits the fraction `passing` of unpolarised light without deflection and absorbs the rest.
+/// Reads a filter that transmits the fraction `passing` of unpolarized light without deflection and absorbs the rest.
 /// `transmittance` (default 1), a number, scales it.
 MaskDescription read_filter(Properties& p, float passing) {
   p.ignore({"theta", "polarizing", "left_handed", "delta"});
@@ -16,7 +16,7 @@ MaskDescription read_filter(Properties& p, float passing) {
   const float* number = std::get_if<float>(&transmittance);
   if (number == nullptr) p.report_at("transmittance", "is a texture, expected a number", SceneErrorCode::kWrongType);
   const MaskDescription filter{1 - passing * (number != nullptr ? *number : 1.0f), add_black_material(p)};
-  note_polarisation(p);
+  note_polarization(p);
   return filter;
 }
 

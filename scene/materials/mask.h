@@ -1,4 +1,4 @@
-// Opacity masks, and polarizing filters with their effect on unpolarised light.
+// Opacity masks, and polarizing filters with their effect on unpolarized light.
 #pragma once
 
 #include "scene/materials/model.h"

@@ -18,7 +18,7 @@ MaterialRow MeasuredDescription::make_row(RowContext& context) const {
   if (!measured.wavelengths.empty()) {
     MaterialRowBuilder<MeasuredSpectralParameters> m{context};
     m.p.table = measured.table;
-    m.row_of(m.p.place) = context.set->tabulate(places_of_wavelengths(measured.wavelengths));
+    m.row_of(m.p.position) = context.set->tabulate(wavelength_positions(measured.wavelengths));
     return with_flags(m.row<MeasuredSpectralClosure>());
   }
   MaterialRowBuilder<MeasuredParameters> m{context};

@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// Parameters of a measured BRDF with three colour channels (kernels/bsdf/measured.h).
+/// Parameters of a measured BRDF with three color channels (kernels/bsdf/measured.h).
 template <class L> struct MeasuredParameters {
   typename L::Float table;       ///< see scene/tables/closure_tables.h
   Spectrum<L> red, green, blue;  ///< spectra of the table's three channels
@@ -17,8 +17,8 @@ template <class L> struct MeasuredParameters {
 /// Parameters of a measured BRDF with values at many wavelengths. Spectral mode only.
 template <class L> struct MeasuredSpectralParameters {
   typename L::Float table;
-  Spectrum<L> place;  ///< index of each wavelength in the table, with a fraction for interpolation
-  static constexpr auto fields(auto& s) { return std::tie(s.table, s.place); }
+  Spectrum<L> position;  ///< index of each wavelength in the table, with a fraction for interpolation
+  static constexpr auto fields(auto& s) { return std::tie(s.table, s.position); }
 };
 
 struct MeasuredClosure : ClosureOf<MeasuredParameters> {

@@ -27,7 +27,7 @@ struct MetallicRoughnessClosure : ClosureOf<MetallicRoughnessParameters> {
 };
 
 /// The metallic-roughness material of glTF 2.0 (appendix B of the specification) with the extensions
-/// KHR_materials_ior, _specular, _transmission (thin walls), _anisotropy, _sheen and _clearcoat. Colours and numbers
+/// KHR_materials_ior, _specular, _transmission (thin walls), _anisotropy, _sheen and _clearcoat. Colors and numbers
 /// lie in [0, 1] unless stated otherwise. Materials that may transmit light are thin walls, alike from both sides;
 /// others are black from inside.
 struct MetallicRoughnessDescription {
@@ -38,7 +38,7 @@ struct MetallicRoughnessDescription {
   /// 1.
   SpectrumInput specular_color = SpectrumDescription::constant(1);
   ScalarInput specular = 1.0f;      ///< weight of the dielectric's specular reflection
-  ScalarInput transmission = 0.0f;  ///< share of transmission in the light that a dielectric does not reflect
+  ScalarInput transmission = 0.0f;  ///< fraction of the light that enters a dielectric which is transmitted
   ScalarInput anisotropy = 0.0f;    ///< strength
   ScalarInput anisotropy_rotation =
       0.0f;  ///< of the direction of larger roughness, radians from the tangent, any value
@@ -46,7 +46,7 @@ struct MetallicRoughnessDescription {
   ScalarInput sheen_roughness = 0.0f;  ///< perceptual; the model has a minimum of 0.1
   ScalarInput clearcoat = 0.0f;
   ScalarInput clearcoat_roughness = 0.0f;  ///< perceptual
-  /// Index of refraction of the dielectric. Infinity, or 0 as in files, stands for a reflectance of 1 at normal
+  /// Index of refraction of the dielectric. Infinity, or 0 as in files, means a reflectance of 1 at normal
   /// incidence, as for materials converted from specular-glossiness.
   float eta = 1.5f;
 

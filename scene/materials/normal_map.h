@@ -12,7 +12,7 @@ struct NormalMapDescription {
   bool flip_green = false;  ///< DirectX convention: green points down
   MaterialId nested{};
   NormalOptions options = {};
-  float scale = 1;  ///< factor of the normal's x and y before it is normalised
+  float scale = 1;  ///< factor of the normal's x and y before it is normalized
   /// The map's y axis follows the direction of increasing v even where uv are mirrored. Otherwise it is the cross
   /// product of the normal and the tangent.
   bool follows_uv = false;

@@ -38,7 +38,7 @@ PlasticDescription PlasticDescription::read_rough(Properties& p, const BsdfDiale
 
 PlasticDescription PlasticDescription::read_polarized(Properties& p, const BsdfDialect& dialect) {
   PlasticDescription result = read_rough(p, dialect);
-  note_polarisation(p);
+  note_polarization(p);
   return result;
 }
 

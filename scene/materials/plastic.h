@@ -10,9 +10,9 @@ namespace sheaf {
 
 /// Parameters of kernels/bsdf/plastic.h.
 template <class L> struct PlasticParameters {
-  typename L::Float eta;          ///< int / ext
-  Spectrum<L> diffuse, specular;  ///< reflectance of the base; factor on the coat's reflection
-  typename L::Uint nonlinear;     ///< 1: colour shifts due to multiple scattering between base and coat; else 0
+  typename L::Float eta;                   ///< int / ext
+  Spectrum<L> diffuse, specular;           ///< reflectance of the base; factor on the coat's reflection
+  typename L::Uint nonlinear;              ///< 1: color shifts due to multiple scattering between base and coat; else 0
   typename L::Float internal_reflectance;  ///< internal diffuse reflectance of the coat
   static constexpr auto fields(auto& s) {
     return std::tie(s.eta, s.diffuse, s.specular, s.nonlinear, s.internal_reflectance);
@@ -47,7 +47,7 @@ struct PlasticDescription {
   float int_ior = 1.49f, ext_ior = 1.000277f;
   SpectrumInput diffuse_reflectance = SpectrumDescription::constant(0.5f);
   SpectrumInput specular_reflectance = SpectrumDescription::constant(1.0f);
-  bool nonlinear = false;                         ///< colour shifts due to multiple scattering between base and coat
+  bool nonlinear = false;                         ///< color shifts due to multiple scattering between base and coat
   std::optional<RoughnessDescription> roughness;  ///< empty: smooth
 
   using Closures = ClosureList<PlasticClosure, RoughPlasticBeckmannClosure, RoughPlasticGgxClosure>;

@@ -53,7 +53,7 @@ float read_ior(Properties& p, const char* property, float default_value) {
   if (!given) return default_value;
   const std::string& name = *given;
   if (const std::optional<float> ior = find_ior(name)) return *ior;
-  if (const Dispersion* dispersion = find_dispersion(name)) return catalogue_ior(*dispersion);
+  if (const Dispersion* dispersion = find_dispersion(name)) return catalog_ior(*dispersion);
   std::vector<std::string> known = ior_names();
   const std::vector<std::string> dispersing = dispersion_names();
   known.insert(known.end(), dispersing.begin(), dispersing.end());
@@ -173,7 +173,7 @@ TextureId read_map(const XmlElement& texture, ReadContext& context) {
   return texture_showing(context.readers.texture(texture, context), texture.where, context);
 }
 
-void note_polarisation(Properties& p) {
+void note_polarization(Properties& p) {
   p.context().note(p.where(), fmt::format("bsdf '{}' rendered without polarization, which is not simulated", p.type()));
 }
 

@@ -60,13 +60,13 @@ std::vector<const XmlElement*> nested_bsdfs(Properties& p, std::size_t low, std:
 MaterialId read_nested_bsdf(Properties& p, const BsdfDialect& dialect);
 /// Throws SceneError if a nested material transmits light.
 void expect_opaque(Properties& p, MaterialId nested);
-/// The only nested texture or colour.
+/// The only nested texture or color.
 const XmlElement& only_texture(Properties& p);
 /// Reads a texture; for a constant, appends a constant texture.
 TextureId read_map(const XmlElement& texture, ReadContext& context);
 
-/// Adds a note that the plugin acts on all light as on unpolarised light.
-void note_polarisation(Properties& p);
+/// Adds a note that the plugin acts on all light as on unpolarized light.
+void note_polarization(Properties& p);
 
 /// read_declared() of a material.
 template <DeclaresParameters Model> void read_declared(Properties& p, Model& model) {

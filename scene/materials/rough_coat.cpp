@@ -37,7 +37,7 @@ template <int kNodes> std::array<Node, kNodes> gauss_legendre() {
 }
 
 /// Fractions of the light from one direction that the coat's single scattering reflects and transmits.
-struct Shares {
+struct CoatAlbedos {
   double reflected = 0, transmitted = 0;
 };
 
@@ -46,13 +46,13 @@ class Coat {
   Coat(RoughnessDescription::Distribution distribution, double alpha, double eta)
       : beckmann_(distribution == RoughnessDescription::Distribution::kBeckmann), alpha_(alpha), eta_(eta) {}
 
-  /// For light with cosine `cosine` > 0 that meets the relative index `eta`.
-  Shares shares(double cosine, double eta) const {
+  /// For light with cosine `cosine` > 0 at an interface of relative index `eta`.
+  CoatAlbedos albedos(double cosine, double eta) const {
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    return beckmann_ ? beckmann_shares(cosine, sine, eta) : ggx_shares(cosine, sine, eta);
+    return beckmann_ ? beckmann_albedos(cosine, sine, eta) : ggx_albedos(cosine, sine, eta);
   }
 
-  /// Average of shares().reflected over diffuse light from inside. The integral is split at the critical angle, where
+  /// Average of albedos().reflected over diffuse light from inside. The integral is split at the critical angle, where
   /// the reflectance of a nearly smooth coat has a kink.
   double internal_reflectance() const {
     const double critical = eta_ > 1 ? std::sqrt(1 - 1 / (eta_ * eta_)) : 0.5;
@@ -60,9 +60,9 @@ class Coat {
     static const auto directions = gauss_legendre<kDirections>();
     for (const Node& n : directions) {
       const double low = critical * n.x, high = critical + (1 - critical) * n.x;
-      sum +=
-          2 * n.weight *
-          (critical * low * shares(low, 1 / eta_).reflected + (1 - critical) * high * shares(high, 1 / eta_).reflected);
+      sum += 2 * n.weight *
+             (critical * low * albedos(low, 1 / eta_).reflected +
+              (1 - critical) * high * albedos(high, 1 / eta_).reflected);
     }
     return sum;
   }
@@ -80,18 +80,19 @@ class Coat {
   }
 
   /// Adds the contribution of a facet with normal (x, y, z).
-  void add(Shares& shares, double weight, double x, double y, double z, double cosine, double sine, double eta) const {
+  void add(CoatAlbedos& albedos, double weight, double x, double y, double z, double cosine, double sine,
+           double eta) const {
     const double length = std::sqrt(x * x + y * y + z * z), c = (x * sine + z * cosine) / length, mz = z / length;
     if (!(c > 0)) return;
     const double fresnel = fresnel_reflectance(c, eta), reflected = 2 * c * mz - cosine;
-    if (reflected > 0) shares.reflected += weight * fresnel * shadowing(reflected);
+    if (reflected > 0) albedos.reflected += weight * fresnel * shadowing(reflected);
     if (fresnel >= 1) return;
     const double refracted = cosine / eta - mz * (c / eta - std::sqrt(1 - (1 - c * c) / (eta * eta)));
-    if (refracted > 0) shares.transmitted += weight * (1 - fresnel) * shadowing(std::min(refracted, 1.0));
+    if (refracted > 0) albedos.transmitted += weight * (1 - fresnel) * shadowing(std::min(refracted, 1.0));
   }
 
   /// Samples visible facets with the mapping of Dupuy and Benyoub 2023, over half of the azimuths.
-  Shares ggx_shares(double cosine, double sine, double eta) const {
+  CoatAlbedos ggx_albedos(double cosine, double sine, double eta) const {
     struct Azimuth {
       double cosine, sine, weight;
     };
@@ -104,18 +105,18 @@ class Coat {
       return all;
     }();
     const double stretched = std::hypot(alpha_ * sine, cosine), wx = alpha_ * sine / stretched, wz = cosine / stretched;
-    Shares shares;
+    CoatAlbedos albedos;
     for (const Node& v : depths) {
       const double depth = v.x * (1 + wz), r = std::sqrt(depth * (2 - depth));
       for (const Azimuth& u : azimuths)
-        add(shares, u.weight * v.weight, alpha_ * (r * u.cosine + wx), alpha_ * r * u.sine, 1 - depth + wz, cosine,
+        add(albedos, u.weight * v.weight, alpha_ * (r * u.cosine + wx), alpha_ * r * u.sine, 1 - depth + wz, cosine,
             sine, eta);
     }
-    return shares;
+    return albedos;
   }
 
   /// Integrates over slopes, weighted by their visibility, over half of the slopes across.
-  Shares beckmann_shares(double cosine, double sine, double eta) const {
+  CoatAlbedos beckmann_albedos(double cosine, double sine, double eta) const {
     static const auto along = gauss_legendre<kAlong>();
     static const auto across = [] {  // slopes with their Gaussian weight
       auto nodes = gauss_legendre<kAcross>();
@@ -123,7 +124,7 @@ class Coat {
       return nodes;
     }();
     const double end = std::min(cosine / std::max(alpha_ * sine, 1e-30), kMaxSlope);
-    Shares shares;
+    CoatAlbedos albedos;
     double total = 0;
     for (const Node& v : along) {
       const double x = -kMaxSlope + (end + kMaxSlope) * v.x;
@@ -131,10 +132,10 @@ class Coat {
       for (const Node& u : across) {
         const double weight = u.weight * line_weight;
         total += weight;
-        add(shares, weight, -alpha_ * x, -alpha_ * u.x, 1, cosine, sine, eta);
+        add(albedos, weight, -alpha_ * x, -alpha_ * u.x, 1, cosine, sine, eta);
       }
     }
-    return {shares.reflected / total, shares.transmitted / total};
+    return {albedos.reflected / total, albedos.transmitted / total};
   }
 
   bool beckmann_;
@@ -231,7 +232,8 @@ RoughCoatSamples sample_coat(RoughnessDescription::Distribution distribution, do
   const Coat coat(distribution, alpha, eta);
   RoughCoatSamples samples;
   samples.internal_reflectance = coat.internal_reflectance();
-  for (std::size_t s = 0; s < kSamples; ++s) samples.transmitted[s] = coat.shares(sample_cosines()[s], eta).transmitted;
+  for (std::size_t s = 0; s < kSamples; ++s)
+    samples.transmitted[s] = coat.albedos(sample_cosines()[s], eta).transmitted;
   return samples;
 }
 
@@ -263,8 +265,8 @@ RoughCoat RoughCoats::coat(RoughnessDescription::Distribution distribution, doub
   // Lagrange interpolation of the samples over log alpha
   constexpr int kNodes = 6;
   constexpr double kNodesPerOctave = 4;
-  const double place = kNodesPerOctave * std::log2(alpha);
-  const int first = static_cast<int>(std::floor(place)) - kNodes / 2 + 1;
+  const double position = kNodesPerOctave * std::log2(alpha);
+  const int first = static_cast<int>(std::floor(position)) - kNodes / 2 + 1;
   RoughCoatSamples samples;
   for (int i = first; i < first + kNodes; ++i) {
     auto node = family.nodes.find(i);
@@ -272,7 +274,7 @@ RoughCoat RoughCoats::coat(RoughnessDescription::Distribution distribution, doub
       node = family.nodes.emplace(i, sample_coat(distribution, std::exp2(i / kNodesPerOctave), eta)).first;
     double weight = 1;
     for (int j = first; j < first + kNodes; ++j)
-      if (j != i) weight *= (place - j) / (i - j);
+      if (j != i) weight *= (position - j) / (i - j);
     samples.internal_reflectance += weight * node->second.internal_reflectance;
     for (std::size_t s = 0; s < kSamples; ++s) samples.transmitted[s] += weight * node->second.transmitted[s];
   }

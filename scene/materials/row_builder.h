@@ -70,7 +70,7 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
     set(p.alpha_v, roughness.alpha_v);
   }
 
-  /// Spectral mode: sets the luminance of the base colour, with the weights of `role`, if one of the tints is used.
+  /// Spectral mode: sets the luminance of the base color, with the weights of `role`, if one of the tints is used.
   void set_base_luminance(const SpectrumInput& base_color, std::initializer_list<ScalarInput> tints, TextureRole role) {
     const auto is_used = [](const ScalarInput& tint) { return tint != ScalarInput(0.0f); };
     if (context.set == nullptr || std::none_of(tints.begin(), tints.end(), is_used)) return;
@@ -83,9 +83,9 @@ template <template <class> class Parameters> struct MaterialRowBuilder {
   /// The spectrum of one of the parameters.
   SpectrumRow& row_of(const Spectrum4& spectrum) {
     constexpr ClosureSpectra kSpectra = closure_spectra<Parameters>();
-    const auto* place =
+    const auto* found =
         std::find(kSpectra.word, kSpectra.word + kSpectra.count, static_cast<int>(word_of(spectrum.c0)));
-    return context.rows[static_cast<std::size_t>(place - kSpectra.word)];
+    return context.rows[static_cast<std::size_t>(found - kSpectra.word)];
   }
 
   std::uint32_t word_of(const float& leaf) const {

@@ -1,4 +1,4 @@
-// Colours of described spectra.
+// Colors of described spectra.
 #pragma once
 
 #include "scene/description/inputs.h"

@@ -26,7 +26,7 @@ SpectrumRow flat(float value, std::uint32_t table = kNoTable) {
   return row;
 }
 
-SpectrumRow coloured(const ScaledSigmoid<Scalar>& s, std::uint32_t table = kNoTable) {
+SpectrumRow colored(const ScaledSigmoid<Scalar>& s, std::uint32_t table = kNoTable) {
   SpectrumRow row = flat(s.scale, table);
   row.c0 = s.shape.c0, row.c1 = s.shape.c1, row.c2 = s.shape.c2;
   return row;
@@ -44,13 +44,13 @@ SpectrumRow color_row(Vec3f rgb, SpectrumUse use) {
   for (const float c : {rgb.x, rgb.y, rgb.z}) check_finite(c);
   switch (use) {
     case SpectrumUse::kReflectance:
-      return coloured(fit_reflectance(rgb));
+      return colored(fit_reflectance(rgb));
     case SpectrumUse::kIlluminant:
-      return coloured(fit_unbounded(rgb), kDaylightTable);
+      return colored(fit_unbounded(rgb), kDaylightTable);
     case SpectrumUse::kUnbounded: {
-      // Colours in the range of reflectances get the smoother reflectance spectrum, as in Mitsuba.
+      // Colors in the range of reflectances get the smoother reflectance spectrum, as in Mitsuba.
       const bool bounded = std::min({rgb.x, rgb.y, rgb.z}) >= 0.0f && std::max({rgb.x, rgb.y, rgb.z}) <= 1.0f;
-      return coloured(bounded ? fit_reflectance(rgb) : fit_unbounded(rgb));
+      return colored(bounded ? fit_reflectance(rgb) : fit_unbounded(rgb));
     }
     case SpectrumUse::kRaw:
       break;
@@ -70,9 +70,9 @@ std::vector<float> sample_blackbody(const SpectrumDescription::Blackbody& body) 
   return samples;
 }
 
-/// Integral over [a, b] of table(x) * hat(x), with a hat function that is 1 at `centre` and 0 at a distance of 1 nm.
-/// [a, b] lies on one side of the centre, so the product is quadratic in each segment and Simpson's rule is exact.
-double integrate_under_hat(const SpectrumDescription::Table& table, double a, double b, double centre) {
+/// Integral over [a, b] of table(x) * hat(x), with a hat function that is 1 at `center` and 0 at a distance of 1 nm.
+/// [a, b] lies on one side of the center, so the product is quadratic in each segment and Simpson's rule is exact.
+double integrate_under_hat(const SpectrumDescription::Table& table, double a, double b, double center) {
   const std::vector<float>& x = table.wavelengths;
   const auto before = [](double v, float entry) { return v < static_cast<double>(entry); };
   const auto above = std::upper_bound(x.begin(), x.end(), a, before);
@@ -84,7 +84,7 @@ double integrate_under_hat(const SpectrumDescription::Table& table, double a, do
     const auto product = [&](double at) {
       const double t = (at - x0) / (x1 - x0);
       const double y0 = static_cast<double>(table.values[i]), y1 = static_cast<double>(table.values[i + 1]);
-      return ((1 - t) * y0 + t * y1) * (1 - std::fabs(at - centre));
+      return ((1 - t) * y0 + t * y1) * (1 - std::fabs(at - center));
     };
     if (to > from) sum += (to - from) / 6 * (product(from) + 4 * product(0.5 * (from + to)) + product(to));
   }
@@ -98,10 +98,10 @@ std::vector<float> resample(const SpectrumDescription::Table& table) {
   for (const auto* list : {&table.wavelengths, &table.values}) std::for_each(list->begin(), list->end(), check_finite);
   std::vector<float> samples(SpectrumTableView::kSamples);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double centre = static_cast<double>(kWavelengthMin) + static_cast<double>(i);
+    const double center = static_cast<double>(kWavelengthMin) + static_cast<double>(i);
     double sum = 0, weight = 0;
-    if (i > 0) sum += integrate_under_hat(table, centre - 1, centre, centre), weight += 0.5;
-    if (i + 1 < samples.size()) sum += integrate_under_hat(table, centre, centre + 1, centre), weight += 0.5;
+    if (i > 0) sum += integrate_under_hat(table, center - 1, center, center), weight += 0.5;
+    if (i + 1 < samples.size()) sum += integrate_under_hat(table, center, center + 1, center), weight += 0.5;
     samples[i] = static_cast<float>(sum / weight);
   }
   return samples;
@@ -112,12 +112,12 @@ SpectrumSet::SpectrumSet() : samples_(SpectrumTableView::kStride, 1.0f) { tabula
 SpectrumRow SpectrumSet::tabulate(std::vector<float> samples) {
   samples.resize(SpectrumTableView::kSamples);
   const auto next = static_cast<std::uint32_t>(samples_.size() / SpectrumTableView::kStride);
-  const auto [place, inserted] = known_.try_emplace(std::move(samples), next);
+  const auto [found, inserted] = known_.try_emplace(std::move(samples), next);
   if (inserted) {
-    samples_.insert(samples_.end(), place->first.begin(), place->first.end());
+    samples_.insert(samples_.end(), found->first.begin(), found->first.end());
     samples_.resize(samples_.size() + SpectrumTableView::kStride - SpectrumTableView::kSamples);
   }
-  return flat(1.0f, place->second);
+  return flat(1.0f, found->second);
 }
 
 SpectrumRow SpectrumSet::row(const SpectrumDescription& spectrum, SpectrumUse use) {

@@ -10,12 +10,12 @@
 
 namespace sheaf {
 
-/// Use of a spectrum; determines the conversion of colours and constants.
+/// Use of a spectrum; determines the conversion of colors and constants.
 enum class SpectrumUse {
-  kReflectance,  ///< reflectance, transmittance, albedo: in [0, 1]; colours are defined under D65
-  kIlluminant,   ///< emission: colours and constants are relative to D65, tables and black bodies absolute
-  kUnbounded,    ///< indices of refraction, coefficients of media, scales: colours are defined under D65
-  kRaw,          ///< a scalar: the same at all wavelengths; the luminance of a colour
+  kReflectance,  ///< reflectance, transmittance, albedo: in [0, 1]; colors are defined under D65
+  kIlluminant,   ///< emission: colors and constants are relative to D65, tables and black bodies absolute
+  kUnbounded,    ///< indices of refraction, coefficients of media, scales: colors are defined under D65
+  kRaw,          ///< a scalar: the same at all wavelengths; the luminance of a color
 };
 
 /// Rows and tables of one scene, in the units of RGB mode. An emitter of value 1 at all wavelengths has Y = 1. So has

@@ -16,7 +16,7 @@ template <class L> struct CurveAxis {
   typename L::Float t, extent;  ///< the parameter; the largest coordinate of the segment
 };
 
-/// Normalises `a`; `default_value` if its length is zero.
+/// Normalizes `a`; `default_value` if its length is zero.
 template <class L> SHEAF_INLINE Vec3<L> normalize_or(Vec3<L> a, Vec3<L> default_value) {
   using F = typename L::Float;
   const F m = max_component(abs(a));
@@ -196,8 +196,8 @@ template <class L, bool kWithUv>
     const F count = to_float(select(active, shape.triangle_count, U(1u)));
     Vec3<L> cosine, sine;
     detail::curve_frame<L>(tangent, cosine, sine);
-    const F turn = atan2(dot(away, sine), dot(away, cosine)) * F(0.5f * kInvPi);
-    out.uv = {select(turn < F(0.0f), turn + F(1.0f), turn), (to_float(primitive) + axis.t) / count};
+    const F azimuth = atan2(dot(away, sine), dot(away, cosine)) * F(0.5f * kInvPi);
+    out.uv = {select(azimuth < F(0.0f), azimuth + F(1.0f), azimuth), (to_float(primitive) + axis.t) / count};
     constexpr float kSmallestRadius = 1e-6f;
     const Vec3<L> around = cross(tangent, away);
     const F turning = F(2.0f * kPi) * max(axis.r * length(around), F(kSmallestRadius));
@@ -208,8 +208,8 @@ template <class L, bool kWithUv>
   return out;
 }
 
-/// Where the point `hit` of a curve at time `now` is at time `then`, both in [0, 1]. It keeps its uv, and on round ends
-/// its angle to the axis.
+/// Position at time `then` of the point `hit` of a curve at time `now`, both in [0, 1]. It keeps its uv, and on round
+/// ends its angle to the axis.
 template <class L>
 [[gnu::noinline]] Vec3<L> follow_curve(const SceneView& scene, const ShapeRecord<L>& shape, Mask<L> active,
                                        Uint<L> primitive, Float<L> u, Vec3<L> hit, Float<L> now, Float<L> then) {

@@ -52,9 +52,9 @@ SHEAF_INLINE SdfCell<L> sdf_cell(const SceneView& scene, const SdfGridRecord<L>&
   return cell;
 }
 
-/// Slopes along one axis at the point: in the cell, and in its neighbour on the point's side; with the weight of the
+/// Slopes along one axis at the point: in the cell, and in its neighbor on the point's side; with the weight of the
 /// cell.
-template <class L> struct AxisSlopes { typename L::Float own, other, own_share; };
+template <class L> struct AxisSlopes { typename L::Float own, other, own_weight; };
 
 template <class L>
 SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>& cell, const typename L::Uint* size,
@@ -69,7 +69,7 @@ SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>&
   const auto upper = x[axis] >= F(0.5f);
   const auto there =
       select(upper, cell.corner[axis] + U(2u), cell.corner[axis]) - select(upper, zero, one) < size[axis];
-  // Without a neighbour, the cell's own values are read.
+  // Without a neighbor, the cell's own values are read.
   const U beyond =
       cell.first + select(upper, cell.step[axis] + cell.step[axis], zero) - select(upper, zero, cell.step[axis]);
   const U from = select(there, beyond, cell.first);
@@ -78,13 +78,13 @@ SHEAF_INLINE AxisSlopes<L> axis_slopes(const SceneView& scene, const SdfCell<L>&
            gather(scene.geometry.sdf_values, from + cell.step[along]),
            gather(scene.geometry.sdf_values, from + cell.step[across] + cell.step[along]), x[across], x[along]);
   const F scale = to_float(size[axis] - one);
-  const F share = F(1.0f) - abs(x[axis] - F(0.5f));
-  return {(high - low) * scale, select(upper, outer - high, low - outer) * scale, select(there, share, F(1.0f))};
+  const F fraction = F(1.0f) - abs(x[axis] - F(0.5f));
+  return {(high - low) * scale, select(upper, outer - high, low - outer) * scale, select(there, fraction, F(1.0f))};
 }
 
 /// The continuous normal of Hansson-Soederlund, Evans and Akenine-Moeller 2022. It interpolates the normals of the
-/// eight cells around the nearest grid point between the centres of these cells. In the space in which the grid is the
-/// unit cube; not normalised.
+/// eight cells around the nearest grid point between the centers of these cells. In the space in which the grid is the
+/// unit cube; not normalized.
 template <class L>
 SHEAF_INLINE Vec3<L> smooth_sdf_normal(const SceneView& scene, const SdfGridRecord<L>& grid, const SdfCell<L>& cell,
                                        Vec3<L> x) {
@@ -95,14 +95,14 @@ SHEAF_INLINE Vec3<L> smooth_sdf_normal(const SceneView& scene, const SdfGridReco
   for (int k = 0; k < 3; ++k) axis[k] = axis_slopes<L>(scene, cell, size, k, at);
   Vec3<L> sum{F(0.0f), F(0.0f), F(0.0f)};
   for (int i = 0; i < 8; ++i) {
-    F slope[3], share(1.0f);
+    F slope[3], fraction(1.0f);
     for (int k = 0; k < 3; ++k) {
       const bool other = (i >> k & 1) != 0;
       slope[k] = other ? axis[k].other : axis[k].own;
-      share = share * (other ? F(1.0f) - axis[k].own_share : axis[k].own_share);
+      fraction = fraction * (other ? F(1.0f) - axis[k].own_weight : axis[k].own_weight);
     }
     const Vec3<L> n{slope[0], slope[1], slope[2]};
-    sum = sum + n * (share / max(length(n), F(1e-30f)));
+    sum = sum + n * (fraction / max(length(n), F(1e-30f)));
   }
   return sum;
 }
@@ -133,8 +133,8 @@ template <class L, bool kWithUv>
     gradient = detail::cell_gradient<L>(cell.value, x);
   }
   SurfacePoint<L> out;
-  const Vec3<L> place = x + corner;
-  out.p = q.world_point(place);
+  const Vec3<L> position = x + corner;
+  out.p = q.world_point(position);
   const Vec3<L> slope = q.world_normal(gradient);
   out.ng = normalize_any(slope) * q.normal_sign;
   out.ns = out.ng;
@@ -149,7 +149,7 @@ template <class L, bool kWithUv>
   F extent(0.0f), width(0.0f), largest(0.0f);
   for (int row = 0; row < 12; row += 4) {
     const F* m = q.to_world + row;
-    extent = max(extent, abs(m[0] * place.x) + abs(m[1] * place.y) + abs(m[2] * place.z) + abs(m[3]));
+    extent = max(extent, abs(m[0] * position.x) + abs(m[1] * position.y) + abs(m[2] * position.z) + abs(m[3]));
     width = max(width, abs(m[0]) + abs(m[1]) + abs(m[2]));
   }
   for (const F& value : cell.value) largest = max(largest, abs(value));

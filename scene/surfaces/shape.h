@@ -43,9 +43,9 @@ template <class L>
     const U row = select(segment.deforms, first + corners[k], U(0u));
     const auto a = gather_rows<L>(scene.geometry.vertices, row);
     const auto b = gather_rows<L>(scene.geometry.vertices, select(segment.deforms, row + segment.vertex_count, U(0u)));
-    const Vec3<L> change = b.position - a.position, turn = b.normal - a.normal;
+    const Vec3<L> change = b.position - a.position, normal_change = b.normal - a.normal;
     p[k] = select<L>(segment.deforms, a.position + change * segment.t, p[k]);
-    n[k] = select<L>(segment.deforms, a.normal + turn * segment.t, n[k]);
+    n[k] = select<L>(segment.deforms, a.normal + normal_change * segment.t, n[k]);
     extent = select<L>(segment.deforms, extent + abs(change) * segment.segments, extent);
   }
 }
@@ -143,8 +143,8 @@ SHEAF_INLINE SurfacePoint<L> quadric_surface(const QuadricRecord<L>& q, typename
   out.offset = F(kOffsetUlps) * extent;
   if constexpr (kWithUv) {
     // Compute the texture coordinates
-    const F turn = atan2(x.y, x.x) * F(0.5f * kInvPi);
-    const F angle = select(turn < F(0.0f), turn + F(1.0f), turn);
+    const F azimuth = atan2(x.y, x.x) * F(0.5f * kInvPi);
+    const F angle = select(azimuth < F(0.0f), azimuth + F(1.0f), azimuth);
     const F radius = sqrt(x.x * x.x + x.y * x.y);
     const F polar = acos(clamp(x.z, F(-1.0f), F(1.0f))) * F(kInvPi);
     out.uv = {select(disk, radius, angle), select(disk, angle, select(sphere, polar, x.z))};
@@ -237,7 +237,7 @@ SHEAF_INLINE SurfacePoint<L> surface_point(const SceneView& scene, const ShapeRe
   const bool any_placed = scene.geometry.instances != nullptr && any(instanced);
   const auto placement = [&](Vec3<L> p) SHEAF_LAMBDA_INLINE {
     const auto row = gather_rows<L>(scene.geometry.instances, select(instanced, instance, U(0u)));
-    return place_at<L>(scene.motion, row, instance, instanced, time, p);
+    return placement_at<L>(scene.motion, row, instance, instanced, time, p);
   };
   const auto mesh = shape.kind == U(static_cast<std::uint32_t>(ShapeKind::kMesh));
   SurfacePoint<L> out;

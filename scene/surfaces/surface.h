@@ -13,13 +13,13 @@ template <class L> struct SurfacePoint {
   Vec3<L> ns;                ///< interpolated normal, unit length
   typename L::Float offset;  ///< distance along +-ng at which a ray must start to avoid hitting the same surface again
   Vec2<L> uv;                ///< only with kWithUv
-  /// Derivatives of the position by u and v, only with kWithUv. Never zero. If one vanishes (poles, the centre of a
+  /// Derivatives of the position by u and v, only with kWithUv. Never zero. If one vanishes (poles, the center of a
   /// disk), it has the right direction and a tiny length. If a triangle's uv are missing or degenerate, they are
   /// arbitrary orthonormal tangents. If a mesh has tangents, the directions of tangent and bitangent.
   Vec3<L> dp_du, dp_dv;
 };
 
-/// Normalises vectors whose squared length would overflow or underflow.
+/// Normalizes vectors whose squared length would overflow or underflow.
 template <class L> SHEAF_INLINE Vec3<L> normalize_any(Vec3<L> a) {
   const Float<L> m = max_component(abs(a));
   return normalize(a * (Float<L>(1.0f) / max(m, Float<L>(1e-37f))));

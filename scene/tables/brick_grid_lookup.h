@@ -140,7 +140,7 @@ template <class L> SHEAF_INLINE Float<L> lookup_density(const BrickGridRow& row,
   return lerp(tz, lerp(ty, along_x(0), along_x(kY)), lerp(ty, along_x(kZ), along_x(kZ + kY)));
 }
 
-/// As lookup_grid(), with three channels; grey for single-channel grids.
+/// As lookup_grid(), with three channels; gray for single-channel grids.
 SHEAF_INLINE Vec3f lookup_grid_color(const BrickGridRow& row, Vec3f p) {
   using namespace detail;
   if (row.channels == 1) {

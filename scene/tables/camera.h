@@ -10,7 +10,7 @@ namespace sheaf {
 /// A camera ray.
 template <class L> struct CameraRay {
   Vec3<L> origin;           ///< world space, on the near plane
-  Vec3<L> direction;        ///< normalised
+  Vec3<L> direction;        ///< normalized
   typename L::Float t_max;  ///< distance to the far plane
 };
 
@@ -24,7 +24,7 @@ template <class L> struct CameraView {
   typename L::Mask valid;  ///< false: the point lies behind the camera or outside the clip planes
 };
 
-/// How directions depend on the film and lens positions.
+/// Dependence of directions on the film and lens positions.
 enum class CameraRays {
   kAffine,      ///< affine in both
   kDistorted,   ///< affine in the film position after Camera::undistorted()
@@ -37,7 +37,7 @@ enum class CameraRays {
 /// except as CameraRays says. Members that a kind does not use are zero. World space; film positions are in pixels, y
 /// downwards, with (0, 0) at the upper left corner of the frame.
 struct Camera {
-  Vec3f origin{};                    ///< point at z = 0 of the ray through the film's corner and the lens centre
+  Vec3f origin{};                    ///< point at z = 0 of the ray through the film's corner and the lens center
   Vec3f origin_dx{}, origin_dy{};    ///< derivative by film position; orthographic cameras
   Vec3f corner{};                    ///< vector from z = 0 to z = 1 on the ray through the film's corner
   Vec3f dx{}, dy{};                  ///< derivative by film position; perspective cameras
@@ -68,7 +68,7 @@ struct Camera {
   SHEAF_INLINE CameraRay<L> ray(typename L::Float x, typename L::Float y, typename L::Float u,
                                 typename L::Float v) const {
     using F = typename L::Float;
-    if (is_panorama() || rays == CameraRays::kHemisphere) return turned_ray<L>(x, y, u, v);
+    if (is_panorama() || rays == CameraRays::kHemisphere) return rotated_ray<L>(x, y, u, v);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y + lens;
     Vec3<L> step =
@@ -84,20 +84,20 @@ struct Camera {
   /// position; its area per pixel gives the importance.
   template <class L> SHEAF_INLINE CameraView<L> view(Vec3<L> p, typename L::Float u, typename L::Float v) const {
     using F = typename L::Float;
-    if (is_panorama()) return turned_view<L>(p);
+    if (is_panorama()) return rotated_view<L>(p);
     const Vec3<L> lens = broadcast<L>(lens_x) * u + broadcast<L>(lens_y) * v;
     const Vec3<L> from = p - broadcast<L>(origin);
     const F z = dot(from, broadcast<L>(z_axis));
     const Vec3<L> side_x = broadcast<L>(origin_dx) + broadcast<L>(dx) * z;
     const Vec3<L> side_y = broadcast<L>(origin_dy) + broadcast<L>(dy) * z;
     const Vec3<L> axis = broadcast<L>(corner) - lens * F(inverse_focus_distance);
-    const Vec3<L> across = cross(side_x, side_y), place = from - lens - axis * z;
+    const Vec3<L> across = cross(side_x, side_y), position = from - lens - axis * z;
     const F area = length(across);
     CameraView<L> out;
     out.valid = (z > F(near_clip)) & (z - F(near_clip) < F(clip_range)) & (area > F(0.0f)) & is_finite(area);
     const F scale = F(1.0f) / select(out.valid, area * area, F(1.0f));
-    out.film_x = dot(cross(place, side_y), across) * scale;
-    out.film_y = dot(cross(side_x, place), across) * scale;
+    out.film_x = dot(cross(position, side_y), across) * scale;
+    out.film_y = dot(cross(side_x, position), across) * scale;
     const Vec3<L> start =
         broadcast<L>(origin) + broadcast<L>(origin_dx) * out.film_x + broadcast<L>(origin_dy) * out.film_y + lens;
     const Vec3<L> step = axis + broadcast<L>(dx) * out.film_x + broadcast<L>(dy) * out.film_y;
@@ -114,14 +114,14 @@ struct Camera {
   template <class L> SHEAF_INLINE Float<L> undistorted(Float<L> x, Float<L> y) const {
     using F = Float<L>;
     const F px = fma(F(film_step.x), x, F(film_corner.x)), py = fma(F(film_step.y), y, F(film_corner.y));
-    const F shown = max(sqrt(px * px + py * py), F(1e-20f));
-    F r = shown;
+    const F displayed = max(sqrt(px * px + py * py), F(1e-20f));
+    F r = displayed;
     for (int i = 0; i < 8; ++i) {
       const F r2 = r * r;
-      const F error = r * fma(fma(r2, F(distortion[1]), F(distortion[0])), r2, F(1.0f)) - shown;
+      const F error = r * fma(fma(r2, F(distortion[1]), F(distortion[0])), r2, F(1.0f)) - displayed;
       r = r - error / fma(fma(r2, F(5.0f * distortion[1]), F(3.0f * distortion[0])), r2, F(1.0f));
     }
-    return r / shown;
+    return r / displayed;
   }
 
   /// Applies the distortion to a view. The film area scales by the radial and the tangential factor.
@@ -138,7 +138,7 @@ struct Camera {
     view.valid = view.valid & (tangential > F(0.0f)) & (radial > F(0.0f));
   }
 
-  template <class L> SHEAF_INLINE CameraRay<L> turned_ray(Float<L> x, Float<L> y, Float<L> u, Float<L> v) const {
+  template <class L> SHEAF_INLINE CameraRay<L> rotated_ray(Float<L> x, Float<L> y, Float<L> u, Float<L> v) const {
     using F = Float<L>;
     const Vec3<L> start = broadcast<L>(origin) + broadcast<L>(origin_dx) * x + broadcast<L>(origin_dy) * y;
     Vec3<L> direction;
@@ -148,7 +148,7 @@ struct Camera {
       direction = (broadcast<L>(lens_x) * longitude.sin + broadcast<L>(forward) * -longitude.cos) * polar.sin +
                   broadcast<L>(lens_y) * polar.cos;
     } else if (rays == CameraRays::kEqualArea) {
-      const auto inside = [](F place) SHEAF_LAMBDA_INLINE { return clamp(place, F(0.0f), F(1.0f)); };
+      const auto inside = [](F position) SHEAF_LAMBDA_INLINE { return clamp(position, F(0.0f), F(1.0f)); };
       const Vec3<L> local = equal_area_direction<L>(inside(x * F(film_step.x)), inside(y * F(film_step.y)));
       direction = broadcast<L>(lens_x) * local.x + broadcast<L>(lens_y) * local.y + broadcast<L>(forward) * local.z;
     } else {
@@ -160,7 +160,7 @@ struct Camera {
   }
 
   /// The film area per solid angle is W H / (2 pi^2 sin theta), or W H / (4 pi) for the equal-area map.
-  template <class L> SHEAF_INLINE CameraView<L> turned_view(Vec3<L> p) const {
+  template <class L> SHEAF_INLINE CameraView<L> rotated_view(Vec3<L> p) const {
     using F = Float<L>;
     const Vec3<L> from = p - broadcast<L>(origin);
     const F squared = dot(from, from);
@@ -170,17 +170,17 @@ struct Camera {
       CameraView<L> out;
       out.valid = (squared > F(0.0f)) & is_finite(squared);
       const F inverse = F(1.0f) / select(out.valid, squared, F(1.0f)), length_inverse = sqrt(inverse);
-      const Vec2<L> place = equal_area_octahedral<L>(Vec3<L>{x, y, z} * length_inverse);
-      out.film_x = place.x * F(1.0f / film_step.x);
-      out.film_y = place.y * F(1.0f / film_step.y);
+      const Vec2<L> position = equal_area_octahedral<L>(Vec3<L>{x, y, z} * length_inverse);
+      out.film_x = position.x * F(1.0f / film_step.x);
+      out.film_y = position.y * F(1.0f / film_step.y);
       out.target = broadcast<L>(origin);
       out.importance = F(0.25f * kInvPi / (film_step.x * film_step.y)) * inverse;
       return out;
     }
     const F sine = sqrt(x * x + z * z);
-    const F turn = atan2(x, -z) * F(0.5f * kInvPi);
+    const F azimuth = atan2(x, -z) * F(0.5f * kInvPi);
     CameraView<L> out;
-    out.film_x = (turn - floor(turn)) * F(1.0f / film_step.x);
+    out.film_x = (azimuth - floor(azimuth)) * F(1.0f / film_step.x);
     out.film_y = atan2(sine, y) * F(kInvPi / film_step.y);
     out.target = broadcast<L>(origin);
     out.valid = (sine > F(0.0f)) & is_finite(squared);

@@ -24,13 +24,13 @@ inline constexpr std::uint32_t kMaxTableBlocks = 1u << 24;
 enum class TableTag : std::uint32_t { kMeasured = 0x7fc01001u, kPhase = 0x7fc01002u };
 
 /// The start of each lane's table.
-template <class L> struct TablePlace {
+template <class L> struct FoundTable {
   typename L::Uint first;  ///< into MaterialView::closure_tables
   typename L::Mask valid;  ///< false: neither this lane nor any other refers to such a table
 };
 
 /// Finds the tables that a word refers to. Lanes without a valid table get that of another lane, if any has one.
-template <class L> SHEAF_INLINE TablePlace<L> find_table(const float* tables, Float<L> word, TableTag tag) {
+template <class L> SHEAF_INLINE FoundTable<L> find_table(const float* tables, Float<L> word, TableTag tag) {
   using F = Float<L>;
   using U = Uint<L>;
   const auto inside = (word >= F(0.0f)) & (word < F(tables[0]));

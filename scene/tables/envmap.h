@@ -4,7 +4,7 @@
 // square. In the map's space, u is the longitude atan2(x, -z) / 2 pi, and v is the polar angle from +y, over pi.
 // Radiance is bilinear between nodes. In spectral mode a node's radiance is a scale times a shape that is at most 1.
 // Scale and shape are each bilinear, and radiance is their product, as in Mitsuba. The two agree between nodes of the
-// same shape, for example greys.
+// same shape, for example grays.
 //
 // Cell (i, j) lies between the nodes (i, j) and (i + 1, j + 1). Its probability is that of its row times that in a
 // distribution over columns, which is shared by the rows of a quantile (core/sampling/quantile_table.h). Bright regions

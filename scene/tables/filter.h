@@ -24,7 +24,7 @@ struct PixelFilter {
   float lobes = 3;                   ///< lanczos; equals the radius
 };
 
-/// How the pixel filter is applied.
+/// Application of the pixel filter.
 enum class FilterMode {
   kWeighted,    ///< each sample counts in every pixel whose filter covers it
   kImportance,  ///< filter importance sampling: each sample counts in one pixel
@@ -36,7 +36,7 @@ inline constexpr double kMaxFilterRadius = 64;
 /// Throws SceneError at `where` unless the radius, in pixels, is positive and at most kMaxFilterRadius.
 void check_filter_radius(double radius, const SourceLocation& where);
 
-/// The filter's value at distance `x` from the pixel's centre along one axis; zero beyond its radius. Not normalised.
+/// The filter's value at distance `x` from the pixel's center along one axis; zero beyond its radius. Not normalized.
 double evaluate_filter(const PixelFilter& filter, double x);
 /// The filter's radius in pixels.
 double filter_radius(const PixelFilter& filter);
@@ -49,7 +49,7 @@ int filter_reach(const PixelFilter& filter);
 struct FilterTable {
   static constexpr int kBins = 2048;
   float box_radius = 0;                  ///< radius of a box filter, otherwise 0
-  std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's centre, ascending
+  std::array<float, kBins + 1> edges{};  ///< offsets from the pixel's center, ascending
   std::array<float, kBins> weight{};     ///< per axis: (mean sign of f in the bin) (integral of |f|) / (integral of f)
 
   template <class L> struct Offset { typename L::Float position, weight; };
@@ -88,13 +88,13 @@ class FilterWeights {
   /// Length of the output of across(): at least 2 reach() + 1, a multiple of kRegister.
   int length() const { return length_; }
   /// Sets `out`[k], for k in [0, length()), to the weight in pixel k - reach(), relative to the sample's own. `offset`
-  /// in [-1/2, 1/2] is the sample's offset from its pixel's centre. The weight is 0 beyond the filter's radius, and
-  /// linear between kSteps values per pixel. The filter's value at its centre is scaled to 1.
+  /// in [-1/2, 1/2] is the sample's offset from its pixel's center. The weight is 0 beyond the filter's radius, and
+  /// linear between kSteps values per pixel. The filter's value at its center is scaled to 1.
   void across(float offset, double* out) const {
-    const float place = std::clamp(offset + 0.5f, 0.0f, 1.0f) * kSteps;
-    const int step = std::min(static_cast<int>(place), kSteps - 1);
+    const float cell = std::clamp(offset + 0.5f, 0.0f, 1.0f) * kSteps;
+    const int step = std::min(static_cast<int>(cell), kSteps - 1);
     const float* const below = values_.data() + static_cast<std::size_t>(step) * static_cast<std::size_t>(length_);
-    const float t = place - static_cast<float>(step);
+    const float t = cell - static_cast<float>(step);
     Floats away = Floats{0, 1, 2, 3, 4, 5, 6, 7} - (static_cast<float>(reach_) + offset);
     for (int k = 0; k < length_; k += kRegister, away += static_cast<float>(kRegister)) {
       Floats a, b;

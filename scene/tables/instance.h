@@ -30,10 +30,10 @@ template <class L> struct InstancePlacement {
 
   SHEAF_INLINE Vec3<L> vector(Vec3<L> v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
   SHEAF_INLINE Vec3<L> point(Vec3<L> p) const { return vector(p) + translation; }
-  /// Transforms by the inverse transpose, times |det M|; not normalised.
+  /// Transforms by the inverse transpose, times |det M|; not normalized.
   SHEAF_INLINE Vec3<L> normal(Vec3<L> n) const {
-    const Vec3<L> turned{dot(cofactors[0], n), dot(cofactors[1], n), dot(cofactors[2], n)};
-    return turned * copysign(typename L::Float(1.0f), determinant);
+    const Vec3<L> transformed{dot(cofactors[0], n), dot(cofactors[1], n), dot(cofactors[2], n)};
+    return transformed * copysign(typename L::Float(1.0f), determinant);
   }
   SHEAF_INLINE Vec3<L> object_point(Vec3<L> p) const {
     const Vec3<L> d = p - translation;
@@ -42,7 +42,7 @@ template <class L> struct InstancePlacement {
   SHEAF_INLINE Vec3<L> object_vector(Vec3<L> v) const {
     return (cofactors[0] * v.x + cofactors[1] * v.y + cofactors[2] * v.z) / determinant;
   }
-  /// A normal in world space to the direction of the normal in the group's space; not normalised.
+  /// A normal in world space to the direction of the normal in the group's space; not normalized.
   SHEAF_INLINE Vec3<L> object_normal(Vec3<L> n) const { return rows[0] * n.x + rows[1] * n.y + rows[2] * n.z; }
   /// point() with the absolute values of all terms.
   SHEAF_INLINE Vec3<L> absolute_point(Vec3<L> p) const {

@@ -15,10 +15,10 @@ namespace sheaf {
 /// both with photon maps in between; or normals, depth or ambient visibility of the first surface.
 enum class IntegratorKind { kPath, kLightTracer, kPhotonMapper, kNormals, kDepth, kVisibility };
 
-/// How direct light is estimated: by sampling lights, by sampling BSDFs, or both combined by MIS.
+/// Estimator of direct light: by sampling lights, by sampling BSDFs, or both combined by MIS.
 enum class LightStrategy { kMis, kBsdfOnly, kLightOnly };
 
-/// Where the paths that carry light start.
+/// Start of the paths that carry light.
 enum class PathSource {
   kNoLight,  ///< no light is transported: pixels show properties of the first surface
   kCamera,   ///< at the camera
@@ -27,15 +27,15 @@ enum class PathSource {
 };
 
 /// Default depths at which Russian roulette starts; see bench/README.md.
-inline constexpr int kPathRouletteDepth = 2, kOtherRouletteDepth = 5;
+inline constexpr int kPathRouletteDepth = 2, kDefaultRouletteDepth = 5;
 
-/// What an integrator's passes do, and the features that it supports.
+/// The passes of an integrator and the features that it supports.
 struct IntegratorTraits {
   const char* name;  ///< of the integrator with the default settings of this kind
   PathSource source = PathSource::kNoLight;
-  int roulette_depth = kOtherRouletteDepth;  ///< IntegratorSettings::rr_depth by default
-  bool supports_adaptive = false;            ///< noise targets and time limits
-  bool supports_guiding = false;             ///< path guiding and manifold next-event estimation
+  int roulette_depth = kDefaultRouletteDepth;  ///< IntegratorSettings::rr_depth by default
+  bool supports_adaptive = false;              ///< noise targets and time limits
+  bool supports_guiding = false;               ///< path guiding and manifold next-event estimation
   bool supports_spectral_bins = false;
   bool measures_visibility = false;  ///< traces shadow rays instead of transporting light
 

@@ -1,4 +1,4 @@
-// How textures and volume grids are interpolated between their samples, and continued beyond their borders.
+// Interpolation of textures and volume grids between their samples, and continuation beyond their borders.
 #pragma once
 
 #include <cstdint>

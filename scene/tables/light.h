@@ -16,7 +16,7 @@ enum class LightKind : std::uint32_t {};
 enum LightFlags : std::uint32_t {
   kEmitsAlongNormal = 1,    ///< area lights: emits only along its normal; radiance is radiant exitance (W / m^2)
   kEmitsOnBothSides = 2,    ///< area lights: also emits on the side opposite to the normal
-  kIsEven = 4,              ///< projectors: see ProjectorDescription::is_even
+  kConstantIntensity = 4,   ///< projectors: see ProjectorDescription::is_even
   kMissedByRays = 8,        ///< area lights: rays never hit its shape; only light sampling finds it
   kNeedsTextureQuery = 16,  ///< area lights: its texture or that of its coat is looked up
 };
@@ -26,7 +26,7 @@ inline constexpr int kLightCoatShift = 8;
 /// A clearcoat over the emission of area lights; see kernels/lights/light_coat.h.
 struct LightCoatRow {
   float strength = 0;             ///< in [0, 1]
-  std::uint32_t texture = kNone;  ///< of the strength, in place of the number; kNone: none
+  std::uint32_t texture = kNone;  ///< of the strength, instead of the number; kNone: none
 };
 
 /// Words of LightRecord::payload.

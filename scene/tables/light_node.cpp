@@ -65,7 +65,7 @@ Triple center_of(const LightCluster& cluster) {
   return center;
 }
 
-/// Midpoint of the bounds of the children's centres.
+/// Midpoint of the bounds of the children's centers.
 Triple middle_of(const LightCluster (&children)[kLightChildren]) {
   Triple low{LightCluster::kLargest, LightCluster::kLargest, LightCluster::kLargest}, middle{};
   Triple high{-low[0], -low[1], -low[2]};
@@ -81,7 +81,7 @@ Triple middle_of(const LightCluster (&children)[kLightChildren]) {
   return middle;
 }
 
-/// Radius of a sphere around a cluster, with a centre close to the cluster's own.
+/// Radius of a sphere around a cluster, with a center close to the cluster's own.
 double radius_around(const LightCluster& cluster, const Triple& center) {
   double squared = 0;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -118,22 +118,22 @@ LightNodeRow pack_light_node(const LightCluster (&children)[kLightChildren], std
   for (std::size_t k = 0; k < kLightChildren; ++k) {
     const LightCluster& child = children[k];
     const bool has_lights = child.count > 0;
-    const Triple wanted = has_lights ? center_of(child) : middle;
+    const Triple requested = has_lights ? center_of(child) : middle;
     const double cos_theta_o = std::max(child.cone.cos_theta, 0.0);
     Triple center{};
     for (int c = 0; c < 3; ++c) {
       const auto axis = static_cast<std::size_t>(c);
       // The words of children 2 and 3 come after all three of 0 and 1.
       const int skipped = k < 2 ? c : c + 2;
-      center[axis] = middle[axis] + set_nearest({row, Row::kOffset + skipped, k}, wanted[axis] - middle[axis]);
+      center[axis] = middle[axis] + set_nearest({row, Row::kOffset + skipped, k}, requested[axis] - middle[axis]);
       set_fixed_point(row, Row::kTilt + skipped, k, -child.cone.axis[axis] * cos_theta_o);
     }
     const Half radius(row, Row::kRadius, k), reach(row, Row::kReach, k);
     radius.set(has_lights ? bits_above(radius, radius_around(child, center)) : 0u);
     reach.set(bits_above(reach, reach_of(child)));
     set_spread({row, Row::kSpread, k}, child);
-    const double share = child.power > 0.0 ? child.power / power : 1.0;
-    set_nearest({row, Row::kShare, k}, std::max(share, double(kMinLightShare)));
+    const double power_fraction = child.power > 0.0 ? child.power / power : 1.0;
+    set_nearest({row, Row::kPowerFraction, k}, std::max(power_fraction, double(kMinPowerFraction)));
     row.lights[k] = lights[k];
   }
   row.words[Row::kLink] = first_node | node_count << kLightNodeBits;

@@ -21,13 +21,13 @@ inline constexpr std::uint32_t kLightNodeIndex = (1u << kLightNodeBits) - 1;
 
 /// One child as seen by kernels.
 template <class L> struct LightChild {
-  Vec3<L> center;  ///< centre of the bounding sphere of the child's box, in the coordinates of the node's middle
-  typename L::Float radius;    ///< radius of that sphere; contains all lights of the child in spite of rounding
-  Vec3<L> tilt;                ///< axis of the cone of normals times -cos_theta_o, times kLightFixedPoint
-  typename L::Float spread;    ///< sine of the half angle of that cone, 1 beyond pi / 2; NaN if the power is 0
-  typename L::Float reach;     ///< 1 - cos_theta_e, see LightBounds; widened by kLightConeSlack
-  typename L::Float share;     ///< power over that of the node; >= kMinLightShare
-  typename L::Uint keep_sign;  ///< all bits set; without the sign bit if a light is two-sided
+  Vec3<L> center;  ///< center of the bounding sphere of the child's box, in the coordinates of the node's middle
+  typename L::Float radius;          ///< radius of that sphere; contains all lights of the child in spite of rounding
+  Vec3<L> tilt;                      ///< axis of the cone of normals times -cos_theta_o, times kLightFixedPoint
+  typename L::Float spread;          ///< sine of the half angle of that cone, 1 beyond pi / 2; NaN if the power is 0
+  typename L::Float reach;           ///< 1 - cos_theta_e, see LightBounds; widened by kLightConeSlack
+  typename L::Float power_fraction;  ///< power over that of the node; >= kMinPowerFraction
+  typename L::Uint keep_sign;        ///< all bits set; without the sign bit if a light is two-sided
 };
 
 /// Factor of the fixed-point numbers in [-1, 1].
@@ -35,22 +35,22 @@ inline constexpr float kLightFixedPoint = 0x1p31f;
 /// Widening of the cones of emission, in radians. Exceeds the single-precision errors of the cosines in
 /// kernels/lights/light_tree.h at grazing angles.
 inline constexpr double kLightConeSlack = 2e-3;
-/// Minimum share of a light with power > 0; far above underflow.
-inline constexpr float kMinLightShare = 1e-9f;
+/// Minimum power fraction of a light with power > 0; far above underflow.
+inline constexpr float kMinPowerFraction = 1e-9f;
 
 /// A row of the table of nodes. Most words hold two halves: for children 0 and 1, or, in the following words, for
 /// children 2 and 3. The even child uses the lower half. Halves are bfloat16 or fixed-point numbers. The upper half is
 /// read with the lower half as additional digits.
 struct alignas(64) LightNodeRow {
   enum Word {
-    kMiddle = 0,            ///< x, y, z of a point in the middle of the children; single precision
-    kOffset = kMiddle + 3,  ///< x, y, z from there to the children's centres; bfloat16
-    kTilt = kOffset + 6,    ///< x, y, z; fixed-point
-    kRadius = kTilt + 6,    ///< bfloat16
-    kSpread = kRadius + 2,  ///< bfloat16; the sign is set unless a light is two-sided
-    kShare = kSpread + 2,   ///< bfloat16
-    kReach = kShare + 2,    ///< bfloat16
-    kLink = kReach + 2,     ///< kLightNodeBits bits: index of the first child node; above: number of child nodes
+    kMiddle = 0,                   ///< x, y, z of a point in the middle of the children; single precision
+    kOffset = kMiddle + 3,         ///< x, y, z from there to the children's centers; bfloat16
+    kTilt = kOffset + 6,           ///< x, y, z; fixed-point
+    kRadius = kTilt + 6,           ///< bfloat16
+    kSpread = kRadius + 2,         ///< bfloat16; the sign is set unless a light is two-sided
+    kPowerFraction = kSpread + 2,  ///< bfloat16
+    kReach = kPowerFraction + 2,   ///< bfloat16
+    kLink = kReach + 2,            ///< kLightNodeBits bits: index of the first child node; above: number of child nodes
     kWordCount
   };
   std::uint32_t words[kWordCount] = {};
@@ -90,7 +90,7 @@ template <class L, int kChild> SHEAF_INLINE LightChild<L> unpack_light_child(con
           {fixed_point(kTilt), fixed_point(kTilt + 1), fixed_point(kTilt + 2)},
           abs(spread),
           bfloat(Row::kReach + kSecondPair),
-          bfloat(Row::kShare + kSecondPair),
+          bfloat(Row::kPowerFraction + kSecondPair),
           float_bits(spread) | U(0x7fffffffu)};
 }
 

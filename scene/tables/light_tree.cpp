@@ -109,12 +109,12 @@ class TreeBuilder {
     LightCluster children[kLightChildren], whole;
     std::uint32_t leaves[kLightChildren] = {};
     for (std::uint32_t k = 0; k < ranges.size(); ++k) {
-      const std::uint32_t turned = trail | k << 2 * level;
+      const std::uint32_t child_trail = trail | k << 2 * level;
       if (k < node_count) {
-        children[k] = build_node(first_node + k, ranges[k], level + 1, turned);
+        children[k] = build_node(first_node + k, ranges[k], level + 1, child_trail);
       } else {
         leaves[k] = order_[ranges[k].begin];
-        tree_.trails[leaves[k]] = turned;
+        tree_.trails[leaves[k]] = child_trail;
         children[k] = clusters_[leaves[k]];
       }
       whole.add(children[k]);
@@ -250,11 +250,11 @@ void LightCluster::add(const LightCluster& other) {
 LightTreeView LightTree::view() const {
   LightTreeView v{nodes.data(), trails.data(), static_cast<std::uint32_t>(nodes.size()), {}};
   if (nodes.empty()) return v;
-  for (std::size_t turn = 0; turn < kLightTopTurns; ++turn)
+  for (std::size_t node = 0; node < kLightCutNodes; ++node)
     for (std::uint32_t k = 0; k < kLightChildren; ++k) {
-      const std::uint32_t place = v.top[turn];
-      v.top[kLightChildren * turn + 1 + k] =
-          (place & kLightLeaf) != 0 ? place : light_tree_child(nodes[place], place, k);
+      const std::uint32_t position = v.cut_nodes[node];
+      v.cut_nodes[kLightChildren * node + 1 + k] =
+          (position & kLightLeaf) != 0 ? position : light_tree_child(nodes[position], position, k);
     }
   return v;
 }

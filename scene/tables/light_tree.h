@@ -18,7 +18,7 @@ namespace sheaf {
 
 /// Bounds of a light's position, emission directions and power (Conty Estevez and Kulla 2018, section 4.1).
 struct LightBounds {
-  Vec3f lower{}, upper{};  ///< box around the light; world space, metres
+  Vec3f lower{}, upper{};  ///< box around the light; world space, meters
   Vec3f axis{0, 0, 1};     ///< of the cone of normals; unit length
   float cos_theta_o = -1;  ///< cosine of the half angle of that cone; angle in [0, pi]
   float cos_theta_e = 0;  ///< cosine of the maximum angle between a normal and an emitted direction; angle in [0, pi/2]
@@ -36,8 +36,8 @@ inline constexpr int kMaxLightTreeDepth = 16;
 
 /// The upper levels of a tree, which the candidates of a vertex may share, and the nodes below them. Node h of the
 /// complete tree has the children 4 h + 1 to 4 h + 4.
-inline constexpr int kLightTopLevels = 2, kLightTopTurns = 1 + kLightChildren;
-inline constexpr int kLightTopNodes = kLightChildren * kLightTopTurns + 1;
+inline constexpr int kLightCutLevels = 2, kLightCutNodes = 1 + kLightChildren;
+inline constexpr int kLightCutPositions = kLightChildren * kLightCutNodes + 1;
 
 /// Position of a child of `node`, whose index is `index`.
 inline std::uint32_t light_tree_child(const LightNodeRow& node, std::uint32_t index, std::uint32_t child) {
@@ -52,7 +52,7 @@ struct LightTreeView {
   const std::uint32_t* trails = nullptr;  ///< one per light: bits 2 k and 2 k + 1 are the branch at level k
   std::uint32_t node_count = 0;           ///< 0: no lights
   /// Positions of the upper nodes. Below a leaf, the position of that leaf is repeated.
-  std::uint32_t top[kLightTopNodes] = {};
+  std::uint32_t cut_nodes[kLightCutPositions] = {};
 };
 
 /// Owns a light tree.

@@ -70,7 +70,7 @@ struct alignas(64) MaterialRow {
   static constexpr std::uint32_t kNothing = 0xffffffffu;
   /// kComposite: probability of the second choice, in [0, 1], unless a texture gives it. The only parameter of such
   /// rows.
-  float second_share() const { return words[0]; }
+  float second_weight() const { return words[0]; }
 };
 static_assert(sizeof(MaterialRow) == 256);
 

@@ -14,7 +14,7 @@ enum MediumFlags : std::uint32_t {
   kMediumScatters = 2,     ///< has scattering, not only absorption
   kMediumEmits = 4,
   kMediumAbsorptionScattering = 8,  ///< spectra are absorption and scattering; otherwise extinction and albedo
-  kMediumGrey = 16,                 ///< extinction is equal in all lanes
+  kMediumGray = 16,                 ///< extinction is equal in all lanes
   kMediumBoxed = 64,                ///< ends at the box of its extinction grid, regardless of the grid's border
   kMediumColored = 32,              ///< extinction has a three-channel grid
   kMediumFlakes = 128,              ///< extinction is multiplied by the projected area of microflakes
@@ -33,7 +33,7 @@ struct MediumRow {
   std::uint32_t majorants = 0xffffffffu;  ///< into MediumView::majorants; kNone: homogeneous
   float first[4] = {};                    ///< sigma_t, or sigma_a
   float second[4] = {};                   ///< albedo, or sigma_s
-  float emission[4] = {};                 ///< radiance; emission per metre is sigma_a times this
+  float emission[4] = {};                 ///< radiance; emission per meter is sigma_a times this
   // Grids that multiply the above: rows of MediumView::grids; kNone: no grid.
   std::uint32_t density = 0xffffffffu;  ///< multiplies both coefficients; one channel
   std::uint32_t first_grid = 0xffffffffu;
@@ -43,7 +43,7 @@ struct MediumRow {
   float temperature_scale = 1;              ///< multiplies the grid's value minus temperature_offset
   float temperature_offset = 0;
   std::uint32_t emission_factor = 0xffffffffu;  ///< multiplies the emission; one channel
-  float step_size = 0;                          ///< MediumEstimator::kMarching: step in metres
+  float step_size = 0;                          ///< MediumEstimator::kMarching: step in meters
   // kMediumFlakes: the matrix of SggxDescription.
   float flakes[6] = {};                     ///< xx, yy, zz, xy, xz, yz if constant
   std::uint32_t flake_grids = 0xffffffffu;  ///< otherwise grids of xx, yy, zz and, in the next row, of xy, xz, yz
@@ -62,9 +62,9 @@ struct BlackbodyTable {
 
   BlackbodyTable();
   Vec3f at(float temperature) const {
-    const float place = std::min(temperature / kStep, static_cast<float>(kEntries - 1));
-    const int i = std::min(static_cast<int>(place), kEntries - 2);
-    const float t = place - static_cast<float>(i);
+    const float position = std::min(temperature / kStep, static_cast<float>(kEntries - 1));
+    const int i = std::min(static_cast<int>(position), kEntries - 2);
+    const float t = position - static_cast<float>(i);
     return rgb[static_cast<std::size_t>(i)] * (1.0f - t) + rgb[static_cast<std::size_t>(i) + 1] * t;
   }
 };

@@ -67,7 +67,7 @@ inline MediumCoefficients medium_coefficients(const SceneView& scene, const Medi
   const bool by_albedo = (medium.flags & kMediumAbsorptionScattering) == 0;
   if (medium.first_grid != kNone) first = first * grid_factor(scene, medium.first_grid, p, lambda);
   if (medium.second_grid != kNone) second = second * grid_factor(scene, medium.second_grid, p, lambda);
-  // In spectral mode, the spectrum of a saturated colour may exceed 1 at some wavelengths, also as an albedo.
+  // In spectral mode, the spectrum of a saturated color may exceed 1 at some wavelengths, also as an albedo.
   if (by_albedo && scene.color == ColorMode::kRgb) second = min(second, Float4(1.0f));
   if (medium.density != kNone) {
     const float density = max(lookup_grid(scene.media.grids, medium.density, p), 0.0f);
@@ -120,14 +120,14 @@ inline void weigh_by_flakes(const MediumRow& medium, Vec3f direction, MediumSpec
 }
 
 /// Ratio of the extinction at point `p` to the bound of weigh_by_flakes(), in [0, 1].
-inline float flake_share(const SceneView& scene, const MediumRow& medium, Vec3f p, Vec3f direction) {
+inline float flake_projected_area(const SceneView& scene, const MediumRow& medium, Vec3f p, Vec3f direction) {
   if (medium.flake_grids == kNone) return 1.0f;
   const float area = flake_matrix(scene, medium, p).projected_area(direction);
   return area < medium.max_flakes ? area / medium.max_flakes : 1.0f;
 }
 
 /// Kelvin. Colder bodies do not emit visible light.
-inline constexpr float kColdestGlow = 100;
+inline constexpr float kMinBlackbodyTemperature = 100;
 
 /// Emission of a black body at a temperature in kelvin, for all lanes; see BlackbodyTable.
 inline Float4 blackbody_emission(const SceneView& scene, float temperature, const Spectrum4& lambda) {
@@ -136,7 +136,7 @@ inline Float4 blackbody_emission(const SceneView& scene, float temperature, cons
     const Vec3f rgb = scene.media.blackbodies->at(temperature);
     return Float4(Spectrum4{rgb.x, rgb.y, rgb.z, 0.0f});
   }
-  // Constants of Planck's law for W / (m^2 sr nm), nanometres and kelvin: 2 h c^2 and h c / k.
+  // Constants of Planck's law for W / (m^2 sr nm), nanometers and kelvin: 2 h c^2 and h c / k.
   constexpr float kFirst = 1.191042972e20f, kSecond = 1.438776877e7f;
   const Float4 l(lambda);
   const Float4 exponent = min(Float4(kSecond / temperature) / l, Float4(80.0f));
@@ -162,7 +162,7 @@ inline Float4 medium_emission(const SceneView& scene, const MediumRow& medium, c
     const float kelvin = (found - medium.temperature_offset) * medium.temperature_scale;
     emission = emission * blackbody_emission(scene, kelvin, lambda);
     if ((medium.flags & kMediumUnitBlackbodies) != 0)
-      emission = kelvin > kColdestGlow ? emission * inverse_peak(kelvin) : Float4();
+      emission = kelvin > kMinBlackbodyTemperature ? emission * inverse_peak(kelvin) : Float4();
   }
   if (medium.emission_factor != kNone)
     emission = emission * max(lookup_grid(scene.media.grids, medium.emission_factor, p), 0.0f);

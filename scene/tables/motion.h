@@ -41,14 +41,14 @@ inline constexpr int kMaxMotionSegments = 128;
 struct MotionView {
   const MotionStepRow* steps = nullptr;  ///< null: no transform changes
   const MotionRow* instances = nullptr;  ///< group space to world space, by row of instance; null: no instance moves
-  /// By row of light; null: no light moves. From where the light's tables place it to where it is.
+  /// By row of light; null: no light moves. Transform from the light's rest pose to its pose at the time.
   const MotionRow* lights = nullptr;
   const MotionRow* cameras = nullptr;  ///< the same for the cameras, in the order of the film's columns; or null
   const MotionRow* media = nullptr;    ///< the same for the grids of media, by row of medium; null: no grid moves
   /// The meshes and curves that deform, to which shapes refer by their flags; null: none.
   const DeformationRow* deformations = nullptr;
   float shutter_ramp = 0;  ///< see ShutterDescription::ramp
-  /// Rows of the instances that place one shape with a motion of its own, whether or not it moves during the exposure:
+  /// Rows of the instances of one shape with a motion of its own, whether or not it moves during the exposure:
   /// [first, end).
   std::uint32_t first_moving_shape = 0, end_of_moving_shapes = 0;
 

@@ -61,7 +61,7 @@ SHEAF_INLINE MotionSample<L> sample_motion(const MotionView& view, const MotionR
           {change[3], change[7], change[11]}};
 }
 
-/// Where times lie between the steps of shapes that deform.
+/// Segments between the steps of shapes that deform, with the position of times in them.
 template <class L> struct DeformationSegment {
   typename L::Mask deforms;  ///< other lanes: undefined
   typename L::Uint step;     ///< the step before
@@ -88,16 +88,17 @@ SHEAF_INLINE DeformationSegment<L> deformation_segment(const MotionView& view, U
   return out;
 }
 
-/// Where instances are at times in [0, 1].
+/// Placements of instances at times in [0, 1].
 template <class L> struct InstanceAt {
   InstancePlacement<L> placed;
   typename L::Float error;  ///< see MotionSample::error(), of the point `p`; 0 for instances that do not move
 };
 
-/// Places instances `index`, whose rows are `row`, in the lanes of `active`. `p`: a point of the group's space.
+/// TextureCoordinates instances `index`, whose rows are `row`, in the lanes of `active`. `p`: a point of the group's
+/// space.
 template <class L>
-SHEAF_INLINE InstanceAt<L> place_at(const MotionView& view, const InstanceRecord<L>& row, Uint<L> index, Mask<L> active,
-                                    Float<L> time, Vec3<L> p = {}) {
+SHEAF_INLINE InstanceAt<L> placement_at(const MotionView& view, const InstanceRecord<L>& row, Uint<L> index,
+                                        Mask<L> active, Float<L> time, Vec3<L> p = {}) {
   using F = Float<L>;
   InstanceAt<L> out{InstancePlacement<L>(row), F(0.0f)};
   if (view.instances == nullptr) return out;

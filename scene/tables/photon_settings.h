@@ -29,7 +29,7 @@ enum class MediumPhotons {
 /// Settings of one photon map.
 struct PhotonMapSettings {
   std::uint64_t count = 0;    ///< approximate number of stored photons; 0: no such map
-  float radius = 0;           ///< metres; 0: use `relative_radius`
+  float radius = 0;           ///< meters; 0: use `relative_radius`
   float relative_radius = 0;  ///< relative to the radius of the scene's bounding sphere; 0: the size of five pixels
 };
 

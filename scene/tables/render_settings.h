@@ -29,13 +29,13 @@ struct SamplerSettings {
   std::uint32_t seed = 0;
 };
 
-/// How a light is selected for sampling.
+/// Selection of a light for sampling.
 enum class LightSelector {
   kUniform,  ///< with equal probability
   kPower,    ///< by power
   kBvh,      ///< by a bound on the contribution to the point, with a light tree (Conty Estevez and Kulla 2018)
 };
-/// How distances in media and transmittance are estimated.
+/// Estimator of distances in media and of transmittance.
 enum class MediumEstimator {
   kNullMis,   ///< null-scattering path integral with MIS over wavelengths (Miller et al. 2019)
   kDelta,     ///< delta tracking for both, with one wavelength's extinction
@@ -61,8 +61,8 @@ struct IntegratorSettings {
   /// Transmission through thin dielectrics does not cost depth (Mitsuba's volpath)
   bool thin_dielectrics_are_free = false;
   MediumEstimator medium_estimator = MediumEstimator::kNullMis;
-  float step_size = 0;                  ///< kMarching: metres; 0: 1/100 of the diagonal of the medium's bounding box
-  float visibility_length = kInfinity;  ///< kVisibility: metres within which surfaces occlude
+  float step_size = 0;                  ///< kMarching: meters; 0: 1/100 of the diagonal of the medium's bounding box
+  float visibility_length = kInfinity;  ///< kVisibility: meters within which surfaces occlude
   PhotonMappingSettings photons;        ///< for kPhotonMapper
 
   const IntegratorTraits& traits() const { return traits_of(kind); }

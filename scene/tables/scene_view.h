@@ -28,7 +28,7 @@ struct SceneView {
   SpectralView spectral;  ///< only in spectral mode
   const Accel* accel = nullptr;
   Vec3d origin{};                    ///< see Scene::origin()
-  Vec3f center{};                    ///< centre of the bounding sphere
+  Vec3f center{};                    ///< center of the bounding sphere
   float radius = 0;                  ///< of the bounding sphere
   bool needs_transmittance = false;  ///< whether shadow rays may pass through surfaces, media or lights
   /// Whether shadow rays pass through thin dielectrics. This requires that passing costs no depth, and that no thin

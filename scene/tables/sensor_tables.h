@@ -16,7 +16,7 @@ struct SensorView {
   std::uint32_t more_camera_count = 0;
   float column_width = 0;               ///< pixels per camera's column of the film, if there are several
   const FilterTable* filter = nullptr;  ///< placement of samples in a pixel
-  /// weights of samples in neighbouring pixels; null: samples count only in their own pixel
+  /// weights of samples in neighboring pixels; null: samples count only in their own pixel
   const FilterWeights* filter_weights = nullptr;
 };
 

@@ -82,7 +82,7 @@ template <class L> struct QuadricRecord {
   SHEAF_INLINE Vec3<L> object_point(Vec3<L> v) const {
     return linear(to_object, v) + Vec3<L>{to_object[3], to_object[7], to_object[11]};
   }
-  /// Transforms by the inverse transpose; not normalised.
+  /// Transforms by the inverse transpose; not normalized.
   SHEAF_INLINE Vec3<L> world_normal(Vec3<L> n) const {
     const auto* m = to_object;
     return {m[0] * n.x + m[4] * n.y + m[8] * n.z, m[1] * n.x + m[5] * n.y + m[9] * n.z,

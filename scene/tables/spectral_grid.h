@@ -1,7 +1,7 @@
-// Colour grids in spectral mode: each voxel is a spectrum, stored as a shape and a scale.
+// Color grids in spectral mode: each voxel is a spectrum, stored as a shape and a scale.
 //
 // Shapes and scales are interpolated separately and then multiplied, as in Mitsuba 3's spectral variants. Halfway
-// between a bright and a dark colour, this differs from the spectrum of the interpolated colour.
+// between a bright and a dark color, this differs from the spectrum of the interpolated color.
 #pragma once
 
 #include "core/color/float4.h"
@@ -10,21 +10,21 @@
 
 namespace sheaf {
 
-/// An unbounded colour as the sigmoid coefficients of a shape, whose largest component is kUpliftUnbounded, and a
-/// scale. Replaces the colour in a voxel.
+/// An unbounded color as the sigmoid coefficients of a shape, whose largest component is kUpliftUnbounded, and a
+/// scale. Replaces the color in a voxel.
 struct VoxelSpectrum {
   float c0, c1, c2, scale;
 };
 
 inline VoxelSpectrum voxel_spectrum(const UpliftTable& table, Vec3f rgb) {
   rgb = {max(rgb.x, 0.0f), max(rgb.y, 0.0f), max(rgb.z, 0.0f)};
-  // The shape of greys is 1/2 at all wavelengths.
+  // The shape of grays is 1/2 at all wavelengths.
   if (rgb.x == rgb.y && rgb.y == rgb.z) return {0, 0, 0, rgb.x / kUpliftUnbounded};
   const ScaledSigmoid<Scalar> s = uplift_unbounded<Scalar>(table, rgb);
   return {s.shape.c0, s.shape.c1, s.shape.c2, s.scale};
 }
 
-/// Replaces the colours of a three-channel grid by spectra.
+/// Replaces the colors of a three-channel grid by spectra.
 inline void uplift_grid(BrickGrid& grid) {
   const UpliftTable& table = UpliftTable::get();
   for (std::size_t i = 0; i + kColorVoxel <= grid.values.size(); i += kColorVoxel) {
@@ -36,7 +36,7 @@ inline void uplift_grid(BrickGrid& grid) {
 
 namespace detail {
 
-/// sigmoid() of core/color/sigmoid_polynomial.h at the normalised wavelengths `t`.
+/// sigmoid() of core/color/sigmoid_polynomial.h at the normalized wavelengths `t`.
 SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
   const Float4 x = (Float4(voxel[0]) * t + Float4(voxel[1])) * t + Float4(voxel[2]);
   return Float4(0.5f) + Float4(0.5f) * x / sqrt(x * x + Float4(1.0f));
@@ -47,7 +47,7 @@ SHEAF_INLINE Float4 shape_at(const float* voxel, Float4 t) {
 /// Value of a grid after uplift_grid(), at a world-space point and four wavelengths in nm.
 inline Float4 lookup_grid_spectrum(const BrickGridRow& row, Vec3f p, const Spectrum4& lambda) {
   using namespace detail;
-  const Float4 t = (Float4(lambda) - Float4(kSigmoidCentre)) * (1.0f / kSigmoidHalfRange);
+  const Float4 t = (Float4(lambda) - Float4(kSigmoidCenter)) * (1.0f / kSigmoidHalfRange);
   // Outside of the grid, use the background
   GridCell cell;
   if (!find_grid_cell(row, p, kColorVoxel, cell)) {

@@ -10,12 +10,12 @@
 
 namespace sheaf {
 
-/// Spectra that replace the colours of other tables in spectral mode.
+/// Spectra that replace the colors of other tables in spectral mode.
 struct SpectralView {
   SpectrumTableView tables;
   /// Spectra of each material's closure parameters, in order: kMaxClosureSpectra rows per material.
   const SpectrumRow* materials = nullptr;
-  /// Spectrum of each light in place of LightRecord::radiance. Colours of textures and maps are upsampled and
+  /// Spectrum of each light, instead of LightRecord::radiance. Colors of textures and maps are upsampled and
   /// multiplied by it.
   const SpectrumRow* lights = nullptr;
   const SpectrumRow* media = nullptr;  ///< see MediumRow

@@ -99,16 +99,16 @@ static_assert(sizeof(AttributeEntry) == 16);
 /// Meaning of a textured parameter, which determines the conversion of the texture's values.
 enum class TextureRole : std::uint32_t {
   kScalar,           ///< a scalar
-  kReflectance,      ///< a colour, clamped to [0, 1]
-  kUnbounded,        ///< a colour without bounds
-  kBurleyLuminance,  ///< a scalar; for colours 0.3 red + 0.6 green + 0.1 blue
+  kReflectance,      ///< a color, clamped to [0, 1]
+  kUnbounded,        ///< a color without bounds
+  kBurleyLuminance,  ///< a scalar; for colors 0.3 red + 0.6 green + 0.1 blue
 };
 
 /// A texture that replaces some of a closure's parameter words.
 struct TextureBinding {
   std::uint32_t texture = 0;  ///< into TextureView::rows
   std::uint32_t word = 0;     ///< first word that is replaced
-  /// 1: a scalar, the luminance of coloured textures; 4: a colour with 0 in the fourth lane.
+  /// 1: a scalar, the luminance of colored textures; 4: a color with 0 in the fourth lane.
   std::uint32_t words = 4;
   TextureRole role = TextureRole::kReflectance;
 };

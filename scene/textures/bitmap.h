@@ -24,14 +24,14 @@ struct BitmapRow {
 
 /// An image from a file or from memory, repeated over the uv plane.
 struct BitmapDescription {
-  /// What of the image is used: its colours, or one channel as a scalar. Red, green and blue of a grey image are its
-  /// grey; alpha of an image without alpha is 1.
+  /// The channels of the image that are used: its colors, or one as a scalar. Red, green and blue of a gray image are
+  /// its gray; alpha of an image without alpha is 1.
   enum class Channel { kColor, kRed, kGreen, kBlue, kAlpha };
 
   std::filesystem::path file;  ///< resolved path
   TextureFilter filter = TextureFilter::kBilinear;
   TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
-  bool raw = false;  ///< values are data, not colours: integers are not decoded by the sRGB curve, as alpha never is
+  bool raw = false;  ///< values are data, not colors: integers are not decoded by the sRGB curve, as alpha never is
   /// Transform of each value of the image after decoding.
   struct ColorTransform {
     float scale = 1;      ///< first: multiply by this

@@ -7,8 +7,8 @@ namespace sheaf {
 
 ConstantRow constant_row(const SpectrumDescription& value) {
   const Vec3f rgb = unbounded_rgb(value);
-  const bool grey = rgb.x == rgb.y && rgb.y == rgb.z;
-  return {{rgb.x, rgb.y, rgb.z}, grey ? rgb.x : luminance(rgb)};
+  const bool gray = rgb.x == rgb.y && rgb.y == rgb.z;
+  return {{rgb.x, rgb.y, rgb.z}, gray ? rgb.x : luminance(rgb)};
 }
 
 }  // namespace sheaf

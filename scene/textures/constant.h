@@ -1,4 +1,4 @@
-// One colour everywhere, where only a texture will do.
+// One color everywhere, where only a texture will do.
 #pragma once
 
 #include "scene/description/scaled_spectrum.h"
@@ -12,10 +12,10 @@ struct ConstantRow {
   float scalar;  ///< value as a scalar
 };
 
-/// The row of a colour without bounds.
+/// The row of a color without bounds.
 ConstantRow constant_row(const SpectrumDescription& value);
 
-/// One colour everywhere.
+/// One color everywhere.
 struct ConstantTextureDescription {
   SpectrumDescription value = SpectrumDescription::constant(0.5f);
 

@@ -10,7 +10,7 @@ struct GridTextureRow {
   float line_width;  ///< GridTextureDescription::line_width
 };
 
-/// Lines of a grid of unit squares. The colour is `color1` within `line_width` of integer u or v, and `color0`
+/// Lines of a grid of unit squares. The color is `color1` within `line_width` of integer u or v, and `color0`
 /// elsewhere.
 struct GridTextureDescription {
   SpectrumInput color0 = SpectrumDescription::constant(0.2f), color1 = SpectrumDescription::constant(0.4f);

@@ -69,7 +69,7 @@ struct TextureDescription {
   SourceLocation where;
 };
 
-/// Calls f(color) for each of the colours between which a texture varies.
+/// Calls f(color) for each of the colors between which a texture varies.
 template <class F> void for_each_color(TextureModel& model, F&& f) {
   std::visit(
       [&]<class Description>(Description& texture) {
@@ -89,7 +89,7 @@ template <class ScaledColor> TextureModel scaled_texture(TextureModel model, flo
   return model;
 }
 
-/// What a texture is looked up by.
+/// The domain of a texture's lookup.
 inline TextureDomain domain_of(const TextureModel& model) {
   return std::visit([]<class Description>(const Description&) { return Description::kDomain; }, model);
 }

@@ -1,4 +1,4 @@
-// Colours times an opacity.
+// Colors times an opacity.
 #pragma once
 
 #include "scene/textures/texture.h"

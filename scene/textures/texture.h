@@ -1,5 +1,5 @@
-// What a kind of textures declares. scene/textures/list.h lists the kinds; scene/textures/lookups/lookup.h states the
-// interface of their lookups.
+// The declarations of a kind of textures. scene/textures/list.h lists the kinds; scene/textures/lookups/lookup.h states
+// the interface of their lookups.
 //
 // A kind is a struct XDescription in scene/textures/<name>.h that holds the parameters as a file gives them, with their
 // defaults, and declares
@@ -8,7 +8,7 @@
 //   kParameters    with kPlugins only: the names of its parameters (scene/description/parameter_names.h), or
 //   read(p)        reads them, in scene/textures/<name>.cpp
 //   fields()       all parameters
-//   colors()       the colours between which it varies. Scaling them scales the texture.
+//   colors()       the colors between which it varies. Scaling them scales the texture.
 //   kShowsColors   with colors() only: whether each of them shows on a part of the surface
 //   scale_by(by)   without colors() only: multiplies the texture's values
 //   make_row(row)  makes the row
@@ -33,7 +33,7 @@ class Properties;
 struct BitmapDescription;
 struct GridVolumeDescription;
 
-/// What a texture is looked up by, besides its inputs.
+/// The domain of a texture's lookup, besides its inputs.
 enum class TextureDomain {
   kNothing,  ///< nothing: it is constant, or varies by its inputs alone
   kUv,       ///< uv, transformed by TextureDescription::to_uv

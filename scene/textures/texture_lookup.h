@@ -20,11 +20,11 @@ template <class L> struct TextureQuery {
 
 // Compiled once for Wide and Scalar, because many stages use them and each would contain a copy.
 
-/// The texture's colour: linear Rec.709 with 0 in the fourth lane. Scalars are grey. `texture` is a row of `view`.
+/// The texture's color: linear Rec.709 with 0 in the fourth lane. Scalars are gray. `texture` is a row of `view`.
 template <class L>
 Spectrum<L> lookup_texture(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 
-/// The texture as a scalar: the luminance of colours.
+/// The texture as a scalar: the luminance of colors.
 template <class L>
 Float<L> lookup_scalar(const TextureView& view, std::uint32_t texture, const TextureQuery<L>& query) noexcept;
 

@@ -6,7 +6,7 @@
 namespace sheaf {
 
 /// Names of the mesh attributes that wireframes read; invalid as names in files. The values of a triangle are the
-/// distances of its corners from the opposite edges, in metres or in tenths of the mesh's mean edge length.
+/// distances of its corners from the opposite edges, in meters or in tenths of the mesh's mean edge length.
 inline constexpr const char *kEdgeDistances = "face_ edge distances",
                             *kRelativeEdgeDistances = "face_ relative edge distances";
 
@@ -23,7 +23,7 @@ struct WireframeRow {
 /// that distance. Shapes other than meshes show `interior`.
 struct WireframeDescription {
   SpectrumInput interior = SpectrumDescription::constant(0.5f), edge = SpectrumDescription::constant(0.1f);
-  float line_width = 0;  ///< metres; 0: 1/10 of the mean edge length of each mesh
+  float line_width = 0;  ///< meters; 0: 1/10 of the mean edge length of each mesh
   float step_width = 0.5f;
 
   static constexpr TextureDomain kDomain = TextureDomain::kMesh;

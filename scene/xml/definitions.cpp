@@ -33,15 +33,16 @@ void Definitions::add_default(const std::string& name, const std::string& value)
   used_.insert(name);
 }
 
-std::string Definitions::substitute(std::string_view text, const TextPlace& place, const OnError& on_error) {
-  return replace(text, place, false, on_error);
+std::string Definitions::substitute(std::string_view text, const TextLocation& location, const OnError& on_error) {
+  return replace(text, location, false, on_error);
 }
 
-std::string Definitions::substitute_defined(std::string_view text, const TextPlace& place, const OnError& on_error) {
-  return replace(text, place, true, on_error);
+std::string Definitions::substitute_defined(std::string_view text, const TextLocation& location,
+                                            const OnError& on_error) {
+  return replace(text, location, true, on_error);
 }
 
-std::string Definitions::replace(std::string_view text, const TextPlace& place, bool keep_undefined,
+std::string Definitions::replace(std::string_view text, const TextLocation& location, bool keep_undefined,
                                  const OnError& on_error) {
   std::string result;
   for (std::size_t i = 0; i < text.size();) {
@@ -52,7 +53,7 @@ std::string Definitions::replace(std::string_view text, const TextPlace& place, 
     const std::string_view name = text.substr(i + 1, end - i - 1);
     if (text[i] == '$' && end < text.size() && text[end] == '(' && name.empty()) {
       // Evaluate the expression
-      const std::string value = evaluate(text, i + 1, end, place, on_error);
+      const std::string value = evaluate(text, i + 1, end, location, on_error);
       substituted_ += value.size();
       result += value;
       i = end;
@@ -65,26 +66,26 @@ std::string Definitions::replace(std::string_view text, const TextPlace& place, 
     } else {
       // Copy other text
       if (!name.empty() && !keep_undefined) {
-        on_error(undefined(std::string(name), place.where));
+        on_error(undefined(std::string(name), location.where));
       } else {
         result += text.substr(i, end - i);
       }
       i = end;
     }
     if (substituted_ > kMaxSubstituted)
-      throw SceneError(place.where, "$parameters expand to more than 256 MiB", SceneErrorCode::kTooLarge);
+      throw SceneError(location.where, "$parameters expand to more than 256 MiB", SceneErrorCode::kTooLarge);
   }
   return result;
 }
 
-std::string Definitions::evaluate(std::string_view text, std::size_t open, std::size_t& end, const TextPlace& place,
-                                  const OnError& on_error) {
+std::string Definitions::evaluate(std::string_view text, std::size_t open, std::size_t& end,
+                                  const TextLocation& location, const OnError& on_error) {
   const std::size_t close = end_of_parentheses(text, open);
   end = std::min(close, text.size());
   const auto fail = [&](std::size_t at, const std::string& message) {
     const std::string column =
-        place.column > 0 ? fmt::format("column {}: ", static_cast<std::size_t>(place.column) + at) : "";
-    on_error(SceneError(place.where, column + in_quotes(text.substr(open - 1, end - open + 1)) + ": " + message,
+        location.column > 0 ? fmt::format("column {}: ", static_cast<std::size_t>(location.column) + at) : "";
+    on_error(SceneError(location.where, column + in_quotes(text.substr(open - 1, end - open + 1)) + ": " + message,
                         SceneErrorCode::kSyntax));
     return std::string();
   };

@@ -16,8 +16,8 @@ namespace sheaf {
 /// Whether a text is a name that `$` can refer to: letters, digits and _.
 bool is_definition_name(std::string_view name);
 
-/// Where a text stands in a file.
-struct TextPlace {
+/// The location of a text in a file.
+struct TextLocation {
   SourceLocation where;
   int column = 0;  ///< of the first character, from 1; 0: unknown
 };
@@ -37,9 +37,9 @@ class Definitions {
   /// Replaces every `$(expression)` (scene/xml/expression.h) and `$name`, where the longest defined name counts. Passes
   /// undefined names and errors of expressions to `on_error`. Throws SceneError if all substitutions together exceed
   /// 256 MiB.
-  std::string substitute(std::string_view text, const TextPlace& place, const OnError& on_error);
+  std::string substitute(std::string_view text, const TextLocation& location, const OnError& on_error);
   /// The same, but leaves undefined names after `$` as they are.
-  std::string substitute_defined(std::string_view text, const TextPlace& place, const OnError& on_error);
+  std::string substitute_defined(std::string_view text, const TextLocation& location, const OnError& on_error);
 
   /// Throws SceneError at `file` for the first define that was never used.
   void reject_unused(const std::string& file) const;
@@ -47,9 +47,10 @@ class Definitions {
  private:
   using Entry = std::pair<const std::string, std::string>;
 
-  std::string replace(std::string_view text, const TextPlace& place, bool keep_undefined, const OnError& on_error);
+  std::string replace(std::string_view text, const TextLocation& location, bool keep_undefined,
+                      const OnError& on_error);
   /// The value of the expression in parentheses at `open`; empty after an error. `end`: after the parentheses.
-  std::string evaluate(std::string_view text, std::size_t open, std::size_t& end, const TextPlace& place,
+  std::string evaluate(std::string_view text, std::size_t open, std::size_t& end, const TextLocation& location,
                        const OnError& on_error);
   /// The entry with the longest name that is a prefix of `text`, or null.
   const Entry* longest_prefix(std::string_view text) const;

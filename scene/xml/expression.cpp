@@ -86,7 +86,7 @@ class ExpressionParser {
       value = factor();
       if (c == '-') value = -value;
     } else if (c == '(') {
-      value = parenthesised();
+      value = parenthesized();
     } else if (is_digit(c) || c == '.') {
       value = number();
     } else if (is_letter(c)) {
@@ -99,7 +99,7 @@ class ExpressionParser {
     return value;
   }
 
-  double parenthesised() {
+  double parenthesized() {
     const std::size_t open = at_++;
     const double value = sum();
     if (next() == '\0') fail(open, "'(' is not closed, expected ')'");
@@ -127,7 +127,7 @@ class ExpressionParser {
     if (next() == '(') {
       if (word != "sin" && word != "cos")
         fail(begin, fmt::format("unknown function {}, expected sin or cos", in_quotes(word)));
-      const double angle = parenthesised();
+      const double angle = parenthesized();
       return word == "sin" ? std::sin(angle) : std::cos(angle);
     }
     // Look up the value

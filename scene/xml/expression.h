@@ -27,7 +27,7 @@ double evaluate_expression(std::string_view text, const NameLookup& lookup);
 /// The shortest decimal text that parses to the same double. Integers below 2^53 have neither a point nor an exponent.
 std::string expression_result(double value);
 
-/// The end of a parenthesised text: the position after the parenthesis that closes the one at `open`, or npos.
+/// The end of a parenthesized text: the position after the parenthesis that closes the one at `open`, or npos.
 std::size_t end_of_parentheses(std::string_view text, std::size_t open);
 
 }  // namespace sheaf

@@ -25,10 +25,10 @@ std::string first_line(const fs::path& file) {
 
 /// First line of a text file next to one of the folders in the path `name`, formatted for the message; empty if none.
 std::string origin_of(const fs::path& base, const std::string& name) {
-  for (fs::path way = fs::path(name).parent_path(); way.has_filename(); way = way.parent_path()) {
-    const fs::path file = base / (way.string() + ".txt");
+  for (fs::path parent = fs::path(name).parent_path(); parent.has_filename(); parent = parent.parent_path()) {
+    const fs::path file = base / (parent.string() + ".txt");
     if (const std::string line = first_line(file); !line.empty()) return fmt::format(" ({}: {})", file.string(), line);
-    if (way == way.parent_path()) break;
+    if (parent == parent.parent_path()) break;
   }
   return {};
 }

@@ -40,12 +40,12 @@ void NamedValues::record(const char* name, const char* type, std::string default
 bool NamedValues::has(const char* name) {
   note_query(name, "");
   queried_.emplace_back(name);
-  return look(name) != nullptr;
+  return find_value(name) != nullptr;
 }
 
 NamedValue* NamedValues::use(const char* name) {
   queried_.emplace_back(name);
-  NamedValue* value = look(name);
+  NamedValue* value = find_value(name);
   if (value != nullptr) value->used = true;
   return value;
 }
@@ -161,7 +161,7 @@ std::string NamedValues::subject(const NamedValue& value) const {
 }
 
 SceneError NamedValues::make_error(const NamedValue* value, const std::string& message, SceneErrorCode code) const {
-  return SceneError(place_of(value), message, code).about(value != nullptr ? subject(*value) : title());
+  return SceneError(position_of(value), message, code).about(value != nullptr ? subject(*value) : title());
 }
 
 void NamedValues::drop(NamedValue& value, const SceneError& error) const {
@@ -178,13 +178,13 @@ void NamedValues::fail(const std::string& message, SceneErrorCode code) const {
 }
 
 void NamedValues::fail_at(const char* name, const std::string& message, SceneErrorCode code) {
-  const NamedValue* value = look(name);
+  const NamedValue* value = find_value(name);
   if (value == nullptr) fail(fmt::format("{} '{}' {}", value_kind(), name, message), code);
   fail_value(*value, message, code);
 }
 
 void NamedValues::report_at(const char* name, const std::string& message, SceneErrorCode code) {
-  NamedValue* value = look(name);
+  NamedValue* value = find_value(name);
   if (value == nullptr) fail_at(name, message, code);
   drop(*value, make_error(value, fmt::format("{} {}", subject(*value), message), code));
 }

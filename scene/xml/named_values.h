@@ -88,7 +88,7 @@ class NamedValues {
   }
   /// Calls read(), which takes the value. Reports its error at the value, which then counts as absent; returns nothing.
   template <class Read> auto attempt(const char* name, Read&& read) -> std::optional<decltype(read())> {
-    NamedValue* value = look(name);
+    NamedValue* value = find_value(name);
     return value != nullptr ? attempt(*value, read) : std::optional<decltype(read())>(read());
   }
 
@@ -100,7 +100,7 @@ class NamedValues {
   };
 
   /// Returns the value of this name, or null if it is absent or dropped.
-  virtual NamedValue* look(const char* name) = 0;
+  virtual NamedValue* find_value(const char* name) = 0;
   /// The term for a value in messages: "property" or "parameter".
   virtual const char* value_kind() const = 0;
   /// Returns the form of a name by which names are compared.
@@ -113,7 +113,7 @@ class NamedValues {
   /// Returns the regular file of this name. Throws SceneError if it does not exist.
   virtual std::filesystem::path find_file(const std::string& file, const NamedValue& value) const = 0;
   /// The location of the value, or of the object if it is null.
-  virtual const SourceLocation& place_of(const NamedValue* value) const = 0;
+  virtual const SourceLocation& position_of(const NamedValue* value) const = 0;
   virtual ErrorSink& errors() const = 0;
 
   /// An error at the value, or at the object if it is null.

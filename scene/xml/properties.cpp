@@ -102,7 +102,7 @@ void Properties::add(const XmlElement& child) {
   entries_.emplace_back(key, *name, child, *target);
 }
 
-Properties::Entry* Properties::look(const char* name) {
+Properties::Entry* Properties::find_value(const char* name) {
   const std::string key = spelling_key(name);
   for (Entry& entry : entries_)
     if (!entry.key.empty() && entry.key == key && !entry.dropped) return &entry;
@@ -119,7 +119,7 @@ const std::string& Properties::text_of(const Entry& entry, std::initializer_list
 }
 
 bool Properties::is_texture(const char* name) {
-  const Entry* entry = look(name);
+  const Entry* entry = find_value(name);
   return entry != nullptr && entry->target->name == "texture";
 }
 
@@ -142,7 +142,7 @@ std::vector<std::pair<std::string, const ArrayValue*>> Properties::arrays_with_p
 
 bool Properties::is_string(const char* name) {
   note_query(name, "string");
-  const Entry* entry = look(name);
+  const Entry* entry = find_value(name);
   return entry != nullptr && entry->target->name == "string";
 }
 
@@ -222,7 +222,7 @@ Placement Properties::placement(const char* name) {
 }
 
 bool Properties::is_animation(const char* name) {
-  const Entry* entry = look(name);
+  const Entry* entry = find_value(name);
   return entry != nullptr && entry->target->name == "animation";
 }
 
@@ -281,7 +281,7 @@ ScalarInput Properties::scalar_of(const Entry& entry, const SpectrumInput& input
 
 std::optional<ScalarInput> Properties::find_scalar_input(const char* name, NumberRange range) {
   note_query(name, "float or texture");
-  Entry* entry = look(name);
+  Entry* entry = find_value(name);
   if (entry == nullptr || entry->target->name == "float" || entry->target->name == "integer")
     return find_number(name, range);
   use(name);
@@ -431,7 +431,7 @@ void Properties::report_unused_object(const Entry& entry) {
   report_child(*entry.written, message, SceneErrorCode::kUnknownName);
 }
 
-const SourceLocation& Properties::place_of(const NamedValue* value) const {
+const SourceLocation& Properties::position_of(const NamedValue* value) const {
   return value != nullptr ? entry_of(*value).written->where : object_.where;
 }
 

@@ -27,7 +27,7 @@ using TextureReader = SpectrumInput (*)(const XmlElement& element, ReadContext& 
 struct ElementReaders {
   SpectrumDescription (*spectrum)(const XmlElement& element, SpectrumRole role, ReadContext& context) = nullptr;
   TextureReader texture = nullptr;  ///< of the dialect
-  /// The texture to use in place of `texture` for a scalar parameter.
+  /// The texture to use instead of `texture` for a scalar parameter.
   TextureId (*scalar_texture)(TextureId texture, ReadContext& context) = nullptr;
 };
 
@@ -60,7 +60,7 @@ struct ReadContext {
 
 /// Calls read(), which reads `element`. Reports its error and returns false if the element cannot be read; it is then
 /// left out.
-template <class Read> bool read_or_leave_out(const XmlElement& element, ReadContext& context, Read&& read) {
+template <class Read> bool read_or_omit(const XmlElement& element, ReadContext& context, Read&& read) {
   try {
     read();
     return true;
@@ -70,7 +70,7 @@ template <class Read> bool read_or_leave_out(const XmlElement& element, ReadCont
   }
 }
 
-/// Normalises the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.
+/// Normalizes the spelling of a name: `maxDepth`, `max_depth` and `maxdepth` are equal.
 std::string spelling_key(std::string_view name);
 
 /// The properties and nested objects of one XML element. Names are compared by spelling_key(). Properties of the wrong
@@ -106,17 +106,17 @@ class Properties : public NamedValues {
   bool is_animation(const char* name);
   std::optional<SpectrumDescription> find_spectrum(const char* name, SpectrumRole role);
   SpectrumDescription spectrum(const char* name, SpectrumDescription default_value, SpectrumRole role);
-  /// A colour or a texture. Values of images are not checked against the role here.
+  /// A color or a texture. Values of images are not checked against the role here.
   std::optional<SpectrumInput> find_spectrum_input(const char* name, SpectrumRole role);
   SpectrumInput spectrum_input(const char* name, SpectrumInput default_value, SpectrumRole role);
-  /// A scalar or a texture; the luminance of a colour. Values of textures are not checked against the range.
+  /// A scalar or a texture; the luminance of a color. Values of textures are not checked against the range.
   std::optional<ScalarInput> find_scalar_input(const char* name, NumberRange range);
   ScalarInput scalar_input(const char* name, ScalarInput default_value, NumberRange range);
-  /// The name of the first property that is a colour or a texture, or null.
+  /// The name of the first property that is a color or a texture, or null.
   const char* first_color() const;
   /// The first unused <texture> of an object, with any name or none, or null. Reports further ones.
   const XmlElement* any_texture();
-  /// any_texture(), or if null the only unused colour.
+  /// any_texture(), or if null the only unused color.
   const XmlElement* any_texture_or_color();
   /// Nested objects of a kind (such as "bsdf"), in file order.
   std::vector<const XmlElement*> objects(const char* kind);
@@ -181,7 +181,7 @@ class Properties : public NamedValues {
   /// Reports attributes that are not allowed.
   void expect_attributes(const XmlElement& element, std::initializer_list<const char*> allowed) const;
   static const Entry& entry_of(const NamedValue& value) { return static_cast<const Entry&>(value); }
-  Entry* look(const char* name) override;
+  Entry* find_value(const char* name) override;
   Entry* use(const char* name) { return static_cast<Entry*>(NamedValues::use(name)); }
   const char* value_kind() const override { return "property"; }
   std::string key_of(std::string_view name) const override { return spelling_key(name); }
@@ -191,7 +191,7 @@ class Properties : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3d read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  const SourceLocation& place_of(const NamedValue* value) const override;
+  const SourceLocation& position_of(const NamedValue* value) const override;
   ErrorSink& errors() const override { return context_.errors; }
   /// The attribute `value` of a property that must have one of the types.
   const std::string& text_of(const Entry& entry, std::initializer_list<const char*> types) const;

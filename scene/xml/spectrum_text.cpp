@@ -1,4 +1,4 @@
-// Parses spectra and colours.
+// Parses spectra and colors.
 #include "scene/xml/spectrum_text.h"
 
 #include "core/color/color.h"
@@ -25,7 +25,7 @@ Vec3f parse_hex(std::string_view text, const SourceLocation& where) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data() + 1, end, value, 16);
   if (text.size() != 7 || result.ec != std::errc() || result.ptr != end)
-    throw SceneError(where, fmt::format("colour is {}, expected #rrggbb", in_quotes(text)));
+    throw SceneError(where, fmt::format("color is {}, expected #rrggbb", in_quotes(text)));
   auto component = [&](unsigned shift) { return srgb_to_linear(static_cast<float>((value >> shift) & 255u) / 255.0f); };
   return {component(16), component(8), component(0)};
 }
@@ -38,9 +38,8 @@ SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocat
     if (count == 3) return {SpectrumDescription::Rgb{parse_vec3(text, where, "spectrum").rounded()}};
     if (count > 1)
       throw SceneError(
-          where,
-          fmt::format("spectrum is {}, expected one number, three numbers of a colour, or wavelength:value pairs",
-                      in_quotes(text)));
+          where, fmt::format("spectrum is {}, expected one number, three numbers of a color, or wavelength:value pairs",
+                             in_quotes(text)));
     return SpectrumDescription::constant(parse_float(text, where, "spectrum"));
   }
   SpectrumDescription::Table table;
@@ -81,18 +80,18 @@ SpectrumDescription::Table read_spd(const std::filesystem::path& file) {
 }
 
 Vec3f parse_srgb(std::string_view text, const SourceLocation& where) {
-  const std::string_view colour = trim(text);
-  if (colour.starts_with('#')) return parse_hex(colour, where);
-  const Vec3f v = parse_vec3(colour, where, "sRGB colour").rounded();
+  const std::string_view color = trim(text);
+  if (color.starts_with('#')) return parse_hex(color, where);
+  const Vec3f v = parse_vec3(color, where, "sRGB color").rounded();
   for (float c : {v.x, v.y, v.z})
     if (!(c >= 0 && c <= 1))
-      throw SceneError(where, fmt::format("sRGB colour is {}, expected values in [0, 1]", in_quotes(text)));
+      throw SceneError(where, fmt::format("sRGB color is {}, expected values in [0, 1]", in_quotes(text)));
   return srgb_to_linear(v);
 }
 
 Vec3f parse_rgb(std::string_view text, const SourceLocation& where) {
-  const std::string_view colour = trim(text);
-  return colour.starts_with('#') ? parse_hex(colour, where) : parse_vec3(colour, where, "colour").rounded();
+  const std::string_view color = trim(text);
+  return color.starts_with('#') ? parse_hex(color, where) : parse_vec3(color, where, "color").rounded();
 }
 
 }  // namespace sheaf

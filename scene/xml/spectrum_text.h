@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// Parses one number, three numbers of a colour, or "wavelength:value" pairs, separated by commas or white space.
+/// Parses one number, three numbers of a color, or "wavelength:value" pairs, separated by commas or white space.
 /// Throws SceneError; see check_table().
 SpectrumDescription parse_spectrum_text(std::string_view text, const SourceLocation& where);
 

@@ -73,10 +73,11 @@ struct Converter {
     const std::string_view text = node.value();
     const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
     const std::string_view word = text.substr(first, text.find_first_of(" \t\r\n<", first) - first);
-    SourceLocation place = where(node);
-    place.line += static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
+    SourceLocation position = where(node);
+    position.line +=
+        static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(first), '\n'));
     const std::string element = fmt::format("<{}>", node.parent().name());
-    const SceneError error(place, fmt::format("unexpected text {} inside {}", in_quotes(word), element),
+    const SceneError error(position, fmt::format("unexpected text {} inside {}", in_quotes(word), element),
                            SceneErrorCode::kSyntax);
     errors.report(error.about(element), "ignored");
   }

@@ -60,9 +60,9 @@ struct ExpandedScene::Expansion {
 
   void substitute(XmlAttribute& attribute, const SourceLocation& where) {
     if (attribute.value.find('$') == std::string::npos) return;
-    TextPlace place{where, attribute.column};
-    if (attribute.line > 0) place.where.line = attribute.line;
-    attribute.value = definitions.substitute(attribute.value, place,
+    TextLocation location{where, attribute.column};
+    if (attribute.line > 0) location.where.line = attribute.line;
+    attribute.value = definitions.substitute(attribute.value, location,
                                              [&](const SceneError& error) { errors.report(error, "left empty"); });
   }
 
@@ -106,7 +106,7 @@ struct ExpandedScene::Expansion {
   }
 
   /// Calls look(), which searches a file. Its errors end strict reading, because they would cause further ones.
-  template <class Look> void leave_out_if_missing(Look&& look) {
+  template <class Look> void omit_if_missing(Look&& look) {
     try {
       look();
     } catch (const SceneError& error) {
@@ -127,11 +127,11 @@ struct ExpandedScene::Expansion {
       } else if (child.name == "default") {
         define_default(child);
       } else if (child.name == "path") {
-        leave_out_if_missing([&] { add_path(child); });
+        omit_if_missing([&] { add_path(child); });
       } else if (child.name == "alias") {
         scene.aliases_.push_back(std::move(child));
       } else if (child.name == "include") {
-        leave_out_if_missing([&] { include(child, include_depth, out); });
+        omit_if_missing([&] { include(child, include_depth, out); });
       } else {
         expand(child.children, include_depth);
         out.push_back(std::move(child));
@@ -146,7 +146,7 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
     : lenient_(lenient) {
   search_.push_back(folder.value_or(file.parent_path()));
   files_.push_back(file);
-  ErrorSink errors(lenient, stand_ins_);
+  ErrorSink errors(lenient, substitutions_);
   errors.run([&] {
     root_ = read_xml(file, errors);
     Expansion expansion{*this, errors, Definitions(defines)};
@@ -158,7 +158,7 @@ ExpandedScene::ExpandedScene(const fs::path& file, const std::vector<std::pair<s
 
 ExpandedScene::ExpandedScene(XmlElement root, const fs::path& folder, bool lenient)
     : root_(std::move(root)), lenient_(lenient), search_{folder} {
-  ErrorSink errors(lenient_, stand_ins_);
+  ErrorSink errors(lenient_, substitutions_);
   resolve_ids(errors);
   errors.throw_errors();
 }
@@ -166,11 +166,11 @@ ExpandedScene::ExpandedScene(XmlElement root, const fs::path& folder, bool lenie
 ExpandedScene::ExpandedScene(XmlElement root, const ExpandedScene& original)
     : root_(std::move(root)),
       lenient_(original.lenient_),
-      stand_ins_(original.stand_ins_),
+      substitutions_(original.substitutions_),
       search_(original.search_),
       files_(original.files_),
       aliases_(original.aliases_) {
-  ErrorSink errors(lenient_, stand_ins_);
+  ErrorSink errors(lenient_, substitutions_);
   resolve_ids(errors);
   errors.throw_errors();
 }

@@ -20,7 +20,7 @@ class ExpandedScene {
   /// Reads `file`. Each define is a name and its value; it overrides the <default> of that name. Throws SceneError for
   /// XML errors, an include or path that is not found, includes nested deeper than 15 or more than 10,000 of them, an
   /// undefined `$name`, a define that the scene does not use, and a duplicate id. `lenient`: drops what can be dropped;
-  /// see stand_ins(). `folder`: to which relative paths refer; default: that of the file.
+  /// see substitutions(). `folder`: to which relative paths refer; default: that of the file.
   ExpandedScene(const std::filesystem::path& file, const std::vector<std::pair<std::string, std::string>>& defines,
                 bool lenient = false, const std::optional<std::filesystem::path>& folder = {});
 
@@ -33,7 +33,7 @@ class ExpandedScene {
 
   const XmlElement& root() const { return root_; }
   /// Messages, with file and line, about what was dropped or replaced because it could not be read.
-  const std::vector<std::string>& stand_ins() const { return stand_ins_; }
+  const std::vector<std::string>& substitutions() const { return substitutions_; }
   /// Renames all elements with a name; for synonyms.
   void rename(std::string_view name, std::string_view other) { rename(root_, name, other); }
   /// Replaces a plugin of all objects with this element name; for synonyms.
@@ -63,7 +63,7 @@ class ExpandedScene {
 
   XmlElement root_;
   bool lenient_ = false;
-  std::vector<std::string> stand_ins_;
+  std::vector<std::string> substitutions_;
   std::vector<std::filesystem::path> search_;         ///< in order of search
   mutable std::vector<std::filesystem::path> files_;  ///< see files(); a record that does not affect the scene
   std::unordered_map<std::string, const XmlElement*> ids_;

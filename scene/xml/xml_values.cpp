@@ -25,7 +25,7 @@ std::string_view trimmed(std::string_view text) {
                    SceneErrorCode::kWrongType);
 }
 
-std::string shown(const XmlElement& element) { return fmt::format("<{}>", element.name); }
+std::string displayed(const XmlElement& element) { return fmt::format("<{}>", element.name); }
 
 /// Rotation axis in the syntax of either dialect.
 Vec3d rotation_axis(const XmlElement& element) {
@@ -75,7 +75,7 @@ Transform parse_matrix(const XmlElement& element) {
 
 Transform parse_step(const XmlElement& element) {
   if (!element.children.empty())
-    throw SceneError(element.where, shown(element) + " has nested elements, expected none");
+    throw SceneError(element.where, displayed(element) + " has nested elements, expected none");
   if (element.name == "translate") return Transform::translate(parse_vec3_element(element, 0));
   if (element.name == "scale") return Transform::scale(parse_vec3_element(element, 1));
   if (element.name == "rotate") {
@@ -85,7 +85,7 @@ Transform parse_step(const XmlElement& element) {
   if (element.name == "lookat" || element.name == "lookAt") return parse_lookat(element);
   if (element.name == "matrix") return parse_matrix(element);
   throw SceneError(element.where,
-                   fmt::format("unknown transform step {}{}", shown(element),
+                   fmt::format("unknown transform step {}{}", displayed(element),
                                did_you_mean(element.name, {"translate", "scale", "rotate", "lookat", "matrix"})));
 }
 
@@ -169,7 +169,7 @@ Vec3d parse_vec3(std::string_view text, const SourceLocation& where, std::string
 }
 
 Vec3d parse_vec3_element(const XmlElement& element, double missing) {
-  const std::string what = "the value of " + shown(element);
+  const std::string what = "the value of " + displayed(element);
   if (const std::string* value = element.find_attribute("value")) {
     element.expect_attributes({"name", "value"});
     return parse_vec3(*value, element.where, what);
@@ -180,10 +180,10 @@ Vec3d parse_vec3_element(const XmlElement& element, double missing) {
   const char* const axes[3] = {"x", "y", "z"};
   for (int i = 0; i < 3; ++i)
     if (const std::string* text = element.find_attribute(axes[i])) {
-      result[i] = parse_number(*text, element.where, fmt::format("attribute {} of {}", axes[i], shown(element)));
+      result[i] = parse_number(*text, element.where, fmt::format("attribute {} of {}", axes[i], displayed(element)));
       any = true;
     }
-  if (!any) throw SceneError(element.where, shown(element) + " needs value=\"x, y, z\" or x, y and z");
+  if (!any) throw SceneError(element.where, displayed(element) + " needs value=\"x, y, z\" or x, y and z");
   return {result[0], result[1], result[2]};
 }
 
@@ -240,8 +240,8 @@ AnimatedTransform parse_animation(const XmlElement& element) {
   std::vector<AnimationKey> keys;
   for (const XmlElement& child : element.children) {
     if (child.name != "transform")
-      throw SceneError(child.where,
-                       fmt::format("unexpected {} in <animation>, expected <transform time=\"...\">", shown(child)));
+      throw SceneError(child.where, fmt::format("unexpected {} in <animation>, expected <transform time=\"...\">",
+                                                displayed(child)));
     child.expect_attributes({"time", "name", "id"});
     const float time = parse_float(child.attribute("time"), child.where, "the time of <transform>");
     keys.push_back({double{time}, parse_steps(child), child.where});

@@ -1,5 +1,5 @@
 """The leaves and the drops of scenes/forest: outlines, veins, textures, and the profile of a pendant drop. Needs numpy.
-Lengths in centimetres. On a flat leaf x runs along the midrib from the base and y across."""
+Lengths in centimeters. On a flat leaf x runs along the midrib from the base and y across."""
 
 from dataclasses import dataclass
 
@@ -15,13 +15,13 @@ OUTLINE = np.array([(0, 0.03), (0.03, 0.17), (0.08, 0.40), (0.15, 0.65), (0.24, 
 
 @dataclass
 class Leaf:
-    """Shape and colours of one kind of leaf."""
+    """Shape and colors of one kind of leaf."""
     length: float
     half_width: float
     pairs: int  # secondary veins on each side
     teeth: int  # along each edge
     seed: int
-    base: tuple = (0.055, 0.150, 0.022)  # linear colours of the blade, between its veins and in its veins
+    base: tuple = (0.055, 0.150, 0.022)  # linear colors of the blade, between its veins and in its veins
     dark: tuple = (0.018, 0.070, 0.012)
     vein: tuple = (0.20, 0.30, 0.075)
     spot: tuple = (0.16, 0.085, 0.025)
@@ -87,7 +87,7 @@ class Leaf:
         main = np.maximum(np.exp(-(across / middle) ** 2), inside * np.exp(-(side_distance / side) ** 2))
         vein = np.maximum(main, np.maximum(0.42 * third, 0.20 * fourth))
 
-        # Colours of the blade, veins and rim, and of blots.
+        # Colors of the blade, veins and rim, and of blots.
         u, v = x / spacing, y / spacing
         patch = fbm(0.9 * u, 0.9 * v, seed=self.seed + 20)
         grain = fbm(40 * u, 40 * v, octaves=3, seed=self.seed + 21)
@@ -185,7 +185,7 @@ def pendant_drop(tail, side, tip_half_width, apex_radius, scale, overlap):
                       neck_radius * shrink + (1 - shrink) * (film + 0.0005), neck_height + overlap * t))
     rings = np.array(rings)
 
-    # Centres: the film follows the leaf, the drop hangs straight below its tip.
+    # Centers: the film follows the leaf, the drop hangs straight below its tip.
     lift = neck_height - 0.05 * overlap
     arc = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(tail, axis=0), axis=1))])
     above = np.maximum(rings[:, 2] - lift, 0)
@@ -233,7 +233,7 @@ def surface_points(mesh, count, rng):
 
 
 def droplet_placements(mesh, count, radii, rng, up):
-    """Centres, normals and radii of droplets on a mesh, none of which overlap; small ones are more frequent."""
+    """Centers, normals and radii of droplets on a mesh, none of which overlap; small ones are more frequent."""
     points, normals = surface_points(mesh, 6 * count, rng)
     normals = np.where((normals @ up)[:, None] < 0, -normals, normals)
     sizes = np.sort(radii[0] * (radii[1] / radii[0]) ** (rng.random(len(points)) ** 2.2))[::-1]

@@ -1,5 +1,5 @@
-"""The plants, stones and trunks of scenes/forest as meshes with colours of vertices. Needs numpy. Lengths in
-centimetres; +y is up and plants stand on y = 0."""
+"""The plants, stones and trunks of scenes/forest as meshes with colors of vertices. Needs numpy. Lengths in
+centimeters; +y is up and plants stand on y = 0."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from forest_shapes import (Mesh, aligned, copies, fbm, grid_faces, icosphere, jo
 
 
 def tint(rng, color, spread):
-    """A colour with random brightness and hue."""
+    """A color with random brightness and hue."""
     return np.asarray(color) * rng.uniform(1 - spread, 1 + spread) * rng.uniform(1 - 0.5 * spread, 1 + 0.5 * spread, 3)
 
 
@@ -187,7 +187,7 @@ def fallen_leaf(rng, leaf):
 
 
 def stone(seed, radii, steps=5, green=0.5):
-    """A weathered stone around the origin, wider than high, with moss-coloured patches on top."""
+    """A weathered stone around the origin, wider than high, with moss-colored patches on top."""
     directions, faces = icosphere(steps)
     x, y, z = (directions + 11.7 * seed).T
     shape = 1 + 0.22 * fbm(1.3 * x, 1.3 * y, 1.3 * z, seed=seed)

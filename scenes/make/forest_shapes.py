@@ -70,7 +70,7 @@ def unit(v):
 
 
 class Mesh:
-    """Triangles with positions, and with normals, texture coordinates and linear colours of vertices if given."""
+    """Triangles with positions, and with normals, texture coordinates and linear colors of vertices if given."""
 
     def __init__(self, positions, faces, uvs=None, colors=None, normals=None):
         self.positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
@@ -105,7 +105,7 @@ class Mesh:
         return Mesh(self.positions, self.faces[:, ::-1], self.uvs, self.colors, -self.normals)
 
     def write(self, path):
-        """Writes a binary PLY file. Colours become the attribute vertex_color."""
+        """Writes a binary PLY file. Colors become the attribute vertex_color."""
         columns = [self.positions, self.normals]
         names = ["x", "y", "z", "nx", "ny", "nz"]
         for values, more in ((self.uvs, ["u", "v"]), (self.colors, ["r", "g", "b"])):
@@ -236,7 +236,7 @@ def encode_srgb(x):
 
 
 def write_png(path, image):
-    """Writes 8-bit RGB or grey from values in [0, 1], shape (height, width[, 3]), first row at the top."""
+    """Writes 8-bit RGB or gray from values in [0, 1], shape (height, width[, 3]), first row at the top."""
     pixels = np.round(255 * np.clip(image, 0, 1)).astype(np.uint8)
     height, width = pixels.shape[:2]
     raw = np.hstack([np.zeros((height, 1), np.uint8), pixels.reshape(height, -1)]).tobytes()

@@ -1,4 +1,4 @@
-"""The city of make_hourglass.py: bevelled buildings with lit windows, blocks, trees, lamps, and their placement."""
+"""The city of make_hourglass.py: beveled buildings with lit windows, blocks, trees, lamps, and their placement."""
 
 import numpy as np
 
@@ -137,7 +137,7 @@ def placements(rng):
             if (i, j) == (0, 0):  # the tower under the drops
                 buildings.append((0, cx, cz, 0, 1.0))
                 continue
-            # High buildings near the centre, four to a block further out
+            # High buildings near the center, four to a block further out
             target = 0.45 + 4.6 * np.exp(-(reach / 1.9)**2)
             lots = [(0, 0)] if target > 2.4 and rng.random() < 0.45 else [(a, b) for a in (-1, 1) for b in (-1, 1)]
             for a, b in lots:
@@ -196,15 +196,15 @@ def make_models(folder, rng):
     return text
 
 
-def make_city(folder, centre, level, turn):
-    """Writes the city at `centre` (x, z), with streets around the height `level`, turned about the vertical."""
+def make_city(folder, center, level, turn):
+    """Writes the city at `center` (x, z), with streets around the height `level`, turned about the vertical."""
     rng = np.random.default_rng(5)
     text = make_models(folder, rng)
     buildings, blocks, trees, lamps = placements(rng)
     c, s = np.cos(np.radians(turn)), np.sin(np.radians(turn))
 
     def placed(x, z, lift=0.0):
-        return centre[0] + c * x + s * z, level + ground_height(x, z) + lift, centre[1] - s * x + c * z
+        return center[0] + c * x + s * z, level + ground_height(x, z) + lift, center[1] - s * x + c * z
 
     for model, x, z, angle, scale in buildings:
         text.append(instance(f"building_{model}", *placed(x, z, 0.02), angle + turn, scale))
@@ -217,7 +217,7 @@ def make_city(folder, centre, level, turn):
     for low, high in blocks:
         y = ground_height(0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]))
         pavements.append(box((low[0], y - 0.5, low[1]), (high[0], y + 0.03, high[1]), 0.012))
-    merged(pavements).turned(1, turn).moved((centre[0], level, centre[1])).write(folder / "pavements.ply")
+    merged(pavements).turned(1, turn).moved((center[0], level, center[1])).write(folder / "pavements.ply")
     head = ('<?xml version="1.0" encoding="utf-8"?>\n<!-- The city, written by scenes/make/make_hourglass.py. -->\n'
             '<scene version="3.0.0">\n')
     (folder / "city.xml").write_text(head + "".join(text) + "</scene>\n")

@@ -1,4 +1,4 @@
-"""Meshes as numpy arrays for make_hourglass.py: surfaces of revolution, bevelled boxes, grids, and PLY files."""
+"""Meshes as numpy arrays for make_hourglass.py: surfaces of revolution, beveled boxes, grids, and PLY files."""
 
 import numpy as np
 
@@ -150,7 +150,7 @@ def revolved(profile, sides, normals=None):
 
 
 def box(low, high, bevel=0.0):
-    """A box with bevelled edges that shade smoothly. uv are the two coordinates along each face."""
+    """A box with beveled edges that shade smoothly. uv are the two coordinates along each face."""
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     positions, normals, uvs, faces = [], [], [], []
     # Each corner has a vertex on each of its three faces, at 8 * axis + the corner's bits
@@ -178,11 +178,11 @@ def box(low, high, bevel=0.0):
     return oriented(Mesh(positions, normals, uvs, triangles), 0.5 * (low + high))
 
 
-def oriented(mesh, centre):
-    """Turns all triangles so that they face away from `centre`; drops degenerate ones."""
+def oriented(mesh, center):
+    """Turns all triangles so that they face away from `center`; drops degenerate ones."""
     a, b, c = (mesh.positions[mesh.triangles[:, k]] for k in range(3))
     faces = np.cross(b - a, c - a)
-    inwards = np.einsum("ij,ij->i", faces, (a + b + c) / 3 - centre) < 0
+    inwards = np.einsum("ij,ij->i", faces, (a + b + c) / 3 - center) < 0
     triangles = np.where(inwards[:, None], mesh.triangles[:, ::-1], mesh.triangles)
     mesh.triangles = triangles[np.linalg.norm(faces, axis=1) > 1e-14]
     return mesh

@@ -47,19 +47,19 @@ def smooth_step(low, high, x):
 
 
 def mix(t, a, b):
-    """Colours from `a` (t = 0) to `b` (t = 1)."""
+    """Colors from `a` (t = 0) to `b` (t = 1)."""
     t = np.asarray(t, dtype=float)[..., None]
     return a + t * (b - a)
 
 
 def encoded(color):
-    """Linear colours encoded as sRGB."""
+    """Linear colors encoded as sRGB."""
     color = np.clip(color, 0, 1)
     return np.where(color <= 0.0031308, 12.92 * color, 1.055 * color**(1 / 2.4) - 0.055)
 
 
 def write_png(path, values):
-    """Writes 8-bit grey (rows x columns) or RGB (rows x columns x 3) from values in [0, 1]."""
+    """Writes 8-bit gray (rows x columns) or RGB (rows x columns x 3) from values in [0, 1]."""
     values = np.clip(np.rint(255 * np.asarray(values)), 0, 255).astype(np.uint8)
     height, width = values.shape[:2]
     kind = 2 if values.ndim == 3 else 0
@@ -91,14 +91,14 @@ KNOTS = [(-31.0, -14.5, 0.9), (13.0, 13.5, 1.0), (-12.0, 8.5, 0.75), (38.0, -4.0
 
 
 def wood(x, z, plank):
-    """Ring position, darkness of knots, pores and fibres of planks along x; lengths in cm."""
+    """Ring position, darkness of knots, pores and fibers of planks along x; lengths in cm."""
     # Each plank is cut from a trunk of its own, whose axis is nearly parallel to x
     number = np.floor(z / plank)
     k, local = number * 31.7, z - (number + 0.5) * plank
-    centre = plank * 1.6 * (lattice(number, seed=3) - 0.5)
+    center = plank * 1.6 * (lattice(number, seed=3) - 0.5)
     depth = 1.5 + 5 * lattice(number, seed=4) + 0.012 * x * (lattice(number, seed=5) - 0.5) * 4
     bend = 1.6 * (fractal(x * 0.035 + k, local * 0.06, octaves=3, seed=6) - 0.5) * 3
-    # Knots bend the fibres around them
+    # Knots bend the fibers around them
     knot = np.zeros_like(x)
     for kx, kz, size in KNOTS:
         across = np.where(number == np.floor(kz / plank), z - kz, 1e3)
@@ -107,27 +107,27 @@ def wood(x, z, plank):
         distance = distance * (1 + 0.16 * np.sin(3 * angle + kx) + 0.1 * np.sin(7 * angle))
         bend = bend + 2.2 * size * np.exp(-0.5 * (distance / 1.7)**2) * np.sign(across + 1e-6) * 0.8
         knot = np.maximum(knot, smooth_step(1.25, 0.75, distance) * (0.65 + 0.35 * np.sin(distance * 16)))
-    # Annual rings, fibres and pores
-    rings = np.hypot(local - centre + bend, depth + 0.5 * (fractal(x * 0.05, k, octaves=2, seed=8) - 0.5))
+    # Annual rings, fibers and pores
+    rings = np.hypot(local - center + bend, depth + 0.5 * (fractal(x * 0.05, k, octaves=2, seed=8) - 0.5))
     rings = rings / 0.62 + 0.5 * fractal(x * 0.08 + k, local * 0.9, octaves=4, seed=9)
-    fibres = fractal(x * 0.55 + k, z * 14, octaves=3, seed=10)
-    pores = smooth_step(0.62, 0.78, value_noise(x * 0.9 + k, z * 26, seed=12) * 0.7 + 0.3 * fibres)
-    return rings, knot, pores, fibres, lattice(number, seed=7)
+    fibers = fractal(x * 0.55 + k, z * 14, octaves=3, seed=10)
+    pores = smooth_step(0.62, 0.78, value_noise(x * 0.9 + k, z * 26, seed=12) * 0.7 + 0.3 * fibers)
+    return rings, knot, pores, fibers, lattice(number, seed=7)
 
 
 def make_wood(folder, x_range, z_range, plank, texels_per_cm):
-    """Writes colour, roughness and normals of the table's planks."""
+    """Writes color, roughness and normals of the table's planks."""
     columns = int((x_range[1] - x_range[0]) * texels_per_cm)
     rows = int((z_range[1] - z_range[0]) * texels_per_cm)
     x = np.linspace(*x_range, columns)[None, :] + np.zeros((rows, 1))
     z = np.linspace(*z_range, rows)[:, None] + np.zeros((1, columns))
-    rings, knot, pores, fibres, tint = wood(x, z, plank)
-    # Colour: dark latewood, pores and knots, and stains
+    rings, knot, pores, fibers, tint = wood(x, z, plank)
+    # Color: dark latewood, pores and knots, and stains
     phase = rings - np.floor(rings)
     late = smooth_step(0.35, 0.92, phase) * smooth_step(1.0, 0.93, phase)
     pores = pores * (0.35 + 0.65 * smooth_step(0.5, 0.1, phase))
     light, dark = np.array([0.40, 0.205, 0.092]), np.array([0.155, 0.066, 0.027])
-    color = mix(np.clip(0.75 * late + 0.45 * (fibres - 0.5) + 0.18, 0, 1), light, dark)
+    color = mix(np.clip(0.75 * late + 0.45 * (fibers - 0.5) + 0.18, 0, 1), light, dark)
     color = mix(0.62 * pores, color, np.array([0.055, 0.024, 0.011]))
     color = mix(0.85 * knot, color, np.array([0.045, 0.018, 0.009]))
     stains = fractal(x * 0.09, z * 0.11, octaves=4, seed=20)
@@ -137,14 +137,14 @@ def make_wood(folder, x_range, z_range, plank, texels_per_cm):
     scratches = scratches * smooth_step(0.5, 0.7, fractal(x * 0.14, z * 0.14, octaves=2, seed=31))
     smudges = smooth_step(0.4, 0.75, fractal(x * 0.2, z * 0.2, octaves=5, seed=33))
     roughness = 0.36 + 0.14 * smudges + 0.16 * pores + 0.10 * late + 0.10 * knot + 0.12 * scratches
-    heights = -0.010 * pores + 0.004 * late + 0.004 * fibres - 0.006 * scratches + 0.004 * knot
+    heights = -0.010 * pores + 0.004 * late + 0.004 * fibers - 0.006 * scratches + 0.004 * knot
     write_png(folder / "wood_color.png", encoded(color * (1 + 0.18 * scratches[..., None])))
     write_png(folder / "wood_roughness.png", roughness)
     write_png(folder / "wood_normal.png", normal_map(heights, texels_per_cm, 0.55))
 
 
 def make_brass(folder, name, profile, seed, size=(1024, 512)):
-    """Writes colour and roughness of a turned part: columns run along its profile of (radius, height), rows around.
+    """Writes color and roughness of a turned part: columns run along its profile of (radius, height), rows around.
 
     Convex edges are polished by touch; grooves keep a dark patina.
     """
@@ -178,7 +178,7 @@ def make_brass(folder, name, profile, seed, size=(1024, 512)):
 
 
 def make_snow(folder, points, normals):
-    """Writes where frost and snow cover the iceberg, and its colour, on the grid of the iceberg's vertices."""
+    """Writes where frost and snow cover the iceberg, and its color, on the grid of the iceberg's vertices."""
     x, y, z = np.moveaxis(points, -1, 0)
     patches = fractal(1.3 * x, 1.3 * y, 1.3 * z, octaves=5, seed=300)
     snow = smooth_step(0.05, 0.55, normals[..., 1] + 1.3 * (patches - 0.5))
@@ -189,7 +189,7 @@ def make_snow(folder, points, normals):
 
 
 def make_paper(folder):
-    """Writes a letter: lines of words in ink on paper of uneven colour."""
+    """Writes a letter: lines of words in ink on paper of uneven color."""
     rows, columns = 1400, 1000
     y, x = np.mgrid[0:rows, 0:columns].astype(float)
     # Write lines of words
@@ -266,9 +266,9 @@ def make_environment(path, sun, height=512):
     write_pfm(path, mix(smooth_step(-0.04, 0.04, z), sky, room))
 
 
-def soft_box(direction, centre, half_width, half_height, radiance):
+def soft_box(direction, center, half_width, half_height, radiance):
     """A window with two mullions, as seen on the sphere of directions."""
-    n = np.asarray(centre) / np.linalg.norm(centre)
+    n = np.asarray(center) / np.linalg.norm(center)
     side = np.cross((0, 1, 0), n)
     side /= np.linalg.norm(side)
     up = np.cross(n, side)

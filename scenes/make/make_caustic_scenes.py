@@ -11,11 +11,11 @@ from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parents[2] / "scenes" / "caustics" / "generated"
 
-# The ring: outer and inner radius, and height, in metres.
+# The ring: outer and inner radius, and height, in meters.
 OUTER, INNER, HEIGHT = 1.0, 0.94, 0.42
 RING_SIDES = 360
 
-# The water: half extents along x and z in metres, cells along x and z, and waves (length in metres, slope).
+# The water: half extents along x and z in meters, cells along x and z, and waves (length in meters, slope).
 HALF_X, HALF_Z = 2.02, 1.52
 CELLS_X, CELLS_Z = 268, 202
 WAVES = [(1.55, 0.030), (1.10, 0.035), (0.81, 0.050), (0.60, 0.060), (0.44, 0.050), (0.33, 0.035)]

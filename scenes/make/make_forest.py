@@ -15,14 +15,14 @@ from forest_shapes import (Mesh, aligned, fbm, grid_faces, joined, noise, rotati
 
 FOLDER = Path(__file__).resolve().parents[2] / "scenes" / "forest" / "generated"
 
-# The camera of forest.xml, in centimetres: position, downward tilt, and tangents of half the field of view.
+# The camera of forest.xml, in centimeters: position, downward tilt, and tangents of half the field of view.
 EYE = np.array([0.0, 2.4, 12.0])
 TILT = np.radians(3.0)
 TAN_X, TAN_Y = 16 / 9 * np.tan(np.radians(14.0)), np.tan(np.radians(14.0))
 
 DROP_X = -1.6
 TIP = np.array([DROP_X, 3.36, 0.0])
-# Stones in the water near the camera: centre, radii, seed, heading in degrees.
+# Stones in the water near the camera: center, radii, seed, heading in degrees.
 NEAR_STONES = [((5.3, 0.15, -3.2), (2.3, 1.25, 1.9), 3, 20), ((3.5, -0.05, -5.2), (1.05, 0.55, 0.9), 8, 70),
                ((8.4, 0.4, -7.0), (2.4, 1.9, 2.2), 5, 200), ((-7.3, 0.2, -6.8), (2.5, 1.3, 1.9), 6, 130),
                ((-5.3, -0.1, -8.6), (1.2, 0.6, 1.0), 9, 10), ((3.3, -0.12, -2.4), (0.5, 0.30, 0.45), 12, 250)]
@@ -115,7 +115,7 @@ def make_water():
 
 
 def make_hero():
-    """Writes the leaf, its stalk, a second leaf behind it and the hanging drop. Returns centres, normals and radii of
+    """Writes the leaf, its stalk, a second leaf behind it and the hanging drop. Returns centers, normals and radii of
     droplets on the leaf."""
     HERO.write_textures(FOLDER, "hero", 2048)
     side = (-0.22, -0.72, 0.66)

@@ -4,7 +4,7 @@ around them in four seconds. Needs only Python; the output is deterministic.
 
   scenes/make/make_gltf_scene.py
 
-Row by row from the back left: plastic, metal, textured roughness, normal map; clearcoat, sheen, anisotropy, coloured
+Row by row from the back left: plastic, metal, textured roughness, normal map; clearcoat, sheen, anisotropy, colored
 specular reflection; a refracting volume, a rough thin wall, an alpha mask, emission.
 """
 

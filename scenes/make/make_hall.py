@@ -15,7 +15,7 @@ FILE = Path(__file__).resolve().parents[2] / "scenes" / "hall" / "hall.xml"
 
 HEAD = """<?xml version="1.0" encoding="utf-8"?>
 <!-- A hall with 1000 small lamps of mixed power, a benchmark for light sampling. Written by
-     scenes/make/make_hall.py. Lengths in metres; y is up, the camera looks along the hall. -->
+     scenes/make/make_hall.py. Lengths in meters; y is up, the camera looks along the hall. -->
 <scene version="3.0.0">
   <default name="spp" value="64"/>
   <default name="width" value="640"/>
@@ -93,7 +93,7 @@ def furniture():
 
 
 def color(rng):
-    """A random colour between candlelight and overcast sky."""
+    """A random color between candlelight and overcast sky."""
     t = rng.random()
     return (1.0, 0.55 + 0.45 * t, 0.2 + 0.8 * t)
 

@@ -34,7 +34,7 @@ FLOOD = 4.12  # water level in the lower bulb
 STREETS = 4.10  # height of the city's ground level
 SUN = (-0.55, 0.34, -0.77)
 
-# Peaks of the iceberg, also under water, relative to the centre of its waterline: summit, slope of the sides in
+# Peaks of the iceberg, also under water, relative to the center of its waterline: summit, slope of the sides in
 # degrees, number of facets.
 PEAKS = [((0.55, 5.4, -0.1), 15, 9), ((-1.75, 3.9, 0.6), 15, 8), ((1.8, 3.2, 0.4), 18, 8), ((0.7, 2.0, 2.3), 25, 7),
          ((-0.8, 1.9, -2.4), 28, 7), ((-2.75, 1.3, 1.2), 32, 7), ((1.9, 0.9, -1.3), 40, 7),
@@ -63,7 +63,7 @@ def distance_to_plane(directions, normal, distance):
 
 
 def peak_radius(directions, summit, slope, facets, rng):
-    """Distance from the centre of the waterline to the surface of a convex peak, bounded by planes."""
+    """Distance from the center of the waterline to the surface of a convex peak, bounded by planes."""
     radius = np.full(directions.shape[:-1], 1e9)
     # The sides meet near the summit
     for k in range(facets):
@@ -81,7 +81,7 @@ def peak_radius(directions, summit, slope, facets, rng):
 
 
 def iceberg_radius(directions, wall):
-    """Distance from the centre of the waterline to the surface: a union of peaks, worn by noise, inside the bulb."""
+    """Distance from the center of the waterline to the surface: a union of peaks, worn by noise, inside the bulb."""
     rng = np.random.default_rng(11)
     radius = np.full(directions.shape[:-1], 0.3)
     for peak in PEAKS:
@@ -156,8 +156,8 @@ def make_glass():
         revolved(profile, SIDES, n).flipped().write(FOLDER / f"{name}.ply")
     ring = make_iceberg(wall)
     water_surface(ring, lake[-1, 0], LAKE, 60, 130, 0.05).write(FOLDER / "lake.ply")
-    centre = np.zeros((SIDES + 1, 3)) + (0, FLOOD, 0)
-    water_surface(centre, flood[-1, 0], FLOOD, 120, 140, 0.045).write(FOLDER / "flood.ply")
+    center = np.zeros((SIDES + 1, 3)) + (0, FLOOD, 0)
+    water_surface(center, flood[-1, 0], FLOOD, 120, 140, 0.045).write(FOLDER / "flood.ply")
     pendant = spline([(0.0, 11.28), (0.16, 11.31), (0.31, 11.45), (0.37, 11.68), (0.38, 11.9), (0.43, 12.12),
                       (0.5, NECK)], 8)
     revolved(pendant, SIDES).write(FOLDER / "pendant.ply")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Writes measured materials in the format of the RGL database to scenes/materials/generated: metallic facets below a
-transparent film, whose interference colours depend on the angle. Needs numpy; the output is deterministic.
+transparent film, whose interference colors depend on the angle. Needs numpy; the output is deterministic.
 
   scenes/make/make_measured.py
 
-The parameterisation is that of Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
+The parameterization is that of Dupuy and Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and
 Rendering" (2018): reflectances are tabulated over the random numbers that sample the visible normals.
 """
 

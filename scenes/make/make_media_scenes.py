@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "scenes" / "media"
 
-# Profile of the bowl as radius and height: from the centre of the foot outwards, up, and down on the inside.
+# Profile of the bowl as radius and height: from the center of the foot outwards, up, and down on the inside.
 BOWL = [(0.0, 0.0), (0.34, 0.0), (0.36, 0.02), (0.34, 0.06), (0.27, 0.12), (0.30, 0.20), (0.46, 0.30), (0.62, 0.44),
         (0.72, 0.62), (0.76, 0.82), (0.77, 0.92), (0.755, 0.945), (0.735, 0.92), (0.71, 0.80), (0.65, 0.64),
         (0.53, 0.50), (0.36, 0.41), (0.18, 0.37), (0.0, 0.36)]

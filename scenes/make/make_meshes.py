@@ -146,7 +146,7 @@ def make_cornell():
     for name, corners in walls.items():
         write_obj(CORNELL / f"{name}.obj", f"{name} of the box, facing inwards", corners, [(0, 1, 2, 3)])
     corners, quads = box_mesh((-0.34, 0, -0.34), (0.34, 1.18, 0.34))
-    write_obj(CORNELL / "block.obj", "upright block, centred on the y axis", corners, quads)
+    write_obj(CORNELL / "block.obj", "upright block, centered on the y axis", corners, quads)
 
 
 def make_mesh_box():

@@ -19,16 +19,16 @@ def write_curves(path, curves):
     path.write_text("\n\n".join("\n".join("{:.4f} {:.4f} {:.4f} {:.5f}".format(*p) for p in c) for c in curves) + "\n")
 
 
-def make_lock(seed, turns, width, fibres=1800, points=22):
-    """A lock of hair that hangs from y = 1: fibres in a bundle that tapers and winds into a helix of `turns` turns."""
+def make_lock(seed, turns, width, fibers=1800, points=22):
+    """A lock of hair that hangs from y = 1: fibers in a bundle that tapers and winds into a helix of `turns` turns."""
     random = np.random.default_rng(seed)
     t = np.linspace(0, 1, points)
     curves = []
-    for _ in range(fibres):
+    for _ in range(fibers):
         r, a = width * np.sqrt(random.random()), 2 * np.pi * random.random()
         length = 1 - 0.42 * random.random()**2.5
         s = t * length
-        # The bundle narrows to a third at the tip; its fibres twist with it and stray a little.
+        # The bundle narrows to a third at the tip; its fibers twist with it and stray a little.
         phase = 2 * np.pi * turns * s**1.3 + 0.4 * random.normal()
         wave = 0.14 * s**1.2 * (turns > 0)
         spread = r * (1 - 0.78 * s) * (1 + 0.35 * np.sin(np.pi * np.minimum(2 * s, 1)))

@@ -24,7 +24,7 @@ def radiance(column, row):
 
 
 def rgbe(color):
-    """Encodes a colour as RGBE (Ward): three mantissas and a shared exponent."""
+    """Encodes a color as RGBE (Ward): three mantissas and a shared exponent."""
     mantissa, exponent = math.frexp(max(color))
     scale = mantissa * 256 / max(color)
     return bytes([*(int(c * scale) for c in color), exponent + 128])

@@ -46,7 +46,7 @@ def brick_at(u, v):
 
 
 def make_bricks(size=192):
-    """Writes the colour texture and the normal map of a brick wall."""
+    """Writes the color texture and the normal map of a brick wall."""
     heights = [[brick_at((x + 0.5) / size, 1 - (y + 0.5) / size)[0] for x in range(size)] for y in range(size)]
     colors, normals = [], []
     for y in range(size):
@@ -94,7 +94,7 @@ def make_small_images():
 
 
 def studio(back=-4.0, size=12.0, top=7.0):
-    """A grey backdrop, a large soft light at height `top`, a smaller one from the left, and dim ambient light."""
+    """A gray backdrop, a large soft light at height `top`, a smaller one from the left, and dim ambient light."""
     return f"""  <emitter type="constant">
     <rgb name="radiance" value="0.35, 0.37, 0.40"/>
   </emitter>

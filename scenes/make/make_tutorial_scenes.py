@@ -70,17 +70,17 @@ def round_corners(points, steps=4):
             continue
         tangent = radius * math.tan(abs(turn) / 2)
         side = 1 if turn > 0 else -1
-        centre = (r - tangent * before[0] - side * radius * before[1],
+        center = (r - tangent * before[0] - side * radius * before[1],
                   z - tangent * before[1] + side * radius * before[0])
         for k in range(steps + 1):
             angle = turn * k / steps
             c, s = math.cos(angle), math.sin(angle)
             normal = (c * before[1] + s * before[0], -c * before[0] + s * before[1])
-            rows.append(((centre[0] + side * radius * normal[0], centre[1] + side * radius * normal[1]), normal))
+            rows.append(((center[0] + side * radius * normal[0], center[1] + side * radius * normal[1]), normal))
     return rows
 
 
-def revolve(mesh, points, sides, material="", centre=(0.0, 0.0), steps=4):
+def revolve(mesh, points, sides, material="", center=(0.0, 0.0), steps=4):
     """Adds the surface of revolution of a polyline (r, z, corner radius). A polyline that runs from the bottom outside
     to the top has its normals outside."""
     rows = round_corners(points, steps)
@@ -94,7 +94,7 @@ def revolve(mesh, points, sides, material="", centre=(0.0, 0.0), steps=4):
                 ring.append(ring[0])
             else:
                 normal = (0.0, 0.0, math.copysign(1, up)) if r < 1e-9 else (across * c, across * s, up)
-                ring.append(mesh.add_vertex((centre[0] + r * c, centre[1] + r * s, z), normal))
+                ring.append(mesh.add_vertex((center[0] + r * c, center[1] + r * s, z), normal))
         rings.append(ring)
     for (lower, upper), (a, b) in zip(zip(rings, rings[1:]), zip(rows, rows[1:])):
         if math.dist(a[0], b[0]) < 1e-9:
@@ -104,7 +104,7 @@ def revolve(mesh, points, sides, material="", centre=(0.0, 0.0), steps=4):
             mesh.add_face(material, lower[k], lower[n], upper[n], upper[k])
 
 
-def box(mesh, centre, size, material="", bevel=0.01, steps=3, turn=0.0):
+def box(mesh, center, size, material="", bevel=0.01, steps=3, turn=0.0):
     """Adds a box with rounded edges: an octant of a sphere at every corner. `turn`: degrees around +z."""
     half = [s / 2 - bevel for s in size]
     cos_turn, sin_turn = math.cos(math.radians(turn)), math.sin(math.radians(turn))
@@ -126,7 +126,7 @@ def box(mesh, centre, size, material="", bevel=0.01, steps=3, turn=0.0):
                 if k > 0 and row in (0, 2 * steps + 1):
                     ring.append(ring[-1])
                 else:
-                    ring.append(mesh.add_vertex(tuple(c + o for c, o in zip(centre, p)), n))
+                    ring.append(mesh.add_vertex(tuple(c + o for c, o in zip(center, p)), n))
         rings.append(ring)
     count = 4 * (steps + 1)
     for lower, upper in zip(rings, rings[1:]):
@@ -291,8 +291,8 @@ def add_round_table(mesh):
     revolve(mesh, [(0, 0.38, 0), (0.46, 0.38, 0.012), (0.46, 0.415, 0.012), (0, 0.415, 0)], 64, "wood", (0.1, 0.35))
     for k in range(3):
         angle = 2 * math.pi * (k / 3 + 0.1)
-        centre = (0.1 + 0.3 * math.cos(angle), 0.35 + 0.3 * math.sin(angle))
-        revolve(mesh, [(0.018, 0, 0), (0.022, 0.39, 0)], 12, "wood", centre)
+        center = (0.1 + 0.3 * math.cos(angle), 0.35 + 0.3 * math.sin(angle))
+        revolve(mesh, [(0.018, 0, 0), (0.022, 0.39, 0)], 12, "wood", center)
     for z, size, material, turn in ((0.43, (0.24, 0.17, 0.03), "teal", 20), (0.456, (0.21, 0.15, 0.022), "paper", 32),
                                     (0.477, (0.19, 0.13, 0.02), "mustard", 14)):
         box(mesh, (-0.08, 0.27, z), size, material, 0.004, 2, turn)
@@ -322,7 +322,7 @@ def add_lamps(mesh, shades):
     for x, y, z in ((-1.5, 1.45, 0.525), (2.2, 1.3, 0.711)):
         revolve(mesh, [(0, z, 0), (0.08, z, 0.01), (0.08, z + 0.02, 0.01), (0.014, z + 0.035, 0.02),
                        (0.014, z + 0.33, 0)], 32, "brass", (x, y))
-        revolve(shades, [(0.17, z + 0.22, 0), (0.12, z + 0.46, 0)], 48, centre=(x, y))
+        revolve(shades, [(0.17, z + 0.22, 0), (0.12, z + 0.46, 0)], 48, center=(x, y))
 
 
 def add_wall_and_floor(mesh):
@@ -347,12 +347,12 @@ def make_interior():
     add_wall_and_floor(mesh)
     mesh.write("interior.obj", "Furniture", "interior.mtl")
     shades.write("shades.obj", "Lamp shades")
-    colours = {"fabric": (0.32, 0.31, 0.33), "mustard": (0.60, 0.33, 0.05), "teal": (0.04, 0.20, 0.22),
+    colors = {"fabric": (0.32, 0.31, 0.33), "mustard": (0.60, 0.33, 0.05), "teal": (0.04, 0.20, 0.22),
                "paper": (0.75, 0.71, 0.62), "rug": (0.38, 0.30, 0.24), "wall": (0.66, 0.62, 0.56)}
     glossy = {"wood": (0.22, 0.10, 0.045, 80), "dark": (0.03, 0.03, 0.03, 60), "ceramic": (0.55, 0.56, 0.52, 300)}
     text = ["# Written by scenes/make/make_tutorial_scenes.py."]
-    for name, colour in colours.items():
-        text += [f"newmtl {name}", "Kd {:g} {:g} {:g}".format(*colour)]
+    for name, color in colors.items():
+        text += [f"newmtl {name}", "Kd {:g} {:g} {:g}".format(*color)]
     for name, (r, g, b, exponent) in glossy.items():
         text += [f"newmtl {name}", f"Kd {r:g} {g:g} {b:g}", "Ks 0.04 0.04 0.04", f"Ns {exponent}", "illum 2"]
     text += ["newmtl brass", "Kd 0 0 0", "Ks 0.8 0.6 0.3", "Ns 120", "illum 2"]

@@ -118,7 +118,7 @@ def make_principled():
 
 
 def make_many_lights():
-    """Small lamps of many colours and powers above a floor with pillars."""
+    """Small lamps of many colors and powers above a floor with pillars."""
     parts = [rectangle('<scale value="12"/> <rotate x="1" angle="-90"/>', diffuse("0.6, 0.6, 0.6")),
              rectangle('<scale x="12" y="3"/> <translate y="3" z="-6"/>', diffuse("0.5, 0.5, 0.5"))]
     for i in range(12):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders scenes in Blender with the add-on and with Cycles and compares the mean colours. Needs `pip install bpy` (4.2 or
+"""Renders scenes in Blender with the add-on and with Cycles and compares the mean colors. Needs `pip install bpy` (4.2 or
 newer) in a virtual environment, hence it is not part of the other tests. Takes a minute.
 
   venv/bin/python tests/blender/compare_cycles.py --sheaf build/release/sheaf [--output FOLDER]

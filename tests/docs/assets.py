@@ -29,7 +29,7 @@ def obj():
 
 
 def ply():
-    """A cube with texture coordinates and vertex colours."""
+    """A cube with texture coordinates and vertex colors."""
     header = ["ply", "format ascii 1.0", f"element vertex {len(VERTICES)}"]
     header += [f"property float {name}" for name in ("x", "y", "z", "u", "v", "r", "g", "b")]
     header += [f"element face {len(TRIANGLES)}", "property list uchar int vertex_indices", "end_header"]

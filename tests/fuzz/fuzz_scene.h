@@ -18,7 +18,7 @@ inline void try_scene(const std::filesystem::path& file) {
   ReadOptions lenient;
   lenient.lenient = true;
   reads([&] {
-    for (const std::string& stand_in : read_scene(file, lenient).stand_ins) check_message(stand_in);
+    for (const std::string& substitute : read_scene(file, lenient).substitutions) check_message(substitute);
   });
 }
 

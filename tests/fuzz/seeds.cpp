@@ -260,7 +260,7 @@ void add_volumes(Seeds& seeds) {
       float value = 0;
       for (float& voxel : blocks.add({0, 1, -1})) voxel = value += 0.001f;
       const float one[] = {1, 1, 1};
-      if (values == Values::kFloat) blocks.add_constant({3, 0, 0}, one);  // the library cannot quantise a constant
+      if (values == Values::kFloat) blocks.add_constant({3, 0, 0}, one);  // the library cannot quantize a constant
       const TemporaryFolder folder;
       const NanoVdbGrid grids[] = {{"density", &blocks, Transform::scale({1, 2, 3}), values, false}};
       write_nanovdb(folder / "a.nvdb", grids, NanoVdbCodec::kZip);
@@ -353,7 +353,7 @@ void add_checkpoints(Seeds& seeds) {
 /// Images of 3 x 2 pixels, and parts of one for merging.
 void add_images(Seeds& seeds) {
   const TemporaryFolder folder;
-  const std::vector<int> grey = {0, 50, 100, 150, 200, 250},
+  const std::vector<int> gray = {0, 50, 100, 150, 200, 250},
                          rgb = {0, 1, 2, 50, 51, 52, 100, 101, 102, 150, 151, 152, 200, 201, 202, 250, 251, 252};
   const auto path = [&](std::string_view extension) { return folder / ("a." + std::string(extension)); };
   Image image(3, 2, {"R", "G", "B", "A"});
@@ -364,7 +364,7 @@ void add_images(Seeds& seeds) {
   write_hdr(path("hdr"), 3, 2, rgb);
   write_bmp(path("bmp"), 3, 2, rgb);
   write_tga(path("tga"), 3, 2, 3, rgb);
-  write_pnm(path("pgm"), 3, 2, 1, 255, grey);
+  write_pnm(path("pgm"), 3, 2, 1, 255, gray);
   write_pnm(path("ppm"), 3, 2, 3, 65535, rgb);
   write_bytes(path("pfm"), "PF\n3 2\n-1.0\n" + raw(std::vector<float>(18, 0.5f)));
   write_bytes(path("webp"), webp_bytes(2, 1, {200, 30, 0, 255, 100, 30, 0, 128}));

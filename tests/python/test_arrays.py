@@ -99,18 +99,18 @@ class ReadBack(unittest.TestCase):
 
     def test_images_and_grids(self):
         image = np.arange(24, dtype=np.float32).reshape(2, 4, 3) / 24
-        grey = np.arange(6, dtype=np.uint8).reshape(3, 2)
+        gray = np.arange(6, dtype=np.uint8).reshape(3, 2)
         grid = np.arange(24, dtype=np.float32).reshape(2, 3, 4)
         smoke = {"type": "heterogeneous", "albedo": 0.5, "sigma_t": {"type": "gridvolume", "data": grid}}
         scene = sheaf.load_dict(scenes.wall(
             bsdf={"type": "diffuse", "reflectance": {"type": "bitmap", "data": image}},
-            other={"type": "sphere", "bsdf": {"type": "diffuse", "reflectance": {"type": "bitmap", "data": grey}}},
+            other={"type": "sphere", "bsdf": {"type": "diffuse", "reflectance": {"type": "bitmap", "data": gray}}},
             cloud={"type": "cube", "interior": smoke, "bsdf": {"type": "null"}}))
         self.check(scene.shapes["square"].bsdf.reflectance.data, image, np.float32)
-        self.check(scene.shapes["other"].bsdf.reflectance.data, grey, np.uint8)
+        self.check(scene.shapes["other"].bsdf.reflectance.data, gray, np.uint8)
         self.check(scene.shapes["cloud"].interior.sigma_t.data, grid, np.float32)
-        scene.shapes["other"].bsdf.reflectance.data = grey.astype(np.float64) / 255
-        self.check(scene.shapes["other"].bsdf.reflectance.data, (grey / 255.0).astype(np.float32), np.float32)
+        scene.shapes["other"].bsdf.reflectance.data = gray.astype(np.float64) / 255
+        self.check(scene.shapes["other"].bsdf.reflectance.data, (gray / 255.0).astype(np.float32), np.float32)
 
     def test_shapes_from_files(self):
         scene = scenes.cornell()

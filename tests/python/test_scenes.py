@@ -13,7 +13,7 @@ T = sheaf.Transform
 
 
 def color(dictionary, spp=16, **options):
-    """The mean colour of the image."""
+    """The mean color of the image."""
     scene = dictionary if isinstance(dictionary, sheaf.Scene) else sheaf.load_dict(dictionary)
     return sheaf.render(scene, spp=spp, **options).image[..., :3].mean(axis=(0, 1))
 

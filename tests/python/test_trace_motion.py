@@ -8,7 +8,7 @@ import numpy as np
 
 import sheaf
 
-# The shutter opens at a quarter of the motion. The wall turns about its centre.
+# The shutter opens at a quarter of the motion. The wall turns about its center.
 SCENE = """<scene version="3.0.0">
   <sensor type="perspective"><float name="shutter_open" value="0.25"/><float name="shutter_close" value="1"/></sensor>
   <shape type="rectangle" id="wall"><animation name="to_world">

@@ -180,7 +180,7 @@ def check_origins(arguments, folder, failures):
 
 
 def check_scenes(arguments, folder, failures):
-    """Renders a few pixels in the middle of every scene with few photons, in both or alternating colour modes."""
+    """Renders a few pixels in the middle of every scene with few photons, in both or alternating color modes."""
     skipped = skipped_makers(folder)
     sheaf, image, stats = arguments.build / "sheaf", folder / "image.exr", folder / "stats.json"
     scenes = sorted(f for kind in ("*.xml", "*.pbrt") for f in (folder / "scenes").rglob(kind)

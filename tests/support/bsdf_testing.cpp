@@ -56,13 +56,13 @@ void check_bsdf_sampling_with_edges(const BsdfView& bsdf, int tests, int depth) 
     std::vector<double> observed(static_cast<std::size_t>(grid.columns * grid.rows) + 1), expected;
     for (std::uint32_t i = 0; i < kSamples; ++i) {
       const auto s = bsdf.sample(wo, lane_random(1, i, 0));
-      const double turn = std::atan2(double(s.wi.y), double(s.wi.x)) + (s.wi.y < 0 ? grid.x_max : 0.0);
-      const int column = std::clamp(static_cast<int>(turn / grid.cell_width()), 0, grid.columns - 1);
+      const double azimuth = std::atan2(double(s.wi.y), double(s.wi.x)) + (s.wi.y < 0 ? grid.x_max : 0.0);
+      const int column = std::clamp(static_cast<int>(azimuth / grid.cell_width()), 0, grid.columns - 1);
       const int row = std::clamp(static_cast<int>((s.wi.z + 1.0) / grid.cell_height()), 0, grid.rows - 1);
       observed[s.valid ? static_cast<std::size_t>(row * grid.columns + column) : observed.size() - 1] += 1;
     }
-    const auto pdf = [&](double turn, double z) {
-      return double(bsdf.evaluate(wo, direction_of(z, turn)).pdf_solid_angle);
+    const auto pdf = [&](double azimuth, double z) {
+      return double(bsdf.evaluate(wo, direction_of(z, azimuth)).pdf_solid_angle);
     };
     const double w = grid.cell_width(), h = grid.cell_height(), sliver = h / 64;
     double integral = 0;

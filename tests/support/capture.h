@@ -10,7 +10,7 @@
 namespace sheaf {
 
 /// A value as messages print it: strings as text, enumerations as numbers.
-template <class T> auto shown(const T& value) {
+template <class T> auto displayed(const T& value) {
   if constexpr (std::is_convertible_v<T, const char*>)
     return std::string(value);
   else if constexpr (std::is_enum_v<T>)
@@ -22,6 +22,6 @@ template <class T> auto shown(const T& value) {
 }  // namespace sheaf
 
 /// Reports the value of the structured binding `name` with each failure until the end of the scope.
-#define CAPTURE_BINDING(name)                        \
-  const auto captured_##name = ::sheaf::shown(name); \
+#define CAPTURE_BINDING(name)                            \
+  const auto captured_##name = ::sheaf::displayed(name); \
   INFO(#name " := ", captured_##name)

@@ -130,19 +130,19 @@ ChiSquare chi_square_plane(Sample&& sample, Density&& density, const CellGrid& g
 template <class Sample, class Pdf>
 ChiSquare chi_square_sphere(Sample&& sample, Pdf&& pdf, double z_min = -1.0, double z_max = 1.0, int samples = 200000,
                             std::uint32_t seed = 1) {
-  constexpr double kTurn = 6.283185307179586476925;
+  constexpr double kAzimuth = 6.283185307179586476925;
   const auto to_plane = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const std::optional<Vec3f> w = sample(u);
     if (!w) return std::nullopt;
     const double azimuth = std::atan2(static_cast<double>(w->y), static_cast<double>(w->x));
-    return std::array<double, 2>{azimuth < 0.0 ? azimuth + kTurn : azimuth, static_cast<double>(w->z)};
+    return std::array<double, 2>{azimuth < 0.0 ? azimuth + kAzimuth : azimuth, static_cast<double>(w->z)};
   };
   const auto density = [&](double azimuth, double z) -> double {
     const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
     return pdf(Vec3f{static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)),
                      static_cast<float>(z)});
   };
-  return chi_square_plane(to_plane, density, CellGrid{0.0, kTurn, z_min, z_max}, samples, seed);
+  return chi_square_plane(to_plane, density, CellGrid{0.0, kAzimuth, z_min, z_max}, samples, seed);
 }
 
 }  // namespace sheaf

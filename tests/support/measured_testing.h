@@ -89,7 +89,7 @@ inline MeasuredBrdf TabulatedFacets::tabulate() const {
       const std::uint32_t first = static_cast<std::uint32_t>(tables.measured(alone)) * kTableBlock;
       const std::vector<float> floats = tables.take();
       const auto head = load_table_record<Scalar, MeasuredHead>(floats.data(), first + 1);
-      const Neighbours<Scalar> only{0, 0, 0};
+      const Neighbors<Scalar> only{0, 0, 0};
       const auto n = static_cast<std::uint32_t>(side);
       const TableWarp<Scalar> warp(floats.data(), first + static_cast<std::uint32_t>(head.vndf_block) * kTableBlock, n,
                                    n, {only, only, 1});

@@ -14,7 +14,7 @@ inline MediumId add_medium(Description& d, MediumDescription medium) {
   return static_cast<MediumId>(d.media.size() - 1);
 }
 
-/// A homogeneous medium of grey extinction `sigma_t`, 1/m, and single-scattering albedo `albedo`.
+/// A homogeneous medium of gray extinction `sigma_t`, 1/m, and single-scattering albedo `albedo`.
 inline MediumDescription fog(float sigma_t, float albedo) {
   MediumDescription m;
   m.coefficients =
@@ -34,7 +34,7 @@ inline ShapeDescription& fill(Description& d, ShapeDescription& shape, MediumId 
   return shape;
 }
 
-/// Writes a Mitsuba grid of `n`^3 voxels with `channels` values each. `value` receives the voxel centre in the unit
+/// Writes a Mitsuba grid of `n`^3 voxels with `channels` values each. `value` receives the voxel center in the unit
 /// cube and the channel.
 inline std::filesystem::path write_vol(const std::filesystem::path& file, int n, int channels,
                                        const std::function<float(Vec3f, int)>& value) {
@@ -45,11 +45,11 @@ inline std::filesystem::path write_vol(const std::filesystem::path& file, int n,
   for (int i = 0; i < 3; ++i) put(std::int32_t{n});
   put(std::int32_t{channels});
   for (const float x : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) put(x);
-  const auto centre = [n](int i) { return (static_cast<float>(i) + 0.5f) / static_cast<float>(n); };
+  const auto center = [n](int i) { return (static_cast<float>(i) + 0.5f) / static_cast<float>(n); };
   for (int z = 0; z < n; ++z)
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x)
-        for (int c = 0; c < channels; ++c) put(value({centre(x), centre(y), centre(z)}, c));
+        for (int c = 0; c < channels; ++c) put(value({center(x), center(y), center(z)}, c));
   return file;
 }
 

@@ -26,7 +26,7 @@ inline float constant_of(const SpectrumDescription& spectrum) {
 inline float constant_of(const SpectrumInput& input) { return constant_of(std::get<SpectrumDescription>(input)); }
 inline float constant_of(const ScalarInput& input) { return std::get<float>(input); }
 
-/// The values of a colour. Throws std::bad_variant_access for other spectra.
+/// The values of a color. Throws std::bad_variant_access for other spectra.
 inline Vec3f rgb_of(const SpectrumInput& input) {
   return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(input).value).value;
 }

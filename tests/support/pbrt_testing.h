@@ -47,8 +47,8 @@ template <class Model> const Model* only_material(const Description& d) {
 
 /// A spectrum given as a number or as RGB.
 inline Vec3f rgb_of(const SpectrumDescription& spectrum) {
-  if (const auto* grey = std::get_if<SpectrumDescription::Constant>(&spectrum.value))
-    return {grey->value, grey->value, grey->value};
+  if (const auto* gray = std::get_if<SpectrumDescription::Constant>(&spectrum.value))
+    return {gray->value, gray->value, gray->value};
   return std::get<SpectrumDescription::Rgb>(spectrum.value).value;
 }
 

@@ -57,8 +57,8 @@ inline std::vector<std::string> places_of(Dialect dialect, const std::string& ta
 }
 
 /// The element in a place.
-inline std::string in_place(const std::string& place, const std::string& element) {
-  return std::string(place).replace(place.find('%'), 1, element);
+inline std::string in_place(const std::string& index, const std::string& element) {
+  return std::string(index).replace(index.find('%'), 1, element);
 }
 
 /// The tag of the first element.
@@ -72,8 +72,8 @@ inline std::vector<std::string> scenes_around(Dialect dialect, const std::string
   const std::string tag = first_tag(elements);
   if (tag == "scene") return {elements};
   std::vector<std::string> scenes;
-  for (const std::string& place : places_of(dialect, tag))
-    scenes.push_back(scene_around(dialect, in_place(place, elements)));
+  for (const std::string& index : places_of(dialect, tag))
+    scenes.push_back(scene_around(dialect, in_place(index, elements)));
   return scenes;
 }
 

@@ -38,7 +38,7 @@ template <class F> Vec3f power_to_rgb(F&& power) {
   return xyz_to_rec709({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
 }
 
-/// Rec.709 colour of a reflectance under D65; white is (1, 1, 1).
+/// Rec.709 color of a reflectance under D65; white is (1, 1, 1).
 template <class F> Vec3f reflectance_to_rgb(F&& reflectance) {
   static const Vec3f white = power_to_rgb([](float wavelength) { return cie_d65(wavelength); });
   const Vec3f rgb = power_to_rgb([&](float wavelength) { return reflectance(wavelength) * cie_d65(wavelength); });

@@ -1,4 +1,4 @@
-// Significance tests: the regularised gamma and beta functions and the distributions that follow from them.
+// Significance tests: the regularized gamma and beta functions and the distributions that follow from them.
 #pragma once
 
 #include <cmath>
@@ -40,7 +40,7 @@ template <class Term> double continued_fraction(double b0, Term&& term) {
 }
 }  // namespace detail
 
-/// Upper regularised incomplete gamma function Q(a, x), a > 0, x >= 0. Uses the power series of P = 1 - Q for x < a +
+/// Upper regularized incomplete gamma function Q(a, x), a > 0, x >= 0. Uses the power series of P = 1 - Q for x < a +
 /// 1, otherwise the continued fraction of Q (DLMF 8.11.4 and 8.9.2).
 inline double gamma_q(double a, double x) {
   if (!(x > 0.0)) return 1.0;
@@ -56,7 +56,7 @@ inline double gamma_q(double a, double x) {
          });
 }
 
-/// Regularised incomplete beta function I_x(a, b), a, b > 0, 0 <= x <= 1 (continued fraction of DLMF 8.17.22).
+/// Regularized incomplete beta function I_x(a, b), a, b > 0, 0 <= x <= 1 (continued fraction of DLMF 8.17.22).
 inline double beta_i(double a, double b, double x) {
   if (x <= 0.0) return 0.0;
   if (x >= 1.0) return 1.0;

@@ -29,7 +29,7 @@ MaterialId add_glass(Description& d, float int_ior = 1.5f, float ext_ior = 1);
 /// The same material on both sides.
 MaterialId add_two_sided(Description& d, MaterialId side);
 
-/// A checkerboard texture of two RGB colours.
+/// A checkerboard texture of two RGB colors.
 TextureId add_checkerboard(Description& d, Vec3f first, Vec3f second);
 
 /// Adds a shape and returns it for further changes. The reference is valid until the next shape is added.

@@ -3,7 +3,7 @@
 
 namespace sheaf::test {
 
-/// A grey sphere in a white environment, `size` x 16 pixels with a default `size` of 24.
+/// A gray sphere in a white environment, `size` x 16 pixels with a default `size` of 24.
 inline constexpr const char* kScene = R"(<scene version="3.0.0">
   <default name="size" value="24"/>
   <integrator type="path"><integer name="max_depth" value="6"/></integrator>

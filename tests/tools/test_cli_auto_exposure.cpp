@@ -47,7 +47,7 @@ TEST_CASE("auto exposure: filters and denoisers around a lamp change it little")
     CHECK(plain < expected + 2);
     const double denoised = printed_stops(run(folder, render + " --denoise nlm"));
     CHECK(denoised == within(plain, 0.1));
-    // The lamp is middle grey to light grey in the file, after the denoiser as well, and `convert` chooses the same
+    // The lamp is middle gray to light gray in the file, after the denoiser as well, and `convert` chooses the same
     const Image image = read_image(folder / "a.png");
     CHECK(image.at(24, 24, 1) == within(0.63, 0.18));
     CHECK(printed_stops(run(folder, "convert a.exr -o b.png --exposure auto")) == within(denoised, 0.011));

@@ -24,10 +24,10 @@ struct Rendered {
     linear = read_exr(folder / "in.exr");
   }
 
-  /// Largest difference between the file and the colours of in.exr after `map`, in encoded values.
+  /// Largest difference between the file and the colors of in.exr after `map`, in encoded values.
   template <class Map> float error(const std::string& file, Map map) const {
-    const Image shown = read_image(folder / file);
-    REQUIRE(shown.channels.size() == 3);
+    const Image displayed = read_image(folder / file);
+    REQUIRE(displayed.channels.size() == 3);
     const int r = linear.find_channel("R"), g = linear.find_channel("G"), b = linear.find_channel("B");
     float largest = 0;
     for (int y = 0; y < linear.height; ++y)
@@ -35,7 +35,7 @@ struct Rendered {
         const Vec3f color = map(Vec3f{linear.at(x, y, r), linear.at(x, y, g), linear.at(x, y, b)});
         const float expected[] = {color.x, color.y, color.z};
         for (int c = 0; c < 3; ++c)
-          largest = std::max(largest, std::abs(shown.at(x, y, c) - linear_to_srgb(std::min(expected[c], 1.0f))));
+          largest = std::max(largest, std::abs(displayed.at(x, y, c) - linear_to_srgb(std::min(expected[c], 1.0f))));
       }
     return largest;
   }
@@ -49,48 +49,49 @@ constexpr float kByte = 0.51f / 255, kJpegError = 0.06f;
 }  // namespace
 
 TEST_CASE("display: every output format of render, denoise and convert") {
-  const Rendered place;
+  const Rendered workplace;
   const Outcome rendered =
-      run(place.folder, "render scene.xml --spp 4 -o a.exr -o a.png -o a.jpg -o a.JPEG -o a.tif -o a.tiff");
+      run(workplace.folder, "render scene.xml --spp 4 -o a.exr -o a.png -o a.jpg -o a.JPEG -o a.tif -o a.tiff");
   REQUIRE(rendered.code == 0);
   const auto same = [](Vec3f color) { return color; };
-  for (const char* const file : {"a.png", "a.tif", "a.tiff"}) CHECK(place.error(file, same) < kByte);
-  for (const char* const file : {"a.jpg", "a.JPEG"}) CHECK(place.error(file, same) < kJpegError);
-  CHECK(place.error("a.tif", same) < 0.01f * kByte);
-  CHECK(run(place.folder, "convert in.exr -o b.jpg -o b.tif --quiet").code == 0);
-  CHECK(read_bytes(place.folder / "b.tif") == read_bytes(place.folder / "a.tif"));
-  CHECK(read_bytes(place.folder / "b.jpg") == read_bytes(place.folder / "a.jpg"));
-  CHECK(run(place.folder, "convert in.exr -o c.jpg --jpeg-quality 20 --quiet").code == 0);
-  CHECK(std::filesystem::file_size(place.folder / "c.jpg") < std::filesystem::file_size(place.folder / "a.jpg"));
-  const Outcome unknown = run(place.folder, "convert in.exr -o b.webp");
+  for (const char* const file : {"a.png", "a.tif", "a.tiff"}) CHECK(workplace.error(file, same) < kByte);
+  for (const char* const file : {"a.jpg", "a.JPEG"}) CHECK(workplace.error(file, same) < kJpegError);
+  CHECK(workplace.error("a.tif", same) < 0.01f * kByte);
+  CHECK(run(workplace.folder, "convert in.exr -o b.jpg -o b.tif --quiet").code == 0);
+  CHECK(read_bytes(workplace.folder / "b.tif") == read_bytes(workplace.folder / "a.tif"));
+  CHECK(read_bytes(workplace.folder / "b.jpg") == read_bytes(workplace.folder / "a.jpg"));
+  CHECK(run(workplace.folder, "convert in.exr -o c.jpg --jpeg-quality 20 --quiet").code == 0);
+  CHECK(std::filesystem::file_size(workplace.folder / "c.jpg") <
+        std::filesystem::file_size(workplace.folder / "a.jpg"));
+  const Outcome unknown = run(workplace.folder, "convert in.exr -o b.webp");
   CHECK(unknown.code == 2);
   CHECK(contains(unknown.err, "must end in .exr, .png, .jpg, .jpeg, .tif or .tiff"));
-  CHECK(run(place.folder, "convert in.exr -o in.exr").code == 2);
+  CHECK(run(workplace.folder, "convert in.exr -o in.exr").code == 2);
 }
 
 TEST_CASE("display: exposure and tone maps change displayed files, not the EXR") {
-  const Rendered place;
+  const Rendered workplace;
   for (const char* const name : {"none", "filmic", "aces", "agx"}) {
     CAPTURE(name);
     const std::string options = std::string(" --quiet --exposure 1.5 --tone-map ") + name;
-    REQUIRE(run(place.folder, "render scene.xml --spp 4 --no-timestamps -o a.exr -o a.png" + options).code == 0);
-    REQUIRE(run(place.folder, "convert in.exr -o b.png" + options).code == 0);
+    REQUIRE(run(workplace.folder, "render scene.xml --spp 4 --no-timestamps -o a.exr -o a.png" + options).code == 0);
+    REQUIRE(run(workplace.folder, "convert in.exr -o b.png" + options).code == 0);
     const auto map = [&](Vec3f color) { return tone_mapped(*kToneMaps.find(name), color * std::exp2(1.5f)); };
-    CHECK(place.error("a.png", map) < kByte);
-    CHECK(read_bytes(place.folder / "a.png") == read_bytes(place.folder / "b.png"));
-    CHECK(read_exr(place.folder / "a.exr").data == place.linear.data);
+    CHECK(workplace.error("a.png", map) < kByte);
+    CHECK(read_bytes(workplace.folder / "a.png") == read_bytes(workplace.folder / "b.png"));
+    CHECK(read_exr(workplace.folder / "a.exr").data == workplace.linear.data);
   }
-  const Outcome automatic = run(place.folder, "convert in.exr -o c.png --exposure auto");
+  const Outcome automatic = run(workplace.folder, "convert in.exr -o c.png --exposure auto");
   REQUIRE(automatic.code == 0);
   const std::size_t at = automatic.err.find("exposure ");
   REQUIRE(at != std::string::npos);
   const float stops = std::strtof(automatic.err.c_str() + at + 9, nullptr);
-  CHECK(stops < 0);  // the scene is brighter than middle grey
-  CHECK(place.error("c.png", [&](Vec3f color) { return color * std::exp2(stops); }) < 2 * kByte);
+  CHECK(stops < 0);  // the scene is brighter than middle gray
+  CHECK(workplace.error("c.png", [&](Vec3f color) { return color * std::exp2(stops); }) < 2 * kByte);
 }
 
 TEST_CASE("display: malformed options are usage errors") {
-  const Rendered place;
+  const Rendered workplace;
   const std::pair<const char*, const char*> cases[] = {
       {"--exposure bright", "expected a number of stops from -100 to 100, or auto"},
       {"--exposure 1e9", "expected a number of stops"},
@@ -107,38 +108,39 @@ TEST_CASE("display: malformed options are usage errors") {
   for (const auto& [options, message] : cases) {
     const std::string words = options;
     CAPTURE(words);
-    const Outcome outcome = run(place.folder, "convert in.exr -o out.png " + words, "unset OCIO && ");
+    const Outcome outcome = run(workplace.folder, "convert in.exr -o out.png " + words, "unset OCIO && ");
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, message));
-    CHECK_FALSE(std::filesystem::exists(place.folder / "out.png"));
+    CHECK_FALSE(std::filesystem::exists(workplace.folder / "out.png"));
   }
 }
 
 TEST_CASE("display: compressions of EXR files") {
-  const Rendered place;
+  const Rendered workplace;
   for (const char* const name : {"zip", "zips", "piz", "rle", "none", "dwaa", "dwab:200"}) {
     CAPTURE(name);
-    REQUIRE(run(place.folder, std::string("convert in.exr -o out.exr --quiet --compression ") + name).code == 0);
-    const Image out = read_exr(place.folder / "out.exr");
-    REQUIRE(out.channels == place.linear.channels);
-    CHECK((out.data == place.linear.data) == (name[0] != 'd'));
+    REQUIRE(run(workplace.folder, std::string("convert in.exr -o out.exr --quiet --compression ") + name).code == 0);
+    const Image out = read_exr(workplace.folder / "out.exr");
+    REQUIRE(out.channels == workplace.linear.channels);
+    CHECK((out.data == workplace.linear.data) == (name[0] != 'd'));
   }
   // Parts that hold sample ranges are stored without loss.
   const std::string part = "render scene.xml --quiet --no-timestamps --spp 4 --replicates 1 --samples 0:2 -o ";
-  REQUIRE(run(place.folder, part + "exact.exr").code == 0);
-  REQUIRE(run(place.folder, part + "part.exr --compression dwaa").code == 0);
-  CHECK(read_bytes(place.folder / "exact.exr") == read_bytes(place.folder / "part.exr"));
+  REQUIRE(run(workplace.folder, part + "exact.exr").code == 0);
+  REQUIRE(run(workplace.folder, part + "part.exr --compression dwaa").code == 0);
+  CHECK(read_bytes(workplace.folder / "exact.exr") == read_bytes(workplace.folder / "part.exr"));
 }
 
 TEST_CASE("display: header fields have types, and vary between runs only with timestamps") {
-  const Rendered place;
+  const Rendered workplace;
   const auto find = [&](const char* file, const char* name) -> std::optional<ExrMetadata::Attribute> {
-    for (ExrMetadata::Attribute& attribute : read_exr_attributes(place.folder / file))
+    for (ExrMetadata::Attribute& attribute : read_exr_attributes(workplace.folder / file))
       if (attribute.name == name) return attribute;
     return std::nullopt;
   };
-  REQUIRE(run(place.folder, "render ./scene.xml --quiet --spp 8 --replicates 4 --seed 4294967295 -o 'a b.exr'").code ==
-          0);
+  REQUIRE(
+      run(workplace.folder, "render ./scene.xml --quiet --spp 8 --replicates 4 --seed 4294967295 -o 'a b.exr'").code ==
+      0);
   CHECK(std::get<double>(find("a b.exr", "sheaf/seed")->value) == 4294967295.0);
   CHECK(std::get<int>(find("in.exr", "sheaf/seed")->value) == 0);
   CHECK(std::get<int>(find("in.exr", "sheaf/droppedRays")->value) == 0);
@@ -150,14 +152,14 @@ TEST_CASE("display: header fields have types, and vary between runs only with ti
                  " render ./scene.xml --quiet --spp 8 --replicates 4 --seed 4294967295 -o 'a b.exr'"));
   CHECK_FALSE(find("in.exr", "sheaf/noise").has_value());  // unknown with one sample set
   for (const char* const file : {"b.exr", "c.exr"})
-    REQUIRE(run(place.folder, std::string("render scene.xml --no-timestamps --spp 2 -o ") + file).code == 0);
-  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "c.exr"));
+    REQUIRE(run(workplace.folder, std::string("render scene.xml --no-timestamps --spp 2 -o ") + file).code == 0);
+  CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "c.exr"));
 }
 
 TEST_CASE("display: a finished render continues with more samples to the same bytes") {
-  const Rendered place;
+  const Rendered workplace;
   const auto render = [&](const std::string& options) {
-    return run(place.folder, "render scene.xml --no-timestamps --sampler sobol " + options);
+    return run(workplace.folder, "render scene.xml --no-timestamps --sampler sobol " + options);
   };
   REQUIRE(render("--spp 64 --quiet -o a.exr --checkpoint a.state").code == 0);
   // The same size of sample sets by default
@@ -165,7 +167,7 @@ TEST_CASE("display: a finished render continues with more samples to the same by
   CHECK(more.code == 0);
   CHECK_FALSE(contains(more.err, "--replicates"));
   REQUIRE(render("--spp 128 --quiet -o whole.exr").code == 0);
-  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "whole.exr"));
+  CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "whole.exr"));
   // Another size by default: the render keeps the sets of the checkpoint, and says so.
   const Outcome kept = render("--spp 2048 -o b.exr --checkpoint a.state --resume");
   CHECK(kept.code == 0);
@@ -173,7 +175,7 @@ TEST_CASE("display: a finished render continues with more samples to the same by
                  "continues 128 samples per pixel with sample sets of 32: the image is that of "
                  "--replicates 64"));
   REQUIRE(render("--spp 2048 --quiet --replicates 64 -o whole.exr").code == 0);
-  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "whole.exr"));
+  CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "whole.exr"));
   // No continuation with the same bits
   const Outcome refused = render("--spp 4096 --replicates 2 -o c.exr --checkpoint a.state --resume");
   CHECK(refused.code == 5);
@@ -183,9 +185,9 @@ TEST_CASE("display: a finished render continues with more samples to the same by
   const Outcome again = render("--spp 64 -o b.exr --checkpoint few.state --resume");
   CHECK(again.code == 0);
   CHECK(contains(again.err, "the render begins again"));
-  CHECK(read_exr(place.folder / "b.exr").channels == read_exr(place.folder / "whole.exr").channels);
+  CHECK(read_exr(workplace.folder / "b.exr").channels == read_exr(workplace.folder / "whole.exr").channels);
   REQUIRE(render("--spp 64 --quiet -o whole.exr").code == 0);
-  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "whole.exr"));
+  CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "whole.exr"));
 }
 
 }  // namespace sheaf::test_cli_display

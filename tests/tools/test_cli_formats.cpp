@@ -86,74 +86,75 @@ struct Workplace {
 }  // namespace
 
 TEST_CASE("formats: foreign files are errors that name the format and how to convert it") {
-  const Workplace place;
+  const Workplace workplace;
   for (const Foreign& foreign : foreign_files()) {
     const std::string file = foreign.name, told = std::string(": is ") + foreign.told + ", ";
-    write_bytes(place.folder / file, foreign.bytes);
-    place.check_refused(with_file(kSceneReaders[0], file), file, told);
-    place.check_refused(with_file(kSceneReaders[0], file), file, foreign.remedy);
+    write_bytes(workplace.folder / file, foreign.bytes);
+    workplace.check_refused(with_file(kSceneReaders[0], file), file, told);
+    workplace.check_refused(with_file(kSceneReaders[0], file), file, foreign.remedy);
   }
   // Every command with one file of each kind, also under another name, and damaged.
-  write_bytes(place.folder / "model.xml", foreign_files()[0].bytes);
-  write_bytes(place.folder / "broken.ma", "nothing of the kind");
+  write_bytes(workplace.folder / "model.xml", foreign_files()[0].bytes);
+  write_bytes(workplace.folder / "broken.ma", "nothing of the kind");
   for (const char* const file : {"a.ma", "a.vdb", "a.nvdb", "a.zip", "model.xml", "broken.ma"}) {
-    for (const Reader& reader : kSceneReaders) place.check_refused(with_file(reader, file), file, reader.expected);
-    for (const Reader& reader : kImageReaders) place.check_refused(with_file(reader, file), file, reader.expected);
+    for (const Reader& reader : kSceneReaders) workplace.check_refused(with_file(reader, file), file, reader.expected);
+    for (const Reader& reader : kImageReaders) workplace.check_refused(with_file(reader, file), file, reader.expected);
   }
 }
 
 TEST_CASE("formats: images are rejected as scenes and images without layers are not denoised or merged") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const file : {"image.png", "image.exr"})
     for (const Reader& reader : kSceneReaders)
       if (!std::string(reader.arguments).starts_with("info") || std::string(file) == "image.png")
-        place.check_refused(with_file(reader, file), file, "image, expected a scene of Mitsuba or Nori");
+        workplace.check_refused(with_file(reader, file), file, "image, expected a scene of Mitsuba or Nori");
   for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
-    place.check_refused(with_file(reader, "image.png"), "image.png",
-                        "is a PNG image, expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'; other "
-                        "formats lack the required layers");
+    workplace.check_refused(
+        with_file(reader, "image.png"), "image.png",
+        "is a PNG image, expected an OpenEXR image, as written by 'sheaf render -o NAME.exr'; other "
+        "formats lack the required layers");
   // Scenes are not images.
   for (const Reader& reader : {kImageReaders[0], kImageReaders[1]})
-    place.check_refused(with_file(reader, "scene.xml"), "scene.xml",
-                        "has an unknown format, expected an OpenEXR image");
+    workplace.check_refused(with_file(reader, "scene.xml"), "scene.xml",
+                            "has an unknown format, expected an OpenEXR image");
 }
 
 TEST_CASE("formats: empty and malformed files are errors") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const file : {"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized", "e.exr", "e.png", "e.ma", "e"}) {
     CAPTURE(std::string(file));
-    write_bytes(place.folder / file, "");
+    write_bytes(workplace.folder / file, "");
     for (const Reader& reader : kSceneReaders) {
       const bool is_image = std::string(reader.arguments).starts_with("info") && std::string(file) == "e.exr";
       // Where the extension names a format, the reader of that format reports the error.
       const bool is_named = std::set<std::string>{"e.xml", "e.pbrt", "e.obj", "e.ply", "e.serialized"}.count(file) > 0;
-      place.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
-      if (is_image) place.check_refused(with_file(reader, file), file, "expected an OpenEXR image");
+      workplace.check_refused(with_file(reader, file), file, is_named ? "" : "is empty, expected ");
+      if (is_image) workplace.check_refused(with_file(reader, file), file, "expected an OpenEXR image");
     }
     for (const Reader& reader : kImageReaders)
-      place.check_refused(with_file(reader, file), file, "is empty, expected ");
+      workplace.check_refused(with_file(reader, file), file, "is empty, expected ");
   }
-  write_bytes(place.folder / "b.exr", "nothing of the kind");
-  place.check_refused("info b.exr", "b.exr", "does not start like an OpenEXR file");
+  write_bytes(workplace.folder / "b.exr", "nothing of the kind");
+  workplace.check_refused("info b.exr", "b.exr", "does not start like an OpenEXR file");
   for (const Reader& reader : kImageReaders)
-    place.check_refused(with_file(reader, "b.exr"), "b.exr", "does not start like an OpenEXR file");
+    workplace.check_refused(with_file(reader, "b.exr"), "b.exr", "does not start like an OpenEXR file");
   // Truncated at any length.
-  const std::string whole = read_bytes(place.folder / "image.exr");
+  const std::string whole = read_bytes(workplace.folder / "image.exr");
   for (std::size_t size = 4; size < whole.size(); size += whole.size() / 7) {
     CAPTURE(size);
-    write_bytes(place.folder / "c.exr", whole.substr(0, size));
-    const Outcome info = run(place.folder, "info c.exr");
+    write_bytes(workplace.folder / "c.exr", whole.substr(0, size));
+    const Outcome info = run(workplace.folder, "info c.exr");
     CHECK((info.code == 3 || info.code == 0));  // the header may be complete
     if (info.code == 3) CHECK(info.err.starts_with("sheaf: c.exr: "));
     for (const Reader& reader : kImageReaders) {
-      const Outcome outcome = run(place.folder, with_file(reader, "c.exr"));
+      const Outcome outcome = run(workplace.folder, with_file(reader, "c.exr"));
       CHECK(outcome.code == 3);
       CHECK(outcome.err.starts_with("sheaf: c.exr: "));
     }
   }
-  const std::string png = read_bytes(place.folder / "image.png");
-  write_bytes(place.folder / "c.png", png.substr(0, png.size() / 2));
-  place.check_refused("compare c.png c.png", "c.png", "cannot read the image");
+  const std::string png = read_bytes(workplace.folder / "image.png");
+  write_bytes(workplace.folder / "c.png", png.substr(0, png.size() / 2));
+  workplace.check_refused("compare c.png c.png", "c.png", "cannot read the image");
 }
 
 }  // namespace sheaf::test_cli_formats

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The mesh stands still, `frame` moves one of `camera`, `sphere` and the reflectance `grey`.
-std::string scene_with(const std::string& camera, const std::string& sphere, const std::string& grey) {
+/// The mesh stands still, `frame` moves one of `camera`, `sphere` and the reflectance `gray`.
+std::string scene_with(const std::string& camera, const std::string& sphere, const std::string& gray) {
   return R"(<scene version="3.0.0">
   <default name="frame" value="0"/> <default name="size" value="24"/>
   <integrator type="path"/>
@@ -35,7 +35,7 @@ std::string scene_with(const std::string& camera, const std::string& sphere, con
     <transform name="to_world"><scale value="0.5"/><translate x=")" +
          sphere + R"("/></transform>
     <bsdf type="diffuse"><rgb name="reflectance" value=")" +
-         grey + R"("/></bsdf>
+         gray + R"("/></bsdf>
   </shape>
   <emitter type="constant"/>
 </scene>)";
@@ -210,13 +210,13 @@ TEST_CASE("frames: a glTF file is rendered at the time of each frame") {
   test::GltfBuilder gltf;
   gltf.add_triangle();
   const int times = gltf.add<float>({0, 1}, "SCALAR");
-  const int places = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
+  const int positions = gltf.add<float>({0, 0, 0, 0, 0.5f, 0}, "VEC3");
   gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
   gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 4}}});
   gltf.json["scenes"][0]["nodes"] = {0, 1};
   gltf.json["animations"].push_back(
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
-       {"samplers", {{{"input", times}, {"output", places}}}}});
+       {"samplers", {{{"input", times}, {"output", positions}}}}});
   const FrameFolder f;
   write_bytes(f.folder / "model.glb", gltf.binary());
   const std::string quick = "render model.glb --size 24x16 --spp 4 --no-timestamps -q ";

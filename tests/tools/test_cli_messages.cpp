@@ -44,15 +44,15 @@ std::string dark_scene() {
 }  // namespace
 
 TEST_CASE("messages: a render prints one line with size, samples, time, noise and files") {
-  const Workplace place;
-  const std::string text = place.messages("render scene.xml --replicates 4 -o out.exr -o out.png");
+  const Workplace workplace;
+  const std::string text = workplace.messages("render scene.xml --replicates 4 -o out.exr -o out.png");
   CHECK(line_count(text) == 1);
   std::smatch found;
   const std::regex expected(
       R"(sheaf: rendered 24x16, 16 spp in [0-9.]+ m?s, noise ([0-9.]+) %; wrote out\.exr, out\.png\n)");
   REQUIRE(std::regex_match(text, found, expected));
   // The header records the same noise
-  for (const ExrMetadata::Attribute& each : read_exr_attributes(place.folder / "out.exr"))
+  for (const ExrMetadata::Attribute& each : read_exr_attributes(workplace.folder / "out.exr"))
     if (each.name == "sheaf/noise") {
       const auto noise = static_cast<double>(std::get<float>(each.value));
       CHECK(std::atof(found[1].str().c_str()) == near(noise * 100, 0.06));
@@ -60,8 +60,8 @@ TEST_CASE("messages: a render prints one line with size, samples, time, noise an
 }
 
 TEST_CASE("messages: of similar warnings, the first three are printed and the others counted") {
-  const Workplace place;
-  write_bytes(place.folder / "flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
+  const Workplace workplace;
+  write_bytes(workplace.folder / "flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n");
   const auto with_shapes = [](int count) {
     std::string scene = kScene, shapes;
     for (int i = 0; i < count; ++i)
@@ -74,21 +74,22 @@ TEST_CASE("messages: of similar warnings, the first three are printed and the ot
     for (std::size_t at = 0; (at = text.find(warning, at)) != std::string::npos; ++at) ++count;
     return count;
   };
-  write_bytes(place.folder / "few.xml", with_shapes(4));
-  write_bytes(place.folder / "many.xml", with_shapes(6));
-  const std::string few = place.messages("render few.xml -q"), many = place.messages("render many.xml -q");
+  write_bytes(workplace.folder / "few.xml", with_shapes(4));
+  write_bytes(workplace.folder / "many.xml", with_shapes(6));
+  const std::string few = workplace.messages("render few.xml -q"), many = workplace.messages("render many.xml -q");
   CHECK(count_warnings(few) == 4);
   CHECK_FALSE(contains(few, "more like"));
   CHECK(line_count(many) == 4);
   CHECK(contains(many, "sheaf: warning: 3 more like \"1 " + warning + "\"; -v prints them\n"));
-  CHECK(count_warnings(place.messages("render many.xml -v")) == 6);
+  CHECK(count_warnings(workplace.messages("render many.xml -v")) == 6);
 }
 
 TEST_CASE("messages: each verbosity adds to the one below") {
-  const Workplace place;
-  write_bytes(place.folder / "dark.xml", dark_scene());
-  const std::string errors = place.messages("render dark.xml -qq"), warnings = place.messages("render dark.xml -q"),
-                    normal = place.messages("render dark.xml"), details = place.messages("render dark.xml -v");
+  const Workplace workplace;
+  write_bytes(workplace.folder / "dark.xml", dark_scene());
+  const std::string errors = workplace.messages("render dark.xml -qq"),
+                    warnings = workplace.messages("render dark.xml -q"), normal = workplace.messages("render dark.xml"),
+                    details = workplace.messages("render dark.xml -v");
   CHECK(errors.empty());
   CHECK(warnings == "sheaf: warning: the scene has no lights: the image will be black\n");
   CHECK(contains(normal, warnings));
@@ -97,34 +98,34 @@ TEST_CASE("messages: each verbosity adds to the one below") {
   CHECK_FALSE(contains(normal, "camera_rays"));
   CHECK(contains(details, "camera_rays"));
   CHECK(contains(details, "sheaf: rendered 24x16"));
-  CHECK(place.messages("render dark.xml --quiet") == warnings);
-  CHECK(place.messages("render dark.xml --quiet --quiet").empty());
+  CHECK(workplace.messages("render dark.xml --quiet") == warnings);
+  CHECK(workplace.messages("render dark.xml --quiet --quiet").empty());
   // Errors are printed at every verbosity
-  const Outcome failed = run(place.folder, "render nowhere.xml -qq");
+  const Outcome failed = run(workplace.folder, "render nowhere.xml -qq");
   CHECK(failed.code == 3);
   CHECK(contains(failed.err, "nowhere.xml"));
 }
 
 TEST_CASE("messages: other commands print one line or none") {
-  const Workplace place;
-  REQUIRE(place.messages("render scene.xml -q -o noisy.exr --replicates 4 --aov albedo,normal,depth,half").empty());
-  const std::string denoised = place.messages("denoise noisy.exr -o a.exr -o a.png");
+  const Workplace workplace;
+  REQUIRE(workplace.messages("render scene.xml -q -o noisy.exr --replicates 4 --aov albedo,normal,depth,half").empty());
+  const std::string denoised = workplace.messages("denoise noisy.exr -o a.exr -o a.png");
   CHECK(line_count(denoised) == 1);
   CHECK(contains(denoised, "sheaf: denoised in "));
   CHECK(contains(denoised, "; wrote a.exr, a.png"));
-  CHECK(place.messages("denoise noisy.exr -o a.exr -q").empty());
+  CHECK(workplace.messages("denoise noisy.exr -o a.exr -q").empty());
   for (const char* const crop : {"0,0,12,16 -o left.exr", "12,0,24,16 -o right.exr"})
-    REQUIRE(place.messages("render scene.xml -q --crop " + std::string(crop)).empty());
-  CHECK(place.messages("merge left.exr right.exr -o whole.exr") == "sheaf: merged 2 parts; wrote whole.exr\n");
-  CHECK(place.messages("merge left.exr right.exr -o whole.exr -q").empty());
-  CHECK(place.messages("farm scene.xml --parts 2 -q").empty());
+    REQUIRE(workplace.messages("render scene.xml -q --crop " + std::string(crop)).empty());
+  CHECK(workplace.messages("merge left.exr right.exr -o whole.exr") == "sheaf: merged 2 parts; wrote whole.exr\n");
+  CHECK(workplace.messages("merge left.exr right.exr -o whole.exr -q").empty());
+  CHECK(workplace.messages("farm scene.xml --parts 2 -q").empty());
 }
 
 TEST_CASE("messages: adaptive and interrupted renders report the samples taken") {
-  const Workplace place;
-  CHECK(contains(place.messages("render scene.xml --noise-target 40%"), " spp on average in "));
+  const Workplace workplace;
+  CHECK(contains(workplace.messages("render scene.xml --noise-target 40%"), " spp on average in "));
   const std::string stop = "timeout --foreground --preserve-status -s INT 2 ";
-  const Outcome stopped = run(place.folder, "render scene.xml -D size=512 --spp 16000000 --threads 1", stop);
+  const Outcome stopped = run(workplace.folder, "render scene.xml -D size=512 --spp 16000000 --threads 1", stop);
   CHECK(stopped.code == 130);
   const std::regex expected(
       R"(sheaf: interrupted: 512x16, [0-9.e+]+ of 16000000 spp in [0-9.]+ s(, noise [0-9.]+ %)?; wrote scene\.exr\n)");
@@ -137,11 +138,11 @@ TEST_CASE("messages: a terminal shows a progress bar that the summary replaces")
     MESSAGE("skipped: script is missing (Debian package bsdutils)");
     return;
   }
-  const Workplace place;
+  const Workplace workplace;
   const std::string command = SHEAF_EXECUTABLE " render scene.xml --spp 20000";
-  const Outcome outcome = run(place.folder, "--version", "script -qec '" + command + "' typed.txt >/dev/null; ");
+  const Outcome outcome = run(workplace.folder, "--version", "script -qec '" + command + "' typed.txt >/dev/null; ");
   CHECK(outcome.code == 0);
-  const std::string typed = read_bytes(place.folder / "typed.txt");
+  const std::string typed = read_bytes(workplace.folder / "typed.txt");
   CHECK(contains(typed, " % "));
   CHECK(contains(typed, " elapsed, "));
   CHECK(contains(typed, "\r\x1b[Ksheaf: rendered 24x16"));

@@ -47,11 +47,11 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 TEST_CASE("options: integers may be written as floats of integral value") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const spp : {"16", "16.0", "1.6e1", "016"}) {
     CAPTURE(std::string(spp));
-    REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --spp " + std::string(spp)).code == 0);
-    CHECK(place.attribute("sheaf/samplesPerPixel") == "16");
+    REQUIRE(run(workplace.folder, "render scene.xml --quiet -o out.exr --spp " + std::string(spp)).code == 0);
+    CHECK(workplace.attribute("sheaf/samplesPerPixel") == "16");
   }
   for (const auto& [options, message] : {std::pair{"--spp 16.5", "--spp: '16.5' is not an integer"},
                                          {"--spp many", "--spp: 'many' is not a number"},
@@ -66,7 +66,7 @@ TEST_CASE("options: integers may be written as floats of integral value") {
                                          {"--noise-target 2x", "'2x' is not a number"},
                                          {"--size 99999999999x4", "--size 99999999999x4: expected WxH"}}) {
     CAPTURE_BINDING(options);
-    const Outcome outcome = place.render(options);
+    const Outcome outcome = workplace.render(options);
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, message));
     CHECK(lines_of(outcome.err).size() == 1);
@@ -74,33 +74,35 @@ TEST_CASE("options: integers may be written as floats of integral value") {
 }
 
 TEST_CASE("options: times have units and shares may be percentages") {
-  const Workplace place;
-  REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --noise-target 40%").code == 0);
-  CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
-  REQUIRE(run(place.folder, "render scene.xml --quiet -o out.exr --noise-target 0.4").code == 0);
-  CHECK(place.attribute("sheaf/noiseTarget") == "0.4");
-  REQUIRE(place.render("--quiet --scale 50%").code == 0);
-  CHECK(read_exr(place.folder / "out.exr").width == 12);
+  const Workplace workplace;
+  REQUIRE(run(workplace.folder, "render scene.xml --quiet -o out.exr --noise-target 40%").code == 0);
+  CHECK(workplace.attribute("sheaf/noiseTarget") == "0.4");
+  REQUIRE(run(workplace.folder, "render scene.xml --quiet -o out.exr --noise-target 0.4").code == 0);
+  CHECK(workplace.attribute("sheaf/noiseTarget") == "0.4");
+  REQUIRE(workplace.render("--quiet --scale 50%").code == 0);
+  CHECK(read_exr(workplace.folder / "out.exr").width == 12);
   // With wrong units, these would take long or end before they begin.
   for (const char* const limit : {"100ms", "0.1s", "0.001m", "1e-3min", "0.00003h", "0.000001d", "0h0.1s", "0.1"}) {
     CAPTURE(std::string(limit));
     const Outcome outcome =
-        run(place.folder, "render scene.xml --quiet -o out.exr --time-limit " + std::string(limit), "timeout 20 ");
+        run(workplace.folder, "render scene.xml --quiet -o out.exr --time-limit " + std::string(limit), "timeout 20 ");
     CHECK(outcome.code == 0);
   }
   for (const char* const limit : {"5x", "m", "5m5", "5 m", "1h-3m", "-5m", "0s", "nan"}) {
     CAPTURE(std::string(limit));
-    const Outcome outcome = run(place.folder, "render scene.xml -o out.exr --time-limit '" + std::string(limit) + "'");
+    const Outcome outcome =
+        run(workplace.folder, "render scene.xml -o out.exr --time-limit '" + std::string(limit) + "'");
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "--time-limit"));
   }
 }
 
 TEST_CASE("options: candidates are a number or chosen, and a scene's number stays unless auto is given") {
-  const Workplace place;
+  const Workplace workplace;
   const auto candidates = [&](const std::string& words) {
-    REQUIRE(run(place.folder, "render scene.xml --size 128x128 --spp 16 -o a.exr --stats a.json " + words).code == 0);
-    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["candidates"];
+    REQUIRE(run(workplace.folder, "render scene.xml --size 128x128 --spp 16 -o a.exr --stats a.json " + words).code ==
+            0);
+    return nlohmann::json::parse(read_bytes(workplace.folder / "a.json"))["candidates"];
   };
   for (const std::string words : {"", "--candidates auto", "--integrator path_ris --candidates auto"}) {
     CAPTURE(words);
@@ -112,19 +114,19 @@ TEST_CASE("options: candidates are a number or chosen, and a scene's number stay
   CHECK(candidates("--guiding off")["gains"].empty());
   for (const std::string bad : {"0", "1025", "many", "2x"}) {
     CAPTURE(bad);
-    const Outcome outcome = run(place.folder, "render scene.xml -o a.exr --candidates " + bad);
+    const Outcome outcome = run(workplace.folder, "render scene.xml -o a.exr --candidates " + bad);
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "expected auto or a number from 1 to 1024"));
   }
 }
 
 TEST_CASE("options: guiding has a value, or none and means on") {
-  const Workplace place;
+  const Workplace workplace;
   const auto mode = [&](const std::string& words) {
-    const Outcome outcome = run(place.folder, "render --spp 16 --quiet --stats a.json " + words);
+    const Outcome outcome = run(workplace.folder, "render --spp 16 --quiet --stats a.json " + words);
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["guiding"];
+    return nlohmann::json::parse(read_bytes(workplace.folder / "a.json"))["guiding"];
   };
   for (const std::string words : {"--guiding on scene.xml -o out.exr", "--guiding scene.xml -o out.exr",
                                   "scene.xml --guiding -o out.exr", "scene.xml -o out.exr --guiding=on"}) {
@@ -135,32 +137,32 @@ TEST_CASE("options: guiding has a value, or none and means on") {
   }
   CHECK(mode("scene.xml --size 128x128 -o out.exr --guiding auto")["gain"].is_number());
   CHECK(mode("scene.xml --size 128x128 -o out.exr --guiding off")["passes"] == 0);
-  const Outcome unknown = run(place.folder, "render scene.xml --guiding=maybe -o out.exr");
+  const Outcome unknown = run(workplace.folder, "render scene.xml --guiding=maybe -o out.exr");
   CHECK(unknown.code == 2);
   CHECK(contains(unknown.err, "maybe"));
 }
 
 TEST_CASE("options: caustics are found by BSDF sampling or by manifold next-event estimation") {
-  const Workplace place;
+  const Workplace workplace;
   const auto attempts = [&](const std::string& words) {
-    const Outcome outcome = run(place.folder, "render scene.xml -o out.exr --quiet --stats a.json " + words);
+    const Outcome outcome = run(workplace.folder, "render scene.xml -o out.exr --quiet --stats a.json " + words);
     CAPTURE(outcome.err);
     REQUIRE(outcome.code == 0);
-    return nlohmann::json::parse(read_bytes(place.folder / "a.json"))["caustics"]["attempts"].get<int>();
+    return nlohmann::json::parse(read_bytes(workplace.folder / "a.json"))["caustics"]["attempts"].get<int>();
   };
   // Nothing in the scene casts caustics.
   for (const char* words : {"", "--caustics none", "--caustics mnee"}) CHECK(attempts(words) == 0);
-  const Outcome unknown = run(place.folder, "render scene.xml --caustics photons -o out.exr");
+  const Outcome unknown = run(workplace.folder, "render scene.xml --caustics photons -o out.exr");
   CHECK(unknown.code == 2);
   CHECK(contains(unknown.err, "photons"));
   const Outcome without_lights =
-      run(place.folder, "render scene.xml --caustics mnee --integrator path_mats -o out.exr");
+      run(workplace.folder, "render scene.xml --caustics mnee --integrator path_mats -o out.exr");
   CHECK(without_lights.code == 2);
   CHECK(contains(without_lights.err, "samples lights"));
 }
 
 TEST_CASE("options: frames beyond the limits are rejected") {
-  const Workplace place;
+  const Workplace workplace;
   for (const auto& [options, message] :
        {std::pair{"--scale 119304648", "--scale 1.19305e+08 gives a frame of 2.86331e+09 x 1.90887e+09 pixels"},
         {"--scale 1e30", "expected at most 1000000000 per side"},
@@ -173,37 +175,37 @@ TEST_CASE("options: frames beyond the limits are rejected") {
         {"--samples 4294967295:4294967295", "4294967295:4294967295"},
         {"--view nan,10", "--view"}}) {
     CAPTURE_BINDING(options);
-    const Outcome outcome = place.render(options);
+    const Outcome outcome = workplace.render(options);
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, message));
   }
-  CHECK(place.folder.entry_count() == 1);
+  CHECK(workplace.folder.entry_count() == 1);
   // A scene with the largest possible frame.
   std::string scene = kScene;
   scene.replace(scene.find("value=\"16\""), 10, "value=\"1\"");
-  write_bytes(place.folder / "scene.xml", scene);
-  const Outcome wide = run(place.folder, "farm scene.xml --parts 1000 --tiles -- -D size=1000000000");
+  write_bytes(workplace.folder / "scene.xml", scene);
+  const Outcome wide = run(workplace.folder, "farm scene.xml --parts 1000 --tiles -- -D size=1000000000");
   CHECK(wide.code == 2);
   CHECK(contains(wide.err, "1 pixel rows cannot be split into 1000 parts"));
   scene = kScene;
   scene.replace(scene.find("value=\"16\""), 10, "value=\"$size\"");
   scene.replace(scene.find("value=\"$size\""), 13, "value=\"1\"");
-  write_bytes(place.folder / "scene.xml", scene);
-  REQUIRE(run(place.folder, "farm scene.xml --parts 1000 --tiles --quiet -- -D size=1000000000").code == 0);
-  const std::string script = read_bytes(place.folder / "scene_farm/render.sh");
+  write_bytes(workplace.folder / "scene.xml", scene);
+  REQUIRE(run(workplace.folder, "farm scene.xml --parts 1000 --tiles --quiet -- -D size=1000000000").code == 0);
+  const std::string script = read_bytes(workplace.folder / "scene_farm/render.sh");
   CHECK(contains(script, "0,999000000,1,1000000000"));
   CHECK_FALSE(contains(script, ",-"));
 }
 
 TEST_CASE("options: every message is one line that begins with the program name") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const arguments :
        {"", "paint", "--quiet", "--quiet render", "render", "render scene.xml --no-such-option",
         "render scene.xml --spp 0", "render scene.xml --color cmyk", "render scene.xml --crop 1,2,3",
         "render scene.xml other.xml", "compare a.exr", "merge", "info", "denoise", "farm scene.xml",
         "render nowhere.xml", "render scene.xml --env 1"}) {
     CAPTURE(std::string(arguments));
-    const Outcome outcome = run(place.folder, arguments);
+    const Outcome outcome = run(workplace.folder, arguments);
     CHECK((outcome.code == 2 || outcome.code == 3));
     const std::vector<std::string> lines = lines_of(outcome.err);
     REQUIRE(lines.size() == 1);
@@ -212,27 +214,27 @@ TEST_CASE("options: every message is one line that begins with the program name"
 }
 
 TEST_CASE("options: misplaced options name their command and only similar names are suggested") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const arguments : {"--quiet render scene.xml", "--quiet", "--quiet=1 render"}) {
     CAPTURE(std::string(arguments));
-    CHECK(contains(run(place.folder, arguments).err, "' must follow its command: sheaf "));
+    CHECK(contains(run(workplace.folder, arguments).err, "' must follow its command: sheaf "));
   }
-  CHECK(contains(run(place.folder, "--quiet render scene.xml").err,
+  CHECK(contains(run(workplace.folder, "--quiet render scene.xml").err,
                  "option '--quiet' must follow its command: sheaf render --quiet"));
-  CHECK(contains(run(place.folder, "--qiet render scene.xml").err, "unknown option '--qiet'"));
+  CHECK(contains(run(workplace.folder, "--qiet render scene.xml").err, "unknown option '--qiet'"));
   for (const char* const option : {"--zap", "--fast", "--gpu", "--bounces", "--frobnicate"}) {
     CAPTURE(std::string(option));
-    const Outcome outcome = place.render(option);
+    const Outcome outcome = workplace.render(option);
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "unknown option '" + std::string(option) + "'"));
     CHECK_FALSE(contains(outcome.err, "did you mean"));
   }
-  CHECK(contains(place.render("--noise 1").err, "did you mean '--noise-target'?"));
-  CHECK(contains(place.render("--sedd 1").err, "did you mean '--seed'?"));
+  CHECK(contains(workplace.render("--noise 1").err, "did you mean '--noise-target'?"));
+  CHECK(contains(workplace.render("--sedd 1").err, "did you mean '--seed'?"));
 }
 
 TEST_CASE("options: replaced integrators and samplers are noted") {
-  const Workplace place;
+  const Workplace workplace;
   for (const auto& [options, note] :
        {std::pair{"--integrator bdpt", "integrator 'bdpt' is rendered with 'path', which has the same expectation"},
         {"--integrator mlt", "integrator 'mlt' is rendered with 'path'"},
@@ -242,48 +244,49 @@ TEST_CASE("options: replaced integrators and samplers are noted") {
         {"--sampler pmj02bn", "sampler 'pmj02bn' is rendered with 'sobol'"},
         {"--sampler ldsampler", "sampler 'ldsampler' is rendered with 'sobol'"}}) {
     CAPTURE_BINDING(options);
-    const Outcome outcome = place.render(options);
+    const Outcome outcome = workplace.render(options);
     CHECK(outcome.code == 0);
     CHECK(contains(outcome.err, note));
   }
-  CHECK_FALSE(contains(place.render("--integrator path_mats --sampler sobol").err, "is rendered with"));
+  CHECK_FALSE(contains(workplace.render("--integrator path_mats --sampler sobol").err, "is rendered with"));
 }
 
 TEST_CASE("options: layers that no output can hold are rejected") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const options : {"--aov depth", "--light-groups", "--color spectral --spectral-bins 4"}) {
     CAPTURE(std::string(options));
-    const Outcome outcome = run(place.folder, "render scene.xml --spp 1 -o out.png " + std::string(options));
+    const Outcome outcome = run(workplace.folder, "render scene.xml --spp 1 -o out.png " + std::string(options));
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "layers, which only .exr files can store: add -o out.exr"));
-    CHECK(run(place.folder, "render scene.xml --spp 1 --quiet -o out.png -o out.exr " + std::string(options)).code ==
-          0);
-    std::filesystem::remove(place.folder / "out.png");
+    CHECK(
+        run(workplace.folder, "render scene.xml --spp 1 --quiet -o out.png -o out.exr " + std::string(options)).code ==
+        0);
+    std::filesystem::remove(workplace.folder / "out.png");
   }
 }
 
 TEST_CASE("options: an unwritable standard output has exit code 4") {
-  const Workplace place;
-  REQUIRE(place.render("--quiet").code == 0);
+  const Workplace workplace;
+  REQUIRE(workplace.render("--quiet").code == 0);
   for (const char* const arguments :
        {"info scene.xml", "info out.exr", "compare out.exr out.exr", "--help", "--version", "render --help"}) {
     CAPTURE(std::string(arguments));
     for (const char* const stream : {" >/dev/full", " >&-"}) {
       CAPTURE(std::string(stream));
       // A shell of its own, whose standard output is the one of run().
-      const Outcome outcome = run(place.folder, "--version",
+      const Outcome outcome = run(workplace.folder, "--version",
                                   SHEAF_EXECUTABLE " " + std::string(arguments) + stream + " 2>said.txt; exit $?; ");
       CHECK(outcome.code == 4);
-      CHECK(contains(read_bytes(place.folder / "said.txt"), "sheaf: cannot write to the standard output"));
+      CHECK(contains(read_bytes(workplace.folder / "said.txt"), "sheaf: cannot write to the standard output"));
     }
   }
   // A command without output needs no standard output, and its messages go nowhere else.
-  const Outcome silent = run(place.folder, "--version",
+  const Outcome silent = run(workplace.folder, "--version",
                              SHEAF_EXECUTABLE
                              " render scene.xml -o b.exr --no-timestamps --spp 1 >&- 2>&- <&-; "
                              "exit $?; ");
   CHECK(silent.code == 0);
-  CHECK(read_bytes(place.folder / "b.exr") == read_bytes(place.folder / "out.exr"));
+  CHECK(read_bytes(workplace.folder / "b.exr") == read_bytes(workplace.folder / "out.exr"));
 }
 
 namespace {
@@ -342,12 +345,12 @@ const std::vector<std::pair<std::string, std::string>> kRuns = {
 }  // namespace
 
 TEST_CASE("options: --shutter takes two times and a ramp") {
-  const Workplace place;
+  const Workplace workplace;
   for (const char* const shutter : {"0:0", "0:0.02", "1:2:0.5", "1e-3:2e-3:0"}) {
     CAPTURE(std::string(shutter));
-    CHECK(place.render("--quiet --shutter " + std::string(shutter)).code == 0);
+    CHECK(workplace.render("--quiet --shutter " + std::string(shutter)).code == 0);
   }
-  CHECK(place.render("--quiet --shutter=-1:1").code == 0);
+  CHECK(workplace.render("--quiet --shutter=-1:1").code == 0);
   for (const auto& [shutter, message] : {std::pair{"1", "expected OPEN:CLOSE or OPEN:CLOSE:RAMP"},
                                          {"0:", "expected OPEN:CLOSE"},
                                          {"0:1:", "expected OPEN:CLOSE"},
@@ -358,22 +361,22 @@ TEST_CASE("options: --shutter takes two times and a ramp") {
                                          {"2:1", "expected a shutter that does not close before it opens"},
                                          {"0:1:0.6", "expected a ramp from 0 to 0.5"},
                                          {"0:1:nan", "expected OPEN:CLOSE"}}) {
-    const Outcome outcome = place.render("--shutter '" + std::string(shutter) + "'");
+    const Outcome outcome = workplace.render("--shutter '" + std::string(shutter) + "'");
     CAPTURE(outcome.err);
     CHECK(outcome.code == 2);
     CHECK(contains(outcome.err, "--shutter '" + std::string(shutter) + "': " + message));
   }
-  write_bytes(place.folder / "model.stl", "");
-  CHECK(contains(run(place.folder, "render model.stl --shutter 0:1").err, "--shutter applies to scenes"));
+  write_bytes(workplace.folder / "model.stl", "");
+  CHECK(contains(run(workplace.folder, "render model.stl --shutter 0:1").err, "--shutter applies to scenes"));
 }
 
 TEST_CASE("options: a render resumes from its checkpoint only with its original options") {
-  const Workplace place;
-  write_bytes(place.folder / "other.exr", "");
+  const Workplace workplace;
+  write_bytes(workplace.folder / "other.exr", "");
   const std::string common = "render scene.xml --spp 4 --quiet ";
-  REQUIRE(run(place.folder, common + "-o out.exr --checkpoint a.state").code == 0);
+  REQUIRE(run(workplace.folder, common + "-o out.exr --checkpoint a.state").code == 0);
   const auto resume = [&](const std::string& options) {
-    return run(place.folder, common + "--checkpoint a.state --resume " + options);
+    return run(workplace.folder, common + "--checkpoint a.state --resume " + options);
   };
   std::set<std::string> known;
   for (const auto& [name, value] : kChanges) {
@@ -388,7 +391,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     CHECK(outcome.code == 5);
     CHECK(contains(outcome.err, "--" + name + " is '"));
   }
-  CHECK(run(place.folder, "render scene.xml --spp 3 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
+  CHECK(run(workplace.folder, "render scene.xml --spp 3 --quiet -o out.exr --checkpoint a.state --resume").code == 5);
   for (const auto& [name, value] : kRuns) {
     CAPTURE_BINDING(name);
     known.insert(name);
@@ -396,7 +399,7 @@ TEST_CASE("options: a render resumes from its checkpoint only with its original 
     CHECK(resume((name == "output" ? "" : "-o out.exr ") + ("--" + name) + " " + value).code == 0);
   }
   // Every option is in one of the two lists.
-  std::istringstream help(run(place.folder, "render --help").out);
+  std::istringstream help(run(workplace.folder, "render --help").out);
   for (std::string word; help >> word;) {
     const std::size_t at = word.find("--");
     if (at == word.npos || (at > 0 && word[at - 1] != ',')) continue;

@@ -117,12 +117,13 @@ std::optional<std::string> as_nobody() {
   return std::nullopt;
 }
 
-void check_refused(const Workplace& place, const Written& written, const Outcome& outcome, const std::string& reason) {
+void check_refused(const Workplace& workplace, const Written& written, const Outcome& outcome,
+                   const std::string& reason) {
   CAPTURE(outcome.err);
   CHECK(outcome.code == 4);
   CHECK(contains(outcome.err, reason));
   CHECK(contains(outcome.err, written.is_whole_folder ? "place" : written.name));
-  CHECK(place.left_over().empty());
+  CHECK(workplace.left_over().empty());
 }
 
 }  // namespace
@@ -142,74 +143,74 @@ TEST_CASE("outputs: only core/io/output_file opens files for writing") {
 }
 
 TEST_CASE("outputs: a missing folder is an error") {
-  Workplace place;
+  Workplace workplace;
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
-    place.prepare(written, false);
+    workplace.prepare(written, false);
     // The farm creates its folder unless a file is in the way.
-    write_bytes(place.folder / "place/file", "");
+    write_bytes(workplace.folder / "place/file", "");
     if (written.is_whole_folder)
-      check_refused(place, written, place.write(written, "place/file/farm"), "Not a directory");
+      check_refused(workplace, written, workplace.write(written, "place/file/farm"), "Not a directory");
     else
-      check_refused(place, written, place.write(written, "place/gone"), "there is no folder 'place/gone'");
+      check_refused(workplace, written, workplace.write(written, "place/gone"), "there is no folder 'place/gone'");
   }
 }
 
 TEST_CASE("outputs: a read-only folder is an error") {
   const auto nobody = as_nobody();
   if (!nobody) return;
-  Workplace place;
+  Workplace workplace;
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
     for (const bool with_old : {false, true}) {
-      const fs::path file = place.prepare(written, with_old);
+      const fs::path file = workplace.prepare(written, with_old);
       if (with_old) fs::permissions(file, fs::perms(0666));
-      fs::permissions(place.folder / "place", fs::perms(0555));
-      check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
-      CHECK(read_bytes(file) == (with_old ? place.old_of(written) : ""));
+      fs::permissions(workplace.folder / "place", fs::perms(0555));
+      check_refused(workplace, written, workplace.write(written, "place", *nobody), "Permission denied");
+      CHECK(read_bytes(file) == (with_old ? workplace.old_of(written) : ""));
     }
   }
-  place.prepare(kWritten[0], false);
+  workplace.prepare(kWritten[0], false);
 }
 
 TEST_CASE("outputs: a read-only file is an error even through a link") {
   const auto nobody = as_nobody();
   if (!nobody) return;
-  Workplace place;
+  Workplace workplace;
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
-    const fs::path file = place.prepare(written, true), real = place.folder / "place/real";
+    const fs::path file = workplace.prepare(written, true), real = workplace.folder / "place/real";
     fs::permissions(file, fs::perms(0444));
-    check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
-    CHECK(read_bytes(file) == place.old_of(written));
+    check_refused(workplace, written, workplace.write(written, "place", *nobody), "Permission denied");
+    CHECK(read_bytes(file) == workplace.old_of(written));
     fs::rename(file, real);
     fs::create_symlink("real", file);
-    check_refused(place, written, place.write(written, "place", *nobody), "Permission denied");
-    CHECK(read_bytes(real) == place.old_of(written));
+    check_refused(workplace, written, workplace.write(written, "place", *nobody), "Permission denied");
+    CHECK(read_bytes(real) == workplace.old_of(written));
     CHECK(fs::is_symlink(file));
     CHECK((fs::status(real).permissions() & fs::perms::all) == fs::perms(0444));
   }
 }
 
 TEST_CASE("outputs: links are followed") {
-  Workplace place;
+  Workplace workplace;
   const fs::path far = fs::path("/dev/shm") / ("sheaf_test_" + std::to_string(getpid()));
   const bool has_far = fs::is_directory("/dev/shm") && access("/dev/shm", W_OK) == 0;
   if (!has_far) MESSAGE("skipped: no second file system is writable");
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
     for (const bool is_there : {true, false})
-      for (const fs::path& target : {fs::path("real"), place.folder / "place/real", far}) {
+      for (const fs::path& target : {fs::path("real"), workplace.folder / "place/real", far}) {
         CAPTURE(target.string());
         if (target == far && !has_far) continue;
-        const fs::path file = place.prepare(written, false);
-        const fs::path real = target.is_absolute() ? target : place.folder / "place/real";
+        const fs::path file = workplace.prepare(written, false);
+        const fs::path real = target.is_absolute() ? target : workplace.folder / "place/real";
         fs::remove(real);
-        if (is_there) write_bytes(real, place.old_of(written)), fs::permissions(real, fs::perms(0640));
+        if (is_there) write_bytes(real, workplace.old_of(written)), fs::permissions(real, fs::perms(0640));
         // A link to a link.
-        fs::create_symlink(target, place.folder / "place/between");
+        fs::create_symlink(target, workplace.folder / "place/between");
         fs::create_symlink("between", file);
-        const Outcome outcome = place.write(written);
+        const Outcome outcome = workplace.write(written);
         CAPTURE(outcome.err);
         CHECK(outcome.code == 0);
         CHECK(fs::is_symlink(file));
@@ -217,33 +218,33 @@ TEST_CASE("outputs: links are followed") {
         CHECK(read_bytes(real).size() > 10);
         CHECK(read_bytes(real) != "old");
         if (is_there) CHECK((fs::status(real).permissions() & fs::perms::all) == fs::perms(0640));
-        CHECK(place.left_over().empty());
+        CHECK(workplace.left_over().empty());
       }
     fs::remove(far);
     // Dangling links.
-    const fs::path file = place.prepare(written, false);
+    const fs::path file = workplace.prepare(written, false);
     fs::create_symlink("gone/real", file);
-    check_refused(place, written, place.write(written), "place/gone'");
+    check_refused(workplace, written, workplace.write(written), "place/gone'");
     CHECK(fs::is_symlink(file));
     fs::remove(file);
     fs::create_symlink(written.name, file);
-    check_refused(place, written, place.write(written), "Too many levels of symbolic links");
+    check_refused(workplace, written, workplace.write(written), "Too many levels of symbolic links");
     CHECK(fs::is_symlink(file));
     // Devices are not replaced.
     fs::remove(file);
     fs::create_symlink("/dev/full", file);
-    check_refused(place, written, place.write(written), "it is not a regular file");
+    check_refused(workplace, written, workplace.write(written), "it is not a regular file");
     CHECK(fs::is_symlink(file));
     fs::remove(file);
     fs::create_directory(file);
-    check_refused(place, written, place.write(written), "it is a folder");
+    check_refused(workplace, written, workplace.write(written), "it is a folder");
   }
 }
 
 TEST_CASE("outputs: a full disk is an error") {
-  Workplace place;
+  Workplace workplace;
   // One page, which the old file occupies.
-  write_bytes(place.folder / "full.sh", R"sh(set -e
+  write_bytes(workplace.folder / "full.sh", R"sh(set -e
 mount -t tmpfs -o size=4k none place
 cp old "place/$1" && shift
 rc=0; "$@" || rc=$?
@@ -252,21 +253,22 @@ cp place/* kept
 exit $rc
 )sh");
   const std::string tried =
-      "cd '" + place.folder.path().string() + "' && mkdir -p place && unshare -m mount -t tmpfs none place";
+      "cd '" + workplace.folder.path().string() + "' && mkdir -p place && unshare -m mount -t tmpfs none place";
   if (std::system((tried + " >/dev/null 2>&1").c_str()) != 0) {
     MESSAGE("skipped: file systems cannot be mounted");
     return;
   }
   for (const Written& written : kWritten) {
     CAPTURE(std::string(written.what));
-    place.prepare(written, false);
-    const std::string old = place.old_of(written).substr(0, 4096);
+    workplace.prepare(written, false);
+    const std::string old = workplace.old_of(written).substr(0, 4096);
     if (written.what == std::string("checkpoint")) continue;  // takes more than a page, see below
-    write_bytes(place.folder / "old", old);
-    const Outcome outcome = place.write(written, "place", "unshare -m sh ./full.sh " + std::string(written.name) + " ");
-    check_refused(place, written, outcome, "No space left on device");
-    CHECK(read_bytes(place.folder / "kept") == old);
-    CHECK(read_bytes(place.folder / "place.txt") == std::string(written.name) + "\n");
+    write_bytes(workplace.folder / "old", old);
+    const Outcome outcome =
+        workplace.write(written, "place", "unshare -m sh ./full.sh " + std::string(written.name) + " ");
+    check_refused(workplace, written, outcome, "No space left on device");
+    CHECK(read_bytes(workplace.folder / "kept") == old);
+    CHECK(read_bytes(workplace.folder / "place.txt") == std::string(written.name) + "\n");
   }
   // Files are limited to 1 kB.
   for (const Written& written : kWritten) {
@@ -274,40 +276,40 @@ exit $rc
     const std::string extension = fs::path(written.name).extension();
     const bool is_exr_or_text = extension == ".exr" || extension == ".json" || extension == ".state";
     if (written.is_whole_folder || !is_exr_or_text) continue;  // shorter
-    const fs::path file = place.prepare(written, true);
-    const Outcome outcome = place.write(written, "place", "ulimit -f 2 && ");
-    check_refused(place, written, outcome, "cannot write 'place/" + std::string(written.name) + "'");
-    CHECK(read_bytes(file) == place.old_of(written));
+    const fs::path file = workplace.prepare(written, true);
+    const Outcome outcome = workplace.write(written, "place", "ulimit -f 2 && ");
+    check_refused(workplace, written, outcome, "cannot write 'place/" + std::string(written.name) + "'");
+    CHECK(read_bytes(file) == workplace.old_of(written));
   }
 }
 
 TEST_CASE("outputs: other outputs are written after a failure and previews report it") {
-  Workplace place;
-  place.prepare(kWritten[0], false);
+  Workplace workplace;
+  workplace.prepare(kWritten[0], false);
   const std::string small = "ulimit -f 2 && ";
   for (const char* command : {"denoise noisy.exr", "merge left.exr right.exr"}) {
-    const Outcome outcome = run(place.folder, std::string(command) + " -o place/a.exr -o place/b.png", small);
+    const Outcome outcome = run(workplace.folder, std::string(command) + " -o place/a.exr -o place/b.png", small);
     CAPTURE(outcome.err);
     CHECK(outcome.code == 4);
     CHECK(contains(outcome.err, "cannot write 'place/a.exr'"));
     CHECK(contains(outcome.err, "wrote place/b.png"));
-    CHECK(fs::exists(place.folder / "place/b.png"));
-    CHECK(place.left_over().empty());
-    place.prepare(kWritten[0], false);
+    CHECK(fs::exists(workplace.folder / "place/b.png"));
+    CHECK(workplace.left_over().empty());
+    workplace.prepare(kWritten[0], false);
   }
   // The folder disappears during the render: the preview reports it, and the render continues.
-  write_bytes(place.folder / "go.sh", R"sh("$@" 2>log.txt & pid=$!
+  write_bytes(workplace.folder / "go.sh", R"sh("$@" 2>log.txt & pid=$!
 sleep 1; rm -rf place; kill -USR1 $pid
 for i in $(seq 100); do grep -q 'cannot write' log.txt && break; sleep 0.1; done
 mkdir place; kill -TERM $pid; wait $pid
 )sh");
   const Outcome outcome =
-      run(place.folder, "render scene.xml --spp 16000000 --size 96x64 -o place/a.exr", "sh ./go.sh ");
-  const std::string log = read_bytes(place.folder / "log.txt");
+      run(workplace.folder, "render scene.xml --spp 16000000 --size 96x64 -o place/a.exr", "sh ./go.sh ");
+  const std::string log = read_bytes(workplace.folder / "log.txt");
   CAPTURE(log);
   CHECK(contains(log, "cannot write 'place/a.exr': there is no folder 'place'"));
   CHECK(outcome.code == 143);
-  CHECK(fs::exists(place.folder / "place/a.exr"));
+  CHECK(fs::exists(workplace.folder / "place/a.exr"));
 }
 
 }  // namespace sheaf::test_cli_outputs

@@ -1,4 +1,4 @@
-// Renders by the command line: colour modes, spectral layers, samplers, crops, sizes and models.
+// Renders by the command line: color modes, spectral layers, samplers, crops, sizes and models.
 #include "core/image/exr.h"
 #include "tests/support/near.h"
 #include "tests/support/program_testing.h"
@@ -26,7 +26,7 @@ TEST_CASE("spectral mode is rendered and recorded in the image") {
 TEST_CASE("scenes of pbrt are rendered spectrally with a note unless --color rgb is given") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);
-  // A saturated red: after two reflections it differs between the colour modes.
+  // A saturated red: after two reflections it differs between the color modes.
   write_bytes(folder / "scene.pbrt", R"(Film "rgb" "integer xresolution" 8 "integer yresolution" 8
 Sampler "independent" "integer pixelsamples" 4
 WorldBegin

@@ -69,7 +69,7 @@ TEST_CASE("streams: the content of the standard input determines the dialect") {
   }
 }
 
-TEST_CASE("streams: models of other programs are recognised by their content") {
+TEST_CASE("streams: models of other programs are recognized by their content") {
   const TemporaryFolder folder;
   std::vector<std::array<std::string, 2>> models;
   if (can_import_models())

@@ -69,7 +69,7 @@ TEST_CASE("importer sandbox: memory and time are limited") {
   if (!has_filter()) return;
   const int large = status_of([] {
     importer::restrict_process(std::uint64_t{1} << 30, 10);
-    void* volatile memory = std::malloc(std::size_t{2} << 30);  // volatile: must not be optimised away
+    void* volatile memory = std::malloc(std::size_t{2} << 30);  // volatile: must not be optimized away
     return memory == nullptr ? 0 : 1;
   });
   CHECK(WIFEXITED(large));

@@ -320,7 +320,7 @@ TEST_CASE("no header includes itself through others") {
   for (const auto& [file, headers] : std::map(included)) visit(file);
 }
 
-TEST_CASE("include lines are recognised with any spacing") {
+TEST_CASE("include lines are recognized with any spacing") {
   CHECK(included_header("#include \"core/math/vec.h\"") == "core/math/vec.h");
   CHECK(included_header("  #  include <xsimd/xsimd.hpp>  // why") == "xsimd/xsimd.hpp");
   CHECK_FALSE(included_header("// #include <vector>").has_value());

@@ -18,7 +18,7 @@ namespace {
 struct Options {
   Options() : program("test", ""), command(program.add_command("run", "")) {
     command.add_option("-n,--count", count, "").in_range(1u, 4294967295u);
-    command.add_option("--share", share, "").share().positive();
+    command.add_option("--share", fraction, "").fraction().positive();
     command.add_option("--time", time, "").seconds().only_for_run();
     command.add_option("--crop", crop, "").list(',', 4);
     command.add_option("--color", color, "").one_of({"rgb", "spectral"});
@@ -40,7 +40,7 @@ struct Options {
   Program program;
   Command command;
   std::optional<unsigned> count;
-  std::optional<float> share;
+  std::optional<float> fraction;
   double time = 0;
   std::vector<int> crop;
   std::string color, guiding;
@@ -63,7 +63,7 @@ TEST_CASE("option values: variables are set, and given options are listed in the
                                           {"share", 0.25},
                                           {"time", 90.0}});
   CHECK(options.count == 4294967295u);
-  CHECK(options.share == 0.25f);
+  CHECK(options.fraction == 0.25f);
   CHECK(options.time == 90);
   CHECK(options.crop == std::vector<int>{0, -1, 8, 9});
   CHECK(options.color == "rgb");
@@ -80,7 +80,7 @@ TEST_CASE("option values: numbers may be given as on the command line") {
   Options options;
   const auto given = options.command.set(
       {{"share", text("2%")}, {"time", text("1m30s")}, {"count", text("1e3")}, {"crop", text("1,2,3,4")}});
-  CHECK(options.share == 0.02f);
+  CHECK(options.fraction == 0.02f);
   CHECK(options.time == 90);
   CHECK(options.count == 1000u);
   CHECK(options.crop == std::vector<int>{1, 2, 3, 4});

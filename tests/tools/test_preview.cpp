@@ -145,7 +145,7 @@ std::string wall_scene() {
   return scene;
 }
 
-/// Mean difference between horizontal neighbours.
+/// Mean difference between horizontal neighbors.
 double roughness(const Image& image) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y)

@@ -55,7 +55,7 @@ TEST_CASE("stats of workers add up in every field") {
 
 TEST_CASE("an empty report has no rays and no share") {
   CHECK(RenderReport().rays_per_second() == 0);
-  CHECK(RenderReport().trace_share() == 0);
+  CHECK(RenderReport().trace_fraction() == 0);
 }
 
 TEST_CASE("a report of photon maps has the queries of their stages and the radii of the first and last pass") {
@@ -94,7 +94,7 @@ TEST_CASE("a report as JSON and as a table") {
   report.stats.trace_ticks = static_cast<std::uint64_t>(3 / seconds_per_tick());
   report.stage_names = {"light_candidates", "unused", "sort"};
   report.stats[Stage{1}].items = 0;
-  CHECK(report.trace_share() == near(0.75, 1e-3));
+  CHECK(report.trace_fraction() == near(0.75, 1e-3));
   CHECK(report.rays_per_second() == near(3));
   report.photons = {700, 600, 0.25, 0.5, 1, {0.25f, 0, 0.125f, 0, 600, 54'000}, {0.25f, 0, 0.125f, 0, 600, 54'000}};
   const std::string json = to_json(report);

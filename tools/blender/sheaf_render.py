@@ -548,7 +548,7 @@ class Exporter:
         """Renders the world with Cycles to an environment map by longitude and latitude. None: it is black."""
         world = self.scene.world
         nodes = world.node_tree.nodes if world.use_nodes else []
-        width = 64  # a constant colour
+        width = 64  # a constant color
         if any(node.type not in {"BACKGROUND", "OUTPUT_WORLD"} for node in nodes):
             images = [node.image.size[0] for node in nodes if node.type == "TEX_ENVIRONMENT" and node.image]
             width = min(max(images, default=1024), 8192)

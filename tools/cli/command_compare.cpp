@@ -49,7 +49,7 @@ std::string describe(const ImageComparison& result, const CompareOptions& option
   fmt::format_to(out,
                  "Z-test         {:.3f} % of {} values accepted at level {:g} (expected: {:.3f} %), mean z^2 {:.4f}, "
                  "variances of {}\n",
-                 test.accepted_share() * 100, test.tests, test.significance, (1 - test.significance) * 100,
+                 test.accepted_fraction() * 100, test.tests, test.significance, (1 - test.significance) * 100,
                  test.mean_z_squared, source);
   fmt::format_to(out, "equal means    p = {:.4g} (minimum over the channels, Bonferroni-corrected)\n",
                  test.corrected_mean_p());
@@ -71,8 +71,8 @@ std::vector<std::string> find_failures(const ImageComparison& result, const Comp
   require(below(ratio_error, limits.max_mean_ratio_error), "|mean ratio - 1|", ratio_error,
           limits.max_mean_ratio_error);
   if (result.z_test) {
-    const double share = result.z_test->accepted_share(), p = result.z_test->corrected_mean_p();
-    require(above(share, limits.min_accepted), "accepted share", share, limits.min_accepted);
+    const double fraction = result.z_test->accepted_fraction(), p = result.z_test->corrected_mean_p();
+    require(above(fraction, limits.min_accepted), "accepted share", fraction, limits.min_accepted);
     require(above(p, limits.min_mean_p), "p-value of equal means", p, limits.min_mean_p);
   }
   if (result.non_finite > 0) failures.push_back(fmt::format("{} values are not finite", result.non_finite));
@@ -128,10 +128,10 @@ void add_compare_command(Command& program, int& exit_code) {
   command.add_option("--max-relmse", arguments->max_relative_mse,
                      "Maximum relative mean squared error, the mean of (a - b)^2 / (b^2 + 0.01)");
   command.add_option("--max-mean-ratio-error", arguments->max_mean_ratio_error, "Maximum of |mean(A) / mean(B) - 1|")
-      .share();
+      .fraction();
   command
       .add_option("--min-accepted", arguments->min_accepted, "Minimum fraction of values that pass the Z-test, 0 to 1")
-      .share()
+      .fraction()
       .in_range(0.0, 1.0);
   command.add_option("--min-mean-p", arguments->min_mean_p, "Minimum p-value of the test for equal means, 0 to 1")
       .in_range(0.0, 1.0);

@@ -48,8 +48,8 @@ std::uint32_t choose_sets(const RenderSettings& settings, std::uint32_t parts) {
   if (settings.replicates == 1 || settings.requests_replicates) return settings.replicates;
   const std::uint32_t samples = settings.camera_samples();
   const std::uint32_t sets = (settings.replicates + parts - 1) / parts * parts;
-  const auto made = [&](std::uint32_t wanted) {
-    const std::uint32_t size = (samples + wanted - 1) / wanted;
+  const auto made = [&](std::uint32_t requested) {
+    const std::uint32_t size = (samples + requested - 1) / requested;
     return (samples + size - 1) / size;
   };
   if (sets <= samples && made(sets) >= parts) return sets;

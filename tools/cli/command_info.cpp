@@ -146,7 +146,7 @@ std::string describe(const Description& description, const Scene& scene, const C
                  megabytes(info.table_bytes), megabytes(info.accel_bytes));
   text += describe_peaks(scene);
   for (const std::string& note : description.notes) fmt::format_to(out, "note        {}\n", note);
-  for (const std::string& stand_in : description.stand_ins) fmt::format_to(out, "warning     {}\n", stand_in);
+  for (const std::string& substitute : description.substitutions) fmt::format_to(out, "warning     {}\n", substitute);
   for (const std::string& warning : scene.warnings()) fmt::format_to(out, "warning     {}\n", warning);
   return text;
 }
@@ -242,7 +242,7 @@ void add_info_command(Command& program, int& exit_code) {
     CompileOptions options;
     options.report = &report;
     options.color = native_color(arguments->scene);
-    ErrorSink errors(arguments->read.lenient, description.stand_ins);
+    ErrorSink errors(arguments->read.lenient, description.substitutions);
     options.errors = &errors;
     const std::unique_ptr<Scene> scene = compile_scene(description, options);
     const std::string text =

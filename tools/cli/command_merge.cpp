@@ -47,8 +47,8 @@ int merge_images(const MergeArguments& arguments) {
   if (merged.has_denoised)
     print_note("the layers denoised.R/G/B of the parts are omitted; run 'sheaf denoise' on the merged image");
   if (const std::string text = interruption(merged.metadata.attributes); !text.empty()) print_warning(text);
-  if (merged.interrupted || merged.share < 1.0)
-    print_warning(fmt::format("the image is incomplete: {:.4g} % of the samples{}", merged.share * 100,
+  if (merged.interrupted || merged.sampled_fraction < 1.0)
+    print_warning(fmt::format("the image is incomplete: {:.4g} % of the samples{}", merged.sampled_fraction * 100,
                               merged.interrupted ? ", including interrupted parts" : ""));
   print_note(fmt::format("merged {} parts; {}", sources.size(), written_files(written)));
   return static_cast<int>(written.files.size() == outputs.size() ? ExitCode::kDone : ExitCode::kOutput);

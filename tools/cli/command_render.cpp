@@ -142,14 +142,14 @@ void print_start(const RenderJob& job, FrameRun* frames) {
 }
 
 /// Prints warnings, statistics and the written files after the render. `frames`: null for a single image.
-void print_end(const RenderResult& result, const WrittenImages& written, std::size_t stand_ins, FrameRun* frames) {
+void print_end(const RenderResult& result, const WrittenImages& written, std::size_t substitutions, FrameRun* frames) {
   for (const std::string& warning : result.warnings)
     if (frames == nullptr || frames->is_new(warning)) print_warning(warning);
   if (verbosity() == Verbosity::kVerbose) std::fputs(to_table(result.report).c_str(), stderr);
   print_note((frames != nullptr ? frames->label() + ": " : "") + summarize(result.report, written));
-  if (stand_ins > 0)
+  if (substitutions > 0)
     print_warning(fmt::format("{} scene element{} could not be read and {} dropped or replaced; see the warnings above",
-                              stand_ins, stand_ins == 1 ? "" : "s", stand_ins == 1 ? "was" : "were"));
+                              substitutions, substitutions == 1 ? "" : "s", substitutions == 1 ? "was" : "were"));
 }
 
 /// The images that the render writes, with the default name if none are given.
@@ -256,7 +256,7 @@ int render_scene(const RenderArguments& arguments, const std::vector<GivenOption
   const WrittenImage written = write_result(job, result);
   bool complete = written.written.files.size() == job.outputs.size() && checkpointer.is_saved();
   complete &= write_statistics(arguments, result.report);
-  print_end(result, written.written, job.description.stand_ins.size(), frames);
+  print_end(result, written.written, job.description.substitutions.size(), frames);
   if (frames != nullptr) keep_geometry(std::move(job.scene), frames->geometry);
 
   // Report the outcome

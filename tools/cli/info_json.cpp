@@ -89,7 +89,7 @@ std::string info_json(const Description& description, const Scene& scene, const 
                     {"rendering", rendering_json(scene)}};
   InfoJson files = InfoJson::array(), warnings = InfoJson::array();
   for (const std::filesystem::path& file : description.files) files.push_back(file.string());
-  for (const std::string& stand_in : description.stand_ins) warnings.push_back(stand_in);
+  for (const std::string& substitute : description.substitutions) warnings.push_back(substitute);
   for (const std::string& warning : scene.warnings()) warnings.push_back(warning);
   json.update({{"files", files}, {"notes", description.notes}, {"warnings", warnings}});
   return text_of(json);

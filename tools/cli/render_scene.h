@@ -18,8 +18,8 @@ struct RepeatedRender {
 };
 
 /// Renders a scene with the options of `sheaf render`, and `given`, those on the command line. Returns the exit code.
-/// Throws Error. `repeated`: null unless the render is repeated. `frames`: what the render shares with other frames of
-/// an animation; null for a single image.
+/// Throws Error. `repeated`: null unless the render is repeated. `frames`: the state that the render shares with other
+/// frames of an animation; null for a single image.
 int render_scene(const RenderArguments& arguments, const std::vector<GivenOption>& given,
                  RepeatedRender* repeated = nullptr, FrameRun* frames = nullptr);
 

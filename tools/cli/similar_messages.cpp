@@ -12,7 +12,7 @@ namespace {
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 /// The message without "FILE:LINE: " at its beginning.
-std::string without_place(const std::string& message) {
+std::string without_location(const std::string& message) {
   for (std::size_t colon = message.find(": "); colon != std::string::npos; colon = message.find(": ", colon + 1)) {
     std::size_t line = colon;
     while (line > 0 && is_digit(message[line - 1])) --line;
@@ -21,10 +21,10 @@ std::string without_place(const std::string& message) {
   return message;
 }
 
-/// The message without its place, and with '#' for each number.
+/// The message without its location, and with '#' for each number.
 std::string kind_of(const std::string& message) {
   std::string kind;
-  for (const char c : without_place(message)) {
+  for (const char c : without_location(message)) {
     if (!is_digit(c))
       kind += c;
     else if (kind.empty() || kind.back() != '#')
@@ -48,7 +48,7 @@ std::vector<std::string> without_similar(const std::vector<std::string>& message
     kind.last = i;
     kind_of_message.push_back(&kind);
   }
-  // Keep the first ones. A line is not worth replacing by another
+  // Keep the first ones, and never replace a single line by another
   std::vector<std::string> kept;
   std::unordered_map<const Kind*, std::size_t> written;
   for (std::size_t i = 0; i < messages.size(); ++i) {
@@ -57,7 +57,7 @@ std::vector<std::string> without_similar(const std::vector<std::string>& message
     if (!shortened || written[&kind]++ < limit) kept.push_back(messages[i]);
     if (shortened && i == kind.last)
       kept.push_back(
-          fmt::format("{} more like \"{}\"; -v prints them", kind.count - limit, without_place(messages[i])));
+          fmt::format("{} more like \"{}\"; -v prints them", kind.count - limit, without_location(messages[i])));
   }
   return kept;
 }

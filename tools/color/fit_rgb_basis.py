@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Fits the basis spectra that represent linear Rec.709 colours: the table in scene/data/rgb_basis.cpp. Needs numpy and
+"""Fits the basis spectra that represent linear Rec.709 colors: the table in scene/data/rgb_basis.cpp. Needs numpy and
 scipy.
 
 Follows Mallett and Yuksel ("Spectral Primary Decomposition for Rendering with sRGB Reflectance", 2019): three spectra
-in [0, 1] that sum to 1 at every wavelength and have the colours red, green and blue under D65. Among all piecewise
-linear solutions, the script finds the smoothest, which minimises the sum of squared second differences.
+in [0, 1] that sum to 1 at every wavelength and have the colors red, green and blue under D65. Among all piecewise
+linear solutions, the script finds the smoothest, which minimizes the sum of squared second differences.
 
   tools/color/fit_rgb_basis.py [--step 10]
 """
@@ -29,13 +29,13 @@ def curve(name):
 
 
 def basis(step):
-    """Returns the knots, the three spectra at the knots, and the colour of each hat function."""
+    """Returns the knots, the three spectra at the knots, and the color of each hat function."""
     knots = np.arange(360, 831, step)
     n = len(knots)
     hats = np.array([np.interp(WAVELENGTHS, knots, row) for row in np.eye(n)])
     response = TO_REC709 @ np.array([curve("kCieX"), curve("kCieY"), curve("kCieZ")]) * curve("kD65")
     response /= response.sum(1, keepdims=True)
-    seen = response @ hats.T  # colour of each hat
+    seen = response @ hats.T  # color of each hat
     smooth = np.diff(np.eye(n), 2, axis=0)
     zeros, strict = np.zeros((n, n)), 1e5
     rows, goals = [], []
@@ -54,7 +54,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--step", type=int, default=10, help="knot spacing in nm")
     knots, spectra, seen = basis(parser.parse_args().step)
-    print("colours of the spectra:\n", np.round(seen @ spectra.T, 5).T)
+    print("colors of the spectra:\n", np.round(seen @ spectra.T, 5).T)
     print("smallest", spectra.min(), "largest sum", spectra.sum(0).max())
     for name, values in zip(("red", "blue"), (spectra[0], spectra[2])):
         print(name + ":", ", ".join(f"{abs(v):.6f}f" for v in values))

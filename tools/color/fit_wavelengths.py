@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fits the wavelength density of spectral mode: the table in core/color/wavelengths.cpp. Needs numpy and scipy.
 
-The objective is colour noise: the variance of red, green and blue over the squared luminance for paths with 4
+The objective is color noise: the variance of red, green and blue over the squared luminance for paths with 4
 stratified wavelengths. It is summed over the illuminants D65, A and equal energy (E) and averaged over smooth
 reflectances, which are sigmoids of quadratic polynomials with random coefficients, as in spectral uplifting. The same
 variance for a single wavelength, the case after dispersion, is added with weight 0.01.
@@ -47,14 +47,14 @@ def reflectances(count, seed=1):
     return np.array(found)
 
 
-def noise(density, colours, count=512):
-    """Returns, per illuminant: variance of white and mean over all colours with 4 wavelengths, and that mean with 1."""
+def noise(density, colors, count=512):
+    """Returns, per illuminant: variance of white and mean over all colors with 4 wavelengths, and that mean with 1."""
     steps = (density[1:] + density[:-1]) / 2 * np.diff(WAVELENGTHS)
     cumulative = np.concatenate([[0], np.cumsum(steps)])
     drawn = np.interp((np.arange(count) + 0.5) / count * cumulative[-1], cumulative, WAVELENGTHS)
     at = lambda values: np.interp(drawn, WAVELENGTHS, values)
     pdf, response, y = at(density) / cumulative[-1], np.array([at(c) for c in RESPONSE]), at(XYZ[1])
-    seen, result = np.array([at(r) for r in colours]), []
+    seen, result = np.array([at(r) for r in colors]), []
     for light in LIGHTS.values():
         power = at(light) / pdf
         luminance = (seen * y * power).mean(1)
@@ -80,16 +80,16 @@ def main():
     parser.add_argument("--colours", type=int, default=24, help="number of reflectances in the average")
     parser.add_argument("--iterations", type=int, default=100, help="maximum number of iterations")
     arguments = parser.parse_args()
-    print("density; per illuminant: variance of white, mean over colours, mean with a single wavelength")
-    for centre in (538, 520):
-        show(f"1 / cosh^2 around {centre} nm", np.cosh(0.0072 * (WAVELENGTHS - centre)) ** -2)
+    print("density; per illuminant: variance of white, mean over colors, mean with a single wavelength")
+    for center in (538, 520):
+        show(f"1 / cosh^2 around {center} nm", np.cosh(0.0072 * (WAVELENGTHS - center)) ** -2)
     length = np.linalg.norm(RESPONSE, axis=0)
     show("length of the response", length)
     show("its square root", np.sqrt(length))
-    colours = reflectances(arguments.colours)
+    colors = reflectances(arguments.colors)
 
     def cost(logarithms):
-        values = noise(by_knots(logarithms), colours)
+        values = noise(by_knots(logarithms), colors)
         return values[:, 1].sum() + 0.01 * values[:, 2].mean()
 
     start = np.log(np.interp(KNOTS, WAVELENGTHS, np.sqrt(length)))

@@ -23,19 +23,19 @@ std::function<void(std::string_view)> message_listener;           ///< guarded b
 std::vector<std::pair<std::string, std::string>> replaced_texts;  ///< and the texts shown instead
 
 std::string with_replaced_texts(std::string message) {
-  for (const auto& [text, shown] : replaced_texts)
-    for (std::size_t at = 0; (at = message.find(text, at)) != std::string::npos; at += shown.size())
-      message.replace(at, text.size(), shown);
+  for (const auto& [text, displayed] : replaced_texts)
+    for (std::size_t at = 0; (at = message.find(text, at)) != std::string::npos; at += displayed.size())
+      message.replace(at, text.size(), displayed);
   return message;
 }
 
 void print_from(Verbosity least, std::string_view message) {
   const std::lock_guard lock(listening);
-  const std::string shown = with_replaced_texts(printable(message));
+  const std::string displayed = with_replaced_texts(printable(message));
   // The cursor of a terminal is at the end of the progress bar, if there is one.
   const char* const erase = isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "";
-  if (verbosity() >= least) std::fprintf(stderr, "%ssheaf: %s\n", erase, shown.c_str());
-  if (message_listener) message_listener(shown);
+  if (verbosity() >= least) std::fprintf(stderr, "%ssheaf: %s\n", erase, displayed.c_str());
+  if (message_listener) message_listener(displayed);
 }
 
 }  // namespace
@@ -45,10 +45,10 @@ void set_verbosity(Verbosity verbosity) { program_verbosity = verbosity; }
 Verbosity verbosity() { return program_verbosity; }
 
 std::string printable(std::string_view text) {
-  std::string shown(text);
-  for (char& c : shown)
+  std::string displayed(text);
+  for (char& c : displayed)
     if ((static_cast<unsigned char>(c) < 32 && c != '\n' && c != '\t') || c == 127) c = '?';
-  return shown;
+  return displayed;
 }
 
 void print_message(std::string_view message) { print_from(Verbosity::kErrors, message); }
@@ -68,9 +68,9 @@ void print_note(std::string_view message) { print_from(Verbosity::kNormal, messa
 
 void print_detail(std::string_view message) { print_from(Verbosity::kVerbose, message); }
 
-void replace_in_messages(const std::string& text, const std::string& shown) {
+void replace_in_messages(const std::string& text, const std::string& displayed) {
   const std::lock_guard lock(listening);
-  replaced_texts.emplace_back(text, shown);
+  replaced_texts.emplace_back(text, displayed);
 }
 
 void listen_to_messages(std::function<void(std::string_view)> listener) {

@@ -35,7 +35,7 @@ void print_note(std::string_view message);
 /// Prints the message with -v.
 void print_detail(std::string_view message);
 /// Replaces a text in all further messages, such as the name of a temporary file.
-void replace_in_messages(const std::string& text, const std::string& shown);
+void replace_in_messages(const std::string& text, const std::string& displayed);
 /// Passes each further message to `listener` too, whether it is printed or not, from one thread at a time. An empty
 /// function removes the listener.
 void listen_to_messages(std::function<void(std::string_view)> listener);

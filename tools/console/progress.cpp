@@ -61,18 +61,18 @@ std::string Progress::describe(double fraction, double now) const {
   const double elapsed = now - start_;
   const double speed = elapsed > 0 ? fraction * samples_ / elapsed * 1e-6 : 0.0;
   const double left = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1.0;
-  const std::string share = fmt::format("{:3} %", std::min(static_cast<int>(100 * fraction), 99)),
+  const std::string percentage = fmt::format("{:3} %", std::min(static_cast<int>(100 * fraction), 99)),
                     time = fmt::format("  {} elapsed", format_duration(elapsed)),
                     rest = fmt::format(", {} left", format_duration(left)),
                     rate = fmt::format(", {:.2f} Msamples/s", speed);
-  if (mode_ != Mode::kBar) return share + time + rest + rate;
+  if (mode_ != Mode::kBar) return percentage + time + rest + rate;
   // A line as long as the terminal is wide would scroll it. Leave out the least important parts first.
   const int columns = columns_ ? columns_() : 0;
   const std::size_t room = columns > 0 ? static_cast<std::size_t>(columns) - 1 : std::string::npos;
-  for (const std::string& line :
-       {draw_bar(fraction) + share + time + rest + rate, share + time + rest + rate, share + time + rest, share + rest})
+  for (const std::string& line : {draw_bar(fraction) + percentage + time + rest + rate, percentage + time + rest + rate,
+                                  percentage + time + rest, percentage + rest})
     if (line.size() <= room) return line;
-  return share.substr(0, room);
+  return percentage.substr(0, room);
 }
 
 void Progress::show(double now) {

@@ -5,7 +5,7 @@ python3-numpy python3-pil fonts-dejavu-core), and for the plots python3-matplotl
   tools/documentation/make_gallery.py [NAME ...] [--sheaf PROGRAM] [--output FOLDER] [--draft] [--plots] [--list]
 
 NAME is the name of an image, such as balls; the default is all images. The commands are those of docs/gallery.md: the
-image gallery/NAME.jpg shows the output of the last code block before it. Several outputs become one labelled sheet; see
+image gallery/NAME.jpg shows the output of the last code block before it. Several outputs become one labeled sheet; see
 tools/documentation/gallery/sheets.py. The frames of an animation also become an animated gallery/NAME.png. Scripts that write the
 files of scenes run first if files are missing.
 """

@@ -57,7 +57,7 @@ wait "$child" 2>/dev/null
 again=$?
 ((again == 127)) || code=$again
 ((code > 128)) || exit "$code"
-# The render was stopped or killed. Requeue the job unless Slurm has already cancelled or requeued it.
+# The render was stopped or killed. Requeue the job unless Slurm has already canceled or requeued it.
 job=${SLURM_ARRAY_JOB_ID}_$part
 echo "sheaf farm: part $part of frame $frame was ended by signal $((code - 128)), after ${SLURM_RESTART_COUNT:-0} restarts"
 if [[ $(squeue --noheader --jobs="$job" --format=%T) == RUNNING ]] && ((${SLURM_RESTART_COUNT:-0} < max_restarts)); then

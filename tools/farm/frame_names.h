@@ -18,15 +18,15 @@ FrameRange parse_frames(const std::string& text);
 
 /// A file name with places for the frame number.
 struct FrameName {
-  std::vector<std::string> texts;  ///< between the places; one more than `digits`
-  std::vector<int> digits;         ///< of each place; shorter numbers get leading zeros
+  std::vector<std::string> texts;  ///< between the placeholders; one more than `digits`
+  std::vector<int> digits;         ///< of each placeholder; shorter numbers get leading zeros
 
   /// The name for a frame.
   std::string at(int frame) const;
 };
 
-/// Finds the places: `####` is a number of 4 digits, `$frame` a number without leading zeros, `$frame4` a number of 4
-/// digits (1 to 9). A name without any place gets `_####` before its file extension.
+/// Finds the placeholders: `####` is a number of 4 digits, `$frame` a number without leading zeros, `$frame4` a number
+/// of 4 digits (1 to 9). A name without any place gets `_####` before its file extension.
 FrameName frame_name(const std::string& file);
 
 }  // namespace sheaf

@@ -1,4 +1,4 @@
-// Animations: the frames that `sheaf render` renders one after the other, and what they share.
+// Animations: the frames that `sheaf render` renders one after the other, and their common state.
 #pragma once
 
 #include "core/io/file_cache.h"
@@ -13,7 +13,7 @@
 
 namespace sheaf {
 
-/// The frames of one run of `sheaf render`, and what they share.
+/// The frames of one run of `sheaf render`, and their common state.
 class FrameRun {
  public:
   explicit FrameRun(std::size_t count) : count_(count) {}
@@ -33,7 +33,7 @@ class FrameRun {
   int frame_ = 0;
 };
 
-/// What a run of frames calls.
+/// Callbacks of a run of frames.
 struct FrameCalls {
   /// Checks the outputs of a frame as before a render. Throws Error.
   std::function<void(const RenderArguments& arguments)> check;

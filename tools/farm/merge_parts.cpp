@@ -116,10 +116,10 @@ MergedImage merge_parts(const std::vector<MergeSource>& sources, const MergeOpti
   const std::optional<double> noise = is_noise_known ? image_noise(image) : std::nullopt;
   std::erase_if(metadata.attributes, [](const auto& attribute) { return attribute.name == kNoiseAttribute; });
   if (noise) metadata.attributes.push_back({kNoiseAttribute, static_cast<float>(*noise)});
-  out.share = covered_share(parts, whole, first.samples_per_pixel);
+  out.sampled_fraction = covered_fraction(parts, whole, first.samples_per_pixel);
   if (out.interrupted) mark_interrupted(metadata, mean_samples(image), first.samples_per_pixel);
-  if (out.interrupted || out.share < 1.0)
-    metadata.attributes.push_back({"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", out.share,
+  if (out.interrupted || out.sampled_fraction < 1.0)
+    metadata.attributes.push_back({"sheaf/incomplete", fmt::format("{:.6g} of the samples{}", out.sampled_fraction,
                                                                    out.interrupted ? ", some interrupted" : "")});
   return out;
 }

@@ -23,9 +23,9 @@ struct MergeSource {
 struct MergedImage {
   Image image;
   ExrMetadata metadata;
-  bool has_denoised = false;  ///< parts have layers denoised.R/G/B, which the merged image lacks
-  bool interrupted = false;   ///< parts are of interrupted renders
-  double share = 1;           ///< share of the samples that the parts have
+  bool has_denoised = false;    ///< parts have layers denoised.R/G/B, which the merged image lacks
+  bool interrupted = false;     ///< parts are of interrupted renders
+  double sampled_fraction = 1;  ///< fraction of the samples that the parts have
 };
 
 /// Merges the parts, which may come in any order. Throws SceneError if they do not belong together or, unless

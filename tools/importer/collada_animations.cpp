@@ -30,7 +30,7 @@ struct MovingElement {
   std::vector<Track> tracks;
 };
 
-/// How many numbers an element of a transform has; 0 for others, and for those that cannot be animated.
+/// Number of values of an element of a transform; 0 for others, and for those that cannot be animated.
 std::size_t size_of(const pugi::xml_node& element) {
   const std::string_view name = element.name();
   if (name == "translate" || name == "scale") return 3;

@@ -20,7 +20,7 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// A corner with its place in the list of indices.
+/// A corner with its position in the list of indices.
 struct Corner {
   Point point;
   std::size_t index;  ///< number of the corner, in the order of the file
@@ -28,18 +28,18 @@ struct Corner {
 using Ring = std::vector<Corner>;
 
 /// Twice the signed area of the triangle a b c, positive if counter-clockwise.
-double turn(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
+double cross(Point a, Point b, Point c) { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 double area(const Ring& ring) {
   double sum = 0;
   for (std::size_t i = 0; i < ring.size(); ++i)
-    sum += turn(ring[0].point, ring[i].point, ring[(i + 1) % ring.size()].point);
+    sum += cross(ring[0].point, ring[i].point, ring[(i + 1) % ring.size()].point);
   return sum;
 }
 
 /// Whether p lies strictly between the ends of the segment a b.
 bool is_between(Point p, Point a, Point b) {
-  if (p == a || p == b || turn(a, b, p) != 0) return false;
+  if (p == a || p == b || cross(a, b, p) != 0) return false;
   return (p.x - a.x) * (p.x - b.x) + (p.y - a.y) * (p.y - b.y) < 0;
 }
 
@@ -47,15 +47,15 @@ bool is_between(Point p, Point a, Point b) {
 bool meets(Point a, Point b, Point c, Point d) {
   if (is_between(c, a, b) || is_between(d, a, b) || is_between(a, c, d) || is_between(b, c, d)) return true;
   const auto opposite = [](double s, double t) { return (s > 0 && t < 0) || (s < 0 && t > 0); };
-  return opposite(turn(a, b, c), turn(a, b, d)) && opposite(turn(c, d, a), turn(c, d, b));
+  return opposite(cross(a, b, c), cross(a, b, d)) && opposite(cross(c, d, a), cross(c, d, b));
 }
 
 /// Whether the direction to p points into a counter-clockwise ring at its corner i.
 bool points_inside(const Ring& ring, std::size_t i, Point p) {
   const Point before = ring[(i + ring.size() - 1) % ring.size()].point, corner = ring[i].point,
               after = ring[(i + 1) % ring.size()].point;
-  const bool left_of_next = turn(corner, after, p) > 0, left_of_last = turn(before, corner, p) > 0;
-  return turn(before, corner, after) >= 0 ? left_of_next && left_of_last : left_of_next || left_of_last;
+  const bool left_of_next = cross(corner, after, p) > 0, left_of_last = cross(before, corner, p) > 0;
+  return cross(before, corner, after) >= 0 ? left_of_next && left_of_last : left_of_next || left_of_last;
 }
 
 /// Joins holes to the outline of one polygon.

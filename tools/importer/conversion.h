@@ -12,7 +12,7 @@
 
 namespace sheaf::importer {
 
-/// What the parts of the conversion share.
+/// State shared by the parts of the conversion.
 struct Conversion {
   const aiScene& scene;
   std::string format;  ///< file extension in lower case, without dot

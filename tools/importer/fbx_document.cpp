@@ -21,7 +21,7 @@ bool is_kept(std::string_view name, int depth) {
 
 FbxValue number_value(double number, std::int64_t integer) { return {{}, number, integer}; }
 
-/// Converts without undefined behaviour; numbers out of range become 0.
+/// Converts without undefined behavior; numbers out of range become 0.
 std::int64_t to_integer(double number) {
   constexpr double kLimit = 9e18;
   return number > -kLimit && number < kLimit ? static_cast<std::int64_t>(number) : 0;

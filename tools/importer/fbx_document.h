@@ -23,7 +23,7 @@ struct FbxElement {
 };
 
 /// Returns the elements at the top of a file that describe objects, their properties and their connections; geometry
-/// and animation are left out. Reading ends without an error where the file is damaged, because Assimp reports that.
+/// and animation are omitted. Reading ends without an error where the file is damaged, because Assimp reports that.
 std::vector<FbxElement> read_fbx(std::string_view bytes);
 
 }  // namespace sheaf::importer

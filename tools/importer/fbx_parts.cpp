@@ -91,15 +91,15 @@ bool fits_height(const Object& camera, double film_aspect, double aspect) {
 
 /// The lens by focal length (mm) and film (inches).
 Lens focal_length_lens(const Object& camera, double aspect) {
-  constexpr double kMillimetres = 25.4;
+  constexpr double kMillimeters = 25.4;
   constexpr double kFilmWidth = 0.816, kFilmHeight = 0.612;  // those of the FBX SDK
   const double focal_length = camera.number("FocalLength", 0);
   const double width = camera.number("FilmWidth", kFilmWidth), height = camera.number("FilmHeight", kFilmHeight);
   if (!(focal_length > 0 && width > 0 && height > 0)) return {};
   if (aspect == 0) aspect = width / height;
   if (fits_height(camera, width / height, aspect))
-    return {std::nullopt, height * kMillimetres / (2 * focal_length), aspect};
-  return {width * kMillimetres / (2 * focal_length), std::nullopt, aspect};
+    return {std::nullopt, height * kMillimeters / (2 * focal_length), aspect};
+  return {width * kMillimeters / (2 * focal_length), std::nullopt, aspect};
 }
 
 /// The lens that the aperture mode names, or else one that the file has data for.
@@ -113,7 +113,7 @@ Lens lens_of(const Object& camera) {
                                {std::nullopt, angle, aspect},
                                focal_length_lens(camera, aspect)};
   int mode = std::min<int>(camera.choice("ApertureMode", kVertical), kFocalLength);
-  // What the camera says itself counts more than the defaults of its template
+  // Properties of the camera itself override the defaults of its template
   const auto has = [&](const char* property) { return camera.properties.contains(property); };
   if (!has("ApertureMode") && has("FocalLength") && !has("FieldOfView")) mode = kFocalLength;
   for (const int choice : {mode, int{kFocalLength}, int{kHorizontal}, int{kHorizontalAndVertical}})

@@ -84,11 +84,11 @@ class OneFile : public Assimp::IOSystem {
 
 /// Leaves only the reader of one format. Throws ImportError if this version of Assimp lacks it.
 void keep_reader(Assimp::Importer& importer, const std::string& format) {
-  const Assimp::BaseImporter* const wanted = importer.GetImporter(("." + format).c_str());
-  if (wanted == nullptr) throw ImportError(fmt::format("this version of Assimp does not read .{} files", format));
+  const Assimp::BaseImporter* const requested = importer.GetImporter(("." + format).c_str());
+  if (requested == nullptr) throw ImportError(fmt::format("this version of Assimp does not read .{} files", format));
   for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
     Assimp::BaseImporter* const reader = importer.GetImporter(i);
-    if (reader == wanted) continue;
+    if (reader == requested) continue;
     importer.UnregisterLoader(reader);
     delete reader;
   }

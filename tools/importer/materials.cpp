@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr float kGrey = 0.6f;  ///< surfaces without a colour
+constexpr float kGray = 0.6f;  ///< surfaces without a color
 
 double fraction(double value) { return std::clamp(finite(value), 0.0, 1.0); }
 
@@ -120,12 +120,12 @@ class MaterialConverter {
   }
 
   void convert_base() {
-    const aiColor3D grey(kGrey, kGrey, kGrey);
-    aiColor3D base = color(AI_MATKEY_BASE_COLOR).value_or(color(AI_MATKEY_COLOR_DIFFUSE).value_or(grey));
+    const aiColor3D gray(kGray, kGray, kGray);
+    aiColor3D base = color(AI_MATKEY_BASE_COLOR).value_or(color(AI_MATKEY_COLOR_DIFFUSE).value_or(gray));
     json& core = out_["pbrMetallicRoughness"];
     // Surfaces without shading show their emission alone.
     if (shading() == aiShadingMode_NoShading) base = {0, 0, 0};
-    // A texture replaces the colour.
+    // A texture replaces the color.
     if (const json image = texture({aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}); !image.is_null()) {
       core["baseColorTexture"] = image;
       base = {1, 1, 1};
@@ -169,7 +169,7 @@ class MaterialConverter {
     core["baseColorFactor"][3] = opacity;
     const std::string mask = path(aiTextureType_OPACITY), base = path(aiTextureType_DIFFUSE);
     const bool in_base = !mask.empty() && (mask == base || mask == path(aiTextureType_BASE_COLOR));
-    if (!mask.empty() && !in_base) note("its opacity texture is not the alpha of its colour texture (ignored)");
+    if (!mask.empty() && !in_base) note("its opacity texture is not the alpha of its color texture (ignored)");
     if (opacity < 1 || in_base) out_["alphaMode"] = "BLEND";
   }
 

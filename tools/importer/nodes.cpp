@@ -43,8 +43,8 @@ aiMatrix4x4 facing(const aiVector3D& origin, aiVector3D forward, aiVector3D up) 
           right.z, up.z, -forward.z, origin.z, 0,       0,    0,          1};
 }
 
-/// The transform of FBX's axes and units to y upwards and metres. Newer versions of Assimp set a similar one, without
-/// the unit of FBX, centimetres.
+/// The transform of FBX's axes and units to y upwards and meters. Newer versions of Assimp set a similar one, without
+/// the unit of FBX, centimeters.
 std::optional<aiMatrix4x4> fbx_root(const aiScene& scene) {
   if (scene.mMetaData == nullptr) return std::nullopt;
   int axes[3] = {0, 1, 2}, signs[3] = {1, 1, 1};
@@ -54,18 +54,18 @@ std::optional<aiMatrix4x4> fbx_root(const aiScene& scene) {
     scene.mMetaData->Get(names[row] + std::string("Sign"), signs[row]);
     if (axes[row] < 0 || axes[row] > 2) return std::nullopt;
   }
-  float centimetres = 1;
+  float centimeters = 1;
   double exact = 1;
   if (scene.mMetaData->Get("UnitScaleFactor", exact)) {
-    centimetres = static_cast<float>(exact);
+    centimeters = static_cast<float>(exact);
   } else {
-    scene.mMetaData->Get("UnitScaleFactor", centimetres);
+    scene.mMetaData->Get("UnitScaleFactor", centimeters);
   }
-  if (!(centimetres > 0) || !std::isfinite(centimetres)) centimetres = 1;
+  if (!(centimeters > 0) || !std::isfinite(centimeters)) centimeters = 1;
   aiMatrix4x4 out;
   for (unsigned row = 0; row < 3; ++row)
     for (unsigned column = 0; column < 3; ++column)
-      out[row][column] = static_cast<int>(column) == axes[row] ? static_cast<float>(signs[row]) * centimetres / 100 : 0;
+      out[row][column] = static_cast<int>(column) == axes[row] ? static_cast<float>(signs[row]) * centimeters / 100 : 0;
   return out;
 }
 
@@ -79,7 +79,7 @@ class NodeConverter {
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       if (!is_hidden(i))
         for (unsigned k = 0; k < nodes_[i]->mNumMeshes; ++k) add_mesh(i, nodes_[i]->mMeshes[k]);
-    centre_ = centre();
+    center_ = center();
     for (std::size_t i = 0; i < nodes_.size(); ++i) add_parts(i);
     to_.glb.json["scenes"] = {{{"nodes", {0}}}};
   }
@@ -221,8 +221,8 @@ class NodeConverter {
     add_child(parent, {{"name", from.name}, {"camera", index}, {"matrix", columns_of(matrix)}});
   }
 
-  /// The centre of all visible meshes.
-  aiVector3D centre() const {
+  /// The center of all visible meshes.
+  aiVector3D center() const {
     aiVector3D low(1e30f, 1e30f, 1e30f), high = -low;
     for (std::size_t i = 0; i < nodes_.size(); ++i)
       for (unsigned k = 0; k < nodes_[i]->mNumMeshes && !is_hidden(i); ++k) {
@@ -238,8 +238,8 @@ class NodeConverter {
     return low.x <= high.x ? (low + high) * 0.5f : aiVector3D(0, 0, 0);
   }
 
-  /// Adds a light. Lights of these formats have no photometric unit: one of colour 1 makes a white surface that it
-  /// faces white. At the centre of the scene, glTF's inverse-square law and the file's attenuation agree.
+  /// Adds a light. Lights of these formats have no photometric unit: one of color 1 makes a white surface that it
+  /// faces white. At the center of the scene, glTF's inverse-square law and the file's attenuation agree.
   void add_light(const Light& from, std::size_t parent) {
     const bool is_directional = from.kind == Light::Kind::kDirectional, is_spot = from.kind == Light::Kind::kSpot;
     if (from.kind == Light::Kind::kOther) {
@@ -251,9 +251,9 @@ class NodeConverter {
     if (!is_directional) intensity *= squared_distance_over_attenuation(from, to_world_[parent]);
     const double largest = std::max({finite(from.color[0]), finite(from.color[1]), finite(from.color[2])});
     if (!(largest > 0)) return;
-    const auto share = [&](double value) { return std::max(value, 0.0) / largest; };
+    const auto fraction = [&](double value) { return std::max(value, 0.0) / largest; };
     json light = {{"name", from.name}, {"type", is_directional ? "directional" : is_spot ? "spot" : "point"}};
-    light["color"] = {share(from.color[0]), share(from.color[1]), share(from.color[2])};
+    light["color"] = {fraction(from.color[0]), fraction(from.color[1]), fraction(from.color[2])};
     light["intensity"] = finite(intensity * largest);
     if (is_spot) {
       const double outer = std::clamp(finite(from.outer_angle), 1e-3, std::numbers::pi / 2);
@@ -267,9 +267,9 @@ class NodeConverter {
     add_child(parent, std::move(node));
   }
 
-  /// The squared distance of a light from the centre over the attenuation there, 1/cd per unit of illumination.
+  /// The squared distance of a light from the center over the attenuation there, 1/cd per unit of illumination.
   double squared_distance_over_attenuation(const Light& from, const aiMatrix4x4& to_world) const {
-    const double distance = std::max(double{(to_world * vector(from.position) - centre_).Length()}, 1e-6);
+    const double distance = std::max(double{(to_world * vector(from.position) - center_).Length()}, 1e-6);
     const double scale = scale_of(to_world);
     const double unscaled = scale > 0 ? distance / scale : distance;
     double attenuation = 0, power = 1;
@@ -288,7 +288,7 @@ class NodeConverter {
   std::set<std::string> moving_;         ///< names of animated nodes
   std::vector<const NodeParts*> parts_;  ///< of each node; may be null
   std::vector<int> meshes_;              ///< indices of converted meshes; -1: not yet
-  aiVector3D centre_{0, 0, 0};
+  aiVector3D center_{0, 0, 0};
 };
 
 }  // namespace

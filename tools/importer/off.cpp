@@ -57,7 +57,7 @@ void prepare_off(aiScene& scene) {
     split_vertices(mesh);
     if (mesh.mColors[0] == nullptr) continue;
     convert_colors(mesh.mColors[0], mesh.mNumVertices);
-    // Assimp's material is grey, which would multiply the colors
+    // Assimp's material is gray, which would multiply the colors
     scene.mMaterials[mesh.mMaterialIndex]->AddProperty(&white, 1, AI_MATKEY_COLOR_DIFFUSE);
   }
 }

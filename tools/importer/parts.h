@@ -28,7 +28,7 @@ struct Light {
   double inner_angle = 0, outer_angle = 0;        ///< spot: angles from the axis, radians
 };
 
-/// What belongs to one node besides its meshes.
+/// Parts of one node besides its meshes.
 struct NodeParts {
   std::vector<Camera> cameras;
   std::vector<Light> lights;

@@ -32,7 +32,7 @@ void limit(decltype(RLIMIT_AS) resource, std::uint64_t value) {
 
 #if defined(__x86_64__) && !defined(SHEAF_SANITIZED)
 
-/// Allocation, open files, synchronisation, and the end of the process.
+/// Allocation, open files, synchronization, and the end of the process.
 constexpr int kAllowed[] = {
     SYS_brk,   SYS_mmap,       SYS_munmap,       SYS_mremap,      SYS_madvise,       SYS_mprotect,     SYS_read,
     SYS_write, SYS_writev,     SYS_lseek,        SYS_fstat,       SYS_newfstatat,    SYS_close,        SYS_futex,

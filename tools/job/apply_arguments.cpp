@@ -64,11 +64,11 @@ void apply_sampler(const RenderArguments& arguments, SamplerSettings& sampler, S
     sampler.kind = rendered_sampler(sampler.kind);
   } else {
     sampler.kind = kSamplers.option("sampler", arguments.sampler);
-    add(remarks.notes, stand_in_sampler_note(arguments.sampler));
+    add(remarks.notes, sampler_substitution_note(arguments.sampler));
   }
-  const std::uint32_t wanted = requested_samples(arguments).value_or(sampler.sample_count);
-  sampler.sample_count = rounded_sample_count(sampler.kind, wanted);
-  add(remarks.notes, rounding_note(sampler.kind, wanted));
+  const std::uint32_t requested = requested_samples(arguments).value_or(sampler.sample_count);
+  sampler.sample_count = rounded_sample_count(sampler.kind, requested);
+  add(remarks.notes, rounding_note(sampler.kind, requested));
 }
 
 /// Sets the size of the frame. The scene's crop window keeps its relative position. Throws Error (exit code 2) if the
@@ -130,7 +130,7 @@ ColorMode choose_color(const RenderArguments& arguments, SettingsRemarks& remark
   if (arguments.color.empty() && native == ColorMode::kSpectral)
     remarks.details.push_back(arguments.scene +
                               ": rendered with --color spectral, as pbrt does; --color rgb is faster");
-  return arguments.color.empty() ? native : kColorModes.option("colour mode", arguments.color);
+  return arguments.color.empty() ? native : kColorModes.option("color mode", arguments.color);
 }
 
 /// The request for a render of a scene with these settings.

@@ -9,7 +9,7 @@ namespace sheaf {
 
 /// Remarks on the settings of a render, for the user.
 struct SettingsRemarks {
-  std::vector<std::string> notes;    ///< options that cannot be met exactly
+  std::vector<std::string> notes;    ///< options that cannot be applied exactly
   std::vector<std::string> details;  ///< differences from the scene file that do not affect the expectation, for -v
 };
 

@@ -95,16 +95,16 @@ void check_is_image(const fs::path& file) {
 }
 
 void check_overwriting(std::span<const NamedFile> written, std::span<const NamedFile> sources) {
-  const auto shown = [](const NamedFile& file) { return fmt::format("{} '{}'", file.what, file.file.string()); };
+  const auto quoted = [](const NamedFile& file) { return fmt::format("{} '{}'", file.what, file.file.string()); };
   for (std::size_t i = 0; i < written.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k)
       if (is_same_file(written[i].file, written[k].file))
-        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", shown(written[i]), shown(written[k])));
+        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", quoted(written[i]), quoted(written[k])));
     std::error_code error;
     if (!fs::exists(written[i].file, error)) continue;
     for (const NamedFile& source : sources)
       if (is_same_file(written[i].file, source.file))
-        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", shown(written[i]), shown(source)));
+        throw Error(ExitCode::kUsage, fmt::format("{} would overwrite {}", quoted(written[i]), quoted(source)));
   }
 }
 

@@ -79,7 +79,7 @@ void add_output_options(Command& command, OutputArguments& arguments) {
   command
       .add_option("--exposure", arguments.exposure,
                   "Exposure of .png, .jpg and .tif files and previews, in stops, or auto: the log-average luminance "
-                  "becomes middle grey. .exr files are not affected. Default: 0")
+                  "becomes middle gray. .exr files are not affected. Default: 0")
       .only_for_run();
   command
       .add_option("--tone-map", arguments.tone_map,

@@ -24,7 +24,7 @@ inline constexpr const char* kOutputOptionNames[] = {"exposure",  "tone-map",   
 /// Adds --exposure, --tone-map, --ocio-config, --ocio-display, --ocio-view, --compression and --jpeg-quality.
 void add_output_options(Command& command, OutputArguments& arguments);
 
-/// How images are shown and stored.
+/// Options of displaying and storing images.
 struct OutputSettings {
   DisplayTransform display;
   ExrCompression compression = ExrCompression::kZip;

@@ -26,7 +26,7 @@ constexpr std::array<std::pair<const char*, const char*>, 5> kSame = {{{"sheaf/v
                                                                        {"sheaf/seed", "the seed"},
                                                                        {"sheaf/integrator", "the integrator"},
                                                                        {"sheaf/sampler", "the sampler"},
-                                                                       {"sheaf/color", "the colour mode"}}};
+                                                                       {"sheaf/color", "the color mode"}}};
 /// Attributes that are summed over the parts.
 constexpr std::array<const char*, 2> kSums = {"sheaf/droppedRays", "sheaf/droppedSamples"};
 

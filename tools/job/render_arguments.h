@@ -107,7 +107,7 @@ struct ImageArguments {
                     "Adaptive sampling: sample each tile until the relative standard error of its pixels reaches this "
                     "value (0.01 or 1%), or --spp samples are taken (then 65536 by default). For path tracing with the "
                     "samplers sobol and independent")
-        .share()
+        .fraction()
         .positive();
     command
         .add_option(
@@ -130,7 +130,7 @@ struct ImageArguments {
     command
         .add_option(
             "--color", color,
-            "Colour mode: rgb, or spectral with four wavelengths per path. Default: spectral for pbrt scenes, else rgb")
+            "Color mode: rgb, or spectral with four wavelengths per path. Default: spectral for pbrt scenes, else rgb")
         .one_of(kColorModes.names());
     command.begin_group(kOutputOptions);
     command
@@ -265,7 +265,7 @@ struct TransportArguments {
         .suggest(kMediumEstimators.names());
     command
         .add_option("--step-size", step_size,
-                    "Step size of ray marching, in metres. Default: the scene's, else 1/100 of the medium's diagonal")
+                    "Step size of ray marching, in meters. Default: the scene's, else 1/100 of the medium's diagonal")
         .positive();
     command
         .add_option(
@@ -313,7 +313,7 @@ struct RunArguments {
     command
         .add_option("--scale", scale,
                     "Scale factor for the frame's width and height, e.g. 0.25 or 25% for a quick look. Default: 1")
-        .share()
+        .fraction()
         .positive();
     command.begin_group(kSceneOptions);
     command

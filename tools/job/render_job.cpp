@@ -59,7 +59,7 @@ void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry
     return bytes;
   };
   options.kept = kept;
-  ErrorSink errors(arguments.read.lenient, loaded.description.stand_ins);
+  ErrorSink errors(arguments.read.lenient, loaded.description.substitutions);
   options.errors = &errors;
   loaded.scene = compile_scene(loaded.description, options);
   move_to_large_pages();
@@ -67,7 +67,7 @@ void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry
 
 std::vector<std::string> scene_warnings(const LoadedScene& loaded) {
   const Scene& scene = *loaded.scene;
-  std::vector<std::string> warnings = loaded.description.stand_ins;
+  std::vector<std::string> warnings = loaded.description.substitutions;
   warnings.insert(warnings.end(), scene.warnings().begin(), scene.warnings().end());
   if (scene.view().lights.count == 0 && !scene.names().has_other_light && scene.integrator().traits().uses_lights())
     warnings.emplace_back("the scene has no lights: the image will be black");

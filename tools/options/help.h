@@ -30,7 +30,7 @@ struct OptionHelp {
   bool is_positive = false;  ///< a number above 0
   int count = 1;             ///< numbers in the value, separated by commas
   bool repeats = false, required = false, is_argument = false;
-  bool is_share = false;      ///< accepts percentages
+  bool is_fraction = false;   ///< accepts percentages
   bool only_for_run = false;  ///< see Option::only_for_run()
   /// Sets the variable of the option; returns the value as GivenOption::values. Throws Error (exit code 2).
   std::function<std::string(const OptionValue& value)> set = {};

@@ -52,7 +52,7 @@ std::string to_number(std::string& text) {
   return number_of(text) ? std::string() : fmt::format("'{}' is not a number", text);
 }
 
-std::string to_share(std::string& text) {
+std::string to_fraction(std::string& text) {
   std::string_view rest = text;
   const std::optional<double> value = take_number(rest);
   if (value && rest == "%") text = shortest(*value / 100);

@@ -20,7 +20,7 @@ std::string to_whole_number(std::string& text);
 std::string to_number(std::string& text);
 
 /// Converts percentages to fractions.
-std::string to_share(std::string& text);
+std::string to_fraction(std::string& text);
 
 /// Converts times with units, such as 90s, 5m, 1.5h and 1h30m, to seconds.
 std::string to_seconds(std::string& text);

@@ -17,7 +17,7 @@ namespace {
 
 /// A number that is given as on the command line.
 double number_in(const OptionHelp& option, std::string text) {
-  const std::string problem = option.is_share                      ? to_share(text)
+  const std::string problem = option.is_fraction                   ? to_fraction(text)
                               : option.kind == ValueKind::kTime    ? to_seconds(text)
                               : option.kind == ValueKind::kInteger ? to_whole_number(text)
                                                                    : to_number(text);

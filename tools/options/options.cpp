@@ -164,9 +164,9 @@ Option& Option::positive() {
   return *this;
 }
 
-Option& Option::share() {
-  option_->transform(transform(to_share));
-  help_->is_share = true;
+Option& Option::fraction() {
+  option_->transform(transform(to_fraction));
+  help_->is_fraction = true;
   return *this;
 }
 

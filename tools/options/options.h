@@ -30,7 +30,7 @@ class Option {
   /// Requires a positive number.
   Option& positive();
   /// Accepts a fraction or a percentage: 2% means 0.02.
-  Option& share();
+  Option& fraction();
   /// Accepts a time in seconds or with units: 90s, 5m, 1h30m.
   Option& seconds();
   /// Requires one of these words.

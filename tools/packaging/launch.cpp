@@ -46,20 +46,20 @@ int main(int, char** argv) {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (error) return fail("cannot locate the program: " + error.message());
-  const char* const wanted = std::getenv("SHEAF_ISA");
+  const char* const requested = std::getenv("SHEAF_ISA");
   bool known = false;
   // Start the best build, or the one that SHEAF_ISA requests.
   for (const Build& build : builds) {
-    if (wanted != nullptr && *wanted != '\0' && std::strcmp(wanted, build.level) != 0) continue;
+    if (requested != nullptr && *requested != '\0' && std::strcmp(requested, build.level) != 0) continue;
     known = true;
     if (!build.runs) continue;
     const fs::path program = self.parent_path().parent_path() / "lib" / "sheaf" / build.level / "sheaf";
     execv(program.c_str(), argv);
     return fail(fmt::format("cannot start '{}': {}", program.string(), std::strerror(errno)));
   }
-  if (!known) return fail(fmt::format("SHEAF_ISA is '{}': expected x86-64-v4, x86-64-v3 or nothing", wanted));
-  return fail(wanted != nullptr && *wanted != '\0'
-                  ? fmt::format("this processor lacks instructions of {}, which SHEAF_ISA requests", wanted)
+  if (!known) return fail(fmt::format("SHEAF_ISA is '{}': expected x86-64-v4, x86-64-v3 or nothing", requested));
+  return fail(requested != nullptr && *requested != '\0'
+                  ? fmt::format("this processor lacks instructions of {}, which SHEAF_ISA requests", requested)
                   : "this processor lacks the required instructions of x86-64-v3 (AVX2, FMA, BMI; about 2013). Build "
                     "Sheaf from source to use it on this processor");
 }

@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::size_t kMaxMessages = 200, kMaxMessageBytes = 4000;
 /// Time after its last request for which a browser counts as connected, s. The page sends a request every second.
-constexpr double kLookSeconds = 4;
+constexpr double kClientTimeout = 4;
 /// Extra time for pages in other windows to send another request, s.
-constexpr double kOthersSeconds = 1.3;
+constexpr double kPollSlack = 1.3;
 /// PNG compression level: fast, because each image is sent once.
 constexpr int kPngLevel = 1;
 
@@ -109,7 +109,7 @@ void LivePage::add_message(std::string_view message) {
   if (messages_.size() > kMaxMessages) messages_.pop_front();
 }
 
-bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kLookSeconds; }
+bool LivePage::is_watched() const { return Progress::steady_seconds() - looked_ < kClientTimeout; }
 
 bool LivePage::wants_image() const {
   const bool is_denoised = image_denoised_.load(std::memory_order_relaxed) && wants_denoised();
@@ -117,7 +117,7 @@ bool LivePage::wants_image() const {
 }
 
 bool LivePage::wants_denoised() const {
-  return Progress::steady_seconds() - denoised_looked_.load(std::memory_order_relaxed) < kLookSeconds;
+  return Progress::steady_seconds() - denoised_looked_.load(std::memory_order_relaxed) < kClientTimeout;
 }
 
 void LivePage::wait_until_seen(double seconds) {
@@ -126,7 +126,7 @@ void LivePage::wait_until_seen(double seconds) {
   std::unique_lock lock(mutex_);
   const bool seen = seen_.wait_for(lock, std::chrono::duration<double>(seconds),
                                    [this] { return state_seen_ && sent_number_ == image_number_; });
-  const double left = std::min(kOthersSeconds, seconds) - (Progress::steady_seconds() - start);
+  const double left = std::min(kPollSlack, seconds) - (Progress::steady_seconds() - start);
   if (seen && left > 0) seen_.wait_for(lock, std::chrono::duration<double>(left), [] { return false; });
 }
 

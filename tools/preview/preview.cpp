@@ -20,7 +20,7 @@ namespace {
 /// Minimum interval between previews, s, and as a multiple of the cost of the last preview.
 constexpr double kMinInterval = 1, kCostFactor = 20;
 /// Samples of a render per sample of show_first_passes(), and the largest number of samples of these.
-constexpr std::uint32_t kFirstShare = 32, kMaxFirst = 4;
+constexpr std::uint32_t kFirstFraction = 32, kMaxFirst = 4;
 constexpr double kTevSeconds = 5, kPageSeconds = 3;
 
 /// The channels R, G, B and A of an image.
@@ -134,16 +134,16 @@ void Preview::show_first_passes(const Scene& scene, const RenderSettings& settin
   first.threads = control.threads;
   first.wave_size = control.wave_size;
   first.stop = control.stop;
-  const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / kFirstShare, 1u);
+  const std::uint32_t samples = settings.camera_samples(), most = std::max(samples / kFirstFraction, 1u);
   std::uint32_t taken = 0;
   for (std::uint32_t count = 1; samples > 1 && count <= kMaxFirst && taken + count <= most; count *= 2) {
     const RenderResult result = render(scene, first_pass(settings, count), first);
     if (result.interrupted) return;
     taken += count;
     first_ = std::make_shared<const Image>(result.film.beauty_image());
-    const std::shared_ptr<const Image> shown = displayed(*first_);
-    if (page_) page_->set_image(shown);
-    if (tev_ && tev_->is_ready()) tev_->show(shown);
+    const std::shared_ptr<const Image> shown_image = displayed(*first_);
+    if (page_) page_->set_image(shown_image);
+    if (tev_ && tev_->is_ready()) tev_->show(shown_image);
   }
 }
 

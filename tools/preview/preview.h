@@ -26,7 +26,7 @@ struct PreviewArguments {
 
 void add_preview_options(Command& command, PreviewArguments& arguments);
 
-/// Shows one render, or several in turn, from construction to destruction, which closes all connections.
+/// Shows one render, or several one after the other, from construction to destruction, which closes all connections.
 ///
 /// Preview images are made while the render pauses, and only for connected viewers: at
 /// most one per second. Slow previews are refreshed less often, so that they take at most 5% of the time.

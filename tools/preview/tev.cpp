@@ -77,11 +77,11 @@ std::string tev_update_packet(const std::string& name, const Image& image, int f
   return packet.finish();
 }
 
-TevViewer::TevViewer(const Endpoint& endpoint, std::string name, Say say)
+TevViewer::TevViewer(const Endpoint& endpoint, std::string name, LogFunction log)
     : name_(std::move(name)),
-      place_(endpoint.text()),
+      location_(endpoint.text()),
       addresses_(resolve(endpoint, false)),
-      say_(std::move(say)),
+      log_(std::move(log)),
       thread_([this] { run(); }) {}
 
 TevViewer::~TevViewer() {
@@ -129,7 +129,7 @@ void TevViewer::run() {
       lock.unlock();
       const bool sent = send(*image);
       if (!sent && !stop_)
-        say_(fmt::format("the tev viewer at {} has disconnected or stopped accepting images", place_));
+        log_(fmt::format("the tev viewer at {} has disconnected or stopped accepting images", location_));
       lock.lock();
       sending_ = false;
       if (!sent) socket_ = Socket();
@@ -147,7 +147,7 @@ void TevViewer::connect() {
   std::string why;
   Socket socket = connect_to(addresses_, kConnectSeconds, stop_, why);
   if (!socket.is_open() && !stop_ && why != reported_)
-    say_(fmt::format("no tev viewer at {} yet: {}; retrying during the render", place_, why));
+    log_(fmt::format("no tev viewer at {} yet: {}; retrying during the render", location_, why));
   reported_ = why;
   created_ = false;
   const std::lock_guard lock(mutex_);

@@ -26,10 +26,10 @@ std::string tev_update_packet(const std::string& name, const Image& image, int f
 class TevViewer {
  public:
   /// Receives messages about connection and failure. Called on the thread.
-  using Say = std::function<void(const std::string&)>;
+  using LogFunction = std::function<void(const std::string&)>;
 
   /// `name`: of the image. Throws Error (exit code 1) for an unknown host.
-  TevViewer(const Endpoint& endpoint, std::string name, Say say);
+  TevViewer(const Endpoint& endpoint, std::string name, LogFunction log);
   /// Discards images that are not sent yet.
   ~TevViewer();
   TevViewer(const TevViewer&) = delete;
@@ -47,9 +47,9 @@ class TevViewer {
   void connect();
   bool send(const Image& image);
 
-  const std::string name_, place_;
+  const std::string name_, location_;
   const std::vector<Address> addresses_;
-  const Say say_;
+  const LogFunction log_;
   std::atomic<bool> stop_{false}, ready_{false};
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -130,7 +130,7 @@ std::string to_json(const RenderReport& report) {
       {"samples", report.stats.samples},
       {"rays", {{"camera", rays.camera}, {"light", rays.light}, {"scatter", rays.scatter}, {"shadow", rays.shadow}}},
       {"rays_per_second", report.rays_per_second()},
-      {"trace_share", report.trace_share()},
+      {"trace_share", report.trace_fraction()},
       {"noise", report.noise ? Json(*report.noise) : Json()},
       {"seconds_to_one_percent", report.noise ? Json(report.render_seconds * report.samples_factor(0.01)) : Json()},
       {"adaptive", adaptive_json(report)},

@@ -1,5 +1,5 @@
 // The report of a render as a table.
-#include "kernels/guiding/candidate_trial.h"
+#include "kernels/guiding/candidate_moments.h"
 #include "tools/console/duration.h"
 #include "tools/report/report_figures.h"
 #include "tools/report/report_text.h"
@@ -152,7 +152,7 @@ std::string to_table(const RenderReport& report) {
   fmt::format_to(
       out, "{} samples, {} rays (camera {}, light {}, scatter {}, shadow {}), {:.2f} M rays/s, {:.1f} % in Embree\n",
       stats.samples, stats.rays.total(), stats.rays.camera, stats.rays.light, stats.rays.scatter, stats.rays.shadow,
-      report.rays_per_second() * 1e-6, report.trace_share() * 100);
+      report.rays_per_second() * 1e-6, report.trace_fraction() * 100);
   // List the stages
   fmt::format_to(out, "{:<18}{:>14}{:>10}{:>11}{:>10}{:>11}\n", "stage", "items", "calls", "seconds", "ns/item",
                  "lane fill");

@@ -39,7 +39,7 @@ def with_index(text, wavelength):
 def render_wavelengths(job):
     """Renders once per bin of wavelengths, and integrates over the CIE 1931 observer to linear Rec. 709.
 
-    The scene must be grey under illuminant E in all but its indices of refraction.
+    The scene must be gray under illuminant E in all but its indices of refraction.
     """
     path = Path(job["scene"])
     text = re.sub(r"<spectrum (name=\"\w+\") value", r"<float \1 value", path.read_text())

@@ -173,7 +173,7 @@ MEDIA_ROWS = (
          fog("homogeneous-both", "both", "0.8, 0.9, 0.95"))),
     Row("beer", "Beer's law",
         "Absorbing media in smooth glass (slabs of three thicknesses and a ball) and behind null interfaces.", "",
-        (Case("beer-glass", "coloured glass", "coloured_glass.xml"),
+        (Case("beer-glass", "colored glass", "coloured_glass.xml"),
          Case("beer-null", "null interface", "null_ball.xml", references=("Mitsuba", "closed form"), spp=256,
               closed_form=closed_forms.null_ball))),
     Row("emission", "Emissive media",
@@ -201,11 +201,11 @@ MEDIA_ROWS = (
               max_ratio_error=0.01, max_error=0.05))),
 )
 
-COLOUR_ROWS = (
+COLOR_ROWS = (
     Row("spectral", "Spectral rendering",
         "Reflectances, indices and lights given as spectra, and a ball of glass whose index depends on the wavelength.",
         "Mitsuba 3 has no dispersion. For the second line it renders the scene at each of 47 wavelengths, with the "
-        "index of Cauchy's formula and 8 spp, and the colours are the integral over the CIE observer.",
+        "index of Cauchy's formula and 8 spp, and the colors are the integral over the CIE observer.",
         (Case("spectral", "spectra", "spectra.xml", color="spectral"),
          Case("dispersion", "dispersion", "dispersion.xml", color="spectral", spp=256, mitsuba_spp=8, wavelengths=True,
               exposure=0.6))),
@@ -229,4 +229,4 @@ PHOTON_ROWS = (
               references=(LONG,), spp=16, layer="denoised.", max_ratio_error=0.01, max_error=0.001))),
 )
 
-ROWS = LIGHT_ROWS + SURFACE_ROWS + SAMPLING_ROWS + MEDIA_ROWS + COLOUR_ROWS + PHOTON_ROWS
+ROWS = LIGHT_ROWS + SURFACE_ROWS + SAMPLING_ROWS + MEDIA_ROWS + COLOR_ROWS + PHOTON_ROWS

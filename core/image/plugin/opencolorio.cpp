@@ -80,41 +80,42 @@ std::string source_space(const ocio::Config& config, ocio::GroupTransform& trans
   }
   for (const char* const role : {ocio::ROLE_SCENE_LINEAR, ocio::ROLE_DEFAULT})
     if (config.getColorSpace(role)) return role;
-  throw std::runtime_error("the configuration has no linear colour space (expected the role scene_linear)");
+  throw std::runtime_error("the configuration has no linear color space (expected the role scene_linear)");
 }
 
-/// The name `wanted` in any case, or the default if it is empty. Throws std::runtime_error.
+/// The name `requested` in any case, or the default if it is empty. Throws std::runtime_error.
 template <class NameAt>
-std::string find_name(const std::string& what, const std::string& wanted, const char* standard, int count,
+std::string find_name(const std::string& what, const std::string& requested, const char* standard, int count,
                       NameAt name_at) {
-  if (wanted.empty()) return standard;
+  if (requested.empty()) return standard;
   std::string known;
   const auto lower = [](unsigned char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : int{c}; };
   for (int i = 0; i < count; ++i) {
     std::string name = name_at(i);
-    if (std::equal(name.begin(), name.end(), wanted.begin(), wanted.end(), [&](char a, char b) {
+    if (std::equal(name.begin(), name.end(), requested.begin(), requested.end(), [&](char a, char b) {
           return lower(static_cast<unsigned char>(a)) == lower(static_cast<unsigned char>(b));
         }))
       return name;
     known += (known.empty() ? "" : ", ") + name;
   }
-  throw std::runtime_error("unknown " + what + " '" + wanted + "' (known: " + known + ")");
+  throw std::runtime_error("unknown " + what + " '" + requested + "' (known: " + known + ")");
 }
 
-std::unique_ptr<ColorProcessor> open_view(const DisplayView& wanted) {
-  const ocio::ConstConfigRcPtr config = open_config(wanted.config);
+std::unique_ptr<ColorProcessor> open_view(const DisplayView& requested) {
+  const ocio::ConstConfigRcPtr config = open_config(requested.config);
   config->validate();
   // Find the display and the view
-  const std::string display = find_name("display", wanted.display, config->getDefaultDisplay(),
+  const std::string display = find_name("display", requested.display, config->getDefaultDisplay(),
                                         config->getNumDisplays(), [&](int i) { return config->getDisplay(i); });
-  const char* const shown = display.c_str();
-  const std::string view = find_name("view", wanted.view, config->getDefaultView(shown), config->getNumViews(shown),
-                                     [&](int i) { return config->getView(shown, i); });
+  const char* const displayed = display.c_str();
+  const std::string view =
+      find_name("view", requested.view, config->getDefaultView(displayed), config->getNumViews(displayed),
+                [&](int i) { return config->getView(displayed, i); });
   // Build the processor
   const ocio::GroupTransformRcPtr all = ocio::GroupTransform::Create();
   const ocio::DisplayViewTransformRcPtr transform = ocio::DisplayViewTransform::Create();
   transform->setSrc(source_space(*config, *all).c_str());
-  transform->setDisplay(shown);
+  transform->setDisplay(displayed);
   transform->setView(view.c_str());
   all->appendTransform(transform);
   return std::make_unique<Processor>(config->getProcessor(all)->getDefaultCPUProcessor());

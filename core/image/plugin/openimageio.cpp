@@ -67,7 +67,7 @@ class Reader final : public ImageReader {
                !spec.format.is_floating_point(),
                spec.tile_width,
                spec.tile_height};
-    // Versions of OpenImageIO up to 3.0 premultiply the colours of WebP files by alpha, whatever was asked for.
+    // Versions of OpenImageIO up to 3.0 premultiply the colors of WebP files by alpha, whatever was asked for.
     is_premultiplied_ = std::string_view(input_->format_name()) == "webp" && spec.nchannels == 4 &&
                         spec.alpha_channel == 3 && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
   }

@@ -83,9 +83,9 @@ std::vector<std::string> check_attributes(const Description& description, const 
   };
   for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape) {
     const std::uint32_t material = scene.geometry.shapes[shape].material;
-    const auto [shown, is_new] = shown_by.try_emplace(material);
-    if (is_new) shown->second = finder.of_material(material);
-    for (const std::uint32_t texture : shown->second) {
+    const auto [displayed, is_new] = shown_by.try_emplace(material);
+    if (is_new) displayed->second = finder.of_material(material);
+    for (const std::uint32_t texture : displayed->second) {
       Use& use = uses[{material, texture}];
       ++(has(shape, texture) ? use.with : use.without);
     }
@@ -102,7 +102,7 @@ std::vector<std::string> check_attributes(const Description& description, const 
                     known.empty() ? "no mesh of the scene has any" : "the scene's meshes have " + known,
                     did_you_mean(name, {geometry.known_attributes.begin(), geometry.known_attributes.end()})),
         SceneErrorCode::kUnknownName);
-    errors.report(error, kGreySubstitute);
+    errors.report(error, kGraySubstitute);
   };
   // Report materials without any mesh that has the attribute, and warn if only some lack it
   for (const auto& [key, use] : uses) {
@@ -121,9 +121,9 @@ std::vector<std::string> check_attributes(const Description& description, const 
   // Report emitters that lack it
   for (std::uint32_t shape = 0; shape < geometry.sources.size(); ++shape)
     for (const TextureId texture : emission_textures(*geometry.sources[shape].shape))
-      for (const std::uint32_t shown : finder.of_texture(static_cast<std::uint32_t>(texture)))
-        if (!has(shape, shown)) report(shown, "the shape that emits it lacks");
-  for (const std::uint32_t texture : missing) scene.textures.rows[texture] = grey_texture_row();
+      for (const std::uint32_t displayed : finder.of_texture(static_cast<std::uint32_t>(texture)))
+        if (!has(shape, displayed)) report(displayed, "the shape that emits it lacks");
+  for (const std::uint32_t texture : missing) scene.textures.rows[texture] = gray_texture_row();
   return warnings;
 }
 

@@ -78,7 +78,7 @@ class GeometryCompiler {
     std::size_t triangles;
     Bounds3f bounds;  ///< in the group's space
 
-    InstanceRow place(const std::array<float, 12>& to_world) const {
+    InstanceRow position(const std::array<float, 12>& to_world) const {
       return make_instance(to_world, range.first_shape, index);
     }
   };
@@ -90,7 +90,7 @@ class GeometryCompiler {
     try {
       added = add_geometry(shape);
     } catch (const SceneError& error) {
-      leave_out(shape, error);
+      omit(shape, error);
       out_.attributes.remove(static_cast<std::uint32_t>(out_.sources.size()));
     }
     if (!added) return;
@@ -106,8 +106,8 @@ class GeometryCompiler {
     out_.sources.push_back(source);
   }
 
-  void leave_out(const ShapeDescription& shape, const SceneError& error) {
-    errors_.report(at_place(shape.where, error), "shape left out");
+  void omit(const ShapeDescription& shape, const SceneError& error) {
+    errors_.report(at_location(shape.where, error), "shape left out");
   }
 
   std::optional<AddedShape> add_geometry(const ShapeDescription& shape) {
@@ -157,7 +157,7 @@ class GeometryCompiler {
         add_moving_instance(group, {*motion, {}}, motion->reference());
         continue;
       }
-      const InstanceRow row = group.place(rounded_rows(instance.to_world));
+      const InstanceRow row = group.position(rounded_rows(instance.to_world));
       const Bounds3f bounds = instance_bounds(row, group.bounds);
       if (!is_traceable(bounds)) {
         ++too_large;
@@ -181,7 +181,7 @@ class GeometryCompiler {
       if (group.range.shape_count == 0) continue;
       try {
         add_moving_instance(group, {motion, motion.reference().inverse()}, {});
-      } catch (const SceneError& error) { leave_out(shape, error); }
+      } catch (const SceneError& error) { omit(shape, error); }
     }
     motion_.tables().end_of_moving_shapes = count();
   }
@@ -192,7 +192,7 @@ class GeometryCompiler {
         tabulate_motion(motion, MotionProbes::of_box(group.bounds), motion_.shutter());
     // Bound the instance at all steps; in between it is in their convex hull
     for (const MotionStepRow& step : steps) {
-      const Bounds3f bounds = instance_bounds(group.place(std::to_array(step.matrix)), group.bounds);
+      const Bounds3f bounds = instance_bounds(group.position(std::to_array(step.matrix)), group.bounds);
       if (!is_traceable(bounds)) throw SceneError("a moving object leaves the range of coordinates");
       out_.bounds.grow(bounds);
     }
@@ -201,7 +201,7 @@ class GeometryCompiler {
       MotionCompiler::set(motion_.tables().instances, row, motion_.add(steps));
       out_.moving_instances.push_back({static_cast<std::uint32_t>(row), single_rows(rest)});
     }
-    push_instance(group.place(std::to_array(steps[0].matrix)), group);
+    push_instance(group.position(std::to_array(steps[0].matrix)), group);
   }
 
   void push_instance(const InstanceRow& row, const Group& group) {

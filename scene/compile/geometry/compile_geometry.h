@@ -27,7 +27,7 @@ class MeshReader {
 CompiledGeometry compile_geometry(const Description& description, MeshReader& meshes, const TextureTables& textures,
                                   const CompiledMaterials& materials, MotionCompiler& motion, ErrorSink& errors);
 
-/// Reports textures that use an attribute that no mesh with their material has, and makes them grey. Returns warnings
+/// Reports textures that use an attribute that no mesh with their material has, and makes them gray. Returns warnings
 /// about meshes that lack one. `scene`: with textures, materials and geometry.
 std::vector<std::string> check_attributes(const Description& description, const CompiledGeometry& geometry,
                                           ErrorSink& errors, SceneTables& scene);

@@ -87,15 +87,16 @@ std::size_t drop_degenerate_triangles(std::vector<KeyMesh>& keys) {
   return count - kept.size();
 }
 
-/// Replaces normals by smooth ones. `places`: for each vertex the one that it shares its normal with, or empty.
-void compute_normals(Mesh& mesh, const std::vector<std::uint32_t>& places) {
-  if (places.empty()) return compute_vertex_normals(mesh);
+/// Replaces normals by smooth ones. `welded_vertices`: for each vertex the one that it shares its normal with, or
+/// empty.
+void compute_normals(Mesh& mesh, const std::vector<std::uint32_t>& welded_vertices) {
+  if (welded_vertices.empty()) return compute_vertex_normals(mesh);
   Mesh welded{mesh.positions, {}, {}, mesh.triangles};
   for (auto& triangle : welded.triangles)
-    for (std::uint32_t& vertex : triangle) vertex = places[vertex];
+    for (std::uint32_t& vertex : triangle) vertex = welded_vertices[vertex];
   compute_vertex_normals(welded);
-  mesh.normals.resize(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) mesh.normals[i] = welded.normals[places[i]];
+  mesh.normals.resize(welded_vertices.size());
+  for (std::size_t i = 0; i < welded_vertices.size(); ++i) mesh.normals[i] = welded.normals[welded_vertices[i]];
 }
 
 /// The vertices at a time.
@@ -138,10 +139,10 @@ PreparedMesh prepare_deforming_mesh(const ShapeDescription& shape, const Deformi
   if (shape.interior != shape.exterior) prepared.open_edges = OpenBoundaries::find(keys[0].mesh, shape.where);
   prepared.dropped = drop_degenerate_triangles(keys);
   // Compute missing normals, and flip all
-  std::vector<std::uint32_t> places;
-  if (keys[0].is_split) places = same_places(keys[0].mesh);
+  std::vector<std::uint32_t> welded_vertices;
+  if (keys[0].is_split) welded_vertices = same_positions(keys[0].mesh);
   for (KeyMesh& key : keys) {
-    if (key.makes_normals && key.mesh.normals.empty()) compute_normals(key.mesh, places);
+    if (key.makes_normals && key.mesh.normals.empty()) compute_normals(key.mesh, welded_vertices);
     if (shape.flip_normals) flip_mesh(key.mesh);
   }
   // Tabulate the vertices over the shutter

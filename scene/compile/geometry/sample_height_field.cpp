@@ -20,7 +20,7 @@ Mesh sample_height_field(const HeightFieldShape& field, const TextureTables& tex
   if (needs != 0)
     throw SceneError(fmt::format("the texture of a height field depends on {} (expected one that depends only on uv)",
                                  (needs & kTextureNeedsMesh) != 0 ? "meshes" : "the position"));
-  // Evaluate it at the centres of the cells
+  // Evaluate it at the centers of the cells
   const float constant =
       texture != nullptr ? 0.0f : luminance(unbounded_rgb(std::get<SpectrumDescription>(field.texture)));
   const TextureView view{textures.rows.data(), textures.tiles.get()};

@@ -100,7 +100,7 @@ class MediumRowBuilder {
     Transform to_world;
     const GridVolumeDescription* description;
     SourceLocation where;
-    bool matrices = false;  ///< SGGX matrices, not colours
+    bool matrices = false;  ///< SGGX matrices, not colors
   };
 
   void spectrum(const SpectrumDescription& s, SpectrumUse use, float factor, const SourceLocation& where,
@@ -188,15 +188,15 @@ class MediumRowBuilder {
     const bool both = (row.flags & kMediumAbsorptionScattering) != 0;
     for (const std::uint32_t grid : {row.first_grid, both ? row.second_grid : kNone})
       if (grid != kNone && tables_.grids[grid].channels > 1) row.flags |= kMediumColored;
-    const auto is_grey = [&](const float(&words)[4], const SpectrumRow& spectrum_row) {
+    const auto is_gray = [&](const float(&words)[4], const SpectrumRow& spectrum_row) {
       return words[0] == words[1] && words[1] == words[2] && (set_ == nullptr || spectrum_row.is_flat());
     };
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     if (of != kNone && tables_.grids[of].border != GridBorder::kBackground) row.flags |= kMediumBoxed;
     if (is_single_grid(row, of)) row.flags |= kMediumSingleGrid;
-    if (is_grey(row.first, spectra[0]) && (!both || is_grey(row.second, spectra[1])) &&
+    if (is_gray(row.first, spectra[0]) && (!both || is_gray(row.second, spectra[1])) &&
         (row.flags & kMediumColored) == 0)
-      row.flags |= kMediumGrey;
+      row.flags |= kMediumGray;
   }
 
   /// Whether the extinction is the row's spectra times the grid `of`; see kMediumSingleGrid.
@@ -229,7 +229,7 @@ class MediumRowBuilder {
     const std::uint32_t of = row.density != kNone ? row.density : row.first_grid;
     MajorantGrid majorants;
     const auto bound = [&](std::uint32_t grid) {
-      // Spectra may exceed the largest component of their colour by up to this factor.
+      // Spectra may exceed the largest component of their color by up to this factor.
       const bool uplifted = set_ != nullptr && tables_.grids[grid].channels > 1;
       return uplifted ? 2.0f : 1.0f;
     };

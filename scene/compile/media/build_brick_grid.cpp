@@ -248,7 +248,7 @@ BrickGrid make_dense_grid(int channels, std::array<int, 3> size, std::span<const
         fmt::format("{} values for a grid of {} voxels with {} channels", values.size(), text_of(size), channels));
   }
   grid.voxel_max = {size[0] - 1, size[1] - 1, size[2] - 1};
-  // Copy the voxels of each brick, with one layer of its neighbours
+  // Copy the voxels of each brick, with one layer of its neighbors
   const auto wrap = [&](int i, std::size_t axis) {
     return static_cast<std::size_t>(i < size[axis] ? i : border == GridBorder::kRepeat ? 0 : size[axis] - 1);
   };

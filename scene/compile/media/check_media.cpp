@@ -14,7 +14,7 @@ bool is_finite(Float4 v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]) && std::isfinite(v[3]);
 }
 
-/// Maximum factor of a grid. A spectrum may exceed the colour that it represents.
+/// Maximum factor of a grid. A spectrum may exceed the color that it represents.
 float largest_factor(std::span<const BrickGrid> grids, std::uint32_t grid) {
   if (grid == kNone) return 1.0f;
   return std::max(grids[grid].max_value(), 0.0f) * (grids[grid].channels > 1 ? 2.0f : 1.0f);

@@ -75,7 +75,7 @@ void add_boundaries(const CompiledGeometry& geometry, const MotionCompiler& moti
 }  // namespace
 
 void MediumInput::make_empty(const SceneError& error, ErrorSink& errors) {
-  errors.report(at_place(description->where, error), kEmptySubstitute);
+  errors.report(at_location(description->where, error), kEmptySubstitute);
   static const MediumDescription kEmpty = [] {
     MediumDescription empty;
     empty.coefficients =
@@ -99,7 +99,7 @@ CompiledMedia compile_media(const Description& description, const CompiledGeomet
   return out;
 }
 
-void end_media(const MotionCompiler& motion, SceneTables& scene) {
+void bound_outer_medium(const MotionCompiler& motion, SceneTables& scene) {
   const LightTables& lights = scene.lights;
   if (scene.media.rows.empty() || lights.bounded_count == lights.rows.size()) return;
   for (std::uint32_t i = 0; i < lights.bounded_count; ++i) {

@@ -12,8 +12,8 @@ namespace sheaf {
 
 /// A shape that contains a medium.
 struct MediumShape {
-  Bounds3f box;                     ///< world space, metres; of a shape that moves: at the first key
-  const AnimatedTransform* motion;  ///< null: the shape stands still
+  Bounds3f box;                     ///< world space, meters; of a shape that moves: at the first key
+  const AnimatedTransform* motion;  ///< null: the shape is static
 };
 
 /// A medium and the shapes that contain it.
@@ -48,7 +48,7 @@ CompiledMedia compile_media(const Description& description, const CompiledGeomet
                             const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
                             ErrorSink& errors, std::vector<ShapeRow>& shapes);
 
-/// Adds the rows of media, grids and majorants, and describes the grids. `step_size` is that of ray marching, metres;
+/// Adds the rows of media, grids and majorants, and describes the grids. `step_size` is that of ray marching, meters;
 /// 0: 1/100 of each medium's diagonal. `scene`: bounds of the scene, for media that no shape contains.
 void add_medium_rows(std::span<MediumInput> media, const Bounds3f& scene, SpectrumSet* set, float step_size,
                      ErrorSink& errors, CompiledMedia& out);
@@ -61,8 +61,8 @@ void move_media(std::span<const MediumInput> media, const Bounds3f& scene, Motio
 /// length zero, and makes them empty.
 void check_media(std::span<const MediumDescription> media, ErrorSink& errors, SceneTables& scene);
 
-/// Ends unbounded media at a radius that contains the whole scene with its lights, if a light is at infinity.
-void end_media(const MotionCompiler& motion, SceneTables& scene);
+/// Bounds unbounded media by a sphere around the whole scene with its lights, so that lights at infinity reach it.
+void bound_outer_medium(const MotionCompiler& motion, SceneTables& scene);
 
 /// Finds the media around shapes and around `cameras`, when the shutter opens, by probe rays. `scene` is complete, with
 /// its acceleration structure.

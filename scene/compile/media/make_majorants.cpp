@@ -268,8 +268,8 @@ class Builder {
     return {range, cost, 1.0};
   }
 
-  /// The finest level that may pay off: halving the side doubles the cost of steps, and saves at most the whole cost of
-  /// the bounds' difference.
+  /// The finest level that may be worth its cost: halving the side doubles the cost of steps, and saves at most the
+  /// whole cost of the bounds' difference.
   std::size_t first_level(const Range& range) const {
     const auto levels = ranges_.levels();
     const double max_cost = leaf_cost(range, 30);

@@ -36,7 +36,7 @@ struct MajorantNeeds {
 /// than half of the memory of the grids.
 ///
 /// Bounds are widened slightly for the rounding of lookups. A point within a rounding error of a leaf's face may belong
-/// to the neighbour, so kernels must tolerate values beyond the bounds there.
+/// to the neighbor, so kernels must tolerate values beyond the bounds there.
 ///
 /// The box encloses the values that differ from the background, which is 0 outside. For clamped, repeated or mirrored
 /// grids it encloses the voxels, and `outside` bounds the values around it.

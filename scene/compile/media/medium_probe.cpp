@@ -90,7 +90,7 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, float time, PlacedShape
   }
   for (int round = 0; round < kMaxCrossings; ++round) {
     RayPacket packet;
-    bool going = false;
+    bool unresolved = false;
     for (int i = 0; i < kPacketWidth; ++i) {
       const Probe& probe = probes[static_cast<std::size_t>(i)];
       packet.set_ray(i, probe.origin, probe.direction, probe.found ? 0.0f : kInfinity);
@@ -104,10 +104,10 @@ std::uint32_t medium_at(const SceneView& scene, Vec3f p, float time, PlacedShape
         probe.found = default_value;
       } else {
         cross(scene, packet, i, ignored, probe);
-        going = going || !probe.found;
+        unresolved = unresolved || !probe.found;
       }
     }
-    if (!going) break;
+    if (!unresolved) break;
   }
   std::vector<std::uint32_t> votes;
   for (const Probe& probe : probes) votes.push_back(probe.found.value_or(default_value));
@@ -144,13 +144,13 @@ std::uint32_t medium_outside(const SceneView& scene, std::uint32_t default_value
 }
 
 std::uint32_t medium_around(const SceneView& scene, PlacedShape placed, float time, std::uint32_t default_value) {
-  constexpr std::uint32_t kPlaces = 5;
+  constexpr std::uint32_t kMaxPoints = 5;
   std::vector<std::uint32_t> votes;
-  for (std::uint32_t i = 0; i < kPlaces; ++i) {
-    SurfacePoint<Scalar> y = place_on(scene, scene.geometry.shapes[placed.shape], i, kPlaces, time);
+  for (std::uint32_t i = 0; i < kMaxPoints; ++i) {
+    SurfacePoint<Scalar> y = place_on(scene, scene.geometry.shapes[placed.shape], i, kMaxPoints, time);
     if (placed.instance != kNone) {
       const auto row = gather_rows<Scalar>(scene.geometry.instances, placed.instance);
-      const InstanceAt<Scalar> at = place_at<Scalar>(scene.motion, row, placed.instance, true, time, y.p);
+      const InstanceAt<Scalar> at = placement_at<Scalar>(scene.motion, row, placed.instance, true, time, y.p);
       place_instance<Scalar, false>(at.placed, true, y);
       y.offset += at.error * kOffsetUlps;
     }

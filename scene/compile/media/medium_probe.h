@@ -7,7 +7,7 @@
 
 namespace sheaf {
 
-/// A shape where one of its instances places it.
+/// A shape with the transform of one of its instances.
 struct PlacedShape {
   std::uint32_t shape = kNone;     ///< kNone: no shape
   std::uint32_t instance = kNone;  ///< kNone: the shape is not part of a group
@@ -33,7 +33,7 @@ struct TimedMedium {
   std::uint32_t medium;
 };
 
-/// The media at a place over the shutter, of which `at(time)` returns one, in the order of time; the first one from 0
+/// The media at a point over the shutter, of which `at(time)` returns one, in the order of time; the first one from 0
 /// on. Probes at the ends of `parts` equal parts of the interval, and bisects changes in between. Media that are there
 /// for less than a part may be missed. `parts` = 0: only the medium at time 0.
 template <class At> std::vector<TimedMedium> media_over_time(int parts, At&& at) {

@@ -42,7 +42,7 @@ std::vector<NamedGrid> grids_of(const MediumDescription& m, const PhaseDescripti
   return out;
 }
 
-/// Where a point that was at p at the first key is at a time, as a map of p. Null: the point stands still.
+/// Maps a point at the first key to its position at a time. Null: the point is static.
 Transform moved(const AnimatedTransform* motion, double time) {
   return motion == nullptr ? Transform() : motion->at(time) * motion->reference().inverse();
 }
@@ -113,7 +113,7 @@ bool is_rigid(const AnimatedTransform& motion) {
 const AnimatedTransform* motion_of(const MediumInput& medium, const MotionCompiler& motions) {
   const MediumDescription& m = *medium.description;
   const PhaseDescription* phase = medium.phase;
-  // Without grids, only the emission has a place: the shapes
+  // Without grids, only the emission has a position: that of the shapes
   const std::vector<NamedGrid> grids = grids_of(m, phase);
   const std::vector<MediumShape>& shapes = medium.shapes;
   if (grids.empty()) {
@@ -209,7 +209,7 @@ void move_media(std::span<const MediumInput> media, const Bounds3f& scene, Motio
       if (out.motions[i].segment_count > 0 && (row.flags & kMediumHomogeneous) == 0)
         MotionCompiler::set(motion.tables().media, i, out.motions[i]);
     } catch (const SceneError& error) {
-      errors.report(at_place(medium.description->where, error), "the medium stands still");
+      errors.report(at_location(medium.description->where, error), "the medium stands still");
     }
   }
 }

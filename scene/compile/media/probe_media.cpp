@@ -35,7 +35,7 @@ std::vector<PlacedShape> surrounded_shapes(const CompiledGeometry& geometry,
   if (shapes.empty()) return placed;
   std::vector<std::vector<std::uint32_t>> instances(geometry.groups.size());
   for (std::uint32_t i = 0; i < all_instances.size(); ++i) instances[all_instances[i].group].push_back(i);
-  const std::size_t share = std::clamp<std::size_t>(max_probes / shapes.size(), 1, kMaxInstances);
+  const std::size_t fraction = std::clamp<std::size_t>(max_probes / shapes.size(), 1, kMaxInstances);
   for (const std::uint32_t shape : shapes) {
     if (shape < geometry.ungrouped_shapes) {
       placed.push_back({shape, kNone});
@@ -44,7 +44,7 @@ std::vector<PlacedShape> surrounded_shapes(const CompiledGeometry& geometry,
     const auto starts_behind = [](std::uint32_t index, const ShapeRange& range) { return index < range.first_shape; };
     const auto group = std::upper_bound(geometry.groups.begin(), geometry.groups.end(), shape, starts_behind) - 1;
     const std::vector<std::uint32_t>& all = instances[static_cast<std::size_t>(group - geometry.groups.begin())];
-    const std::size_t count = std::min(all.size(), share);
+    const std::size_t count = std::min(all.size(), fraction);
     for (std::size_t k = 0; k < count; ++k) placed.push_back({shape, all[k * all.size() / count]});
   }
   return placed;
@@ -95,10 +95,10 @@ bool starts_in_several_media(const SceneView& view, const CameraColumn& column, 
   const Vec3f middle = column.middle();
   const std::uint32_t medium = medium_at(view, middle, 0, {}, default_value);
   constexpr Vec2<Scalar> kLens[] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-  for (int place = 0; place < 9; ++place)
+  for (int position = 0; position < 9; ++position)
     for (const Vec2<Scalar> lens : std::span(kLens).first(column.camera.has_lens() ? 5 : 1)) {
-      const float x = 0.5f * column.width * static_cast<float>(place % 3);
-      const float y = 0.5f * column.height * static_cast<float>(place / 3);
+      const float x = 0.5f * column.width * static_cast<float>(position % 3);
+      const float y = 0.5f * column.height * static_cast<float>(position / 3);
       const Vec3f start = column.camera.ray<Scalar>(x, y, lens.x, lens.y).origin;
       if (start != middle && medium_at(view, start, 0, {}, default_value) != medium) return true;
     }

@@ -14,12 +14,12 @@ namespace sheaf {
 
 namespace {
 
-/// kValues of an image outside [0, 1].
-struct Beyond {
+/// Count and range of the texel values outside [0, 1].
+struct OutOfRangeTexels {
   std::size_t texels = 0;  ///< number of texels with such a value
   float smallest = 0, largest = 0;
 
-  void add(const Beyond& other) {
+  void add(const OutOfRangeTexels& other) {
     texels += other.texels;
     smallest = std::min(smallest, other.smallest);
     largest = std::max(largest, other.largest);
@@ -27,9 +27,9 @@ struct Beyond {
 };
 
 /// Examines tiles with texels of `kValues` floats. Padding and unused fourth values are zero and so in range.
-template <std::size_t kValues> Beyond beyond_in(std::span<const TexelTile> tiles) {
+template <std::size_t kValues> OutOfRangeTexels out_of_range_texels(std::span<const TexelTile> tiles) {
   using Range = tbb::blocked_range<std::size_t>;
-  const auto add = [&](const Range& range, Beyond sum) {
+  const auto add = [&](const Range& range, OutOfRangeTexels sum) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const auto* values = reinterpret_cast<const float*>(tiles[i].bytes);
       for (std::size_t t = 0; t < sizeof(TexelTile) / sizeof(float); t += kValues) {
@@ -43,18 +43,19 @@ template <std::size_t kValues> Beyond beyond_in(std::span<const TexelTile> tiles
     }
     return sum;
   };
-  return tbb::parallel_reduce(Range(0, tiles.size(), 1 << 12), Beyond{}, add, [](Beyond a, const Beyond& b) {
-    a.add(b);
-    return a;
-  });
+  return tbb::parallel_reduce(Range(0, tiles.size(), 1 << 12), OutOfRangeTexels{}, add,
+                              [](OutOfRangeTexels a, const OutOfRangeTexels& b) {
+                                a.add(b);
+                                return a;
+                              });
 }
 
-Beyond beyond_in(const BitmapRow& bitmap, const TexelTile* tiles) {
+OutOfRangeTexels out_of_range_texels(const BitmapRow& bitmap, const TexelTile* tiles) {
   if (holds_bytes(bitmap.format)) return {};
   const std::uint32_t shift = static_cast<std::uint32_t>(tile_shift(bitmap.format));
   const std::size_t rows = (bitmap.height + (1u << shift) - 1) >> shift;
   const std::span<const TexelTile> own(tiles + bitmap.first_tile, rows * bitmap.tiles_per_row);
-  return bitmap.format == TexelFormat::kFloat1 ? beyond_in<1>(own) : beyond_in<4>(own);
+  return bitmap.format == TexelFormat::kFloat1 ? out_of_range_texels<1>(own) : out_of_range_texels<4>(own);
 }
 
 /// The inputs of a texture that shows each of them on a part of the surface (kShowsColors).
@@ -82,21 +83,21 @@ std::string warning(const TextureDescription& texture, const std::string& messag
       .what();
 }
 
-std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, const Beyond& beyond) {
+std::string warning(const TextureDescription& texture, const BitmapRow& bitmap, const OutOfRangeTexels& outside) {
   const auto all = static_cast<double>(bitmap.width) * static_cast<double>(bitmap.height);
-  const double share = 100 * static_cast<double>(beyond.texels) / all;
+  const double percentage = 100 * static_cast<double>(outside.texels) / all;
   char text[256];
   std::snprintf(
       text, sizeof(text),
       "%zu of %.0f texels (%.3g %%) are above 1 or below 0, from %g to %g: as reflectances they are clamped to "
       "[0, 1]",
-      beyond.texels, all, share, static_cast<double>(beyond.smallest), static_cast<double>(beyond.largest));
+      outside.texels, all, percentage, static_cast<double>(outside.smallest), static_cast<double>(outside.largest));
   const auto& description = std::get<BitmapDescription>(texture.model);
   const std::string file = description.encoded ? description.encoded->name : description.file.string();
   return warning(texture, (file.empty() ? "" : file + ": ") + text);
 }
 
-/// Maximum of a texture's own constant colours, without other textures.
+/// Maximum of a texture's own constant colors, without other textures.
 float largest_color(const TextureTables& textures, std::uint32_t row) {
   constexpr TextureKind kConstant = kTextureKind<ConstantTextureDescription>;
   float largest = 0;
@@ -118,16 +119,16 @@ std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescrip
   for (const TextureBinding& binding : bindings)
     if (binding.role == TextureRole::kReflectance) mark(textures, binding.texture, marked);
   std::vector<std::string> warnings;
-  std::map<std::uint32_t, Beyond> known;  // by first tile, because textures may share images
+  std::map<std::uint32_t, OutOfRangeTexels> known;  // by first tile, because textures may share images
   for (std::size_t i = 0; i < descriptions.size(); ++i) {
     if (!marked[i]) continue;
     if (const float largest = largest_color(textures, static_cast<std::uint32_t>(i)); largest > 1)
       warnings.push_back(warning(descriptions[i], clamped_reflectance(largest)));
     if (textures.rows[i].kind != kTextureKind<BitmapDescription>) continue;
     const auto bitmap = textures.rows[i].data<BitmapRow>();
-    const auto [place, is_new] = known.try_emplace(bitmap.first_tile);
-    if (is_new) place->second = beyond_in(bitmap, textures.tiles.get());
-    if (place->second.texels > 0) warnings.push_back(warning(descriptions[i], bitmap, place->second));
+    const auto [position, is_new] = known.try_emplace(bitmap.first_tile);
+    if (is_new) position->second = out_of_range_texels(bitmap, textures.tiles.get());
+    if (position->second.texels > 0) warnings.push_back(warning(descriptions[i], bitmap, position->second));
   }
   return warnings;
 }

@@ -11,7 +11,7 @@ namespace sheaf {
 
 namespace {
 
-/// Checks the nesting of textures. Makes those grey that cannot be looked up.
+/// Checks the nesting of textures. Makes those gray that cannot be looked up.
 class NestingCheck {
  public:
   /// `rows`: first those of `textures`.
@@ -22,7 +22,7 @@ class NestingCheck {
   /// texture.
   void run() {
     for (std::size_t i = 0; i < textures_.size(); ++i) depth(i);
-    for (const std::size_t i : broken_) rows_[i] = grey_texture_row();
+    for (const std::size_t i : broken_) rows_[i] = gray_texture_row();
   }
 
  private:
@@ -50,7 +50,7 @@ class NestingCheck {
 
   /// Reports an error of a texture, whose row becomes that of a constant. Returns its depth.
   int drop(std::size_t i, const SceneError& error) {
-    report_to(errors_, error, kGreySubstitute);
+    report_to(errors_, error, kGraySubstitute);
     broken_.insert(i);
     return 0;
   }
@@ -77,7 +77,7 @@ TextureRow compile_row(const TextureDescription& texture, std::size_t index, Tex
 
 }  // namespace
 
-TextureRow grey_texture_row() {
+TextureRow gray_texture_row() {
   TextureRow row;
   row.kind = kTextureKind<ConstantTextureDescription>;
   row.set_data(constant_row(SpectrumDescription::constant(0.5f)));
@@ -92,8 +92,8 @@ TextureTables compile_textures(const std::vector<TextureDescription>& textures, 
     try {
       row = compile_row(textures[i], i, tables);
     } catch (const SceneError& error) {
-      report_to(errors, error, kGreySubstitute);
-      row = grey_texture_row();
+      report_to(errors, error, kGraySubstitute);
+      row = gray_texture_row();
     }
     tables.rows()[i] = row;
   }

@@ -10,17 +10,17 @@
 namespace sheaf {
 
 /// Loads every image, once per way of reading it, and makes the rows. Appends the volume grids to `grids`, unless it is
-/// null. Reports errors at the texture's location, and makes it grey (`errors` null: throws): an image that is missing,
+/// null. Reports errors at the texture's location, and makes it gray (`errors` null: throws): an image that is missing,
 /// broken, too large, has unknown channels or non-finite values; for textures nested too deep or in a cycle; for a
 /// transform that is not finite; and for grids like load_volume().
 TextureTables compile_textures(const std::vector<TextureDescription>& textures,
                                std::vector<PlacedGrid>* grids = nullptr, ErrorSink* errors = nullptr);
 
 /// What becomes of a texture that cannot be compiled, for messages, and its row.
-inline constexpr const char* kGreySubstitute = "the texture is grey";
-TextureRow grey_texture_row();
+inline constexpr const char* kGraySubstitute = "the texture is gray";
+TextureRow gray_texture_row();
 
-/// Warnings about textures that are bound as reflectances and have texels or colours outside [0, 1]: location, image,
+/// Warnings about textures that are bound as reflectances and have texels or colors outside [0, 1]: location, image,
 /// number of texels, and range. Mixes are not checked.
 std::vector<std::string> clamped_texel_warnings(const std::vector<TextureDescription>& descriptions,
                                                 const TextureTables& textures,

@@ -58,7 +58,7 @@ void prepare_floats(StoredImage& stored, const std::vector<std::size_t>& channel
   }
 }
 
-/// Converts all values to floats, decoded unless `linear`, and applies the colour transform.
+/// Converts all values to floats, decoded unless `linear`, and applies the color transform.
 void change_values(StoredImage& stored, bool linear, const BitmapDescription::ColorTransform& change) {
   const bool decode = !linear && (stored.integers || !stored.bytes.empty());
   if (stored.floats.empty())
@@ -103,13 +103,13 @@ std::vector<std::size_t> select_channels(StoredImage& stored, BitmapDescription:
 TiledImage tile_stored_image(StoredImage stored, const BitmapDescription& bitmap, const SourceLocation& where) {
   const std::vector<std::size_t> channels = select_channels(stored, bitmap.channel, where);
   if (bitmap.change != BitmapDescription::ColorTransform{}) change_values(stored, bitmap.is_linear(), bitmap.change);
-  const bool bytes = !stored.bytes.empty(), grey = channels.size() == 1;
+  const bool bytes = !stored.bytes.empty(), gray = channels.size() == 1;
 
   TiledImage image;
   image.width = static_cast<std::uint32_t>(stored.width);
   image.height = static_cast<std::uint32_t>(stored.height);
   image.format =
-      bytes ? (grey ? TexelFormat::kByte1 : TexelFormat::kByte4) : (grey ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
+      bytes ? (gray ? TexelFormat::kByte1 : TexelFormat::kByte4) : (gray ? TexelFormat::kFloat1 : TexelFormat::kFloat4);
   const int shift = tile_shift(image.format);
   const auto tiles_along = [shift](std::uint32_t size) { return (size + (1u << shift) - 1) >> shift; };
   image.tiles_per_row = tiles_along(image.width);

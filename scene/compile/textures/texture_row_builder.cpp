@@ -88,7 +88,7 @@ void TextureTableBuilder::read_images_ahead() {
   ahead_.emplace(std::move(jobs), read_ahead_bytes());
 }
 
-/// Index in images_. Byte images without a colour transform are shared between linear and decoded use; float images
+/// Index in images_. Byte images without a color transform are shared between linear and decoded use; float images
 /// are not.
 std::size_t TextureTableBuilder::image_index(const BitmapDescription& bitmap, const TextureDescription& texture) {
   ImageKey key = key_of(bitmap);
@@ -122,7 +122,7 @@ std::size_t TextureTableBuilder::add_image(TiledImage image) {
 std::uint32_t TextureTableBuilder::grid(const GridVolumeDescription& grid, const TextureDescription& texture) {
   try {
     out_.grids.push_back(load_volume(grid, texture.where));
-  } catch (const SceneError& problem) { throw at_place(texture.where, problem); }
+  } catch (const SceneError& problem) { throw at_location(texture.where, problem); }
   if (out_.grids.back().is_empty()) out_.warnings.push_back(grid.file.string() + ": the grid is empty");
   grids_.push_back({&grid, &texture});
   return static_cast<std::uint32_t>(grids_.size() - 1);

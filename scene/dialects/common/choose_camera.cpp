@@ -7,20 +7,20 @@
 
 namespace sheaf {
 
-std::size_t choose_camera(const std::string& wanted, const std::vector<std::string>& names,
+std::size_t choose_camera(const std::string& requested, const std::vector<std::string>& names,
                           const std::filesystem::path& file) {
-  if (wanted.empty()) return 0;
-  const auto found = std::find(names.begin(), names.end(), wanted);
+  if (requested.empty()) return 0;
+  const auto found = std::find(names.begin(), names.end(), requested);
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (std::to_string(i) == wanted) return i;
+    if (std::to_string(i) == requested) return i;
   const SourceLocation where{file.string(), 0};
   if (names.empty()) throw SceneError(where, "has no camera");
   std::string list;
   for (std::size_t i = 0; i < names.size(); ++i)
     list += (i == 0 ? "" : ", ") + (names[i].empty() ? std::to_string(i) : in_quotes(names[i]));
-  throw SceneError(
-      where, fmt::format("has no camera {}{} (cameras: {})", in_quotes(wanted), did_you_mean(wanted, names), list));
+  throw SceneError(where, fmt::format("has no camera {}{} (cameras: {})", in_quotes(requested),
+                                      did_you_mean(requested, names), list));
 }
 
 }  // namespace sheaf

@@ -2,7 +2,7 @@
 
 namespace sheaf {
 
-std::string stand_in_sampler_note(std::string_view name) {
+std::string sampler_substitution_note(std::string_view name) {
   const SamplerKind* kind = kSamplers.find(name);
   if (kind == nullptr || name == kSamplers.name_of(*kind)) return {};
   return fmt::format("sampler '{}' is rendered with '{}'", name, kSamplers.name_of(*kind));

@@ -25,7 +25,7 @@ inline constexpr NameTable<SamplerKind> kSamplers{{{"independent", SamplerKind::
                                                    {"pmj02bn", SamplerKind::kSobol}}};
 
 /// Returns a note for the user if another sampler replaces the named one; else empty.
-std::string stand_in_sampler_note(std::string_view name);
+std::string sampler_substitution_note(std::string_view name);
 
 /// Returns the sampler kind to render with for a scene file that names `named`, unless the user overrides it. Sobol
 /// replaces `independent`, because exporters write `independent` only as the default.

@@ -40,12 +40,13 @@ std::array<double, 3> sun_position(const SunTime& time) {
   const double z = std::sin(obliquity) * std::sin(longitude);
   // Rotate by the sidereal time: components to the meridian, to the west, and to the pole.
   const double sidereal_hours = 6.6974243242 + 0.0657098283 * n + universal_hours(time);
-  const double turn = (15 * sidereal_hours + time.longitude) * kDegrees;
-  const double meridian = std::cos(turn) * x + std::sin(turn) * y, west = std::sin(turn) * x - std::cos(turn) * y;
+  const double azimuth = (15 * sidereal_hours + time.longitude) * kDegrees;
+  const double meridian = std::cos(azimuth) * x + std::sin(azimuth) * y,
+               west = std::sin(azimuth) * x - std::cos(azimuth) * y;
   const double latitude = time.latitude * kDegrees;
   const double north = std::cos(latitude) * z - std::sin(latitude) * meridian;
   const double up = std::sin(latitude) * z + std::cos(latitude) * meridian;
-  // Correct for parallax: seen from the surface instead of the centre of the earth, the sun is lower.
+  // Correct for parallax: seen from the surface instead of the center of the earth, the sun is lower.
   constexpr double kParallax = 6371.01 / 149597890;
   const double zenith = std::atan2(std::hypot(west, north), up);
   const double seen = zenith + kParallax * std::sin(zenith);

@@ -1,11 +1,11 @@
-// Position of the sun by time and place (Blanco-Muriel et al. 2001).
+// Position of the sun by time and location (Blanco-Muriel et al. 2001).
 #pragma once
 
 #include <array>
 
 namespace sheaf {
 
-/// A place and its local time.
+/// A location and its local time.
 struct SunTime {
   int year = 2010, month = 7, day = 10;
   double hour = 15, minute = 0, second = 0;

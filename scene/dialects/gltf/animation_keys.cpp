@@ -105,7 +105,7 @@ AnimationKeys load_keys(const GltfFile& file, const GltfAnimation::Channel& chan
   return keys;
 }
 
-const GltfAnimation* find_animation(const GltfFile& file, const ModelMoment& moment) {
+const GltfAnimation* find_animation(const GltfFile& file, const AnimationTime& moment) {
   if (!moment.time) return nullptr;
   if (file.animations.empty()) {
     if (moment.animation.empty()) return nullptr;

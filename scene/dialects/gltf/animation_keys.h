@@ -23,7 +23,7 @@ struct AnimationKeys {
 AnimationKeys load_keys(const GltfFile& file, const GltfAnimation::Channel& channel, const std::string& part);
 
 /// The animation that `moment` names, or null without a time. Throws SceneError if it does not exist.
-const GltfAnimation* find_animation(const GltfFile& file, const ModelMoment& moment);
+const GltfAnimation* find_animation(const GltfFile& file, const AnimationTime& moment);
 
 /// Name of a channel in messages.
 std::string channel_name(const GltfAnimation& animation, std::size_t channel);

@@ -67,7 +67,7 @@ const std::vector<float>& weights_of(const GltfFile& file, const Pose& pose, std
   return own.empty() ? file.meshes[static_cast<std::size_t>(file.nodes[node].mesh)].weights : own;
 }
 
-Vec3d place_of_skin(const GltfFile& file, const Pose& pose, std::size_t node) {
+Vec3d skin_origin(const GltfFile& file, const Pose& pose, std::size_t node) {
   // The transforms of instances apply after those of the joints
   if (file.nodes[node].skin == kNoIndex || !file.nodes[node].instances.empty()) return {};
   const std::vector<int>& joints = file.skins[static_cast<std::size_t>(file.nodes[node].skin)].joints;
@@ -76,7 +76,7 @@ Vec3d place_of_skin(const GltfFile& file, const Pose& pose, std::size_t node) {
   return {first.m[0][3], first.m[1][3], first.m[2][3]};
 }
 
-Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node, Vec3d place) {
+Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node, Vec3d origin) {
   Deformation out{weights_of(file, pose, node), {}};
   if (file.nodes[node].skin == kNoIndex) return out;
   const GltfSkin& skin = file.skins[static_cast<std::size_t>(file.nodes[node].skin)];
@@ -86,16 +86,16 @@ Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t n
     Matrix4 bind;
     if (!inverse.empty())
       for (std::size_t k = 0; k < 16; ++k) bind.m[k % 4][k / 4] = inverse[16 * joint + k];
-    Matrix4 to_place = pose.to_world[static_cast<std::size_t>(skin.joints[joint])];
-    to_place.m[0][3] -= place.x;
-    to_place.m[1][3] -= place.y;
-    to_place.m[2][3] -= place.z;
-    out.joint_to_place.push_back(to_place * bind);
+    Matrix4 to_skin = pose.to_world[static_cast<std::size_t>(skin.joints[joint])];
+    to_skin.m[0][3] -= origin.x;
+    to_skin.m[1][3] -= origin.y;
+    to_skin.m[2][3] -= origin.z;
+    out.joint_to_skin.push_back(to_skin * bind);
   }
   return out;
 }
 
-Deformations::Deformations(GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter, bool lenient)
+Deformations::Deformations(GltfFile& file, const AnimationTime& moment, const ShutterDescription& shutter, bool lenient)
     : file_(file), moment_(moment), shutter_(shutter), lenient_(lenient) {
   for (std::size_t i = 0; i < file.nodes.size(); ++i)
     deforms_.push_back(file.nodes[i].mesh != kNoIndex && deforms_mesh(file, moment, shutter, i));
@@ -111,7 +111,7 @@ std::vector<Primitive> Deformations::primitives_at(std::size_t node, int index) 
   const std::size_t notes = file_.notes.size();
   std::vector<Primitive> primitives =
       load_mesh(file_, file_.nodes[node].mesh,
-                deformation_of(file_, poses_.at(index), node, place_of_skin(file_, poses_.at(0), node)), lenient_);
+                deformation_of(file_, poses_.at(index), node, skin_origin(file_, poses_.at(0), node)), lenient_);
   file_.notes.resize(notes);
   return primitives;
 }

@@ -11,22 +11,22 @@ namespace sheaf::gltf {
 /// The morph weights of a node, which must have a mesh.
 const std::vector<float>& weights_of(const GltfFile& file, const Pose& pose, std::size_t node);
 
-/// The place of a node's skin: its first joint. Vertices are computed relative to it, because floats cannot hold their
+/// The origin of a node's skin: its first joint. Vertices are computed relative to it, because floats cannot hold their
 /// digits far from the origin. Zero without a skin.
-Vec3d place_of_skin(const GltfFile& file, const Pose& pose, std::size_t node);
+Vec3d skin_origin(const GltfFile& file, const Pose& pose, std::size_t node);
 
-/// How a pose deforms the mesh of a node. `place`: see place_of_skin().
-Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node, Vec3d place);
+/// Deformation of the mesh of a node by a pose. `origin`: see skin_origin().
+Deformation deformation_of(const GltfFile& file, const Pose& pose, std::size_t node, Vec3d origin);
 
 /// The meshes of nodes that deform while the shutter is open.
 class Deformations {
  public:
-  Deformations(GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter, bool lenient);
+  Deformations(GltfFile& file, const AnimationTime& moment, const ShutterDescription& shutter, bool lenient);
 
   /// Whether meshes() applies to a node.
   bool deforms(std::size_t node) const { return deforms_[node]; }
   /// The primitives of load_mesh() for a node, in the same order, with keys at equidistant times. The number of keys
-  /// follows from the error of linear interpolation in between. Skins are relative to their place at the first time.
+  /// follows from the error of linear interpolation in between. Skins are relative to their origin at the first time.
   std::vector<DeformingMesh> meshes(std::size_t node);
 
  private:
@@ -34,7 +34,7 @@ class Deformations {
   std::vector<Primitive> primitives_at(std::size_t node, int index);
 
   GltfFile& file_;
-  ModelMoment moment_;
+  AnimationTime moment_;
   ShutterDescription shutter_;
   bool lenient_;
   std::vector<bool> deforms_;

@@ -10,7 +10,7 @@ namespace sheaf::gltf {
 
 namespace {
 
-/// Axis k of a matrix; not normalised.
+/// Axis k of a matrix; not normalized.
 Vec3f axis(const Matrix4& m, std::size_t k) {
   return {static_cast<float>(m.m[0][k]), static_cast<float>(m.m[1][k]), static_cast<float>(m.m[2][k])};
 }

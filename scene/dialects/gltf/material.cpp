@@ -21,7 +21,7 @@ bool is_one(Vec3f color) { return color.x == 1 && color.y == 1 && color.z == 1; 
 
 /// Cauchy's formula for an index of refraction at the helium d line and an Abbe number (KHR_materials_dispersion).
 Dispersion dispersion_of(float ior, float abbe_number) {
-  // Wavelengths of the lines d, F and C in micrometres.
+  // Wavelengths of the lines d, F and C in micrometers.
   constexpr double kD = 0.5875618, kF = 0.4861327, kC = 0.6562725;
   const double b = (double(ior) - 1) / (double(abbe_number) * (1 / (kF * kF) - 1 / (kC * kC)));
   Dispersion out;
@@ -187,16 +187,17 @@ class MaterialBuilder {
     }
     if (is_volume) surface.interior = add_medium();
     // Only the part that is not metal transmits.
-    const ScalarInput share = times(transmission, one_minus(opaque.metallic));
+    const ScalarInput transmitted = times(transmission, one_minus(opaque.metallic));
     DielectricDescription glass = dielectric(opaque, is_smooth_wall);
-    if (share == ScalarInput(1.0f)) return finish(add(std::move(glass)), false);
+    if (transmitted == ScalarInput(1.0f)) return finish(add(std::move(glass)), false);
     const ScalarInput metallic = opaque.metallic;
     const bool has_metal = metallic != ScalarInput(0.0f);
-    if (const float* constant = std::get_if<float>(&share); constant != nullptr && has_metal)
+    if (const float* constant = std::get_if<float>(&transmitted); constant != nullptr && has_metal)
       opaque.metallic = times(metallic, 1 / (1 - *constant));
-    if (std::holds_alternative<float>(share) || !has_metal)
-      return finish(add(BlendDescription{share, {add_two_sided(std::move(opaque)), add(std::move(glass))}}), false);
-    // With textures, the metal is blended with the rest in place of being a part of the opaque one, which would be
+    if (std::holds_alternative<float>(transmitted) || !has_metal)
+      return finish(add(BlendDescription{transmitted, {add_two_sided(std::move(opaque)), add(std::move(glass))}}),
+                    false);
+    // With textures, the metal is blended with the rest instead of being a part of the opaque one, which would be
     // metallic / (1 - share). The model is linear in `metallic`.
     opaque.metallic = 0.0f;
     MetallicRoughnessDescription metal = opaque;
@@ -267,7 +268,7 @@ class MaterialBuilder {
   /// The absorbing medium of a volume.
   std::optional<MediumId> add_medium() {
     if (!std::isfinite(m_.attenuation_distance) || is_one(m_.attenuation_color)) return std::nullopt;
-    // Keeps the absorption of black finite: a distance transmits this share.
+    // Keeps the absorption of black finite: a distance transmits this fraction.
     constexpr float kDarkest = 1e-30f;
     const auto absorption = [&](float c) {
       return std::max(-std::log(std::clamp(c, kDarkest, 1.0f)), 0.0f) / m_.attenuation_distance;

@@ -55,7 +55,7 @@ class PrimitiveLoader {
     load_triangles(lenient, notes);
     if (out_.mesh.triangles.empty()) return std::nullopt;
     morph(deformation.weights);
-    skin(deformation.joint_to_place);
+    skin(deformation.joint_to_skin);
     compact();
     return std::move(out_);
   }
@@ -249,9 +249,9 @@ class PrimitiveLoader {
     for (Matrix4& sum : sums) sum.m = {};
     std::vector<double> totals(vertices_, 0);
     for (int set = 0; set < kMaxJointSets; ++set) {
-      const std::string indices = fmt::format("JOINTS_{}", set), shares = fmt::format("WEIGHTS_{}", set);
-      if (!has(indices) || !has(shares)) break;
-      add_joints(values(indices, 4), values(shares, 4), joints, sums, totals);
+      const std::string indices = fmt::format("JOINTS_{}", set), joint_weights = fmt::format("WEIGHTS_{}", set);
+      if (!has(indices) || !has(joint_weights)) break;
+      add_joints(values(indices, 4), values(joint_weights, 4), joints, sums, totals);
     }
     for (std::size_t i = 0; i < vertices_; ++i) {
       if (!(totals[i] > 0)) continue;
@@ -261,18 +261,18 @@ class PrimitiveLoader {
     }
   }
 
-  void add_joints(const std::vector<float>& indices, const std::vector<float>& shares,
+  void add_joints(const std::vector<float>& indices, const std::vector<float>& joint_weights,
                   const std::vector<Matrix4>& joints, std::vector<Matrix4>& sums, std::vector<double>& totals) const {
     for (std::size_t k = 0; k < indices.size(); ++k) {
-      const double share = shares[k];
-      if (!(share > 0)) continue;
+      const double weight = joint_weights[k];
+      if (!(weight > 0)) continue;
       const auto joint = static_cast<std::size_t>(std::clamp(indices[k], 0.0f, 65535.0f));
       if (joint >= joints.size())
         throw file_.error(part_, fmt::format("a vertex refers to joint {}, but the skin has {}", joint, joints.size()));
-      totals[k / 4] += share;
+      totals[k / 4] += weight;
       for (std::size_t row = 0; row < 4; ++row)
         for (std::size_t column = 0; column < 4; ++column)
-          sums[k / 4].m[row][column] += share * joints[joint].m[row][column];
+          sums[k / 4].m[row][column] += weight * joints[joint].m[row][column];
     }
   }
 

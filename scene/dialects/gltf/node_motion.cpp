@@ -148,7 +148,7 @@ constexpr int kMaxTracks = 32;
 
 }  // namespace
 
-bool deforms_mesh(const GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter,
+bool deforms_mesh(const GltfFile& file, const AnimationTime& moment, const ShutterDescription& shutter,
                   std::size_t node) {
   const GltfAnimation* animation = find_animation(file, moment);
   if (animation == nullptr || !(shutter.close > shutter.open)) return false;
@@ -158,7 +158,7 @@ bool deforms_mesh(const GltfFile& file, const ModelMoment& moment, const Shutter
          });
 }
 
-std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const ModelMoment& moment,
+std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const AnimationTime& moment,
                                                            const ShutterDescription& shutter, const Pose& pose) {
   std::vector<std::optional<AnimatedTransform>> motions(file.nodes.size());
   const GltfAnimation* animation = find_animation(file, moment);

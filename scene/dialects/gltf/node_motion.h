@@ -11,11 +11,12 @@ inline constexpr std::size_t kTabulatedTimes = 129;
 
 /// The transforms to world space of nodes that move while the shutter is open; others are empty. Keys have times
 /// relative to the moment. All are empty if the shutter does not open. Throws SceneError as pose_at() does.
-std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const ModelMoment& moment,
+std::vector<std::optional<AnimatedTransform>> node_motions(const GltfFile& file, const AnimationTime& moment,
                                                            const ShutterDescription& shutter, const Pose& pose);
 
 /// Whether the animation may deform the mesh of a node while the shutter is open, by a skin or by morph targets.
-bool deforms_mesh(const GltfFile& file, const ModelMoment& moment, const ShutterDescription& shutter, std::size_t node);
+bool deforms_mesh(const GltfFile& file, const AnimationTime& moment, const ShutterDescription& shutter,
+                  std::size_t node);
 
 /// A track of kTabulatedTimes keys with the values of at(time).
 template <class At> AnimatedTransform tabulate(const ShutterDescription& shutter, At&& at) {

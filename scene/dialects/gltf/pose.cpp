@@ -111,7 +111,7 @@ std::vector<Matrix4> multiply_hierarchy(const std::vector<GltfNode>& nodes) {
 
 }  // namespace
 
-Pose pose_at(const GltfFile& file, const ModelMoment& moment) {
+Pose pose_at(const GltfFile& file, const AnimationTime& moment) {
   std::vector<GltfNode> nodes = file.nodes;
   if (const GltfAnimation* animation = find_animation(file, moment)) animate(file, *animation, *moment.time, nodes);
   Pose pose;

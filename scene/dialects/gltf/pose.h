@@ -16,9 +16,9 @@ struct Pose {
   std::vector<std::vector<float>> weights;  ///< of morph targets; empty: those of the mesh
 };
 
-/// Evaluates an animation. Before its first and after its last key it stands still. Throws SceneError if the animation
-/// does not exist or its accessors do not match.
-Pose pose_at(const GltfFile& file, const ModelMoment& moment);
+/// Evaluates an animation, which is constant before its first and after its last key. Throws SceneError if the
+/// animation does not exist or its accessors do not match.
+Pose pose_at(const GltfFile& file, const AnimationTime& moment);
 
 /// An affine matrix that is invertible: a matrix that flattens space to a plane gets a small thickness, others that are
 /// invertible stay as they are. Nothing for matrices that leave a line or a point.

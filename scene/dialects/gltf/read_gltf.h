@@ -9,7 +9,7 @@
 
 namespace sheaf {
 
-/// Which parts of a scene a glTF file has.
+/// The parts of a scene that a glTF file has.
 struct GltfContents {
   bool has_camera = false, has_lights = false;
 };
@@ -18,6 +18,6 @@ struct GltfContents {
 /// Materials become MetallicRoughnessDescription. Throws SceneError. `lenient`: faces with vertices out of range are
 /// dropped. `folder`: see GltfFile.
 GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
-                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description);
+                       const AnimationTime& moment, const std::string& camera, bool lenient, Description& description);
 
 }  // namespace sheaf

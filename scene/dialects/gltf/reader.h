@@ -28,8 +28,8 @@ struct Primitive {
 
 /// Deformation of a mesh.
 struct Deformation {
-  std::vector<float> weights;           ///< of morph targets
-  std::vector<Matrix4> joint_to_place;  ///< with the inverse bind matrices, relative to place_of_skin(); empty: no skin
+  std::vector<float> weights;          ///< of morph targets
+  std::vector<Matrix4> joint_to_skin;  ///< with the inverse bind matrices, relative to skin_origin(); empty: no skin
 };
 
 /// The texture coordinates along which a material's tangents run.

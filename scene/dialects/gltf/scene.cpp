@@ -15,7 +15,7 @@ namespace gltf {
 namespace {
 
 /// The time at which the shutter opens.
-std::optional<double> moment_of_opening(const ModelMoment& moment, const ShutterDescription& shutter) {
+std::optional<double> time_of_opening(const AnimationTime& moment, const ShutterDescription& shutter) {
   if (!moment.time) return std::nullopt;
   return *moment.time + shutter.open;
 }
@@ -23,9 +23,9 @@ std::optional<double> moment_of_opening(const ModelMoment& moment, const Shutter
 /// Reads the nodes of the default scene.
 class SceneReader {
  public:
-  SceneReader(GltfFile& file, const ModelMoment& moment, bool lenient, Description& out)
+  SceneReader(GltfFile& file, const AnimationTime& moment, bool lenient, Description& out)
       : file_(file),
-        pose_(pose_at(file, {moment_of_opening(moment, out.shutter), moment.animation})),
+        pose_(pose_at(file, {time_of_opening(moment, out.shutter), moment.animation})),
         motions_(node_motions(file, moment, out.shutter, pose_)),
         deformations_(file, moment, out.shutter, lenient),
         lenient_(lenient),
@@ -49,8 +49,8 @@ class SceneReader {
   }
 
  private:
-  /// What a node shows: a mesh with its morph weights. Nodes with skins and nodes whose meshes deform while the shutter
-  /// is open share nothing.
+  /// Mesh of a node with its morph weights. Nodes with skins and nodes whose meshes deform while the shutter is open do
+  /// not share meshes.
   struct MeshKey {
     int mesh = kNoIndex, unshared_node = kNoIndex;
     std::vector<float> weights;
@@ -73,7 +73,7 @@ class SceneReader {
     }
   }
 
-  void place_camera(const std::string& wanted) {
+  void place_camera(const std::string& requested) {
     std::vector<std::string> names;
     std::vector<std::size_t> nodes;
     for (const std::size_t i : nodes_) {
@@ -83,8 +83,8 @@ class SceneReader {
       names.push_back(node.name.empty() ? file_.cameras[static_cast<std::size_t>(node.camera)].name : node.name);
     }
     contents_.has_camera = !nodes.empty();
-    if (nodes.empty() && wanted.empty()) return;
-    const std::size_t i = nodes[choose_camera(wanted, names, file_.file)];
+    if (nodes.empty() && requested.empty()) return;
+    const std::size_t i = nodes[choose_camera(requested, names, file_.file)];
     set_camera(file_.cameras[static_cast<std::size_t>(file_.nodes[i].camera)], directed_placement_of(i), file_, out_);
   }
 
@@ -124,7 +124,7 @@ class SceneReader {
   std::vector<ShapeDescription> shapes(std::size_t i, const MeshKey& key) {
     std::vector<ShapeDescription> out;
     std::vector<Primitive> primitives =
-        load_mesh(file_, key.mesh, deformation_of(file_, pose_, i, place_of_skin(file_, pose_, i)), lenient_);
+        load_mesh(file_, key.mesh, deformation_of(file_, pose_, i, skin_origin(file_, pose_, i)), lenient_);
     std::vector<DeformingMesh> deforming;
     if (deformations_.deforms(i)) deforming = deformations_.meshes(i);
     for (std::size_t k = 0; k < primitives.size(); ++k) {
@@ -160,12 +160,12 @@ class SceneReader {
     // Skins have the transforms of their joints
     const bool skinned = file_.nodes[i].skin != kNoIndex;
     const NodePlacement node =
-        skinned ? NodePlacement{Transform::translate(place_of_skin(file_, pose_, i)).matrix()} : placement_of(i);
+        skinned ? NodePlacement{Transform::translate(skin_origin(file_, pose_, i)).matrix()} : placement_of(i);
     if (use.count == 1) {
-      const std::optional<Placement> place =
-          node.motion != nullptr ? Placement(*node.motion) : place_of(node, Matrix4{});
-      if (!place) return note_collapsed(i);
-      const Placement& placement = *place;
+      const std::optional<Placement> combined =
+          node.motion != nullptr ? Placement(*node.motion) : combined_placement(node, Matrix4{});
+      if (!combined) return note_collapsed(i);
+      const Placement& placement = *combined;
       const Transform& transform = placement.to_world;
       const std::optional<MotionId> motion = add_motion(out_.motions, placement);
       for (ShapeDescription& shape : shapes(i, key)) {
@@ -185,8 +185,8 @@ class SceneReader {
     add_instances(i, node, *use.group);
   }
 
-  /// The placement of what `local` places in a node; nothing if it collapses to a line or a point.
-  static std::optional<Placement> place_of(const NodePlacement& node, const Matrix4& local) {
+  /// The placement of a node times `local`; nothing if it collapses to a line or a point.
+  static std::optional<Placement> combined_placement(const NodePlacement& node, const Matrix4& local) {
     const std::optional<Matrix4> matrix = thickened(node.motion != nullptr ? local : node.to_world * local);
     if (!matrix) return std::nullopt;
     return node.motion != nullptr ? Placement(*node.motion) * Transform(*matrix) : Placement(Transform(*matrix));
@@ -200,10 +200,10 @@ class SceneReader {
   void add_instances(std::size_t i, const NodePlacement& node, std::uint32_t group) {
     bool collapsed = false;
     const auto add = [&](const Matrix4& local) {
-      const std::optional<Placement> place = place_of(node, local);
-      collapsed = collapsed || !place;
-      if (!place) return;
-      const Placement& placement = *place;
+      const std::optional<Placement> combined = combined_placement(node, local);
+      collapsed = collapsed || !combined;
+      if (!combined) return;
+      const Placement& placement = *combined;
       out_.instances.push_back({rows_of(placement.to_world), group, add_motion(out_.motions, placement)});
     };
     const GltfAttributes& attributes = file_.nodes[i].instances;
@@ -251,7 +251,7 @@ class SceneReader {
 }  // namespace gltf
 
 GltfContents read_gltf(const std::filesystem::path& file, const std::filesystem::path& folder,
-                       const ModelMoment& moment, const std::string& camera, bool lenient, Description& description) {
+                       const AnimationTime& moment, const std::string& camera, bool lenient, Description& description) {
   GltfFile gltf = read_gltf_file(file, folder);
   description.file = file;
   description.files = {file};

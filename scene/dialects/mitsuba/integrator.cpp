@@ -44,7 +44,7 @@ void read_path_like(Properties& p, const IntegratorMatch& found, IntegratorSetti
 }
 
 /// Reads an integrator with the same expected image; ignores its own properties.
-void read_stand_in(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
+void read_substitute(Properties& p, const IntegratorMatch& found, IntegratorSettings& integrator) {
   read_path_like(p, found, integrator);
   p.ignore_all();
   p.context().note(p.where(), substitution_note(p.type(), found));
@@ -108,7 +108,7 @@ void read_integrator(const XmlElement& element, Reader& reader) {
   const IntegratorMatch found = integrator_or_path(p, kWrappers.names());
   if (found.entry->whitens_scene) return read_visibility(p, found);
   if (found.is_substitute) {
-    read_stand_in(p, found, integrator);
+    read_substitute(p, found, integrator);
   } else if (p.type() == "direct") {
     read_direct(p, found, integrator);
   } else if (traits_of(found.entry->kind).uses_lights()) {

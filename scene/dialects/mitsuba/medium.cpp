@@ -50,7 +50,7 @@ void read_old_heterogeneous(Properties& p, const VolumeDialect& dialect, MediumD
   medium.coefficients = std::move(pair);
   if (p.named_object("volume", "orientation") != nullptr)
     p.fail(
-        "has the unsupported <volume> 'orientation', expected fibre directions in the matrices of the phase function "
+        "has the unsupported <volume> 'orientation', expected fiber directions in the matrices of the phase function "
         "'sggx'");
   static constexpr NameTable<bool> kMethods{{{"woodcock", false}, {"simpson", true}}};
   if (p.choice("method", kMethods, false)) {

@@ -17,10 +17,10 @@ bool is_before_version_2(const XmlElement& root) {
 }
 
 /// Rejects a top-level object that needs a parent unless another object refers to it.
-void expect_referenced(const XmlElement& element, const char* place, const ReadContext& context) {
+void expect_referenced(const XmlElement& element, const char* expected, const ReadContext& context) {
   if (!context.scene.is_referenced(element))
     throw SceneError(element.where,
-                     fmt::format("<{}> at the top level is not referenced, expected it {}", element.name, place));
+                     fmt::format("<{}> at the top level is not referenced, expected it {}", element.name, expected));
 }
 
 [[noreturn]] void fail_unknown(const XmlElement& element) {
@@ -43,12 +43,12 @@ bool is_spectrum(const XmlElement& e) {
 namespace {
 
 /// Elements that are read after all others.
-struct Last {
+struct DeferredElements {
   std::vector<const XmlElement*> sensors;
   const XmlElement* integrator = nullptr;
 };
 
-void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
+void read_child(const XmlElement& child, mitsuba::Reader& reader, DeferredElements& deferred) {
   ReadContext& context = reader.context;
   const std::string& kind = child.name;
   if (kind == "shape") {
@@ -62,12 +62,12 @@ void read_child(const XmlElement& child, mitsuba::Reader& reader, Last& last) {
   } else if (kind == "emitter") {
     mitsuba::read_emitter(child, reader);
   } else if (kind == "sensor") {
-    last.sensors.push_back(&child);
+    deferred.sensors.push_back(&child);
   } else if (kind == "integrator") {
     if (context.scene.is_referenced(child)) return;
-    if (last.integrator != nullptr)
+    if (deferred.integrator != nullptr)
       throw SceneError(child.where, "a second <integrator>, expected one", SceneErrorCode::kDuplicate);
-    last.integrator = &child;
+    deferred.integrator = &child;
   } else if (kind == "film" || kind == "sampler") {
     expect_referenced(child, "inside a <sensor>", context);
   } else if (kind == "rfilter") {
@@ -95,15 +95,15 @@ void read_camera(mitsuba::Reader& reader, const std::vector<const XmlElement*>& 
     const std::string* id = sensor->find_attribute("id");
     names.push_back(id == nullptr ? "" : *id);
   }
-  if (all.empty()) return stand_in_camera(context.scene.root(), "<sensor>", context);
+  if (all.empty()) return substitute_camera(context.scene.root(), "<sensor>", context);
   const std::size_t chosen = choose_camera(context.camera, names, context.scene.root().where.file);
   for (std::size_t i = 1; i < all.size() && context.camera.empty(); ++i)
     context.note(all[i]->where, "sensor ignored: only the first one is rendered (choose another by --camera)");
   if (chosen < sensors.size()) {
-    read_or_leave_out(*all[chosen], context, [&] { mitsuba::read_sensor(*all[chosen], reader); });
+    read_or_omit(*all[chosen], context, [&] { mitsuba::read_sensor(*all[chosen], reader); });
   } else {
     const mitsuba::ShapeSensor& sensor = reader.shape_sensors[chosen - sensors.size()];
-    read_or_leave_out(*all[chosen], context, [&] { mitsuba::read_shape_sensor(sensor, reader); });
+    read_or_omit(*all[chosen], context, [&] { mitsuba::read_shape_sensor(sensor, reader); });
   }
 }
 
@@ -114,14 +114,14 @@ void read_mitsuba(ReadContext& context) {
   context.readers.texture = mitsuba::texture_of;
   mitsuba::Reader reader{context, is_before_version_2(root)};
   context.exchanges_checkerboards = !is_before_version_2(root);
-  Last last;
+  DeferredElements deferred;
   for (const XmlElement& child : root.children)
-    read_or_leave_out(child, context, [&] { read_child(child, reader, last); });
+    read_or_omit(child, context, [&] { read_child(child, reader, deferred); });
   separate_moving_shapes(context.description, context.errors);
   // Read the camera, then the integrator
-  read_camera(reader, last.sensors);
-  if (last.integrator != nullptr) {
-    read_or_leave_out(*last.integrator, context, [&] { mitsuba::read_integrator(*last.integrator, reader); });
+  read_camera(reader, deferred.sensors);
+  if (deferred.integrator != nullptr) {
+    read_or_omit(*deferred.integrator, context, [&] { mitsuba::read_integrator(*deferred.integrator, reader); });
   } else {
     context.note(root.where, "the scene has no <integrator>, rendered with 'path'");
   }

@@ -105,7 +105,7 @@ void read_film(const XmlElement& element, ReadContext& context) {
   read_crop(p, film);
   film.sample_border = p.boolean("sample_border", false);
   if (const XmlElement* filter = p.object("rfilter"))
-    read_or_leave_out(*filter, context, [&] { film.filter = read_filter(*filter, context); });
+    read_or_omit(*filter, context, [&] { film.filter = read_filter(*filter, context); });
   if (p.ignore_prefixed("label[")) context.note(p.where(), "film labels ignored");
   if (p.ignore_prefixed("metadata[")) context.note(p.where(), "film metadata ignored");
   if (p.find_string("channel_names")) context.note(p.where(), "'channelNames' ignored: choose layers with --aov");
@@ -124,7 +124,7 @@ void read_sampler(const XmlElement& element, ReadContext& context) {
   p.reject_unused();
 }
 
-/// Parses a length in millimetres, "50mm" or "50".
+/// Parses a length in millimeters, "50mm" or "50".
 float parse_focal_length(Properties& p, std::string text) {
   if (text.ends_with("mm")) text.resize(text.size() - 2);
   const float length = parse_float(text, p.where(), "property 'focal_length'");
@@ -206,7 +206,7 @@ void read_distant(Properties& p, CameraDescription& camera) {
       camera.to_world = aim({0, 0, 0}, read_sensor_direction(p));
   }
   if (const XmlElement* shape = p.object("shape")) {
-    read_or_leave_out(*shape, p.context(), [&] { camera.target = read_target(*shape, p.context()); });
+    read_or_omit(*shape, p.context(), [&] { camera.target = read_target(*shape, p.context()); });
   } else if (const auto point = p.find_point("target")) {
     camera.target = *point;
   }
@@ -267,11 +267,11 @@ void read_sensor_rest(Properties& p, Reader& reader, CameraDescription& camera) 
   reader.context.description.film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   read_frame(p, reader.context.description.film);
   if (const XmlElement* film = p.object("film"))
-    read_or_leave_out(*film, reader.context, [&] { read_film(*film, reader.context); });
+    read_or_omit(*film, reader.context, [&] { read_film(*film, reader.context); });
   if (const XmlElement* sampler = p.object("sampler"))
-    read_or_leave_out(*sampler, reader.context, [&] { read_sampler(*sampler, reader.context); });
+    read_or_omit(*sampler, reader.context, [&] { read_sampler(*sampler, reader.context); });
   if (const XmlElement* medium = p.object("medium"))
-    read_or_leave_out(*medium, reader.context, [&] { camera.medium = medium_of(*medium, reader); });
+    read_or_omit(*medium, reader.context, [&] { camera.medium = medium_of(*medium, reader); });
   check_meter(p, camera);
 }
 

@@ -34,10 +34,10 @@ MaterialId null_material(Reader& reader) {
 void read_merged(Properties& p, Reader& reader) {
   const std::vector<const XmlElement*> shapes = p.objects("shape");
   p.reject_unused();
-  for (const XmlElement* shape : shapes) read_or_leave_out(*shape, reader.context, [&] { read_shape(*shape, reader); });
+  for (const XmlElement* shape : shapes) read_or_omit(*shape, reader.context, [&] { read_shape(*shape, reader); });
 }
 
-/// Plugins that stand for several shapes.
+/// Plugins that become several shapes.
 constexpr NameTable<void (*)(Properties&, Reader&)> kAggregates{{{"merge", read_merged}}};
 
 /// Returns the transforms of the unit spheres of an ellipsoids shape.
@@ -48,7 +48,7 @@ std::vector<Transform> read_many_ellipsoids(Properties& p) {
   return read_ellipsoids(p.file("filename"), extent * p.number("scale_factor", 1, kPositive));
 }
 
-/// Plugins that place a unit sphere several times.
+/// Plugins with several instances of a unit sphere.
 constexpr NameTable<std::vector<Transform> (*)(Properties&)> kEllipsoids{
     {{"ellipsoids", read_many_ellipsoids}, {"ellipsoidsmesh", read_many_ellipsoids}}};
 
@@ -114,9 +114,9 @@ constexpr NameTable<void (*)(Properties&, Reader&, ShapeDescription&)> kDeformab
 
 void read_media(Properties& p, Reader& reader, ShapeDescription& shape) {
   if (const XmlElement* medium = p.named_object("medium", "interior"))
-    read_or_leave_out(*medium, reader.context, [&] { shape.interior = medium_of(*medium, reader); });
+    read_or_omit(*medium, reader.context, [&] { shape.interior = medium_of(*medium, reader); });
   if (const XmlElement* medium = p.named_object("medium", "exterior"))
-    read_or_leave_out(*medium, reader.context, [&] { shape.exterior = medium_of(*medium, reader); });
+    read_or_omit(*medium, reader.context, [&] { shape.exterior = medium_of(*medium, reader); });
 }
 
 }  // namespace
@@ -150,8 +150,8 @@ void read_shape(const XmlElement& element, Reader& reader) {
     find_area_emitter(*emitter, reader.context, shape,
                       {"sampling_weight", "caustic_emitter_single", "caustic_emitter_multi"});
   if (const XmlElement* sensor = p.object("sensor")) {
-    const Transform turned = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
-    reader.shape_sensors.push_back({sensor, p.type(), placement * turned});
+    const Transform rotated = shape.flip_normals ? Transform::scale({-1, 1, -1}) : Transform();
+    reader.shape_sensors.push_back({sensor, p.type(), placement * rotated});
   }
   // Read the media
   read_media(p, reader, shape);
@@ -160,7 +160,7 @@ void read_shape(const XmlElement& element, Reader& reader) {
       p.report("has an interior medium and a <subsurface>, expected one of them", SceneErrorCode::kDuplicate,
                "subsurface ignored");
     else
-      read_or_leave_out(*subsurface, reader.context, [&] { read_subsurface(*subsurface, reader, shape); });
+      read_or_omit(*subsurface, reader.context, [&] { read_subsurface(*subsurface, reader, shape); });
   }
   if (shape.radiance && !shape.material) shape.material = black_material(reader);
   if (reader.before_version_2 && !shape.material && (shape.interior || shape.exterior))

@@ -8,7 +8,7 @@ namespace sheaf::mitsuba {
 
 namespace {
 
-/// Reads a volume evaluated on surfaces: a colour, or a grid looked up at the world-space position.
+/// Reads a volume evaluated on surfaces: a color, or a grid looked up at the world-space position.
 SpectrumInput read_volume_texture(Properties& p) {
   const VolumeInput volume = volume_input(p, "volume", SpectrumDescription::constant(0.75f), SpectrumRole::kIor, {});
   const auto* grid = std::get_if<GridVolumeDescription>(&volume);

@@ -157,7 +157,7 @@ void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Descripti
   camera.far_clip = distance * 1e4f;
 }
 
-void stand_in_camera(const XmlElement& root, const char* what, ReadContext& context) {
+void substitute_camera(const XmlElement& root, const char* what, ReadContext& context) {
   context.errors.report(SceneError(root.where, std::string("the scene has no ") + what, SceneErrorCode::kMissing),
                         "rendered with an automatic camera");
   context.frames_scene = true;

@@ -17,11 +17,11 @@ std::array<Vec3d, 2> read_bounds(Description& description, ErrorSink& errors);
 /// The unit vector that points up.
 Vec3f up_vector(const ModelView& view);
 
-/// Places the camera such that it sees the whole box from the direction of `view`.
+/// TextureCoordinates the camera such that it sees the whole box from the direction of `view`.
 void frame_box(const std::array<Vec3d, 2>& box, const ModelView& view, Description& description);
 
 /// Handles a scene without a camera. Throws SceneError at `root`, saying that `what` is missing; if the context is
 /// lenient, requests automatic camera placement after reading.
-void stand_in_camera(const XmlElement& root, const char* what, ReadContext& context);
+void substitute_camera(const XmlElement& root, const char* what, ReadContext& context);
 
 }  // namespace sheaf

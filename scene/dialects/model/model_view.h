@@ -1,4 +1,4 @@
-// How a model is seen: view, surroundings and moment.
+// View, environment and animation time of a model.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@ struct ModelView {
   float fov = 35;        ///< degrees along the image's shorter side, in (0, 180)
 };
 
-/// What surrounds a model.
-struct ModelSurroundings {
+/// The environment of a model.
+struct ModelEnvironment {
   bool floor = true;
   /// Image by longitude and latitude, or kNoEnvironment; empty: a sky with a sun
   std::filesystem::path environment;
@@ -25,7 +25,7 @@ struct ModelSurroundings {
 };
 
 /// The moment at which an animated model is rendered.
-struct ModelMoment {
+struct AnimationTime {
   std::optional<double> time;  ///< seconds; empty: as the file is, without animation
   std::string animation;       ///< name or index; empty: the first
 };

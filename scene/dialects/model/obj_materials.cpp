@@ -319,7 +319,8 @@ std::vector<const MtlMaterial*> find_materials(const ObjFile& obj, const std::st
 /// Applies the processing steps that scene/formats/mesh.h lists, up to vertex normals. Works on the uncut mesh, so that
 /// splitting leaves no seams. Leaves in `to_world`, the transform of the shape, what remains of it. Returns the number
 /// of dropped triangles.
-std::size_t place(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased, Transform& to_world) {
+std::size_t place_in_world(ObjFile& obj, const ShapeDescription& shape, bool smooth_normals, bool creased,
+                           Transform& to_world) {
   Mesh& mesh = obj.file.mesh;
   check_mesh(mesh, shape.where);
   if (shape.face_normals) mesh.normals.clear();
@@ -352,7 +353,7 @@ std::vector<ShapeDescription> cut(const ShapeDescription& shape, ObjFile obj, Ma
   if (plain && !creased) return parts;
   for (const std::string& warning : obj.file.warnings) libraries.note({geometry.file.string()}, warning);
   Transform to_world = shape.to_world;
-  const std::size_t dropped = place(obj, shape, geometry.smooth_normals, creased, to_world);
+  const std::size_t dropped = place_in_world(obj, shape, geometry.smooth_normals, creased, to_world);
   if (dropped > 0) {
     libraries.note(shape.where, fmt::format("{} degenerate or non-finite triangles ignored", dropped));
   }

@@ -20,7 +20,7 @@ void expand_obj_materials(Description& description, ErrorSink& errors, bool crea
 /// first model whose conditions hold:
 ///   - illum 4, 6, 7 or 9 and Ni above 1 (or no Ni, and d < 1 or Tf): a dielectric with transmittance Tf, rough if Pr
 ///     is above 0.
-///   - Pr, Pm, Ps, Pc, aniso or their maps: principled, with base colour Kd.
+///   - Pr, Pm, Ps, Pc, aniso or their maps: principled, with base color Kd.
 ///   - illum 3 or 5 and Ks above Kd: a mirror with reflectance Ks.
 ///   - Ks, unless illum is 0 or 1: a rough plastic with specular reflectance Ks, or a rough metal if Kd is less than a
 ///     tenth of Ks. The roughness is sqrt(2 / (Ns + 2)) (Walter et al. 2007, section 5.2).

@@ -58,9 +58,9 @@ void add_floor(const std::array<Vec3d, 2>& box, const ModelView& view, Descripti
   description.shapes.push_back(std::move(floor));
 }
 
-void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelSurroundings& surroundings,
+void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelEnvironment& surroundings,
              Description& description) {
-  if (surroundings.environment == ModelSurroundings::kNoEnvironment) return;
+  if (surroundings.environment == ModelEnvironment::kNoEnvironment) return;
   if (!surroundings.environment.empty()) {
     EnvmapDescription map;
     map.file = surroundings.environment;

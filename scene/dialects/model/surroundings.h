@@ -1,4 +1,4 @@
-// What surrounds a model that comes without a scene: a floor, a sky, and default settings.
+// The environment of a model that comes without a scene: a floor, a sky, and default settings.
 #pragma once
 
 #include "scene/description.h"
@@ -15,7 +15,7 @@ MaterialId add_two_sided(Description& description, DiffuseDescription diffuse);
 void add_floor(const std::array<Vec3d, 2>& box, const ModelView& view, Description& description);
 
 /// Adds the environment map of the surroundings, or else a constant sky and a sun over the viewer's left shoulder.
-void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelSurroundings& surroundings,
+void add_sky(const std::array<Vec3d, 2>& box, const ModelView& view, const ModelEnvironment& surroundings,
              Description& description);
 
 /// Sets the size of the image, the pixel filter and the number of samples.

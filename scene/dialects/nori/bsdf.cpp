@@ -2,7 +2,7 @@
 #include "scene/dialects/nori/reader.h"
 #include "scene/dialects/xml/read_phase.h"
 #include "scene/dialects/xml/read_texture.h"
-#include "scene/dialects/xml/stand_in_bsdf.h"
+#include "scene/dialects/xml/substitute_bsdf.h"
 #include "scene/materials/plugins.h"
 
 namespace sheaf::nori {

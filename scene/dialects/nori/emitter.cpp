@@ -87,7 +87,7 @@ void read_directional_light(Properties& p, LightDescription& out) {
   light.irradiance = p.spectrum(name, light.irradiance, SpectrumRole::kEmission);
 }
 
-/// Reads an environment map with a texture for radiance: a constant colour or an image.
+/// Reads an environment map with a texture for radiance: a constant color or an image.
 void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescription& light) {
   const SpectrumInput radiance = texture_of(texture, p.context());
   if (const auto* constant = std::get_if<SpectrumDescription>(&radiance)) {
@@ -96,9 +96,9 @@ void read_textured_envmap(Properties& p, const XmlElement& texture, LightDescrip
   }
   const auto index = static_cast<std::size_t>(std::get<TextureId>(radiance));
   const auto* bitmap = std::get_if<BitmapDescription>(&p.context().description.textures[index].model);
-  if (bitmap == nullptr) p.fail("has a texture that is not an image, expected an image or a colour");
+  if (bitmap == nullptr) p.fail("has a texture that is not an image, expected an image or a color");
   if (bitmap->channel != BitmapDescription::Channel::kColor)
-    p.fail("has a texture of a single channel, expected an image or a colour");
+    p.fail("has a texture of a single channel, expected an image or a color");
   EnvmapDescription map;
   map.file = bitmap->file;
   map.to_world = p.transform("toWorld");

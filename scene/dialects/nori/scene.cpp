@@ -108,7 +108,7 @@ void read_camera(const XmlElement& element, ReadContext& context) {
   check_frame(film.width, film.height, element.where);
   film.filter = {PixelFilter::Kind::kGaussian, 2.0f, 0.5f};
   if (const XmlElement* filter = p.object("rfilter"))
-    read_or_leave_out(*filter, context, [&] { film.filter = read_nori_filter(*filter, context); });
+    read_or_omit(*filter, context, [&] { film.filter = read_nori_filter(*filter, context); });
   p.reject_unused();
 }
 
@@ -176,7 +176,7 @@ void read_inside(Properties& p, ShapeDescription& shape) {
     p.report("has a <medium> and a bsdf with 'sigmaA', expected one of them", SceneErrorCode::kDuplicate,
              "'sigmaA' ignored");
   if (medium != nullptr)
-    read_or_leave_out(*medium, context, [&] { shape.interior = nori::read_medium(*medium, context, true); });
+    read_or_omit(*medium, context, [&] { shape.interior = nori::read_medium(*medium, context, true); });
   if (absorption && medium == nullptr) shape.interior = nori::add_absorption(*bsdf, *absorption, context);
   shape.exterior_is_surrounding = shape.interior.has_value();
   if (medium == nullptr || bsdf != nullptr) return;
@@ -248,21 +248,20 @@ void read_nori(ReadContext& context) {
   context.readers.texture = nori::texture_of;
   const XmlElement& root = context.scene.root();
   LastElements last;
-  for (const XmlElement& child : root.children)
-    read_or_leave_out(child, context, [&] { read_child(child, context, last); });
+  for (const XmlElement& child : root.children) read_or_omit(child, context, [&] { read_child(child, context, last); });
   if (last.camera != nullptr) {
-    read_or_leave_out(*last.camera, context, [&] { read_camera(*last.camera, context); });
+    read_or_omit(*last.camera, context, [&] { read_camera(*last.camera, context); });
   } else {
-    stand_in_camera(root, "<camera>", context);
+    substitute_camera(root, "<camera>", context);
   }
   if (last.integrator != nullptr) {
-    read_or_leave_out(*last.integrator, context, [&] { read_integrator(*last.integrator, context); });
+    read_or_omit(*last.integrator, context, [&] { read_integrator(*last.integrator, context); });
   } else {
     context.errors.report(SceneError(root.where, "the scene has no <integrator>", SceneErrorCode::kMissing),
                           "rendered with 'path'");
   }
   context.description.sampler.sample_count = 1;
-  if (last.sampler != nullptr) read_or_leave_out(*last.sampler, context, [&] { read_sampler(*last.sampler, context); });
+  if (last.sampler != nullptr) read_or_omit(*last.sampler, context, [&] { read_sampler(*last.sampler, context); });
 }
 
 }  // namespace sheaf

@@ -30,7 +30,7 @@ void read_checkerboard(Properties& p, ImageOrigin, TextureDescription& texture) 
 
 /// Rejects a nonzero `eulerAngles`, because images are not rotated. Ignores `sphericalTexture`, because spheres always
 /// have spherical texture coordinates.
-void read_turn(Properties& p) {
+void read_rotation(Properties& p) {
   if (p.vec3("eulerAngles", {0, 0, 0}) != Vec3f{0, 0, 0})
     p.report_at("eulerAngles", "is not 0 0 0: rotation of images is not supported", SceneErrorCode::kUnsupported);
   p.ignore({"sphericalTexture"});
@@ -46,7 +46,7 @@ SpectrumInput read_constant(Properties& p) {
 void read_image(Properties& p, ImageOrigin, TextureDescription& texture) {
   texture.model = BitmapDescription::read(p);
   texture.to_uv = read_placement(p, 1);
-  read_turn(p);
+  read_rotation(p);
 }
 
 constexpr NameTable<SpectrumInput (*)(Properties&)> kConstants{

@@ -78,7 +78,7 @@ void read_spherical(Parameters& p, CameraDescription& camera, const Transform& w
   camera.projection = CameraDescription::Projection::kSpherical;
   static constexpr NameTable<bool> kMappings{{{"equalarea", true}, {"equirectangular", false}}};
   camera.equal_area = p.choice("mapping", kMappings, true);
-  // The equal-area mapping exchanges y and z. The equirectangular mapping has -x in the image centre, and -z a quarter
+  // The equal-area mapping exchanges y and z. The equirectangular mapping has -x in the image center, and -z a quarter
   // turn later.
   Matrix4 axes;
   if (camera.equal_area)
@@ -105,9 +105,9 @@ constexpr NameTable<void (*)(Parameters&, CameraDescription&, const Transform& w
 
 PixelRect read_crop_window(Parameters& p, const FilmSettings& film, std::vector<float> c) {
   if (c.size() != 4) p.fail_at("cropwindow", "is invalid, expected four numbers: x0, x1, y0, y1");
-  const auto pixel = [](float share, int size) {
+  const auto pixel = [](float fraction, int size) {
     // Single precision, as in pbrt.
-    const float edge = std::ceil(std::clamp(share, 0.0f, 1.0f) * static_cast<float>(size));
+    const float edge = std::ceil(std::clamp(fraction, 0.0f, 1.0f) * static_cast<float>(size));
     return std::min(saturate<int>(static_cast<double>(edge)), size);
   };
   return {pixel(std::min(c[0], c[1]), film.width), pixel(std::min(c[2], c[3]), film.height),
@@ -171,7 +171,7 @@ constexpr NameTable<FilterReader> kFilters{{{"box",
 
 }  // namespace
 
-ShutterDescription read_shutter(Reader& reader, const Entity& camera) {
+ShutterDescription read_shutter(Reader& reader, const DirectiveArguments& camera) {
   ShutterDescription shutter{0, 1};
   for (const Parameter& parameter : camera.parameters)
     if (parameter.numbers.size() == 1 && (parameter.name == "shutteropen" || parameter.name == "shutterclose"))
@@ -193,7 +193,7 @@ double exposure_time(const ShutterDescription& shutter) {
   return shutter.close > shutter.open ? shutter.close - shutter.open : 1;
 }
 
-void read_film(Reader& reader, Entity entity, float shutter) {
+void read_film(Reader& reader, DirectiveArguments entity, float shutter) {
   Parameters p(reader, fmt::format("Film '{}'", entity.type), entity.where, std::move(entity.parameters));
   const std::vector<std::string> known = {"gbuffer", "rgb", "spectral"};
   if (std::find(known.begin(), known.end(), entity.type) == known.end())
@@ -219,7 +219,7 @@ void read_film(Reader& reader, Entity entity, float shutter) {
   p.reject_unused();
 }
 
-void read_filter(Reader& reader, Entity entity) {
+void read_filter(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("PixelFilter '{}'", entity.type), entity.where, std::move(entity.parameters));
   const FilterReader& filter_reader = plugin(kFilters, "filter", entity.type, entity.where);
   const float radius = p.number("xradius", filter_reader.radius, kPositive);
@@ -232,7 +232,8 @@ void read_filter(Reader& reader, Entity entity) {
   check_filter_radius(static_cast<double>(filter.radius), entity.where);
 }
 
-void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside) {
+void read_camera(Reader& reader, DirectiveArguments entity, const TransformPair& world_from_camera,
+                 const std::string& outside) {
   Parameters p(reader, fmt::format("Camera '{}'", entity.type), entity.where, std::move(entity.parameters));
   CameraDescription& camera = reader.description.camera;
   camera.where = entity.where;

@@ -20,7 +20,7 @@ namespace sheaf::pbrt {
 namespace {
 
 /// Fractions of diffuse light from the base that the coat returns and transmits, with and without absorption.
-struct Shares {
+struct CoatAlbedos {
   double returned = 0, returned_absorbed = 0, leaving = 0, leaving_absorbed = 0;
 
   void add_reflection(double weight, double cosine, double reflected, double thickness) {
@@ -33,30 +33,30 @@ struct Shares {
   }
 };
 
-/// Centre of stratum `i` of `count` in [0, 1].
+/// Center of stratum `i` of `count` in [0, 1].
 double middle(int i, int count) { return (i + 0.5) / count; }
 
-Shares smooth_shares(double eta, double thickness) {
+CoatAlbedos smooth_albedos(double eta, double thickness) {
   constexpr int kDirections = 1024;
-  Shares shares;
+  CoatAlbedos albedos;
   for (int i = 0; i < kDirections; ++i) {
     const double cosine = middle(i, kDirections), reflectance = fresnel_reflectance(cosine, 1 / eta);
     const double weight = 2 * cosine / kDirections;
-    shares.add_reflection(weight * reflectance, cosine, cosine, thickness);
-    shares.add_transmission(weight * (1 - reflectance), cosine, thickness);
+    albedos.add_reflection(weight * reflectance, cosine, cosine, thickness);
+    albedos.add_transmission(weight * (1 - reflectance), cosine, thickness);
   }
-  return shares;
+  return albedos;
 }
 
 /// Single scattering by visible GGX microfacets, sampled as by Dupuy and Benyoub 2023.
-Shares rough_shares(double alpha, double eta, double thickness) {
+CoatAlbedos rough_albedos(double alpha, double eta, double thickness) {
   // Many directions resolve the kink at the critical angle.
   constexpr int kDirections = 128, kDepths = 8, kAzimuths = 8;
   constexpr double kWeight = 1.0 / (kDirections * kDepths * kAzimuths);
   const auto shadowing = [&](double cosine) {
     return 2 * cosine / (cosine + std::sqrt(cosine * cosine + alpha * alpha * (1 - cosine * cosine)));
   };
-  Shares shares;
+  CoatAlbedos albedos;
   for (int i = 0; i < kDirections; ++i) {
     const double cosine = std::sqrt(middle(i, kDirections)), sine = std::sqrt(1 - cosine * cosine);
     const double stretched = std::hypot(alpha * sine, cosine), wx = alpha * sine / stretched, wz = cosine / stretched;
@@ -69,25 +69,26 @@ Shares rough_shares(double alpha, double eta, double thickness) {
         if (!(c > 0)) continue;
         const double reflectance = fresnel_reflectance(std::min(c, 1.0), 1 / eta), reflected = 2 * c * mz - cosine;
         if (reflected > 0)
-          shares.add_reflection(kWeight * reflectance * shadowing(std::min(reflected, 1.0)), cosine, reflected,
-                                thickness);
+          albedos.add_reflection(kWeight * reflectance * shadowing(std::min(reflected, 1.0)), cosine, reflected,
+                                 thickness);
         if (reflectance >= 1) continue;
         const double refracted = cosine * eta - mz * (c * eta - std::sqrt(1 - (1 - c * c) * eta * eta));
         if (refracted > 0)
-          shares.add_transmission(kWeight * (1 - reflectance) * shadowing(std::min(refracted, 1.0)), cosine, thickness);
+          albedos.add_transmission(kWeight * (1 - reflectance) * shadowing(std::min(refracted, 1.0)), cosine,
+                                   thickness);
       }
   }
-  return shares;
+  return albedos;
 }
 
 }  // namespace
 
 LayeredBase::LayeredBase(double alpha, double eta, double thickness, int max_depth)
     : reflections_((max_depth + 1) / 2) {
-  const Shares shares = alpha > 0 ? rough_shares(alpha, eta, thickness) : smooth_shares(eta, thickness);
-  internal_reflectance_ = shares.returned;
-  round_trip_ = shares.returned_absorbed;
-  transmittance_ = shares.leaving > 0 ? shares.leaving_absorbed / shares.leaving : 1;
+  const CoatAlbedos albedos = alpha > 0 ? rough_albedos(alpha, eta, thickness) : smooth_albedos(eta, thickness);
+  internal_reflectance_ = albedos.returned;
+  round_trip_ = albedos.returned_absorbed;
+  transmittance_ = albedos.leaving > 0 ? albedos.leaving_absorbed / albedos.leaving : 1;
 }
 
 float LayeredBase::albedo(float base) const {

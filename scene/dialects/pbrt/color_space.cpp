@@ -1,4 +1,4 @@
-// The pbrt dialect: colours in colour spaces other than Rec.709.
+// The pbrt dialect: colors in color spaces other than Rec.709.
 #include "core/color/color_space.h"
 #include "scene/dialects/pbrt/reader.h"
 
@@ -58,7 +58,7 @@ Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use) {
     *parts[c] = static_cast<float>(std::clamp(v[c], 0.0, max_value));
   }
   if (outside && !p.reader().noted_gamut) {
-    p.reader().note(p.where(), fmt::format("{}: a colour of {} is outside of Rec.709 and clamped (reported once)",
+    p.reader().note(p.where(), fmt::format("{}: a color of {} is outside of Rec.709 and clamped (reported once)",
                                            p.title(), space.name));
     p.reader().noted_gamut = true;
   }

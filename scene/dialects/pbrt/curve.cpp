@@ -88,9 +88,9 @@ Curves read_curve(Parameters& p, const Transform& to_world) {
   for (std::size_t i = 0; i < form.segments; ++i) {
     const Segment segment = segment_of(form, points, i);
     // Consecutive segments of a cubic B-spline share three points.
-    const bool shares = i > 0 && form.is_bspline && form.degree == 3;
-    if (!shares) curves.starts.push_back(static_cast<std::uint32_t>(curves.points.size()));
-    for (std::size_t k = shares ? 3 : 0; k < 4; ++k) {
+    const bool shares_points = i > 0 && form.is_bspline && form.degree == 3;
+    if (!shares_points) curves.starts.push_back(static_cast<std::uint32_t>(curves.points.size()));
+    for (std::size_t k = shares_points ? 3 : 0; k < 4; ++k) {
       // Radii that interpolate linearly under the B-spline basis, extrapolated beyond both ends.
       const float along = (static_cast<float>(i) + static_cast<float>(k) - 1.0f) / static_cast<float>(form.segments);
       curves.points.push_back({segment[k], first + along * (last - first)});

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxSaved = 10'000;
 
 /// Removes the parameter "type" from the list and returns its value.
-std::string take_type(Entity& entity, const std::string& directive) {
+std::string take_type(DirectiveArguments& entity, const std::string& directive) {
   for (const Parameter& parameter : entity.parameters)
     if (parameter.name == "type" && parameter.type == "string" && parameter.strings.size() == 1) {
       std::string type = parameter.strings[0];
@@ -26,14 +26,14 @@ std::string take_type(Entity& entity, const std::string& directive) {
 std::string SceneBuilder::read_string(Tokens& tokens, const char* what) {
   if (tokens.current().kind != Token::Kind::kString)
     throw SceneError(tokens.where(),
-                     fmt::format("found {}, expected {} in double quotes", shown(tokens.current()), what));
+                     fmt::format("found {}, expected {} in double quotes", displayed(tokens.current()), what));
   std::string text(tokens.current().text);
   tokens.advance();
   return text;
 }
 
-Entity SceneBuilder::read_entity(Tokens& tokens, const char* target) {
-  Entity entity{read_string(tokens, "a name"), read_parameters(tokens), where_};
+DirectiveArguments SceneBuilder::read_arguments(Tokens& tokens, const char* target) {
+  DirectiveArguments entity{read_string(tokens, "a name"), read_parameters(tokens), where_};
   const auto found = reader_.attributes.defaults.find(target);
   if (found != reader_.attributes.defaults.end())
     entity.parameters.insert(entity.parameters.end(), found->second->begin(), found->second->end());
@@ -56,11 +56,11 @@ Attributes SceneBuilder::restore(const char* by) {
   return attributes;
 }
 
-void SceneBuilder::accelerator(Tokens& tokens) { read_entity(tokens, "accelerator"); }
+void SceneBuilder::accelerator(Tokens& tokens) { read_arguments(tokens, "accelerator"); }
 
 void SceneBuilder::area_light_source(Tokens& tokens) {
-  Entity entity = read_entity(tokens, "light");
-  read_or_leave_out("light", [&] { reader_.attributes.area_light = read_area_light(reader_, std::move(entity)); });
+  DirectiveArguments entity = read_arguments(tokens, "light");
+  read_or_omit("light", [&] { reader_.attributes.area_light = read_area_light(reader_, std::move(entity)); });
 }
 
 void SceneBuilder::attribute(Tokens& tokens) {
@@ -83,23 +83,23 @@ void SceneBuilder::attribute_begin(Tokens&) { save("AttributeBegin"); }
 void SceneBuilder::attribute_end(Tokens&) { reader_.attributes = restore("AttributeBegin"); }
 
 void SceneBuilder::camera(Tokens& tokens) {
-  options_["Camera"] = read_entity(tokens, "camera");
+  options_["Camera"] = read_arguments(tokens, "camera");
   world_from_camera_ = reader_.attributes.transform.inverse();
   coordinate_systems_["camera"] = world_from_camera_;
   camera_medium_ = reader_.attributes.outside;
 }
 
 void SceneBuilder::color_space(Tokens& tokens) {
-  const std::string name = read_string(tokens, "a colour space");
+  const std::string name = read_string(tokens, "a color space");
   const std::vector<std::string>& known = color_space_names();
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end())
     throw SceneError(where_,
-                     fmt::format("unknown colour space '{}'{}{}", name, did_you_mean(name, known), known_names(known)));
+                     fmt::format("unknown color space '{}'{}{}", name, did_you_mean(name, known), known_names(known)));
   reader_.attributes.color_space = static_cast<std::size_t>(found - known.begin());
 }
 
-void SceneBuilder::film(Tokens& tokens) { options_["Film"] = read_entity(tokens, "film"); }
+void SceneBuilder::film(Tokens& tokens) { options_["Film"] = read_arguments(tokens, "film"); }
 
 void SceneBuilder::import(Tokens& tokens) {
   save("Import");
@@ -114,15 +114,15 @@ void SceneBuilder::include(Tokens& tokens) {
   where_ = where;
 }
 
-void SceneBuilder::integrator(Tokens& tokens) { options_["Integrator"] = read_entity(tokens, "integrator"); }
+void SceneBuilder::integrator(Tokens& tokens) { options_["Integrator"] = read_arguments(tokens, "integrator"); }
 
 void SceneBuilder::light_source(Tokens& tokens) {
-  Entity entity = read_entity(tokens, "light");
-  read_or_leave_out("light", [&] { read_light(reader_, std::move(entity)); });
+  DirectiveArguments entity = read_arguments(tokens, "light");
+  read_or_omit("light", [&] { read_light(reader_, std::move(entity)); });
 }
 
 void SceneBuilder::make_named_material(Tokens& tokens) {
-  Entity entity = read_entity(tokens, "material");
+  DirectiveArguments entity = read_arguments(tokens, "material");
   const std::string name = entity.type;
   if (reader_.materials.contains(name)) throw SceneError(where_, fmt::format("a second material '{}'", name));
   entity.type = take_type(entity, "MakeNamedMaterial");
@@ -130,14 +130,14 @@ void SceneBuilder::make_named_material(Tokens& tokens) {
 }
 
 void SceneBuilder::make_named_medium(Tokens& tokens) {
-  Entity entity = read_entity(tokens, "medium");
+  DirectiveArguments entity = read_arguments(tokens, "medium");
   const std::string name = entity.type;
   entity.type = take_type(entity, "MakeNamedMedium");
   read_medium(reader_, name, std::move(entity));
 }
 
 void SceneBuilder::material(Tokens& tokens) {
-  reader_.attributes.material = make_material(reader_, "", read_entity(tokens, "material"));
+  reader_.attributes.material = make_material(reader_, "", read_arguments(tokens, "material"));
 }
 
 void SceneBuilder::medium_interface(Tokens& tokens) {
@@ -213,27 +213,27 @@ void SceneBuilder::option(Tokens& tokens) {
   }
 }
 
-void SceneBuilder::pixel_filter(Tokens& tokens) { options_["PixelFilter"] = read_entity(tokens, "filter"); }
-void SceneBuilder::sampler(Tokens& tokens) { options_["Sampler"] = read_entity(tokens, "sampler"); }
+void SceneBuilder::pixel_filter(Tokens& tokens) { options_["PixelFilter"] = read_arguments(tokens, "filter"); }
+void SceneBuilder::sampler(Tokens& tokens) { options_["Sampler"] = read_arguments(tokens, "sampler"); }
 
 void SceneBuilder::shape(Tokens& tokens) {
-  Entity entity = read_entity(tokens, "shape");
-  read_or_leave_out("shape", [&] { read_shape(reader_, std::move(entity)); });
+  DirectiveArguments entity = read_arguments(tokens, "shape");
+  read_or_omit("shape", [&] { read_shape(reader_, std::move(entity)); });
 }
 
 void SceneBuilder::texture(Tokens& tokens) {
   const std::string name = read_string(tokens, "a name"), kind = read_string(tokens, "float or spectrum");
-  read_texture(reader_, name, kind, read_entity(tokens, "texture"));
+  read_texture(reader_, name, kind, read_arguments(tokens, "texture"));
 }
 
 void SceneBuilder::world_begin(Tokens&) {
   in_world_ = true;
   const auto option = [&](const char* directive, const char* standard) {
     const auto found = options_.find(directive);
-    return found != options_.end() ? std::move(found->second) : Entity{standard, {}, where_};
+    return found != options_.end() ? std::move(found->second) : DirectiveArguments{standard, {}, where_};
   };
   // Determine the exposure time
-  Entity camera = option("Camera", "perspective");
+  DirectiveArguments camera = option("Camera", "perspective");
   const ShutterDescription shutter = read_shutter(reader_, camera);
   // Read the rendering options, then reset the transform
   read_film(reader_, option("Film", "rgb"), static_cast<float>(exposure_time(shutter)));

@@ -31,7 +31,7 @@ std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const L
   try {
     *out = bitmap.made ? *bitmap.made : read_linear_image(bitmap.file, bitmap.raw, {});
   } catch (const SceneError&) { return nullptr; }
-  // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantisation.
+  // A table with 1024 steps replaces the evaluation per value; it is finer than 8-bit quantization.
   constexpr int kSteps = 1024;
   std::array<float, kSteps + 2> table;
   for (int i = 0; i < kSteps + 2; ++i) table[static_cast<std::size_t>(i)] = base.albedo(static_cast<float>(i) / kSteps);
@@ -71,7 +71,7 @@ std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap) {
   };
   auto out = std::make_shared<Image>(pixels.width, pixels.height, std::vector<std::string>{"Y"});
   const bool has_alpha = a < count && (is_png(bitmap.file) || has_extension(bitmap.file, "exr"));
-  // Use alpha unless it is 1 everywhere, otherwise the mean colour
+  // Use alpha unless it is 1 everywhere, otherwise the mean color
   bool uses_alpha = false;
   for (std::size_t i = 0; has_alpha && !uses_alpha && i < out->pixel_count(); ++i) uses_alpha = stored(i, a) != 1;
   for (std::size_t i = 0; i < out->pixel_count(); ++i)

@@ -32,7 +32,7 @@ void read_visibility(Parameters& p, const IntegratorMatch& found, Reader& reader
 }
 
 /// Finds an integrator by its name in pbrt or in the other dialects. Throws SceneError for an unknown name.
-IntegratorMatch find_entity(Parameters& p, const Entity& entity) {
+IntegratorMatch find_entity(Parameters& p, const DirectiveArguments& entity) {
   if (const auto found = find_integrator(entity.type, true)) return *found;
   if (entity.type == "function") {
     p.unsupported("integrators of this kind", "rendered with 'path'");
@@ -49,7 +49,7 @@ IntegratorMatch find_entity(Parameters& p, const Entity& entity) {
 
 }  // namespace
 
-void read_integrator(Reader& reader, Entity entity) {
+void read_integrator(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("Integrator '{}'", entity.type), entity.where, std::move(entity.parameters));
   const IntegratorMatch found = find_entity(p, entity);
   if (found.entry->whitens_scene) {
@@ -72,13 +72,14 @@ void read_integrator(Reader& reader, Entity entity) {
   p.reject_unused();
 }
 
-void read_sampler(Reader& reader, Entity entity) {
+void read_sampler(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("Sampler '{}'", entity.type), entity.where, std::move(entity.parameters));
   SamplerSettings& sampler = reader.description.sampler;
   const std::string& type = entity.type;
   sampler.kind = plugin(kSamplers, "sampler", type, entity.where);
   const bool is_own = type == "halton" || type == "paddedsobol" || type == "pmj02bn";
-  if (const std::string note = stand_in_sampler_note(type); !is_own && !note.empty()) reader.note(entity.where, note);
+  if (const std::string note = sampler_substitution_note(type); !is_own && !note.empty())
+    reader.note(entity.where, note);
   int count = 0;
   if (type == "stratified") {
     constexpr int kMaxPerSide = 1 << 12;

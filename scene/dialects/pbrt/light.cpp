@@ -111,7 +111,7 @@ double cosine_cubed(const double* about, double x, double y) {
 
 LightKinds::Model read_projection(Parameters& p) {
   ProjectorDescription light;
-  light.is_even = true;
+  light.constant_intensity = true;
   light.fov = p.number("fov", 90, {0, 180, true});
   light.fov_axis = CameraDescription::FovAxis::kSmaller;
   light.scale = read_scale(p);
@@ -130,19 +130,19 @@ LightKinds::Model read_projection(Parameters& p) {
   return light;
 }
 
-/// Converts an image to grey as pbrt does, by the mean of red, green and blue.
-std::shared_ptr<const Image> grey_image(const Image& image) {
-  auto grey = std::make_shared<Image>(image.width, image.height, std::vector<std::string>{"Y"});
+/// Converts an image to gray as pbrt does, by the mean of red, green and blue.
+std::shared_ptr<const Image> gray_image(const Image& image) {
+  auto gray = std::make_shared<Image>(image.width, image.height, std::vector<std::string>{"Y"});
   for (std::size_t i = 0; i < image.pixel_count(); ++i)
-    grey->data[i] = (image.data[3 * i] + image.data[3 * i + 1] + image.data[3 * i + 2]) / 3;
-  return grey;
+    gray->data[i] = (image.data[3 * i] + image.data[3 * i + 1] + image.data[3 * i + 2]) / 3;
+  return gray;
 }
 
 LightKinds::Model read_goniometric(Parameters& p) {
   if (!p.has("filename")) return read_point(p);
   GoniometricLightDescription light;
   const std::filesystem::path file = p.file("filename");
-  const std::shared_ptr<const Image> image = grey_image(read_linear_image(file, false, p.where()));
+  const std::shared_ptr<const Image> image = gray_image(read_linear_image(file, false, p.where()));
   if (image->width != image->height)
     p.fail_at("filename", fmt::format("is an image of {} x {} pixels, expected a square equal-area image", image->width,
                                       image->height));
@@ -177,7 +177,7 @@ constexpr NamedLight kLights[] = {
 
 }  // namespace
 
-void read_light(Reader& reader, Entity entity) {
+void read_light(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("LightSource '{}'", entity.type), entity.where, std::move(entity.parameters));
   std::vector<std::string> known;
   for (const NamedLight& light : kLights) {
@@ -194,7 +194,7 @@ void read_light(Reader& reader, Entity entity) {
                    SceneErrorCode::kUnknownName);
 }
 
-AreaLight read_area_light(Reader& reader, Entity entity) {
+AreaLight read_area_light(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("AreaLightSource '{}'", entity.type), entity.where, std::move(entity.parameters));
   if (entity.type != "diffuse" && entity.type != "area")
     throw SceneError(entity.where,

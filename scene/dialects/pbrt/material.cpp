@@ -58,7 +58,7 @@ ConductorDescription::Ior metal_of(const SpectrumDescription& reflectance) {
   };
   using S = SpectrumDescription;
   S k = reflectance;
-  if (auto* grey = std::get_if<S::Constant>(&k.value)) grey->value = k_of(grey->value);
+  if (auto* gray = std::get_if<S::Constant>(&k.value)) gray->value = k_of(gray->value);
   if (auto* rgb = std::get_if<S::Rgb>(&k.value))
     rgb->value = {k_of(rgb->value.x), k_of(rgb->value.y), k_of(rgb->value.z)};
   if (auto* table = std::get_if<S::Table>(&k.value))
@@ -164,8 +164,8 @@ Model coated_conductor(Parameters& p, bool remap, const SourceLocation& where) {
   constexpr float kTypicalReflectance = 0.8f;
   const float cosine = std::sqrt(1 - 0.5f / std::max(eta * eta, 0.5f));
   const float through = std::exp(-2 * layer.thickness / std::max(cosine, 0.1f));
-  const float share = (1 - at_right_angles) * through / (1 - at_right_angles * through * kTypicalReflectance);
-  const std::optional<SpectrumInput> seen = scaled_input(p.reader(), metal.specular_reflectance, share);
+  const float transmitted = (1 - at_right_angles) * through / (1 - at_right_angles * through * kTypicalReflectance);
+  const std::optional<SpectrumInput> seen = scaled_input(p.reader(), metal.specular_reflectance, transmitted);
   if (seen) metal.specular_reflectance = *seen;
   return BlendDescription{at_right_angles, {add(p.reader(), metal, where), add(p.reader(), coat, where)}};
 }
@@ -190,7 +190,7 @@ ScalarInput hair_roughness(Parameters& p, const char* name, ScalarInput default_
 }
 
 Model hair(Parameters& p) {
-  HairDescription fibre;
+  HairDescription fiber;
   const auto sigma_a = find_spectrum_input(p, "sigma_a", Use::kUnbounded);
   const char* name = p.has("color") ? "color" : "reflectance";
   const auto reflectance = find_spectrum_input(p, name, Use::kReflectance);
@@ -198,16 +198,16 @@ Model hair(Parameters& p) {
   const bool by_melanin = eumelanin || pheomelanin;
   if (int{sigma_a.has_value()} + int{reflectance.has_value()} + int{by_melanin} > 1)
     p.fail("has more than one of 'sigma_a', 'reflectance' and the melanins, expected one");
-  fibre.color =
+  fiber.color =
       HairDescription::Melanin{by_melanin ? eumelanin.value_or(0.0f) : ScalarInput(1.3f), pheomelanin.value_or(0.0f)};
-  if (sigma_a) fibre.color = HairDescription::Absorption{*sigma_a, 1};
-  if (reflectance) fibre.color = HairDescription::Reflectance{*reflectance};
-  fibre.longitudinal_roughness = hair_roughness(p, "beta_m", 0.3f);
-  fibre.azimuthal_roughness = hair_roughness(p, "beta_n", 0.3f);
-  fibre.scale_tilt = p.number("alpha", 2);
-  fibre.int_ior = p.number("eta", 1.55f, kPositive);
-  fibre.ext_ior = 1;
-  return fibre;
+  if (sigma_a) fiber.color = HairDescription::Absorption{*sigma_a, 1};
+  if (reflectance) fiber.color = HairDescription::Reflectance{*reflectance};
+  fiber.longitudinal_roughness = hair_roughness(p, "beta_m", 0.3f);
+  fiber.azimuthal_roughness = hair_roughness(p, "beta_n", 0.3f);
+  fiber.scale_tilt = p.number("alpha", 2);
+  fiber.int_ior = p.number("eta", 1.55f, kPositive);
+  fiber.ext_ior = 1;
+  return fiber;
 }
 
 Model subsurface(Parameters& p, bool remap, std::optional<MediumId>& interior) {
@@ -281,7 +281,7 @@ MaterialId add(Reader& reader, Model model, const SourceLocation& where) {
   return static_cast<MaterialId>(reader.description.materials.size() - 1);
 }
 
-Material make_material(Reader& reader, const std::string& name, Entity entity) {
+Material make_material(Reader& reader, const std::string& name, DirectiveArguments entity) {
   const std::string& type = entity.type;
   Parameters p(reader, fmt::format("Material '{}'", name.empty() ? type : name), entity.where,
                std::move(entity.parameters));

@@ -69,7 +69,7 @@ AbsorptionScatteringDescription read_coefficients(Parameters& p) {
   return {rgb(found->sigma_a), rgb(found->sigma_s)};
 }
 
-// pbrt normalises blackbody spectra to a maximum of 1 at every temperature.
+// pbrt normalizes blackbody spectra to a maximum of 1 at every temperature.
 void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescription temperature, float scale) {
   medium.temperature = std::move(temperature);
   medium.unit_blackbodies = true;
@@ -89,7 +89,7 @@ constexpr NameTable<void (*)(Parameters&, MediumDescription&)> kMedia{{{"cloud",
 
 }  // namespace
 
-void read_medium(Reader& reader, const std::string& name, Entity entity) {
+void read_medium(Reader& reader, const std::string& name, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("MakeNamedMedium '{}'", name), entity.where, std::move(entity.parameters));
   if (reader.media.contains(name)) p.fail("has the name of an earlier medium, expected another name");
   MediumDescription medium;

@@ -58,7 +58,7 @@ SpectrumDescription read_spectrum_file(const std::filesystem::path& file) {
   return {std::move(table)};
 }
 
-/// Returns the luminance Y, normalised to 1 for the equal-energy spectrum.
+/// Returns the luminance Y, normalized to 1 for the equal-energy spectrum.
 double luminance_of(const SpectrumDescription& spectrum) {
   using S = SpectrumDescription;
   const auto* table = std::get_if<S::Table>(&spectrum.value);
@@ -104,7 +104,7 @@ SpectrumDescription named_spectrum(Parameters& p, const char* parameter, const s
     const bool known_to_pbrt = name.starts_with("metal-") || name.starts_with("glass-") ||
                                name.starts_with("stdillum-") || name.starts_with("illum-");
     if (known_to_pbrt) {
-      p.unsupported(fmt::format("'{}' is '{}', expected {}", parameter, name, known_spectra()), "rendered as grey");
+      p.unsupported(fmt::format("'{}' is '{}', expected {}", parameter, name, known_spectra()), "rendered as gray");
       return SpectrumDescription::constant(1);
     }
     spectrum = read_spectrum_file(p.reader().find_file(name, p.find(parameter)->where));

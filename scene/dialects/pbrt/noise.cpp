@@ -55,9 +55,9 @@ double noise(double x, double y, double z) {
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-    const double share = (i != 0 ? weight[0] : 1 - weight[0]) * (j != 0 ? weight[1] : 1 - weight[1]) *
-                         (k != 0 ? weight[2] : 1 - weight[2]);
-    sum += share * slope(cell[0] + i, cell[1] + j, cell[2] + k, inside[0] - i, inside[1] - j, inside[2] - k);
+    const double factor = (i != 0 ? weight[0] : 1 - weight[0]) * (j != 0 ? weight[1] : 1 - weight[1]) *
+                          (k != 0 ? weight[2] : 1 - weight[2]);
+    sum += factor * slope(cell[0] + i, cell[1] + j, cell[2] + k, inside[0] - i, inside[1] - j, inside[2] - k);
   }
   return sum;
 }
@@ -75,9 +75,9 @@ double cloud_density(const CloudShape& cloud, double x, double y, double z) {
     }
   }
   // Sum octaves, and thin the cloud with y
-  double sum = 0, share = 0.5, scale = 1;
-  for (int octave = 0; octave < 5; ++octave, share *= 0.5, scale *= 1.99)
-    sum += share * noise(scale * p[0], scale * p[1], scale * p[2]);
+  double sum = 0, factor = 0.5, scale = 1;
+  for (int octave = 0; octave < 5; ++octave, factor *= 0.5, scale *= 1.99)
+    sum += factor * noise(scale * p[0], scale * p[1], scale * p[2]);
   const double thinned = std::clamp((1 - y) * 4.5 * cloud.density * sum, 0.0, 1.0);
   return std::clamp(thinned + 2 * std::max(0.0, 0.5 - y), 0.0, 1.0);
 }

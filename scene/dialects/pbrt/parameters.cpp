@@ -13,16 +13,16 @@ namespace {
 /// Value type of a parameter and its number of components.
 struct Type {
   const char* name;
-  enum class Values { kNumbers, kWholeNumbers, kTruth, kStrings, kEither } values;
+  enum class Values { kNumbers, kInteger, kBoolean, kStrings, kEither } values;
   std::size_t together;
 };
 using Values = Type::Values;
 constexpr Type kTypes[] = {
-    {"integer", Values::kWholeNumbers, 1}, {"float", Values::kNumbers, 1},  {"point2", Values::kNumbers, 2},
-    {"vector2", Values::kNumbers, 2},      {"point3", Values::kNumbers, 3}, {"vector3", Values::kNumbers, 3},
-    {"normal3", Values::kNumbers, 3},      {"point", Values::kNumbers, 3},  {"vector", Values::kNumbers, 3},
-    {"normal", Values::kNumbers, 3},       {"rgb", Values::kNumbers, 3},    {"blackbody", Values::kNumbers, 1},
-    {"spectrum", Values::kEither, 1},      {"bool", Values::kTruth, 1},     {"string", Values::kStrings, 1},
+    {"integer", Values::kInteger, 1}, {"float", Values::kNumbers, 1},  {"point2", Values::kNumbers, 2},
+    {"vector2", Values::kNumbers, 2}, {"point3", Values::kNumbers, 3}, {"vector3", Values::kNumbers, 3},
+    {"normal3", Values::kNumbers, 3}, {"point", Values::kNumbers, 3},  {"vector", Values::kNumbers, 3},
+    {"normal", Values::kNumbers, 3},  {"rgb", Values::kNumbers, 3},    {"blackbody", Values::kNumbers, 1},
+    {"spectrum", Values::kEither, 1}, {"bool", Values::kBoolean, 1},   {"string", Values::kStrings, 1},
     {"texture", Values::kStrings, 1}};
 
 const Type& type_of(std::string_view name, const SourceLocation& where) {
@@ -40,17 +40,18 @@ void read_value(Tokens& tokens, const Type& type, Parameter& parameter) {
   const std::string expected = fmt::format("a value of the {} '{}'", parameter.type, parameter.name);
   if (token.kind == Token::Kind::kString && (type.values == Values::kStrings || type.values == Values::kEither)) {
     parameter.strings.emplace_back(token.text);
-  } else if (type.values == Values::kTruth && (token.text == "true" || token.text == "false")) {
+  } else if (type.values == Values::kBoolean && (token.text == "true" || token.text == "false")) {
     parameter.numbers.push_back(token.text == "true" ? 1 : 0);
-  } else if (type.values == Values::kStrings || type.values == Values::kTruth) {
-    const char* what = type.values == Values::kTruth ? ", true or false" : ", a string";
-    throw SceneError(tokens.where(), fmt::format("found {}, expected {}{}", shown(token), expected, what));
+  } else if (type.values == Values::kStrings || type.values == Values::kBoolean) {
+    const char* what = type.values == Values::kBoolean ? ", true or false" : ", a string";
+    throw SceneError(tokens.where(), fmt::format("found {}, expected {}{}", displayed(token), expected, what));
   } else {
     const double number = number_of(token, tokens.where(), expected);
-    if (type.values == Values::kWholeNumbers && number != std::floor(number))
-      throw SceneError(tokens.where(), fmt::format("found {}, expected {}, an integer", shown(token), expected));
+    if (type.values == Values::kInteger && number != std::floor(number))
+      throw SceneError(tokens.where(), fmt::format("found {}, expected {}, an integer", displayed(token), expected));
     if (std::fabs(number) > static_cast<double>(std::numeric_limits<float>::max()))
-      throw SceneError(tokens.where(), fmt::format("found {}, a number too large for single precision", shown(token)));
+      throw SceneError(tokens.where(),
+                       fmt::format("found {}, a number too large for single precision", displayed(token)));
     parameter.numbers.push_back(number);
   }
   tokens.advance();
@@ -65,7 +66,7 @@ Parameter declaration(const Token& token, const SourceLocation& where) {
   const std::size_t name = text.find_first_not_of(kSpace, gap);
   if (begin == text.npos || gap == text.npos || name == text.npos)
     throw SceneError(
-        where, fmt::format("found {}, expected a parameter's type and name, as in \"float radius\"", shown(token)));
+        where, fmt::format("found {}, expected a parameter's type and name, as in \"float radius\"", displayed(token)));
   const std::size_t end = text.find_last_not_of(kSpace) + 1;
   Parameter parameter;
   parameter.type = text.substr(begin, gap - begin);
@@ -115,7 +116,7 @@ std::vector<Parameter> read_parameters(Tokens& tokens) {
 Parameters::Parameters(Reader& reader, std::string title, SourceLocation where, std::vector<Parameter> list)
     : reader_(reader), title_(std::move(title)), where_(std::move(where)), list_(std::move(list)) {}
 
-Parameter* Parameters::look(const char* name) {
+Parameter* Parameters::find_value(const char* name) {
   const auto found =
       std::find_if(list_.begin(), list_.end(), [&](const Parameter& p) { return p.name == name && !p.dropped; });
   return found != list_.end() ? &*found : nullptr;
@@ -171,7 +172,7 @@ void Parameters::reject_unused() {
     if (!parameter.used && !parameter.optional) reject(parameter);
 }
 
-const SourceLocation& Parameters::place_of(const NamedValue* value) const {
+const SourceLocation& Parameters::position_of(const NamedValue* value) const {
   return value != nullptr ? static_cast<const Parameter&>(*value).where : where_;
 }
 

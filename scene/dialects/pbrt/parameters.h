@@ -44,7 +44,7 @@ class Parameters : public NamedValues {
   void unsupported(const std::string& what, const std::string& instead) const;
 
  private:
-  Parameter* look(const char* name) override;
+  Parameter* find_value(const char* name) override;
   const char* value_kind() const override { return "parameter"; }
   Number read_number(const NamedValue& value) const override;
   Number read_integer(const NamedValue& value) const override;
@@ -52,7 +52,7 @@ class Parameters : public NamedValues {
   std::string read_string(const NamedValue& value) const override;
   Vec3d read_vec3(const NamedValue& value) const override;
   std::filesystem::path find_file(const std::string& file, const NamedValue& value) const override;
-  const SourceLocation& place_of(const NamedValue* value) const override;
+  const SourceLocation& position_of(const NamedValue* value) const override;
   ErrorSink& errors() const override;
   /// Checks the type and the number of values of a parameter, and returns it.
   const Parameter& expect(const NamedValue& value, std::initializer_list<const char*> types, std::size_t count) const;

@@ -16,7 +16,7 @@
 namespace sheaf::pbrt {
 
 /// Arguments of a directive: plugin name and parameters.
-struct Entity {
+struct DirectiveArguments {
   std::string type;
   std::vector<Parameter> parameters;
   SourceLocation where;
@@ -101,7 +101,7 @@ struct Reader {
   Object* object = nullptr;                       ///< being defined
   bool used_texture = false;                      ///< since the last reset
   std::set<std::string, std::less<>> noted = {};  ///< messages of note_once()
-  bool noted_gamut = false;                       ///< whether the note on clamped colours was given
+  bool noted_gamut = false;                       ///< whether the note on clamped colors was given
 
   /// Adds a note for the user.
   void note(const SourceLocation& where, const std::string& message);
@@ -141,7 +141,7 @@ enum class Use {
   kUnbounded,    ///< not negative
 };
 std::optional<SpectrumDescription> find_spectrum(Parameters& p, const char* name, Use use);
-/// Reads a colour or a texture.
+/// Reads a color or a texture.
 std::optional<SpectrumInput> find_spectrum_input(Parameters& p, const char* name, Use use);
 std::optional<ScalarInput> find_scalar_input(Parameters& p, const char* name);
 /// An index of refraction, with its dispersion for named glasses.
@@ -154,8 +154,8 @@ Index read_index(Parameters& p, const char* name, float default_value);
 // color_space.cpp
 /// Names that ColorSpace accepts. The first one is Rec.709.
 const std::vector<std::string>& color_space_names();
-/// Converts a colour from the current colour space to Rec.709, clamped to the range of `use`; reflectances keep white.
-/// Adds a note for the first clamped colour.
+/// Converts a color from the current color space to Rec.709, clamped to the range of `use`; reflectances keep white.
+/// Adds a note for the first clamped color.
 Vec3f to_rec709(Parameters& p, Vec3f rgb, Use use);
 
 // named_spectrum.cpp
@@ -167,7 +167,7 @@ SpectrumDescription with_unit_luminance(SpectrumDescription spectrum, const Para
 
 // texture.cpp
 /// Directive Texture: appends the texture to the description and registers its name.
-void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity);
+void read_texture(Reader& reader, const std::string& name, const std::string& kind, DirectiveArguments entity);
 /// Returns the texture with all values scaled by `by`; nullopt if the texture description cannot express it.
 std::optional<SpectrumInput> scaled_input(Reader& reader, const SpectrumInput& input, float by);
 /// Returns the albedo texture of the base below a coat; nullopt if the texture description cannot express it.
@@ -184,23 +184,23 @@ TextureId add_bitmap(Reader& reader, BitmapDescription bitmap, const SourceLocat
 bool is_png(const std::filesystem::path& file);
 /// Whether the file may hold integers, by file extension: false for OpenEXR, PFM and Radiance files.
 bool may_hold_integers(const std::filesystem::path& file);
-/// Returns the image, after its colour transform, as albedos of the base below a coat. Null if the file cannot be read;
+/// Returns the image, after its color transform, as albedos of the base below a coat. Null if the file cannot be read;
 /// compiling textures then reports the error.
 std::shared_ptr<const Image> base_image(const BitmapDescription& bitmap, const LayeredBase& base);
-/// Returns the values that pbrt uses for a scalar texture with a colour image. These are the alpha of PNG and OpenEXR
+/// Returns the values that pbrt uses for a scalar texture with a color image. These are the alpha of PNG and OpenEXR
 /// files unless it is 1 everywhere, else the decoded mean of red, green and blue. Null for images with one channel and
 /// for unreadable files.
 std::shared_ptr<const Image> scalar_image(const BitmapDescription& bitmap);
 /// Reads an image file as linear R, G and B, decoded unless `raw`. Throws SceneError at `where`.
 Image read_linear_image(const std::filesystem::path& file, bool raw, const SourceLocation& where);
-/// Returns the mean over pixels of weight(about, x, y) times the luminance. x and y in [0, 1] are the pixel centre; y
+/// Returns the mean over pixels of weight(about, x, y) times the luminance. x and y in [0, 1] are the pixel center; y
 /// points down.
 double mean_luminance(const Image& image, double (*weight)(const double* about, double x, double y),
                       const double* about);
 double mean_luminance(const Image& image);
 
 // material.cpp
-Material make_material(Reader& reader, const std::string& name, Entity entity);
+Material make_material(Reader& reader, const std::string& name, DirectiveArguments entity);
 MaterialId add(Reader& reader, decltype(MaterialDescription::model) model, const SourceLocation& where);
 
 // subsurface.cpp
@@ -208,15 +208,15 @@ MaterialId add(Reader& reader, decltype(MaterialDescription::model) model, const
 MediumId read_subsurface(Parameters& p, float eta);
 
 // light.cpp
-void read_light(Reader& reader, Entity entity);
-AreaLight read_area_light(Reader& reader, Entity entity);
+void read_light(Reader& reader, DirectiveArguments entity);
+AreaLight read_area_light(Reader& reader, DirectiveArguments entity);
 
 // medium.cpp
 /// Reads sigma_a and sigma_s, or a preset of both.
 AbsorptionScatteringDescription read_coefficients(Parameters& p);
 /// Sets blackbody emission from a temperature grid.
 void set_temperature(Parameters& p, MediumDescription& medium, GridVolumeDescription temperature, float scale);
-void read_medium(Reader& reader, const std::string& name, Entity entity);
+void read_medium(Reader& reader, const std::string& name, DirectiveArguments entity);
 /// Returns the medium of a name; nullopt for the empty name.
 std::optional<MediumId> medium_of(const Reader& reader, const std::string& name, const SourceLocation& where);
 
@@ -229,7 +229,7 @@ void read_rgb_grid(Parameters& p, MediumDescription& medium);
 void read_cloud(Parameters& p, MediumDescription& medium);
 
 // shape.cpp
-void read_shape(Reader& reader, Entity entity);
+void read_shape(Reader& reader, DirectiveArguments entity);
 
 // mesh.cpp
 /// A patch of a surface of revolution or a bilinear patch, tessellated into `steps_u` x `steps_v` quads of two
@@ -256,20 +256,21 @@ bool append_curve(std::vector<ShapeDescription>& shapes, const ShapeDescription&
 
 // camera.cpp
 /// `world_from_camera` is the inverse of the current transformation matrices at the Camera directive.
-void read_camera(Reader& reader, Entity entity, const TransformPair& world_from_camera, const std::string& outside);
+void read_camera(Reader& reader, DirectiveArguments entity, const TransformPair& world_from_camera,
+                 const std::string& outside);
 /// The shutter of a camera, whose times default to 0 and 1. Exchanges them if it closes before it opens, with a
 /// warning.
-ShutterDescription read_shutter(Reader& reader, const Entity& camera);
+ShutterDescription read_shutter(Reader& reader, const DirectiveArguments& camera);
 /// The exposure time of a shutter. A still, whose shutter opens and closes at one time, has the exposure of 1 s.
 double exposure_time(const ShutterDescription& shutter);
 
 /// Reads Film and PixelFilter. Call these before read_camera(), which needs the frame's size. `shutter` is the exposure
 /// time (s).
-void read_film(Reader& reader, Entity entity, float shutter);
-void read_filter(Reader& reader, Entity entity);
+void read_film(Reader& reader, DirectiveArguments entity, float shutter);
+void read_filter(Reader& reader, DirectiveArguments entity);
 
 // integrator.cpp
-void read_integrator(Reader& reader, Entity entity);
-void read_sampler(Reader& reader, Entity entity);
+void read_integrator(Reader& reader, DirectiveArguments entity);
+void read_sampler(Reader& reader, DirectiveArguments entity);
 
 }  // namespace sheaf::pbrt

@@ -83,7 +83,7 @@ SceneBuilder::SceneBuilder(Description& description, const Defines& defines, Err
 
 std::span<const SceneBuilder::Directive> SceneBuilder::directives() {
   using B = SceneBuilder;
-  constexpr Place kAnywhere = Place::kAnywhere, kOptions = Place::kOptions, kWorld = Place::kWorld;
+  constexpr Section kAnywhere = Section::kAnywhere, kOptions = Section::kOptions, kWorld = Section::kWorld;
   static constexpr Directive kDirectives[] = {{"Accelerator", &B::accelerator, kOptions},
                                               {"ActiveTransform", &B::active_transform, kAnywhere},
                                               {"AreaLightSource", &B::area_light_source, kWorld},
@@ -136,16 +136,16 @@ const SceneBuilder::Directive& SceneBuilder::directive(const Token& token, const
     }
   if (token.text == "WorldEnd")
     throw SceneError(where, "WorldEnd belongs to pbrt-v3, expected a scene of pbrt-v4; convert it with pbrt --upgrade");
-  throw SceneError(where, fmt::format("found {}, expected a directive{}", shown(token),
+  throw SceneError(where, fmt::format("found {}, expected a directive{}", displayed(token),
                                       did_you_mean(std::string(token.text.substr(0, 40)), known)));
 }
 
 void SceneBuilder::read_directive(Tokens& tokens) {
   where_ = tokens.where();
   const Directive& found = directive(tokens.current(), where_);
-  if (found.place == Place::kWorld && !in_world_)
+  if (found.section == Section::kWorld && !in_world_)
     throw SceneError(where_, std::string(found.name) + " before WorldBegin, expected it after");
-  if (found.place == Place::kOptions && in_world_)
+  if (found.section == Section::kOptions && in_world_)
     throw SceneError(where_, std::string(found.name) + " after WorldBegin, expected it before");
   tokens.advance();
   (this->*found.handler)(tokens);

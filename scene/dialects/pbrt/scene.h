@@ -19,12 +19,12 @@ class SceneBuilder {
 
  private:
   using Handler = void (SceneBuilder::*)(Tokens&);
-  /// Where a directive is allowed.
-  enum class Place { kAnywhere, kOptions, kWorld };
+  /// The section of a file in which a directive is allowed.
+  enum class Section { kAnywhere, kOptions, kWorld };
   struct Directive {
     const char* name;
     Handler handler;
-    Place place;
+    Section section;
   };
   struct Saved {
     const char* by;  ///< directive that saved the attributes
@@ -37,7 +37,7 @@ class SceneBuilder {
   void read_file(const std::filesystem::path& file, const SourceLocation& where);
   void read_directive(Tokens& tokens);
   /// Calls read() for an entity. Reports its error; the entity is then left out.
-  template <class Read> void read_or_leave_out(const char* what, Read&& read) {
+  template <class Read> void read_or_omit(const char* what, Read&& read) {
     try {
       read();
     } catch (const SceneError& error) { reader_.errors.report(error.about(what), std::string(what) + " ignored"); }
@@ -46,7 +46,7 @@ class SceneBuilder {
 
   // directives.cpp
   std::string read_string(Tokens& tokens, const char* what);
-  Entity read_entity(Tokens& tokens, const char* target);
+  DirectiveArguments read_arguments(Tokens& tokens, const char* target);
   void save(const char* by);
   Attributes restore(const char* by);
 
@@ -105,7 +105,7 @@ class SceneBuilder {
   int included_ = 0;
   bool in_world_ = false;
   std::map<std::string, TransformPair, std::less<>> coordinate_systems_;
-  std::map<std::string, Entity, std::less<>> options_;  ///< camera, film etc., by directive
+  std::map<std::string, DirectiveArguments, std::less<>> options_;  ///< camera, film etc., by directive
   TransformPair world_from_camera_;
   std::string camera_medium_;
 };

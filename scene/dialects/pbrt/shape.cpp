@@ -221,7 +221,7 @@ void add_media(Parameters& p, ShapeDescription& shape) {
 
 }  // namespace
 
-void read_shape(Reader& reader, Entity entity) {
+void read_shape(Reader& reader, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("Shape '{}'", entity.type), entity.where, std::move(entity.parameters));
   ShapeDescription shape;
   shape.where = entity.where;

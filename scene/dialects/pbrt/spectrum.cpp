@@ -1,4 +1,4 @@
-// The pbrt dialect: colours, spectra, and parameters that accept textures.
+// The pbrt dialect: colors, spectra, and parameters that accept textures.
 #include "core/color/color.h"
 #include "scene/data/glasses.h"
 #include "scene/description/spectrum_check.h"
@@ -10,8 +10,8 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// Wavelength (nm) of catalogued glass indices: the helium d line.
-constexpr float kCatalogueWavelength = 587.56f;
+/// Wavelength (nm) of catalogd glass indices: the helium d line.
+constexpr float kCatalogWavelength = 587.56f;
 
 SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
   const std::vector<double>& n = parameter.numbers;
@@ -38,7 +38,7 @@ SpectrumDescription table_spectrum(Parameters& p, const char* name, const Parame
   return {std::move(table)};
 }
 
-/// Reads a blackbody, normalised to a maximum of 1 as in pbrt.
+/// Reads a blackbody, normalized to a maximum of 1 as in pbrt.
 SpectrumDescription blackbody_spectrum(Parameters& p, const char* name, const Parameter& parameter) {
   constexpr double kWien = 2.8977721e6;  // Wien's displacement constant, nm K
   if (parameter.numbers.size() != 1 || !(parameter.numbers[0] > 0))
@@ -123,7 +123,7 @@ Index read_index(Parameters& p, const char* name, float default_value) {
     if (glass.starts_with("glass-")) glass.erase(0, 6);
     // pbrt's names of Schott's SF5, SF10 and SF11.
     if (glass == "f5" || glass == "f10" || glass == "f11") glass.insert(0, 1, 's');
-    if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogueWavelength), *found};
+    if (const Dispersion* found = find_dispersion(glass)) return {ior<Scalar>(*found, kCatalogWavelength), *found};
     p.unsupported(
         fmt::format("'{}' is '{}', an unknown glass{}", name, parameter->strings[0], known_names(dispersion_names())),
         "rendered with an index of " + number_text(double{default_value}));

@@ -14,7 +14,7 @@ constexpr float kShortestPath = 1e-9f;
 /// Applies f to the values of a spectrum.
 template <class F> SpectrumDescription mapped_values(SpectrumDescription spectrum, F&& f) {
   using S = SpectrumDescription;
-  if (auto* grey = std::get_if<S::Constant>(&spectrum.value)) grey->value = f(grey->value);
+  if (auto* gray = std::get_if<S::Constant>(&spectrum.value)) gray->value = f(gray->value);
   if (auto* rgb = std::get_if<S::Rgb>(&spectrum.value))
     rgb->value = {f(rgb->value.x), f(rgb->value.y), f(rgb->value.z)};
   if (auto* table = std::get_if<S::Table>(&spectrum.value))

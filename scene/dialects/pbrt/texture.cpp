@@ -21,7 +21,7 @@ TextureDescription& texture_at(Reader& reader, TextureId id) {
 
 const SpectrumDescription* constant_of(const SpectrumInput& input) { return std::get_if<SpectrumDescription>(&input); }
 
-/// Conversions between scalar and colour textures.
+/// Conversions between scalar and color textures.
 SpectrumInput as_spectrum(const ScalarInput& input) {
   if (const float* value = std::get_if<float>(&input)) return SpectrumDescription::constant(*value);
   return std::get<TextureId>(input);
@@ -34,14 +34,14 @@ ScalarInput as_scalar(const SpectrumInput& input) {
   return value != nullptr ? value->value : 0.0f;
 }
 
-/// Reads the inputs of a texture as colours or as numbers.
+/// Reads the inputs of a texture as colors or as numbers.
 struct Source {
   Parameters& p;
-  bool colours;
+  bool colors;
 
   SpectrumInput find(const char* name, float default_value) const {
     const SpectrumInput standard = SpectrumDescription::constant(default_value);
-    if (colours) return find_spectrum_input(p, name, Use::kUnbounded).value_or(standard);
+    if (colors) return find_spectrum_input(p, name, Use::kUnbounded).value_or(standard);
     const std::optional<ScalarInput> number = find_scalar_input(p, name);
     return number ? as_spectrum(*number) : standard;
   }
@@ -58,7 +58,7 @@ std::array<float, 6> read_mapping(Parameters& p) {
   return {p.number("uscale", 1), 0, p.number("udelta", 0), 0, p.number("vscale", 1), p.number("vdelta", 0)};
 }
 
-/// Reads the encoding of an image: "sRGB", "linear" or "gamma" with an exponent. pbrt honours it for PNG only; its
+/// Reads the encoding of an image: "sRGB", "linear" or "gamma" with an exponent. pbrt honors it for PNG only; its
 /// other integer formats are always sRGB.
 void read_encoding(Parameters& p, BitmapDescription& bitmap) {
   const bool png = is_png(bitmap.file);
@@ -66,7 +66,7 @@ void read_encoding(Parameters& p, BitmapDescription& bitmap) {
   bitmap.raw = png && encoding == "linear";
   if (encoding == "sRGB") return;
   if (!png && may_hold_integers(bitmap.file))
-    p.reader().note(p.where(), p.title() + ": 'encoding' ignored: pbrt honours it for PNG files only, others are sRGB");
+    p.reader().note(p.where(), p.title() + ": 'encoding' ignored: pbrt honors it for PNG files only, others are sRGB");
   if (encoding == "linear") return;
   const bool is_gamma = encoding.starts_with("gamma ");
   const float gamma = is_gamma ? std::strtof(encoding.c_str() + std::string_view("gamma ").size(), nullptr) : 0.0f;
@@ -96,7 +96,7 @@ SpectrumInput read_image(Parameters& p, const Source& source) {
   read_encoding(p, bitmap);
   if (p.string("filter", "bilinear") == "point") bitmap.filter = TextureFilter::kNearest;
   p.ignore({"maxanisotropy"});
-  if (!source.colours) bitmap.made = scalar_image(bitmap);
+  if (!source.colors) bitmap.made = scalar_image(bitmap);
   TextureDescription texture;
   texture.model = std::move(bitmap);
   texture.to_uv = read_mapping(p);
@@ -133,9 +133,9 @@ SpectrumInput read_scale(Parameters& p, const Source& source) {
   if (const float* number = std::get_if<float>(&scale)) {
     product = scaled_input(p.reader(), texture, *number);
   } else if (const SpectrumDescription* constant = constant_of(texture)) {
-    // A grey constant times a scalar texture.
-    if (const auto* grey = std::get_if<SpectrumDescription::Constant>(&constant->value))
-      product = scaled_input(p.reader(), as_spectrum(scale), grey->value);
+    // A gray constant times a scalar texture.
+    if (const auto* gray = std::get_if<SpectrumDescription::Constant>(&constant->value))
+      product = scaled_input(p.reader(), as_spectrum(scale), gray->value);
     const auto* rgb = std::get_if<SpectrumDescription::Rgb>(&constant->value);
     if (rgb != nullptr && rgb->value.x == rgb->value.y && rgb->value.y == rgb->value.z)
       product = scaled_input(p.reader(), as_spectrum(scale), rgb->value.x);
@@ -143,12 +143,12 @@ SpectrumInput read_scale(Parameters& p, const Source& source) {
   return product ? *product : add_mix(p, SpectrumDescription::constant(0), texture, scale);
 }
 
-/// Returns (1 - t) a + t b of constants; nullopt for spectra that are not colours or greys.
+/// Returns (1 - t) a + t b of constants; nullopt for spectra that are not colors or grays.
 std::optional<SpectrumDescription> mixed(const SpectrumDescription& a, const SpectrumDescription& b, float t) {
   using S = SpectrumDescription;
   const auto rgb_of = [](const S& s) -> std::optional<Vec3f> {
     if (const auto* rgb = std::get_if<S::Rgb>(&s.value)) return rgb->value;
-    if (const auto* grey = std::get_if<S::Constant>(&s.value)) return Vec3f{grey->value, grey->value, grey->value};
+    if (const auto* gray = std::get_if<S::Constant>(&s.value)) return Vec3f{gray->value, gray->value, gray->value};
     return std::nullopt;
   };
   const std::optional<Vec3f> first = rgb_of(a), second = rgb_of(b);
@@ -237,8 +237,8 @@ SpectrumInput replaced(Parameters& p, SpectrumInput input, const char* instead) 
 }
 
 /// Reads an unsupported texture as its mean.
-SpectrumInput read_grey(Parameters& p, const Source&) {
-  return replaced(p, SpectrumDescription::constant(0.5f), "rendered as a grey of 0.5");
+SpectrumInput read_gray(Parameters& p, const Source&) {
+  return replaced(p, SpectrumDescription::constant(0.5f), "rendered as a gray of 0.5");
 }
 
 SpectrumInput read_direction_mix(Parameters& p, const Source& source) {
@@ -252,14 +252,14 @@ constexpr NameTable<SpectrumInput (*)(Parameters&, const Source&)> kTextures{{{"
                                                                               {"constant", read_constant},
                                                                               {"directionmix", read_direction_mix},
                                                                               {"dots", read_dots},
-                                                                              {"fbm", read_grey},
+                                                                              {"fbm", read_gray},
                                                                               {"imagemap", read_image},
-                                                                              {"marble", read_grey},
+                                                                              {"marble", read_gray},
                                                                               {"mix", read_mix},
-                                                                              {"ptex", read_grey},
+                                                                              {"ptex", read_gray},
                                                                               {"scale", read_scale},
-                                                                              {"windy", read_grey},
-                                                                              {"wrinkled", read_grey}}};
+                                                                              {"windy", read_gray},
+                                                                              {"wrinkled", read_gray}}};
 
 /// Returns a copy of the input with its constants and images modified, also those that other textures combine. Returns
 /// nullopt for textures of other kinds, or if `change_bitmap` returns false.
@@ -319,7 +319,7 @@ std::optional<SpectrumInput> base_input(Reader& reader, const SpectrumInput& inp
     using S = SpectrumDescription;
     S out = constant;
     const auto change = [&](float& value) { value = base.albedo(value); };
-    if (auto* grey = std::get_if<S::Constant>(&out.value)) change(grey->value);
+    if (auto* gray = std::get_if<S::Constant>(&out.value)) change(gray->value);
     if (auto* rgb = std::get_if<S::Rgb>(&out.value)) change(rgb->value.x), change(rgb->value.y), change(rgb->value.z);
     if (auto* table = std::get_if<S::Table>(&out.value))
       std::for_each(table->values.begin(), table->values.end(), change);
@@ -354,20 +354,20 @@ std::optional<ScalarInput> root_of(Reader& reader, const ScalarInput& input) {
   return append(reader, std::move(copy));
 }
 
-void read_texture(Reader& reader, const std::string& name, const std::string& kind, Entity entity) {
+void read_texture(Reader& reader, const std::string& name, const std::string& kind, DirectiveArguments entity) {
   Parameters p(reader, fmt::format("Texture '{}' ({})", name, entity.type), entity.where, std::move(entity.parameters));
-  const bool colours = kind == "spectrum";
-  if (!colours && kind != "float")
+  const bool colors = kind == "spectrum";
+  if (!colors && kind != "float")
     throw SceneError(entity.where,
                      fmt::format("Texture '{}' is of the kind '{}', expected float or spectrum", name, kind));
-  if (colours ? reader.spectrum_textures.contains(name) : reader.float_textures.contains(name))
+  if (colors ? reader.spectrum_textures.contains(name) : reader.float_textures.contains(name))
     throw SceneError(entity.where, fmt::format("a second texture '{}' of the kind {}", name, kind));
   const std::size_t first = reader.description.textures.size();
-  const SpectrumInput input = plugin(kTextures, "texture", entity.type, entity.where)(p, Source{p, colours});
+  const SpectrumInput input = plugin(kTextures, "texture", entity.type, entity.where)(p, Source{p, colors});
   p.reject_unused();
   for (std::size_t i = first; i < reader.description.textures.size(); ++i)
     if (reader.description.textures[i].id.empty()) reader.description.textures[i].id = name;
-  if (colours)
+  if (colors)
     reader.spectrum_textures.emplace(name, input);
   else
     reader.float_textures.emplace(name, as_scalar(input));

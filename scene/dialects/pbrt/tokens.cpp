@@ -102,9 +102,9 @@ void Tokens::read_word() {
 
 void Tokens::substitute(std::size_t begin) {
   if (definitions_ == nullptr || token_.text.find('$') == std::string_view::npos) return;
-  const TextPlace place{where(), static_cast<int>(begin - line_start_) + 1};
+  const TextLocation location{where(), static_cast<int>(begin - line_start_) + 1};
   string_ =
-      definitions_->substitute_defined(token_.text, place, [](const SceneError& error) { throw SceneError(error); });
+      definitions_->substitute_defined(token_.text, location, [](const SceneError& error) { throw SceneError(error); });
   token_.text = string_;
 }
 
@@ -128,7 +128,7 @@ void Tokens::advance() {
   }
 }
 
-std::string shown(const Token& token) {
+std::string displayed(const Token& token) {
   constexpr std::size_t kLongest = 40;
   if (token.kind == Token::Kind::kEnd) return "the end of the file";
   std::string text(token.text.substr(0, kLongest));
@@ -147,7 +147,7 @@ double number_of(const Token& token, const SourceLocation& where, std::string_vi
   if (problem == std::errc::result_out_of_range && end == text.data() + text.size() && text.find("e-") != text.npos)
     return 0;
   if (token.kind != Token::Kind::kWord || !whole || !std::isfinite(value))
-    throw SceneError(where, fmt::format("found {}, expected {}{}", shown(token), expected,
+    throw SceneError(where, fmt::format("found {}, expected {}{}", displayed(token), expected,
                                         token.text.starts_with('$') ? " (define names after $ by -D name=value)" : ""));
   return value;
 }

@@ -50,7 +50,7 @@ class Tokens {
 };
 
 /// Returns the token for messages: quoted, and truncated if long.
-std::string shown(const Token& token);
+std::string displayed(const Token& token);
 
 /// Parses a word as a number. Throws SceneError, naming what was `expected`, if it is not a word or not a finite
 /// number.

@@ -18,7 +18,7 @@ template <std::size_t N> std::array<double, N> read_numbers(Tokens& tokens, cons
   }
   if (!brackets) return numbers;
   if (tokens.current().kind != Token::Kind::kClose)
-    throw SceneError(tokens.where(), fmt::format("found {}, expected ']'", shown(tokens.current())));
+    throw SceneError(tokens.where(), fmt::format("found {}, expected ']'", displayed(tokens.current())));
   tokens.advance();
   return numbers;
 }
@@ -59,7 +59,7 @@ void SceneBuilder::active_transform(Tokens& tokens) {
   const std::string_view word = tokens.current().text;
   if (word != "StartTime" && word != "EndTime" && word != "All")
     throw SceneError(tokens.where(),
-                     fmt::format("found {}, expected StartTime, EndTime or All", shown(tokens.current())));
+                     fmt::format("found {}, expected StartTime, EndTime or All", displayed(tokens.current())));
   reader_.attributes.start_is_active = word != "EndTime";
   reader_.attributes.end_is_active = word != "StartTime";
   tokens.advance();

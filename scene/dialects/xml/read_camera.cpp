@@ -43,7 +43,7 @@ CameraDescription::FovAxis read_fov_axis(NamedValues& p) {
 
 SamplerKind read_sampler_kind(Properties& p, const char* substitute) {
   const SamplerKind kind = p.plugin_or(substitute, kSamplers);
-  if (const std::string note = stand_in_sampler_note(p.type()); !note.empty()) p.context().note(p.where(), note);
+  if (const std::string note = sampler_substitution_note(p.type()); !note.empty()) p.context().note(p.where(), note);
   return kind;
 }
 

@@ -11,7 +11,7 @@ namespace sheaf::mitsuba {
 namespace {
 
 /// Number of sun positions for a moving sun, and columns of the resulting sky map.
-constexpr int kSunPlaces = 8192, kTimedResolution = 256;
+constexpr int kSunSamples = 8192, kTimedResolution = 256;
 
 /// Transforms directions from the emitter's space to world space.
 class DaylightSpace {
@@ -32,7 +32,7 @@ class DaylightSpace {
   bool y_is_up_;
 };
 
-void read_place(Properties& p, SunTime& time) {
+void read_location(Properties& p, SunTime& time) {
   time.latitude = double(p.number("latitude", static_cast<float>(time.latitude), {-90, 90, false}));
   time.longitude = double(p.number("longitude", static_cast<float>(time.longitude), {-360, 360, false}));
   time.timezone = double(p.number("timezone", static_cast<float>(time.timezone), {-24, 24, false}));
@@ -42,7 +42,7 @@ constexpr int kFirstYear = -4000, kLastYear = 10000;
 
 SunTime read_time(Properties& p) {
   SunTime time;
-  read_place(p, time);
+  read_location(p, time);
   time.year = p.integer("year", time.year, kFirstYear, kLastYear);
   time.month = p.integer("month", time.month, 1, 12);
   time.day = p.integer("day", time.day, 1, 31);
@@ -52,7 +52,7 @@ SunTime read_time(Properties& p) {
   return time;
 }
 
-/// Reads `sun_direction` (world space), or computes the position of the sun from place and time.
+/// Reads `sun_direction` (world space), or computes the position of the sun from location and time.
 Vec3f read_sun(Properties& p, const DaylightSpace& space) {
   if (!p.has("sun_direction")) return space.direction(sun_position(read_time(p)));
   for (const char* other : {"year", "month", "day", "hour", "minute", "second", "latitude", "longitude", "timezone"})
@@ -69,7 +69,7 @@ Vec3f read_sun(Properties& p, const DaylightSpace& space) {
 std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   SunTime begin, end;
   // Read the range of dates and hours
-  read_place(p, begin);
+  read_location(p, begin);
   begin.year = p.integer("start_year", 2025, kFirstYear, kLastYear);
   begin.month = p.integer("start_month", 1, 1, 12);
   begin.day = p.integer("start_day", 1, 1, 31);
@@ -87,8 +87,8 @@ std::vector<Vec3f> read_suns(Properties& p, const DaylightSpace& space) {
   std::vector<Vec3f> suns;
   // Spread sun positions over days and hours
   const int first_day = begin.day;
-  for (int i = 0; i < kSunPlaces; ++i) {
-    begin.day = first_day + static_cast<int>((i + 0.5) / kSunPlaces * std::max(days, 1.0));
+  for (int i = 0; i < kSunSamples; ++i) {
+    begin.day = first_day + static_cast<int>((i + 0.5) / kSunSamples * std::max(days, 1.0));
     const double golden = (i + 0.5) * 0.6180339887498949;
     begin.hour = first_hour + (last_hour - first_hour) * (golden - std::floor(golden));
     suns.push_back(space.direction(sun_position(begin)));

@@ -25,7 +25,7 @@ void read_area_emitter(const XmlElement& element, ReadContext& context, ShapeDes
 
 void find_area_emitter(const XmlElement& element, ReadContext& context, ShapeDescription& shape,
                        std::initializer_list<const char*> ignored) {
-  read_or_leave_out(element, context, [&] { read_area_emitter(element, context, shape, ignored); });
+  read_or_omit(element, context, [&] { read_area_emitter(element, context, shape, ignored); });
 }
 
 void read_light_motion(Properties& p, const char* to_world, LightDescription& light) {

@@ -73,9 +73,9 @@ void read_whole_hair(Properties& p, bool, ShapeDescription& shape) { read_hair(p
 void read_height_field_shape(Properties& p, bool, ShapeDescription& shape) {
   const bool smooth = p.boolean("shading_normals", true);
   const float scale = p.number("scale", 1);
-  constexpr int kPlaces = 256;
-  const int width = p.integer("width", kPlaces, 2, kMaxGridSide),
-            height = p.integer("height", kPlaces, 2, kMaxGridSide);
+  constexpr int kDefaultSize = 256;
+  const int width = p.integer("width", kDefaultSize, 2, kMaxGridSide),
+            height = p.integer("height", kDefaultSize, 2, kMaxGridSide);
   shape.face_normals = !smooth;
   // Read heights from an image file
   const XmlElement* nested = p.any_texture();
@@ -106,7 +106,7 @@ void read_sdf_grid(Properties& p, bool, ShapeDescription& shape) {
   const std::filesystem::path file = p.file("filename");
   DenseVolume volume = read_vol(file, false);
   if (volume.channels != 1)
-    throw SceneError(SourceLocation{file.string()}, "is a grid of colours, expected one channel of distances");
+    throw SceneError(SourceLocation{file.string()}, "is a grid of colors, expected one channel of distances");
   SdfGrid grid{volume.size, std::move(volume.values)};
   for (const int side : grid.size)
     if (side < 2)

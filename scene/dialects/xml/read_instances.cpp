@@ -20,7 +20,7 @@ std::uint32_t group_of(const XmlElement& element, ReadContext& context, const Sh
   const auto first = static_cast<std::ptrdiff_t>(shapes.size());
   context.in_group = true;
   for (const XmlElement* child : p.objects(element.name.c_str()))
-    read_or_leave_out(*child, context, [&] { read_shape(*child); });
+    read_or_omit(*child, context, [&] { read_shape(*child); });
   context.in_group = false;
   p.reject_unused();
   std::move(shapes.begin() + first, shapes.end(), std::back_inserter(group.shapes));

@@ -130,7 +130,7 @@ std::optional<PhaseId> find_phase(Properties& p) {
   if (found.size() > 1)
     p.fail(fmt::format("has {} nested <phase>, expected one", found.size()), SceneErrorCode::kDuplicate);
   std::optional<PhaseId> phase;
-  if (!found.empty()) read_or_leave_out(*found[0], p.context(), [&] { phase = read_phase(*found[0], p.context()); });
+  if (!found.empty()) read_or_omit(*found[0], p.context(), [&] { phase = read_phase(*found[0], p.context()); });
   return phase;
 }
 

@@ -1,4 +1,4 @@
-// Reading of spectra and colours.
+// Reading of spectra and colors.
 #include "scene/dialects/xml/read_spectrum.h"
 
 #include "scene/data/illuminants.h"
@@ -20,7 +20,7 @@ SpectrumDescription read_illuminant(Properties& p) {
   return {std::move(*table)};
 }
 
-/// Reads `value`: a number, or three numbers without colour conversion.
+/// Reads `value`: a number, or three numbers without color conversion.
 SpectrumDescription read_raw_constant(Properties& p) {
   if (!p.has("value")) p.fail("needs the property 'value'", SceneErrorCode::kMissing);
   const auto is_vector = [](const XmlElement& child) {

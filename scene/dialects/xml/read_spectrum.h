@@ -1,4 +1,4 @@
-// Spectra and colours in XML scene files: <rgb>, <srgb>, <spectrum>, <blackbody>, <float> and their plugins.
+// Spectra and colors in XML scene files: <rgb>, <srgb>, <spectrum>, <blackbody>, <float> and their plugins.
 #pragma once
 
 #include "scene/description/scaled_spectrum.h"
@@ -6,7 +6,7 @@
 
 namespace sheaf {
 
-/// Reads a spectrum from an element: a colour, a number, a <spectrum> with a value, file or plugin, or a <texture> with
+/// Reads a spectrum from an element: a color, a number, a <spectrum> with a value, file or plugin, or a <texture> with
 /// one of kSpectrumPlugins. Throws SceneError; see also check_role.
 SpectrumDescription read_spectrum(const XmlElement& element, ReadContext& context);
 

@@ -57,20 +57,20 @@ Grid::Wrap read_wrap(Properties& p) {
   return p.choice("wrap_mode", kWraps, Grid::Wrap::kClamp);
 }
 
-/// Interpolates the keys of a motion about the centre of the unit cube, so that a cube that turns stays in place, as
+/// Interpolates the keys of a motion about the center of the unit cube, so that a cube that turns stays in place, as
 /// shapes around their origin do.
-Placement about_centre(const Placement& placement) {
+Placement about_center(const Placement& placement) {
   if (!placement.motion) return placement;
-  const Transform centre = Transform::translate({0.5f, 0.5f, 0.5f});
+  const Transform center = Transform::translate({0.5f, 0.5f, 0.5f});
   std::vector<AnimatedTransform::Key> keys;
-  for (const double time : placement.motion->key_times()) keys.push_back({time, placement.motion->at(time) * centre});
-  return Placement(AnimatedTransform(std::move(keys)) * AnimatedTransform(centre.inverse()));
+  for (const double time : placement.motion->key_times()) keys.push_back({time, placement.motion->at(time) * center});
+  return Placement(AnimatedTransform(std::move(keys)) * AnimatedTransform(center.inverse()));
 }
 
 /// Reads where a volume lies. `in_cube`: it fills the unit cube.
 Placement read_to_world(Properties& p, bool may_move, bool in_cube) {
   if (!may_move) return Placement(p.transform("to_world"));
-  return in_cube ? about_centre(p.placement("to_world")) : p.placement("to_world");
+  return in_cube ? about_center(p.placement("to_world")) : p.placement("to_world");
 }
 
 void read_placement(Properties& p, const VolumeDialect& dialect, Grid& grid) {
@@ -153,10 +153,10 @@ constexpr NameTable<MatrixVolume (*)(Properties&, const VolumeDialect&)> kMatrix
      {"vol", read_matrix_grid}}};
 
 /// Returns the `to_world` of a constant volume, which may be nested in caches.
-Placement place_of_constant(const XmlElement& element, ReadContext& context) {
+Placement placement_of_constant(const XmlElement& element, ReadContext& context) {
   Properties p(element, context);
   const XmlElement* cached = p.object("volume");
-  return cached != nullptr ? place_of_constant(*cached, context) : read_to_world(p, true, true);
+  return cached != nullptr ? placement_of_constant(*cached, context) : read_to_world(p, true, true);
 }
 
 /// Whether the transform maps axes to axes, in any order, up to rounding.
@@ -197,7 +197,7 @@ std::optional<Grid> find_volume_bounds(Properties& p, const char* name, const Vo
   const auto* grid = std::get_if<Grid>(&volume);
   if (grid == nullptr) {
     const XmlElement* nested = p.named_object("volume", name);
-    const Placement placement = nested != nullptr ? place_of_constant(*nested, p.context()) : Placement();
+    const Placement placement = nested != nullptr ? placement_of_constant(*nested, p.context()) : Placement();
     Grid box = world_box(placement.to_world);
     box.motion = add_motion(p.context().description.motions, placement);
     return box;
@@ -242,7 +242,7 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
   std::optional<VolumeInput> volume;
   if (nested != nullptr) {
     const auto read = [&] { volume = read_volume(*nested, p.context(), role, dialect); };
-    if (!read_or_leave_out(*nested, p.context(), read)) p.drop_object(*nested);
+    if (!read_or_omit(*nested, p.context(), read)) p.drop_object(*nested);
   } else if (const auto spectrum = p.find_spectrum(name, role)) {
     volume = *spectrum;
   }
@@ -276,7 +276,7 @@ MatrixVolume read_matrix_volume(const XmlElement& element, ReadContext& context,
 
 float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum) {
   if (const auto* constant = std::get_if<SpectrumDescription::Constant>(&spectrum.value)) return constant->value;
-  p.fail(fmt::format("has a colour for '{}', expected a number", name));
+  p.fail(fmt::format("has a color for '{}', expected a number", name));
 }
 
 }  // namespace sheaf

@@ -13,13 +13,13 @@ struct VolumeDialect {
   bool may_move = false;      ///< `to_world` may be an <animation>
 };
 
-/// Reads a grid: `filename` (.vol or .nvdb, otherwise recognised by its first bytes), `grid_name`, `to_world`,
+/// Reads a grid: `filename` (.vol or .nvdb, otherwise recognized by its first bytes), `grid_name`, `to_world`,
 /// `use_grid_bbox`, `filter_type`, `wrap_mode`, `raw`, in Nori `fit_to_shape`. The caller finishes `p`. Throws
 /// SceneError, also for OpenVDB's own format and for a format other than `format`.
 GridVolumeDescription read_grid(Properties& p, const VolumeDialect& dialect,
                                 std::optional<GridVolumeDescription::Format> format = std::nullopt);
 
-/// Reads a nested <volume> of this name, or a colour or number; nullopt if the object has neither. Throws SceneError if
+/// Reads a nested <volume> of this name, or a color or number; nullopt if the object has neither. Throws SceneError if
 /// both are present and for values outside the role's range. Grid values are not read here.
 std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, SpectrumRole role,
                                              const VolumeDialect& dialect);
@@ -27,7 +27,7 @@ std::optional<VolumeInput> find_volume_input(Properties& p, const char* name, Sp
 /// find_volume_input() with a default value.
 VolumeInput volume_input(Properties& p, const char* name, const SpectrumDescription& default_value, SpectrumRole role,
                          const VolumeDialect& dialect);
-/// Whether the object has a nested <volume>, a colour or a number of this name.
+/// Whether the object has a nested <volume>, a color or a number of this name.
 bool has_volume_input(Properties& p, const char* name);
 
 /// Returns a grid with one voxel of value 1 over the axis-aligned world-space bounds of the transformed unit cube. Used
@@ -50,7 +50,7 @@ std::variant<std::array<float, 6>, GridVolumeDescription> read_matrix_volume(con
                                                                              ReadContext& context,
                                                                              const VolumeDialect& dialect);
 
-/// Returns the number that a constant volume holds. Throws SceneError at property `name` if it is a colour.
+/// Returns the number that a constant volume holds. Throws SceneError at property `name` if it is a color.
 float number_of(Properties& p, const char* name, const SpectrumDescription& spectrum);
 
 }  // namespace sheaf

@@ -25,7 +25,7 @@ template <class F> SHEAF_INLINE F decode_srgb_byte(F byte) {
 
 namespace bitmap_detail {
 
-/// Two neighbouring texels along one axis, and the interpolation weight of the second.
+/// Two neighboring texels along one axis, and the interpolation weight of the second.
 template <class L> struct TexelPair {
   typename L::Uint first, second;
   typename L::Float t;
@@ -55,7 +55,7 @@ SHEAF_INLINE typename L::Uint nearest_texel(TextureWrap wrap, typename L::Float 
   return wrap_texel(wrap, to_uint(x), typename L::Uint(size));
 }
 
-/// The texels with the nearest centres on both sides of `u`.
+/// The texels with the nearest centers on both sides of `u`.
 template <class L> SHEAF_INLINE TexelPair<L> texel_pair(TextureWrap wrap, typename L::Float u, std::uint32_t size) {
   using F = typename L::Float;
   using U = typename L::Uint;
@@ -174,7 +174,7 @@ SHEAF_INLINE void lookup_bitmap(const TextureView& view, const BitmapRow& bitmap
   });
 }
 
-/// Derivatives of an image along its axes, per texel; of the luminance for colours.
+/// Derivatives of an image along its axes, per texel; of the luminance for colors.
 template <class L, TexelFormat kFormat>
 SHEAF_INLINE Vec2<L> bitmap_slopes(const TextureView& view, const BitmapRow& bitmap, Vec2<L> uv) {
   const auto patch = load_patch<L, kFormat>(view, bitmap, uv);

@@ -2,13 +2,13 @@
 //
 // The lookups of a kind are a struct of static functions, generic in the lane policy. It names its description
 // (Description, one of scene/textures/list.h) and defines
-//     color     the texture's colour: linear Rec.709 with 0 in the fourth lane; scalars are grey,
-//     scalar    the texture as a scalar: the luminance of colours,
+//     color     the texture's color: linear Rec.709 with 0 in the fourth lane; scalars are gray,
+//     scalar    the texture as a scalar: the luminance of colors,
 //     slopes    derivatives of `scalar` by the surface's u and v; kinds that have none derive from WithoutSlopes,
 // and optionally
 //     prefetch      prefetches what a lookup will read, besides that of its inputs,
 //     kMovesInputs  true: inputs are looked up at other coordinates and are not prefetched.
-// A specialisation of LookupOf below the struct makes them the lookups of its description.
+// A specialization of LookupOf below the struct makes them the lookups of its description.
 //
 // All lanes look up the same texture. Any coordinates are safe, including NaN: lookups stay inside their table.
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace sheaf {
 
-/// `Type` has the lookups of a description of scene/textures/list.h. Each kind specialises it beside its lookups.
+/// `Type` has the lookups of a description of scene/textures/list.h. Each kind specializes it beside its lookups.
 template <class Description> struct LookupOf;
 
 /// Applies a texture's transform.

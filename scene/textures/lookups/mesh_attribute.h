@@ -6,10 +6,10 @@
 
 namespace sheaf {
 
-/// A mesh attribute in three channels. `coloured` if it has three channels.
+/// A mesh attribute in three channels. `colored` if it has three channels.
 template <class L> struct AttributeValue {
   typename L::Float rgb[3];
-  typename L::Mask coloured;
+  typename L::Mask colored;
 };
 
 /// An attribute of TextureTables::attribute_names, times `scale`. Zero if the shape lacks it.
@@ -25,7 +25,7 @@ SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, std::ui
   const U channels = entry.layout & U(AttributeEntry::kChannels), zero(0u);
   const auto present = channels != zero, per_face = (entry.layout & U(AttributeEntry::kPerFace)) != zero;
   if (!any(present)) return out;
-  out.coloured = channels == U(3u);
+  out.colored = channels == U(3u);
 
   const U primitive = select(present, min(query.primitive, entry.triangle_count - U(1u)), zero);
   const auto corners = gather_triple<L>(view.triangles, select(present, entry.first_triangle + primitive, zero));
@@ -36,7 +36,7 @@ SHEAF_INLINE AttributeValue<L> lookup_attribute(const TextureView& view, std::ui
     F value[4];
     gather_row4<L>(view.attribute_values, select(present, entry.first_value + element * channels, zero), value);
     for (int k = 0; k < 3; ++k) {
-      const F channel = select(out.coloured, value[k], value[0]);
+      const F channel = select(out.colored, value[k], value[0]);
       out.rgb[k] = fma(weights[corner], channel, out.rgb[k]);
     }
   }
@@ -53,7 +53,7 @@ struct MeshAttributeTexture : WithoutSlopes {
   }
   template <class L> static SHEAF_INLINE Float<L> scalar(const TextureLookup<L>& at) {
     const AttributeValue<L> value = lookup<L>(at);
-    return select(value.coloured, texture_luminance(value.rgb), value.rgb[0]);
+    return select(value.colored, texture_luminance(value.rgb), value.rgb[0]);
   }
 
  private:

@@ -1,4 +1,4 @@
-// Lookups of colours times an opacity.
+// Lookups of colors times an opacity.
 #pragma once
 
 #include "scene/textures/lookups/lookup.h"

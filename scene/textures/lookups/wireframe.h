@@ -11,18 +11,18 @@ struct WireframeTexture : WithoutSlopes {
   using Description = WireframeDescription;
 
   template <class L> static SHEAF_INLINE Spectrum<L> color(const TextureLookup<L>& at) {
-    const Float<L> share = interior_share<L>(at);
+    const Float<L> interior = interior_weight<L>(at);
     const Spectrum<L> first = at.color(0), second = at.color(1);
-    return {lerp(share, second.c0, first.c0), lerp(share, second.c1, first.c1), lerp(share, second.c2, first.c2),
-            Float<L>(0.0f)};
+    return {lerp(interior, second.c0, first.c0), lerp(interior, second.c1, first.c1),
+            lerp(interior, second.c2, first.c2), Float<L>(0.0f)};
   }
   template <class L> static SHEAF_INLINE Float<L> scalar(const TextureLookup<L>& at) {
-    return lerp(interior_share<L>(at), at.scalar(1), at.scalar(0));
+    return lerp(interior_weight<L>(at), at.scalar(1), at.scalar(0));
   }
 
  private:
   /// Weight of the interior; 1 on shapes without triangles.
-  template <class L> static SHEAF_INLINE Float<L> interior_share(const TextureLookup<L>& at) {
+  template <class L> static SHEAF_INLINE Float<L> interior_weight(const TextureLookup<L>& at) {
     using F = typename L::Float;
     const auto data = at.row.template data<WireframeRow>();
     const TextureQuery<L>& query = at.query;
@@ -32,7 +32,7 @@ struct WireframeTexture : WithoutSlopes {
     const float width = data.outer - data.inner;
     const F step = select(distance < F(data.outer), F(0.0f), F(1.0f));
     const F t = width > 0.0f ? clamp((distance - F(data.inner)) * F(1.0f / width), F(0.0f), F(1.0f)) : step;
-    return select(corner.coloured, t * t * (F(3.0f) - F(2.0f) * t), F(1.0f));
+    return select(corner.colored, t * t * (F(3.0f) - F(2.0f) * t), F(1.0f));
   }
 };
 

@@ -1,4 +1,4 @@
-// The colour space of images in OpenColorIO configurations: by name, or by the interchange space ACES2065-1.
+// The color space of images in OpenColorIO configurations: by name, or by the interchange space ACES2065-1.
 #include "core/color/color.h"
 #include "core/color/color_space.h"
 #include "core/image/display_transform.h"
@@ -42,7 +42,7 @@ colorspaces:
 )";
 
 /// Values of the view for one pixel.
-std::array<float, 3> shown(const std::string& config, Vec3f color) {
+std::array<float, 3> displayed(const std::string& config, Vec3f color) {
   const TemporaryFolder folder;
   write_bytes(folder / "tiny.ocio", config);
   std::string problem;
@@ -71,10 +71,10 @@ TEST_CASE("display: images are converted to ACES2065-1 where a configuration has
     CAPTURE(color.x);
     CAPTURE(color.y);
     const auto expected = matrix * std::array<double, 3>{color.x, color.y, color.z};
-    const std::array<float, 3> found = shown(kConfig, color);
+    const std::array<float, 3> found = displayed(kConfig, color);
     for (std::size_t c = 0; c < 3; ++c) CHECK(found[c] == near(expected[c], 1e-4));
   }
-  for (const float value : shown(kConfig, {1, 1, 1})) CHECK(value == near(1, 1e-4));
+  for (const float value : displayed(kConfig, {1, 1, 1})) CHECK(value == near(1, 1e-4));
 }
 
 TEST_CASE("display: a linear Rec.709 space of the configuration precedes the interchange space and scene_linear") {
@@ -84,7 +84,7 @@ TEST_CASE("display: a linear Rec.709 space of the configuration precedes the int
     const std::string named = kConfig + "  - !<ColorSpace>\n    name: " + name +
                               "\n    to_scene_reference: !<MatrixTransform> {matrix: "
                               "[0, 0.75, 0, 0, 0.25, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}\n";
-    const std::array<float, 3> found = shown(named, {0.4f, 0.8f, 0.3f});
+    const std::array<float, 3> found = displayed(named, {0.4f, 0.8f, 0.3f});
     CHECK(found[0] == near(0.75 * 0.8, 1e-4));
     CHECK(found[1] == near(0.25 * 0.4, 1e-4));
     CHECK(found[2] == near(0.3, 1e-4));
@@ -93,7 +93,7 @@ TEST_CASE("display: a linear Rec.709 space of the configuration precedes the int
   std::string text = kConfig;
   const std::string role = ", aces_interchange: ACES2065-1";
   text.erase(text.find(role), role.size());
-  CHECK(shown(text, {0.4f, 0.8f, 0.3f})[1] == near(0.4, 1e-4));
+  CHECK(displayed(text, {0.4f, 0.8f, 0.3f})[1] == near(0.4, 1e-4));
 }
 
 }  // namespace sheaf::test_aces_interchange

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSize = 64;
 
-/// A square image in grey.
+/// A square image in gray.
 Image square_image() { return {kSize, kSize, {"R", "G", "B"}}; }
 
 void set(Image& image, int x, int y, float value) {
@@ -37,7 +37,7 @@ Image disc(double radius, double sigma, float background = 0) {
   return image;
 }
 
-double grey_exposure(float value) { return std::log2(0.18 / static_cast<double>(value)); }
+double gray_exposure(float value) { return std::log2(0.18 / static_cast<double>(value)); }
 
 Image scaled(Image image, float factor) {
   for (std::size_t i = 0; i < image.data.size(); ++i)
@@ -48,7 +48,7 @@ Image scaled(Image image, float factor) {
 }  // namespace
 
 TEST_CASE("auto exposure: faint pixels around a bright spot do not count") {
-  const double expected = grey_exposure(0.09f);
+  const double expected = gray_exposure(0.09f);
   CHECK(auto_exposure(disc(12, 0)) == within(expected, 1e-5));
   // What denoisers and filters leave in all other pixels, nearly 90 % of the image
   for (const float residue : {1e-44f, 1e-36f, 1e-30f, 1e-20f, 1e-12f, 1e-8f, 1e-7f}) {
@@ -69,12 +69,12 @@ TEST_CASE("auto exposure: the bright part decides which pixels are faint, not th
   for (float& value : sunny.data) value = 0.5f;
   set(sunny, 10, 10, 5e5f);
   const double sun_stops = std::log2(1e6) / (kSize * kSize);
-  CHECK(auto_exposure(sunny) == within(grey_exposure(0.5f) - sun_stops, 1e-5));
+  CHECK(auto_exposure(sunny) == within(gray_exposure(0.5f) - sun_stops, 1e-5));
   // A dark room with a window that takes 5 % of the image: 8 stops brighter, and the room counts
   Image room = square_image();
   for (int i = 0; i < kSize * kSize; ++i) set(room, i % kSize, i / kSize, i % 20 == 0 ? 2.56f : 0.01f);
   const double window = 205.0 / (kSize * kSize);
-  CHECK(auto_exposure(room) == within(grey_exposure(0.01f) - 8 * window, 1e-3));
+  CHECK(auto_exposure(room) == within(gray_exposure(0.01f) - 8 * window, 1e-3));
 }
 
 TEST_CASE("auto exposure: a factor changes the exposure by its logarithm") {
@@ -106,10 +106,10 @@ TEST_CASE("auto exposure: coverage, and values that do not count") {
   // Residue without coverage, as denoisers leave it around an object, in eight pixels
   std::vector<float> object{0.02f, 0.02f, 0.02f, 0.5f};
   for (int i = 0; i < 8; ++i) object.insert(object.end(), {1e-12f, 1e-12f, 1e-12f, i % 2 == 0 ? 0.0f : 1e-6f});
-  CHECK(exposure_of({"R", "G", "B", "A"}, object) == within(grey_exposure(0.04f), 1e-5));
+  CHECK(exposure_of({"R", "G", "B", "A"}, object) == within(gray_exposure(0.04f), 1e-5));
   // Light without coverage, as of a flame, counts as it appears over black
   CHECK(exposure_of({"R", "G", "B", "A"}, {0.02f, 0.02f, 0.02f, 0, 0.08f, 0.08f, 0.08f, 0.001f}) ==
-        within(grey_exposure(0.04f), 1e-5));
+        within(gray_exposure(0.04f), 1e-5));
   // The exposure of the faintest images is finite as a factor
   CHECK(std::isfinite(std::exp2(static_cast<float>(exposure_of({"Y"}, {1e-45f})))));
   CHECK(exposure_of({"Y"}, {std::numeric_limits<float>::max()}) == within(std::log2(0.18) - 128, 1e-4));

@@ -1,4 +1,4 @@
-// Colour: integrals of the CIE tables, the sRGB transfer curve, and the interpretation of tabulated spectra.
+// Color: integrals of the CIE tables, the sRGB transfer curve, and the interpretation of tabulated spectra.
 #include "core/color/color.h"
 
 #include "core/io/error.h"
@@ -38,7 +38,7 @@ TEST_CASE("D65 has its published chromaticity for the 2-degree observer") {
   CHECK(std::abs(xyz.y / sum - 0.3290f) < 1e-4f);
 }
 
-TEST_CASE("the colour matching functions have equal areas that match the published 5 nm tables") {
+TEST_CASE("the color matching functions have equal areas that match the published 5 nm tables") {
   const Vec3f xyz = sum_of_curves(false);
   CHECK(xyz.x == near(21.3714, 2e-4));
   CHECK(xyz.y == near(21.3711, 2e-4));
@@ -79,7 +79,7 @@ TEST_CASE("conversions between Rec.709 and XYZ are inverses and agree with the c
 }
 
 // The expected numbers below are the results of Mitsuba 3.9.1 (variant scalar_rgb) for the same tables. Mitsuba
-// normalises reflectances such that the perfect reflector has 0.9989, hence the larger tolerance there.
+// normalizes reflectances such that the perfect reflector has 0.9989, hence the larger tolerance there.
 TEST_CASE("an emission spectrum is integrated under equal energy") {
   check_close(emission_table_to_rgb(kList, std::vector<float>{0, 8, 15.6f, 18.4f}), {20.7108f, 10.8546f, 2.77115f},
               5e-4);
@@ -112,14 +112,14 @@ TEST_CASE("the integral of a piecewise linear spectrum does not depend on its su
               emission_table_to_rgb(std::vector<float>{400, 700}, std::vector<float>{1, 4}), 1e-5);
 }
 
-TEST_CASE("colours outside the gamut are clamped to non-negative components") {
+TEST_CASE("colors outside the gamut are clamped to non-negative components") {
   const Vec3f green = emission_table_to_rgb(std::vector<float>{500, 510}, std::vector<float>{1, 1});
   CHECK(green.x == 0.0f);
   CHECK(green.y > 0.0f);
   CHECK(emission_table_to_rgb({}, {}) == Vec3f{0, 0, 0});
 }
 
-TEST_CASE("black bodies follow Planck's law and have the published colours") {
+TEST_CASE("black bodies follow Planck's law and have the published colors") {
   // Wien's displacement law: the peak is at 2897.77 um K / T.
   const double peak = 2.897771955e6 / 5000;
   CHECK(blackbody_radiance(peak, 5000) > blackbody_radiance(peak - 2, 5000));

@@ -1,4 +1,4 @@
-// RGB colour spaces from chromaticities, against published matrices and against Mitsuba 3.
+// RGB color spaces from chromaticities, against published matrices and against Mitsuba 3.
 #include "core/color/color_space.h"
 #include "tests/support/near.h"
 
@@ -50,7 +50,7 @@ TEST_CASE("color space: Rec.709 is unchanged to the bit even with rounded chroma
   }
 }
 
-TEST_CASE("color space: non-finite pixels are unchanged and their neighbours are converted") {
+TEST_CASE("color space: non-finite pixels are unchanged and their neighbors are converted") {
   std::array<float, 6> colors{std::numeric_limits<float>::infinity(), 2, 3, 1, 1, 1};
   REQUIRE(convert_to_rec709(colors, kXyzSpace));
   CHECK(colors[1] == 2.0f);

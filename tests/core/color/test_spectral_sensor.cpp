@@ -1,4 +1,4 @@
-// The sensor in spectral mode: the mean over all wavelengths equals the colour of RGB mode.
+// The sensor in spectral mode: the mean over all wavelengths equals the color of RGB mode.
 #include "core/color/spectral_sensor.h"
 
 #include "core/color/uplift.h"
@@ -55,7 +55,7 @@ void check_mean(const Estimate& e, Vec3f expected, int tests) {
 
 }  // namespace
 
-TEST_CASE("sensor: upsampled colours under D65 are restored") {
+TEST_CASE("sensor: upsampled colors under D65 are restored") {
   SpectrumSet set;
   const SpectrumRow light = set.row(SpectrumDescription::constant(1), SpectrumUse::kIlluminant);
   const Vec3f white = power_to_rgb([&](float l) { return evaluate<Scalar>(&light, 0, set.view(), Spectrum4(l)).c0; });
@@ -75,7 +75,7 @@ TEST_CASE("sensor: upsampled colours under D65 are restored") {
   CHECK(largest_difference(white, {1, 1, 1}) < 1e-3f);
 }
 
-TEST_CASE("sensor: tabulated emission has its colour in RGB mode") {
+TEST_CASE("sensor: tabulated emission has its color in RGB mode") {
   SpectrumSet set;
   const std::vector<float> wavelengths{380, 450, 560, 640, 780}, values{1, 4, 3, 6, 1};
   const SpectrumRow row = set.row({SpectrumDescription::Table{wavelengths, values}}, SpectrumUse::kIlluminant);

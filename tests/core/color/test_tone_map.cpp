@@ -15,20 +15,20 @@ namespace {
 
 constexpr ToneMap kCurves[] = {ToneMap::kFilmic, ToneMap::kAces, ToneMap::kAgx};
 
-Vec3f grey(float x) { return {x, x, x}; }
+Vec3f gray(float x) { return {x, x, x}; }
 
 float spread(Vec3f c) { return std::max({c.x, c.y, c.z}) - std::min({c.x, c.y, c.z}); }
 
 }  // namespace
 
-TEST_CASE("tone maps: black is black, greys are grey, and brighter greys are brighter") {
+TEST_CASE("tone maps: black is black, grays are gray, and brighter grays are brighter") {
   for (const ToneMap curve : kCurves) {
     CAPTURE(static_cast<int>(curve));
     const Vec3f black = tone_mapped(curve, {0, 0, 0});
     CHECK(std::max({black.x, black.y, black.z}) == 0.0f);
     float last = 0;
     for (float stops = -14; stops <= 12; stops += 0.01f) {
-      const Vec3f out = tone_mapped(curve, grey(0.18f * std::exp2(stops)));
+      const Vec3f out = tone_mapped(curve, gray(0.18f * std::exp2(stops)));
       CHECK(spread(out) < 0.001f);
       CHECK(out.y >= last);
       if (std::abs(stops) < 3) CHECK(out.y > last);
@@ -38,23 +38,23 @@ TEST_CASE("tone maps: black is black, greys are grey, and brighter greys are bri
   }
 }
 
-TEST_CASE("tone maps: middle grey and white have their published values") {
+TEST_CASE("tone maps: middle gray and white have their published values") {
   // Hable: f(0.36) / f(11.2), with f(x) = (0.15 x^2 + 0.05 x + 0.004) / (0.15 x^2 + 0.5 x + 0.06) - 1 / 15.
   const auto hable = [](double x) {
     return (0.15 * x * x + 0.05 * x + 0.004) / (0.15 * x * x + 0.5 * x + 0.06) - 1.0 / 15;
   };
-  CHECK(tone_mapped(ToneMap::kFilmic, grey(0.18f)).y == near(hable(0.36) / hable(11.2), 1e-5));
-  CHECK(tone_mapped(ToneMap::kFilmic, grey(5.6f)).y == near(1.0, 1e-5));
-  CHECK(tone_mapped(ToneMap::kFilmic, grey(5.0f)).y < 1.0f);
-  // ACES shows middle grey at a tenth of the display's white (4.8 of 48 cd/m^2 in cinemas).
-  CHECK(tone_mapped(ToneMap::kAces, grey(0.18f)).y == near(0.1056, 0.005));
-  CHECK(tone_mapped(ToneMap::kAces, grey(1.0f)).y == near(0.6191, 0.005));
-  // AgX shows middle grey at half of the encoded range.
-  CHECK(std::pow(tone_mapped(ToneMap::kAgx, grey(0.18f)).y, 1 / 2.2f) == near(0.5, 0.01));
-  CHECK(tone_mapped(ToneMap::kAgx, grey(0.18f * std::exp2(6.5f))).y > 0.99f);
+  CHECK(tone_mapped(ToneMap::kFilmic, gray(0.18f)).y == near(hable(0.36) / hable(11.2), 1e-5));
+  CHECK(tone_mapped(ToneMap::kFilmic, gray(5.6f)).y == near(1.0, 1e-5));
+  CHECK(tone_mapped(ToneMap::kFilmic, gray(5.0f)).y < 1.0f);
+  // ACES shows middle gray at a tenth of the display's white (4.8 of 48 cd/m^2 in cinemas).
+  CHECK(tone_mapped(ToneMap::kAces, gray(0.18f)).y == near(0.1056, 0.005));
+  CHECK(tone_mapped(ToneMap::kAces, gray(1.0f)).y == near(0.6191, 0.005));
+  // AgX shows middle gray at half of the encoded range.
+  CHECK(std::pow(tone_mapped(ToneMap::kAgx, gray(0.18f)).y, 1 / 2.2f) == near(0.5, 0.01));
+  CHECK(tone_mapped(ToneMap::kAgx, gray(0.18f * std::exp2(6.5f))).y > 0.99f);
 }
 
-TEST_CASE("tone maps: bright saturated colours turn towards white where the curve says so") {
+TEST_CASE("tone maps: bright saturated colors turn towards white where the curve says so") {
   for (const ToneMap curve : {ToneMap::kAces, ToneMap::kAgx}) {
     CAPTURE(static_cast<int>(curve));
     const Vec3f dim = tone_mapped(curve, {0.2f, 0.01f, 0.01f}), bright = tone_mapped(curve, {200, 10, 10});
@@ -74,7 +74,7 @@ TEST_CASE("tone maps: any input gives values in [0, 1]") {
       const Vec3f out = tone_mapped(curve, in);
       for (const float x : {out.x, out.y, out.z}) CHECK((x >= 0 && x <= 1));
     }
-  // Colours outside of Rec.709 are clipped to it before the curve.
+  // Colors outside of Rec.709 are clipped to it before the curve.
   for (const ToneMap curve : kCurves)
     CHECK(tone_mapped(curve, {0.5f, -0.3f, 0.2f}) == tone_mapped(curve, {0.5f, 0, 0.2f}));
   CHECK(tone_mapped(ToneMap::kClamp, {0.25f, 2, nan}) == Vec3f{0.25f, 1, 0});

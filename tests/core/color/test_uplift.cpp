@@ -1,4 +1,4 @@
-// Spectral upsampling: round trips from colours, greys, the boundary of the gamut and invalid input.
+// Spectral upsampling: round trips from colors, grays, the boundary of the gamut and invalid input.
 #include "core/color/uplift.h"
 
 #include "core/sampling/rng.h"
@@ -25,7 +25,7 @@ Vec3f color_of(const ScaledSigmoid<Scalar>& s) {
   return reflectance_to_rgb([&](float wavelength) { return s.scale * evaluate(s.shape, wavelength); });
 }
 
-/// Calls f for the colours of a 32^3 grid in sRGB encoding, with every `step`-th value per axis.
+/// Calls f for the colors of a 32^3 grid in sRGB encoding, with every `step`-th value per axis.
 template <class F> void for_each_color(int step, F&& f) {
   constexpr int kSteps = 32;
   for (int r = 0; r < kSteps; r += step)
@@ -55,7 +55,7 @@ TEST_CASE("sigmoid: limits and symmetry and inverse hold") {
   CHECK(sigmoid(inverse_sigmoid(0.0f)) == 0.0f);
 }
 
-TEST_CASE("uplift: spectra from the table restore their colours") {
+TEST_CASE("uplift: spectra from the table restore their colors") {
   float worst = 0;
   Vec3f worst_at;
   for_each_color(1, [&](Vec3f rgb) {
@@ -66,7 +66,7 @@ TEST_CASE("uplift: spectra from the table restore their colours") {
   CHECK(worst < 0.005f);
 }
 
-TEST_CASE("uplift: individually fitted spectra restore their colours") {
+TEST_CASE("uplift: individually fitted spectra restore their colors") {
   float worst = 0;
   const auto check = [&](Vec3f rgb) {
     worst = std::max(worst, largest_difference(color_of(fit_reflectance(rgb)), rgb));
@@ -107,21 +107,21 @@ TEST_CASE("uplift: the error between grid points is proportional to the brightne
   CHECK(worst_unbounded < 0.005f);
 }
 
-TEST_CASE("uplift: greys have exactly constant spectra") {
+TEST_CASE("uplift: grays have exactly constant spectra") {
   const Spectrum4 lambda(360, 480.5f, 617.25f, 830);
-  for (const float grey : {0.0f, 1e-6f, 0.1f, 0.25f, 0.5f, 0.73f, 1.0f}) {
-    for (const auto& s : {uplift_reflectance<Scalar>(UpliftTable::get(), Vec3f{grey, grey, grey}),
-                          fit_reflectance({grey, grey, grey})}) {
+  for (const float gray : {0.0f, 1e-6f, 0.1f, 0.25f, 0.5f, 0.73f, 1.0f}) {
+    for (const auto& s : {uplift_reflectance<Scalar>(UpliftTable::get(), Vec3f{gray, gray, gray}),
+                          fit_reflectance({gray, gray, gray})}) {
       const Spectrum4 v = evaluate(s, lambda);
-      CHECK((v.c0 == grey && v.c1 == grey && v.c2 == grey && v.c3 == grey));
+      CHECK((v.c0 == gray && v.c1 == gray && v.c2 == gray && v.c3 == gray));
     }
-    const float large = 1000 * grey;
+    const float large = 1000 * gray;
     for (const auto& s : {uplift_unbounded<Scalar>(UpliftTable::get(), Vec3f{large, large, large}),
                           fit_unbounded({large, large, large})}) {
       const Spectrum4 v = evaluate(s, lambda);
       CHECK((v.c0 == large && v.c1 == large && v.c2 == large && v.c3 == large));
     }
-    // Like coloured values: a shape of fixed brightness and a scale.
+    // Like colored values: a shape of fixed brightness and a scale.
     const auto unbounded = uplift_unbounded<Scalar>(UpliftTable::get(), Vec3f{large, large, large});
     CHECK(evaluate(unbounded.shape, 500.0f) == kUpliftUnbounded);
     CHECK(unbounded.scale == 2 * large);
@@ -156,7 +156,7 @@ TEST_CASE("uplift: the table does not depend on the number of threads or on the 
   CHECK(equal == 8);
 }
 
-TEST_CASE("uplift: an unbounded colour's spectrum is proportional to it") {
+TEST_CASE("uplift: an unbounded color's spectrum is proportional to it") {
   const Vec3f rgb{0.2f, 3.0f, 1.7f};
   for (float lambda = 365; lambda < 830; lambda += 55) {
     const auto one = fit_unbounded(rgb), ten = fit_unbounded(rgb * 10.0f);

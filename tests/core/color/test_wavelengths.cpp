@@ -83,8 +83,8 @@ TEST_CASE("wavelengths: range and pdf and rotation are right for every random nu
       const double p = static_cast<double>(pdf[k]);
       CHECK((std::abs(slopes[0] / p - 1) < 1e-3 || std::abs(slopes[1] / p - 1) < 1e-3));
       // The CDF maps each wavelength back to its random number.
-      const double turned = std::fmod(static_cast<double>(u) + 0.25 * static_cast<double>(k), 1.0);
-      CHECK(std::abs(cumulative(static_cast<double>(lambda[k])) - turned) < 2e-6);
+      const double rotated = std::fmod(static_cast<double>(u) + 0.25 * static_cast<double>(k), 1.0);
+      CHECK(std::abs(cumulative(static_cast<double>(lambda[k])) - rotated) < 2e-6);
     }
   }
 }

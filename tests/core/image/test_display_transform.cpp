@@ -30,7 +30,7 @@ DisplayTransform transform(std::optional<double> exposure, ToneMap map = ToneMap
   return DisplayTransform(settings);
 }
 
-/// A configuration whose only view inverts colours: display = 1 - 0.5 scene.
+/// A configuration whose only view inverts colors: display = 1 - 0.5 scene.
 constexpr const char* kConfig = R"(ocio_profile_version: 2
 search_path: ""
 roles: {default: scene, scene_linear: scene}
@@ -50,7 +50,7 @@ colorspaces:
 
 }  // namespace
 
-TEST_CASE("display: exposure scales colours by powers of two, and nothing else") {
+TEST_CASE("display: exposure scales colors by powers of two, and nothing else") {
   const Image image = image_of({"A", "R", "G", "B", "Z"}, {0.5f, 1, 2, 3, 9, 1, 0.1f, 0.2f, 0.4f, 9});
   const Image out = transform(-2).apply(image);
   CHECK(out.channels == std::vector<std::string>{"R", "G", "B", "A"});
@@ -61,14 +61,14 @@ TEST_CASE("display: exposure scales colours by powers of two, and nothing else")
   CHECK_FALSE(transform(std::nullopt).is_identity());
 }
 
-TEST_CASE("display: automatic exposure brings the log-average luminance to middle grey") {
+TEST_CASE("display: automatic exposure brings the log-average luminance to middle gray") {
   // The geometric mean of 0.02, 2 and 20 is 0.2^(1/3) x ... = (0.8)^(1/3).
   const Image image = image_of({"R", "G", "B"}, {0.02f, 0.02f, 0.02f, 2, 2, 2, 20, 20, 20, 0, 0, 0});
   const double expected = std::log2(0.18 / std::cbrt(0.8));
   CHECK(auto_exposure(image) == near(expected, 1e-5));
   CHECK(transform(std::nullopt).exposure_of(image) == near(expected, 1e-5));
   CHECK(transform(std::nullopt).apply(image).data[3] == near(2 * std::exp2(expected), 1e-5));
-  // Colours count by their luminance, and behind alpha by their straight value.
+  // Colors count by their luminance, and behind alpha by their straight value.
   CHECK(auto_exposure(image_of({"R", "G", "B"}, {0, 0.5f, 0})) ==
         near(std::log2(0.18 / static_cast<double>(luminance({0, 0.5f, 0}))), 1e-5));
   CHECK(auto_exposure(image_of({"R", "G", "B", "A"}, {0.1f, 0.1f, 0.1f, 0.25f, 0, 0, 0, 0})) ==
@@ -78,7 +78,7 @@ TEST_CASE("display: automatic exposure brings the log-average luminance to middl
   CHECK(auto_exposure(image_of({"R", "G", "B"}, {0, 0, 0, -1, -1, -1, nan, nan, nan, inf, inf, inf})) == 0.0);
 }
 
-TEST_CASE("display: tone maps act on straight colours and keep alpha") {
+TEST_CASE("display: tone maps act on straight colors and keep alpha") {
   for (const ToneMap map : {ToneMap::kFilmic, ToneMap::kAces, ToneMap::kAgx}) {
     const Image opaque = transform(1, map).apply(image_of({"R", "G", "B"}, {0.4f, 0.2f, 0.1f}));
     const Image half = transform(1, map).apply(image_of({"R", "G", "B", "A"}, {0.2f, 0.1f, 0.05f, 0.5f}));
@@ -86,7 +86,7 @@ TEST_CASE("display: tone maps act on straight colours and keep alpha") {
     CHECK(half.data[3] == 0.5f);
     const Vec3f expected = tone_mapped(map, {0.8f, 0.4f, 0.2f});
     CHECK(opaque.data == std::vector<float>{expected.x, expected.y, expected.z});
-    // Grey images, and light without alpha
+    // Gray images, and light without alpha
     CHECK(transform(0, map).apply(image_of({"Y"}, {0.3f})).data[0] == near(tone_mapped(map, {0.3f, 0.3f, 0.3f}).x));
     const Image glow = transform(0, map).apply(image_of({"R", "G", "B", "A"}, {0.5f, 0, 0, 0, 0, 0, 0, 0}));
     CHECK(glow.data[3] == 0.5f);
@@ -103,19 +103,19 @@ TEST_CASE("display: views of OpenColorIO configurations") {
   const TemporaryFolder folder;
   const std::string file = (folder / "tiny.ocio").string();
   write_bytes(folder / "tiny.ocio", kConfig);
-  const auto shown = [&](const DisplayView& view, std::vector<float> pixels) {
+  const auto displayed = [&](const DisplayView& view, std::vector<float> pixels) {
     DisplaySettings settings;
     settings.display_view = image_library().display_view(view, problem);
     REQUIRE_MESSAGE(settings.display_view, problem);
     return DisplayTransform(settings).apply(image_of({"R", "G", "B"}, std::move(pixels))).data;
   };
   // The encoder applies the sRGB curve to the result, which gives the values of the view.
-  const std::vector<float> inverted = shown({file, "", ""}, {0.5f, 1, 0, 4, -1, 0.2f});
+  const std::vector<float> inverted = displayed({file, "", ""}, {0.5f, 1, 0, 4, -1, 0.2f});
   const float expected[] = {0.75f, 0.5f, 1, 0, 1, 0.9f};
   for (std::size_t i = 0; i < 6; ++i) CHECK(linear_to_srgb(inverted[i]) == near(expected[i], 1e-4));
-  const std::vector<float> plain = shown({file, "TINY", "Plain"}, {0.5f, 0.25f, 0.125f});
+  const std::vector<float> plain = displayed({file, "TINY", "Plain"}, {0.5f, 0.25f, 0.125f});
   CHECK(linear_to_srgb(plain[1]) == near(0.25, 1e-4));
-  CHECK(linear_to_srgb(shown({"raw", "", ""}, {0.5f, 0.25f, 0.125f})[0]) == near(0.5, 1e-4));
+  CHECK(linear_to_srgb(displayed({"raw", "", ""}, {0.5f, 0.25f, 0.125f})[0]) == near(0.5, 1e-4));
 }
 
 TEST_CASE("display: errors in OpenColorIO configurations") {

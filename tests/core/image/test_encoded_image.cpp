@@ -64,7 +64,7 @@ TEST_CASE("encoded images: PNG, JPEG and WebP in memory are read like files") {
   CHECK(read_stored_image(encoded(files[1])).bytes == std::vector<std::uint8_t>(64, 200));
 }
 
-TEST_CASE("encoded images: colours of WebP files are not multiplied by alpha") {
+TEST_CASE("encoded images: colors of WebP files are not multiplied by alpha") {
   const TemporaryFolder folder;
   const StoredImage image = read_stored_image(encoded(webp_bytes(3, 2, kRgba)));
   REQUIRE(image.bytes.size() == kRgba.size());
@@ -77,14 +77,14 @@ TEST_CASE("encoded images: colours of WebP files are not multiplied by alpha") {
   const Image floats = read_image(folder / "a.webp");
   // To one level, and the rounding of halves
   for (std::size_t i = 0; i < kRgba.size(); ++i) CHECK(floats.data[i] == within(kRgba[i] / 255.0, 1.05 / 255));
-  // Without alpha, and with colours that are invisible
+  // Without alpha, and with colors that are invisible
   const StoredImage opaque = read_stored_image(encoded(webp_bytes(1, 2, {1, 2, 3, 255, 4, 5, 6, 255}, false)));
   CHECK(opaque.channels.size() == 3);
   CHECK(opaque.bytes == std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6});
   CHECK(read_stored_image(encoded(webp_bytes(1, 1, {9, 9, 9, 0}))).bytes[3] == 0);
 }
 
-TEST_CASE("encoded images: large WebP images of one colour are valid") {
+TEST_CASE("encoded images: large WebP images of one color are valid") {
   std::vector<int> values;
   for (int i = 0; i < 1024 * 1024; ++i) values.insert(values.end(), {128, 128, 255, 255});
   const std::string bytes = webp_bytes(1024, 1024, values, false);

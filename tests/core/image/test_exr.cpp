@@ -118,7 +118,7 @@ TEST_CASE("metadata survives a round trip") {
   CHECK(bytes.find("capDate") == std::string::npos);
 }
 
-TEST_CASE("every compression is read back; only DWA changes values, and only those of colours") {
+TEST_CASE("every compression is read back; only DWA changes values, and only those of colors") {
   const TemporaryFolder folder;
   const Image image = make_noise(70, 50, {"CryptoObject00.r", "R", "Z"});
   std::vector<std::size_t> sizes;
@@ -205,9 +205,9 @@ TEST_CASE("a damaged EXR is read or rejected and never crashes") {
   const std::string bytes = read_bytes(folder / "whole.exr");
   std::mt19937 generator(3);
   int refused = 0;
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int attempt = 0; attempt < 300; ++attempt) {
     std::string damaged = bytes;
-    const std::size_t range = trial % 2 == 0 ? 400 : bytes.size();
+    const std::size_t range = attempt % 2 == 0 ? 400 : bytes.size();
     for (int k = 0; k < 3; ++k) damaged[generator() % range] = static_cast<char>(generator());
     write_bytes(folder / "damaged.exr", damaged);
     try {

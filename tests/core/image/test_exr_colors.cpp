@@ -1,4 +1,4 @@
-// Reading of OpenEXR files as images: channels, parts, windows and colour spaces.
+// Reading of OpenEXR files as images: channels, parts, windows and color spaces.
 #include "core/image/exr_colors.h"
 
 #include "core/image/exr.h"
@@ -72,7 +72,7 @@ TEST_CASE("exr image: root channels precede layers and the layer of the image pr
               {1, 1, 1});
 }
 
-TEST_CASE("exr image: alpha belongs to the layer of the colours and is not converted") {
+TEST_CASE("exr image: alpha belongs to the layer of the colors and is not converted") {
   const std::vector<float> xyz{1, 0, 0, 1, 0, 0, 1 / 3.0f, 1 / 3.0f};
   const std::map<std::string, float> values{{"a.R", 0.2f}, {"a.G", 0.5f}, {"a.B", 0.3f}, {"a.A", 0.125f}, {"A", 9}};
   const StoredImage image = read({exr_part(2, 1, values, xyz)});
@@ -84,7 +84,7 @@ TEST_CASE("exr image: alpha belongs to the layer of the colours and is not conve
   }
 }
 
-TEST_CASE("exr image: a luminance channel becomes grey") {
+TEST_CASE("exr image: a luminance channel becomes gray") {
   check_pixel(read({exr_part(1, 1, {{"Y", 0.5f}})}), {0.5f});
   check_pixel(read({exr_part(1, 1, {{"y", 0.5f}, {"a", 0.25f}})}), {0.5f, 0.25f});
   check_pixel(read({exr_part(1, 1, {{"height", 0.5f}, {"A", 1}})}), {0.5f, 1});
@@ -92,7 +92,7 @@ TEST_CASE("exr image: a luminance channel becomes grey") {
   check_pixel(read({exr_part(1, 1, {{"bump.V", 0.5f}})}), {0.5f});
 }
 
-TEST_CASE("exr image: unknown channels are an error that lists them and never become grey") {
+TEST_CASE("exr image: unknown channels are an error that lists them and never become gray") {
   const std::string expected = "(expected R, G and B, or X, Y and Z, or one channel, optionally with A)";
   for (const std::map<std::string, float>& values :
        {std::map<std::string, float>{{"R", 1}, {"G", 1}},
@@ -104,7 +104,7 @@ TEST_CASE("exr image: unknown channels are an error that lists them and never be
         {{"U", 1}, {"V", 1}, {"A", 1}}}) {
     const std::string message = error_in({exr_part(1, 1, values)});
     CAPTURE(message);
-    CHECK(contains(message, "a.exr: no colours among the channels "));
+    CHECK(contains(message, "a.exr: no colors among the channels "));
     CHECK(contains(message, expected));
     for (const auto& [name, value] : values) CHECK(contains(message, name));
   }
@@ -134,9 +134,9 @@ TEST_CASE("exr image: chromaticities and XYZ are converted to Rec.709 unless the
     check_pixel(read({exr_part(1, 1, values, aces)}, true), {0.2f, 0.5f, 0.3f});
   check_pixel(read({exr_part(1, 1, {{"Y", 0.5f}}, aces)}), {0.5f});
   check_pixel(read({exr_part(1, 1, {{"Z", 1}}, xyz, "depth"), exr_part(1, 1, rgb, xyz, "colours")}), of_xyz);
-  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, 0))}), "chromaticities define no colour space"));
+  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, 0))}), "chromaticities define no color space"));
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, nan))}), "no colour space"));
+  CHECK(contains(error_in({exr_part(1, 1, rgb, std::vector<float>(8, nan))}), "no color space"));
 }
 
 TEST_CASE("exr image: the image is the display window wherever the data window lies") {

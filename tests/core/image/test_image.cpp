@@ -76,7 +76,7 @@ TEST_CASE("a PNG clamps and rounds to nearest and stores NaN as black") {
   for (int x = 0; x < 6; ++x) CHECK(byte_at(back, x, 0, 0) == expected[x]);
 }
 
-TEST_CASE("a PNG stores alpha only where pixels are transparent and stores unpremultiplied colours") {
+TEST_CASE("a PNG stores alpha only where pixels are transparent and stores unpremultiplied colors") {
   const TemporaryFolder folder;
   Image image(2, 1, {"R", "G", "B", "A"});
   image.data = {0.5f, 0.25f, 0, 1, 0.1f, 0.1f, 0.1f, 1};
@@ -177,9 +177,9 @@ TEST_CASE("a BMP of a size that the file cannot hold is rejected before the libr
   std::string upright = bytes;
   upright.replace(22, 4, "\xec\xff\xff\xff"sv);  // -20 rows: top row first
   write_bytes(folder / "upright.bmp", upright);
-  const Image image = read_image(folder / "a.bmp"), turned = read_image(folder / "upright.bmp");
-  CHECK(turned.height == 20);
-  CHECK(turned.at(3, 4, 1) == image.at(3, 15, 1));
+  const Image image = read_image(folder / "a.bmp"), rotated = read_image(folder / "upright.bmp");
+  CHECK(rotated.height == 20);
+  CHECK(rotated.at(3, 4, 1) == image.at(3, 15, 1));
 }
 
 TEST_CASE("image formats are detected by content and TGA by its name") {

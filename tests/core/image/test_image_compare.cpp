@@ -65,7 +65,7 @@ TEST_CASE("pure noise passes the Z-test at its level") {
   CHECK(static_cast<double>(test.tests) == n);
   // Rejections are binomial with probability 0.01. 3.3 standard deviations are a significance level of 1e-3, two-sided.
   const double deviation = std::sqrt(0.01 * 0.99 / n);
-  CHECK(std::abs(test.accepted_share() - 0.99) < 3.3 * deviation);
+  CHECK(std::abs(test.accepted_fraction() - 0.99) < 3.3 * deviation);
   CHECK(std::abs(test.mean_z_squared - 1) < 3.3 * std::sqrt(2 / n));
   CHECK(test.corrected_mean_p() > kSignificance);
   CHECK(result.mse == near(2 * kNoise * kNoise, 0.05));
@@ -75,7 +75,7 @@ TEST_CASE("a bias of two percent fails the Z-test") {
   const ImageComparison result = compare_images(make_noisy(1.02f, 1), make_noisy(1, 2), known_variances());
   REQUIRE(result.z_test);
   const double deviation = std::sqrt(0.01 * 0.99 / static_cast<double>(result.z_test->tests));
-  CHECK(result.z_test->accepted_share() < 0.99 - 3.3 * deviation);
+  CHECK(result.z_test->accepted_fraction() < 0.99 - 3.3 * deviation);
   CHECK(result.z_test->corrected_mean_p() < 1e-9);
   CHECK(std::abs(result.mean_ratio - 1.02) < 1e-3);
 }
@@ -84,7 +84,7 @@ TEST_CASE("underestimated variances fail the Z-test") {
   CompareOptions options;
   options.variance_a = constant_image(kNoise * kNoise);  // treats the second image as noise-free
   const ImageComparison result = compare_images(make_noisy(1, 1), make_noisy(1, 2), options);
-  CHECK(result.z_test->accepted_share() < 0.95);
+  CHECK(result.z_test->accepted_fraction() < 0.95);
   CHECK(result.z_test->mean_z_squared == near(2, 0.05));
 }
 
@@ -92,7 +92,7 @@ TEST_CASE("values without variance must be equal") {
   CompareOptions options;
   options.variance_a = constant_image(0);
   Image b = constant_image(1);
-  CHECK(compare_images(constant_image(1), b, options).z_test->accepted_share() == 1);
+  CHECK(compare_images(constant_image(1), b, options).z_test->accepted_fraction() == 1);
   b.at(3, 4, 1) = 1.01f;
   const ZTest test = *compare_images(constant_image(1), b, options).z_test;
   CHECK(test.accepted == test.tests - 1);

@@ -12,7 +12,7 @@ namespace sheaf::test_image_encoding {
 
 namespace {
 
-/// A smooth image with alpha if there is a fourth channel; colours are premultiplied.
+/// A smooth image with alpha if there is a fourth channel; colors are premultiplied.
 Image gradient(std::vector<std::string> channels) {
   Image image(40, 24, std::move(channels));
   for (int y = 0; y < image.height; ++y)
@@ -30,7 +30,7 @@ IntegerEncoding encoding(IntegerFormat format) {
   return encoding;
 }
 
-/// Largest difference from the sRGB-encoded colours, straight or over black.
+/// Largest difference from the sRGB-encoded colors, straight or over black.
 float max_error(const Image& file, const Image& image, bool straight) {
   float error = 0;
   for (int y = 0; y < image.height; ++y)
@@ -61,7 +61,7 @@ TEST_CASE("TIFF: 16 bits with straight alpha") {
   }
 }
 
-TEST_CASE("JPEG: colours over black, and a quality") {
+TEST_CASE("JPEG: colors over black, and a quality") {
   const TemporaryFolder folder;
   const Image image = gradient({"R", "G", "B", "A"});
   IntegerEncoding options = encoding(IntegerFormat::kJpeg);
@@ -75,14 +75,14 @@ TEST_CASE("JPEG: colours over black, and a quality") {
   CHECK(read_bytes(folder / "small.jpg").size() < read_bytes(folder / "good.jpg").size());
 }
 
-TEST_CASE("JPEG and TIFF: grey images, descriptions and images without pixels") {
+TEST_CASE("JPEG and TIFF: gray images, descriptions and images without pixels") {
   const TemporaryFolder folder;
-  Image grey(5, 4, {"depth"});
-  for (float& value : grey.data) value = 0.5f;
+  Image gray(5, 4, {"depth"});
+  for (float& value : gray.data) value = 0.5f;
   for (const IntegerFormat format : {IntegerFormat::kJpeg, IntegerFormat::kTiff}) {
     IntegerEncoding options = encoding(format);
     options.description = "the render was interrupted";
-    write_encoded_image(folder / "grey", grey, options);
+    write_encoded_image(folder / "grey", gray, options);
     const Image back = read_image(folder / "grey");
     CHECK(back.channels.size() == 1);
     CHECK(back.data[0] == near(linear_to_srgb(0.5f), 0.01));

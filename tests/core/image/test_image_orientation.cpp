@@ -1,4 +1,4 @@
-// Radiance HDR and TIFF files whose first pixel is not top left, whose colours are CIE XYZ, or that omit BitsPerSample.
+// Radiance HDR and TIFF files whose first pixel is not top left, whose colors are CIE XYZ, or that omit BitsPerSample.
 #include "core/image/image.h"
 #include "core/image/image_corrections.h"
 #include "core/io/error.h"
@@ -23,15 +23,15 @@ const std::vector<int> kUpright{1, 2, 3, 4, 5, 6};
 
 /// The pixels in the order of a file. `first` and `second` are the axes of its resolution string.
 std::vector<int> stored(const std::string& first, const std::string& second) {
-  const auto places = [](const std::string& axis) {
+  const auto positions = [](const std::string& axis) {
     std::vector<int> all;
     for (int i = 0; i < (axis[1] == 'X' ? kWidth : kHeight); ++i) all.push_back(i);
     if (axis == "-X" || axis == "+Y") std::reverse(all.begin(), all.end());
     return all;
   };
   std::vector<int> out;
-  for (const int i : places(first))
-    for (const int j : places(second)) {
+  for (const int i : positions(first))
+    for (const int j : positions(second)) {
       const int x = first[1] == 'X' ? i : j, y = first[1] == 'X' ? j : i;
       out.push_back(kUpright[static_cast<std::size_t>(kWidth * y + x)]);
     }

@@ -23,13 +23,13 @@ TEST_CASE("error: errors of scenes carry their place and element and code") {
   CHECK(error.about("<scene>").element() == "<shape>");
   // Another place precedes the message
   const SourceLocation scene{"a.xml", 3};
-  const SceneError placed = at_place(scene, error);
+  const SceneError placed = at_location(scene, error);
   CHECK(std::string(placed.what()) == "a.xml:3: a.ply:12: bad");
   CHECK(placed.where() == scene);
   CHECK(placed.element() == "<shape>");
   CHECK(placed.code() == Code::kTooLarge);
-  CHECK(std::string(at_place(scene, placed).what()) == placed.what());
-  CHECK(std::string(at_place(scene, plain).what()) == "a.xml:3: bad");
+  CHECK(std::string(at_location(scene, placed).what()) == placed.what());
+  CHECK(std::string(at_location(scene, plain).what()) == "a.xml:3: bad");
 }
 
 TEST_CASE("error: exit codes match the documented ones") {

@@ -91,7 +91,7 @@ TEST_CASE("output file: a full disk is an error and the previous file is kept") 
   CHECK(folder.entry_count() == 3);
 }
 
-TEST_CASE("output file: different names of the same file are recognised") {
+TEST_CASE("output file: different names of the same file are recognized") {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "real");
   std::filesystem::create_directory_symlink(folder / "real", folder / "alias");

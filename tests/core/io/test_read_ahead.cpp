@@ -133,7 +133,7 @@ TEST_CASE("read ahead: a share of the memory applies to one thread and ends") {
   const double all = available_memory();
   double here = 0, elsewhere = 0;
   {
-    const MemoryShare share(1e-3);
+    const MemoryFraction fraction(1e-3);
     here = available_memory();
     std::thread([&] { elsewhere = available_memory(); }).join();
   }

@@ -46,14 +46,14 @@ TEST_CASE("animated transforms: the factors multiply to the matrix, and the rota
 }
 
 TEST_CASE("animated transforms: half of a quarter turn is an eighth of a turn") {
-  const AnimatedTransform turn({{2, Transform::rotate({0, 0, 1}, 90)}, {0, Transform()}});
-  CHECK(largest_difference(turn.at(1), Transform::rotate({0, 0, 1}, 45)) < 1e-9);
-  CHECK(largest_difference(turn.at(0.5), Transform::rotate({0, 0, 1}, 22.5)) < 1e-9);
+  const AnimatedTransform azimuth({{2, Transform::rotate({0, 0, 1}, 90)}, {0, Transform()}});
+  CHECK(largest_difference(azimuth.at(1), Transform::rotate({0, 0, 1}, 45)) < 1e-9);
+  CHECK(largest_difference(azimuth.at(0.5), Transform::rotate({0, 0, 1}, 22.5)) < 1e-9);
 }
 
 TEST_CASE("animated transforms: rotations take the shorter arc") {
-  const AnimatedTransform turn({{0, Transform::rotate({0, 1, 0}, -100)}, {1, Transform::rotate({0, 1, 0}, 100)}});
-  CHECK(largest_difference(turn.at(0.5), Transform::rotate({0, 1, 0}, 180)) < 1e-9);
+  const AnimatedTransform azimuth({{0, Transform::rotate({0, 1, 0}, -100)}, {1, Transform::rotate({0, 1, 0}, 100)}});
+  CHECK(largest_difference(azimuth.at(0.5), Transform::rotate({0, 1, 0}, 180)) < 1e-9);
 }
 
 TEST_CASE("animated transforms: translation and stretch are linear") {
@@ -77,9 +77,9 @@ TEST_CASE("animated transforms: keys hold at their times and beyond the ends") {
 
 TEST_CASE("animated transforms: a product interpolates each factor by itself") {
   const AnimatedTransform lift({{0, Transform()}, {1, Transform::translate({0, 2, 0})}});
-  const AnimatedTransform turn({{0, Transform()}, {2, Transform::rotate({0, 0, 1}, 180)}});
+  const AnimatedTransform azimuth({{0, Transform()}, {2, Transform::rotate({0, 0, 1}, 180)}});
   const Transform fixed = Transform::translate({1, 0, 0});
-  const AnimatedTransform both = lift * turn * AnimatedTransform(fixed);
+  const AnimatedTransform both = lift * azimuth * AnimatedTransform(fixed);
   const Transform expected =
       Transform::translate({0, 1, 0}) * Transform::rotate({0, 0, 1}, 45) * Transform::translate({1, 0, 0});
   CHECK(largest_difference(both.at(0.5), Transform::translate({0, 1, 0}) * Transform::rotate({0, 0, 1}, 45) * fixed) <

@@ -87,7 +87,7 @@ TEST_CASE("transform: normals stay perpendicular to surfaces") {
   }
 }
 
-TEST_CASE("transform: mirroring transforms are recognised by their determinant") {
+TEST_CASE("transform: mirroring transforms are recognized by their determinant") {
   CHECK_FALSE(Transform().swaps_handedness());
   CHECK_FALSE(Transform::rotate({3, 1, 2}, 200).swaps_handedness());
   CHECK_FALSE(Transform::look_at({1, 2, 3}, {0, 0, 0}, {0, 1, 0}).swaps_handedness());

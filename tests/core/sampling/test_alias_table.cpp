@@ -40,7 +40,7 @@ AliasSample<Scalar> sample_all(const std::vector<AliasEntry>& table, float u) {
 
 }  // namespace
 
-TEST_CASE("alias table: rows add up to the normalised weights") {
+TEST_CASE("alias table: rows add up to the normalized weights") {
   for (const std::uint32_t count : {3u, 17u, 1000u, 65536u}) {
     const Weights weights = uneven_weights(std::max(count, 4u));
     const auto table = build_alias_table(weights);

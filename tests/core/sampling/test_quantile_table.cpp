@@ -136,7 +136,7 @@ TEST_CASE("quantile table: SIMD results equal scalar ones") {
       const auto wide = draw_quantile<Wide>(table.rows.data(), WideUint(0u), u);
       for (int lane = 0; lane < kWidth; ++lane) {
         const auto single = table.draw(u[lane]);
-        CHECK((wide.index[lane] == single.index && wide.place[lane] == single.place &&
+        CHECK((wide.index[lane] == single.index && wide.position[lane] == single.position &&
                wide.quantile[lane] == single.quantile));
       }
     }

@@ -1,4 +1,4 @@
-// Random numbers: uniform, independent for neighbouring counters, and the same in every lane.
+// Random numbers: uniform, independent for neighboring counters, and the same in every lane.
 #include "core/sampling/rng.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/lanes_testing.h"
@@ -42,19 +42,19 @@ Counter at(std::uint32_t seed, std::uint32_t pixel, std::uint32_t sample, std::u
   return {seed, pixel, sample, block};
 }
 
-using Neighbours = std::pair<Counter, Counter>;
+using Neighbors = std::pair<Counter, Counter>;
 
-/// A named family of neighbouring counters.
+/// A named family of neighboring counters.
 struct Walk {
   std::string name;
-  std::function<Neighbours(std::uint32_t)> pair;
+  std::function<Neighbors(std::uint32_t)> pair;
 };
 
 /// A family in which the second counter is the first with one member changed.
 template <class F>
 Walk walk(const char* name, std::uint32_t Counter::*member, F&& change, Counter (*first)(std::uint32_t)) {
   return {name, [=](std::uint32_t i) {
-            Neighbours pair{first(i), first(i)};
+            Neighbors pair{first(i), first(i)};
             pair.second.*member = change(pair.second.*member);
             return pair;
           }};
@@ -64,12 +64,12 @@ const std::vector<Walk>& walks() {
   using U = std::uint32_t;
   const auto next = [](U n) { return n + 1; };
   static const std::vector<Walk> all = {
-      walk("neighbouring pixels", &Counter::pixel, next, [](U i) { return at(0, 2 * i, 0, 0); }),
-      walk("neighbouring samples", &Counter::sample, next, [](U i) { return at(0, i / 32, 2 * (i % 32), 0); }),
+      walk("neighboring pixels", &Counter::pixel, next, [](U i) { return at(0, 2 * i, 0, 0); }),
+      walk("neighboring samples", &Counter::sample, next, [](U i) { return at(0, i / 32, 2 * (i % 32), 0); }),
       walk("samples of one pixel", &Counter::sample, next, [](U i) { return at(0, 1234, 2 * i, 0); }),
-      walk("neighbouring dimensions", &Counter::block, next, [](U i) { return at(0, i / 16, i % 16, 0); }),
+      walk("neighboring dimensions", &Counter::block, next, [](U i) { return at(0, i / 16, i % 16, 0); }),
       walk("dimensions of one path", &Counter::block, next, [](U i) { return at(0, 77, 5, 2 * i); }),
-      walk("neighbouring seeds", &Counter::seed, next, [](U i) { return at(0, i, 0, 0); }),
+      walk("neighboring seeds", &Counter::seed, next, [](U i) { return at(0, i, 0, 0); }),
       walk("many seeds", &Counter::seed, next, [](U i) { return at(2 * i, 0, 0, 0); }),
       walk(
           "one path event apart", &Counter::block, [](U n) { return n + 3; }, [](U i) { return at(0, i, 0, 1); }),
@@ -87,11 +87,11 @@ const std::vector<Walk>& walks() {
           [](U i) { return at(0, i + 1, 0, 0); }),
       {"seed and pixel exchanged",
        [](U i) {
-         return Neighbours{{i + 1, 0, 0, 0}, {0, i + 1, 0, 0}};
+         return Neighbors{{i + 1, 0, 0, 0}, {0, i + 1, 0, 0}};
        }},
       {"pixel and sample exchanged",
        [](U i) {
-         return Neighbours{{0, i + 1, 0, 0}, {0, 0, i + 1, 0}};
+         return Neighbors{{0, i + 1, 0, 0}, {0, 0, i + 1, 0}};
        }},
   };
   return all;
@@ -112,7 +112,7 @@ TEST_CASE("rng: each of the four numbers is uniform along every counter") {
     }
 }
 
-TEST_CASE("rng: neighbouring counters are independent of each other") {
+TEST_CASE("rng: neighboring counters are independent of each other") {
   const auto tests = static_cast<int>(walks().size()) * 4;
   for (const Walk& w : walks())
     for (std::size_t output = 0; output < 4; ++output) {

@@ -163,7 +163,7 @@ TEST_CASE("sampler: blocks and dimensions and pixels and seeds and sets are inde
 
 TEST_CASE("sampler: samples of two blocks are paired at random within a pixel") {
   // The mean of (a - 1/2)(b - 1/2) over the samples of a pixel, with a and b from different blocks, has mean 0 and a
-  // variance of 1/144 per sample. Consecutive Sobol samples lie on opposite sides of the centre in every dimension,
+  // variance of 1/144 per sample. Consecutive Sobol samples lie on opposite sides of the center in every dimension,
   // which increases the variance up to a factor of 2. Without shuffling the factor would be 64 or almost 0.
   constexpr U kPixels = 3000, kSamples = 64;
   for (const SamplerKind kind : kKinds)
@@ -214,7 +214,7 @@ TEST_CASE("sampler: better stratified samples reduce the error") {
 
 TEST_CASE("sampler: samples that choose the same lobe are well stratified over directions") {
   // Only the component that is chosen with this probability scatters, as a smooth function of the direction.
-  constexpr float kShare = 0.3f;
+  constexpr float kFraction = 0.3f;
   const auto variance = [&](SamplerKind kind, SampleBlock choice) {
     const SamplerView sampler = sampler_of(kind, 1, 64);
     MeanVariance result;
@@ -222,7 +222,7 @@ TEST_CASE("sampler: samples that choose the same lobe are well stratified over d
       double sum = 0;
       for (U i = 0; i < 64; ++i) {
         const Numbers u = numbers(sampler, pixel, i, 2, SampleBlock::kScatter);
-        if (numbers(sampler, pixel, i, 2, choice)[0] < kShare) sum += double{u[1]} + double{u[2]};
+        if (numbers(sampler, pixel, i, 2, choice)[0] < kFraction) sum += double{u[1]} + double{u[2]};
       }
       result.add(sum / 64);
     }
@@ -248,7 +248,7 @@ TEST_CASE("sampler: Sobol points fill the best plane of each block at every powe
     }
 }
 
-TEST_CASE("sampler: neighbouring pixels share a Sobol sequence and each square of pixels gets a range of it") {
+TEST_CASE("sampler: neighboring pixels share a Sobol sequence and each square of pixels gets a range of it") {
   const SamplerView sampler = make_sampler(SamplerKind::kZSobol, 1, 4, 100);
   for (const SampleBlock block : kBlocks)
     for (const U side : {1u, 2u, 4u, 8u})
@@ -417,19 +417,19 @@ TEST_CASE("sampler: each number is independent of which others are requested") {
   int wrong = 0;
   for (const SamplerKind kind : kKinds)
     for (const SampleBlock block : kBlocks)
-      for (unsigned wanted = 1; wanted < kAllNumbers; ++wanted)
+      for (unsigned requested = 1; requested < kAllNumbers; ++requested)
         for (U i = 0; i < 50; ++i) {
           const SamplerView sampler = sampler_of(kind, i, 16);
           // Sample indices above 65536 use the whole sequence.
           const U pixel = 977 * i, sample = i * i * 131, dimension = i % 5;
           const SampleSet set{i % 3, 3};
-          const auto one = draw<Scalar>(sampler, pixel, sample, dimension, block, set, wanted);
+          const auto one = draw<Scalar>(sampler, pixel, sample, dimension, block, set, requested);
           const auto wide =
-              draw<Wide>(sampler, WideUint(pixel), WideUint(sample), WideUint(dimension), block, set, wanted);
+              draw<Wide>(sampler, WideUint(pixel), WideUint(sample), WideUint(dimension), block, set, requested);
           const Numbers all = numbers(sampler, pixel, sample, dimension, block, set);
           const Numbers found = {one.x, one.y, one.z, one.w}, in_lane = {wide.x[3], wide.y[3], wide.z[3], wide.w[3]};
           for (unsigned k = 0; k < 4; ++k)
-            if ((wanted >> k & 1) != 0) wrong += found[k] != all[k] || in_lane[k] != all[k];
+            if ((requested >> k & 1) != 0) wrong += found[k] != all[k] || in_lane[k] != all[k];
         }
   CHECK(wrong == 0);
 }

@@ -33,7 +33,7 @@ struct Box {
   double corner(double x, double y) const { return std::atan2(x * y, h * std::sqrt(x * x + y * y + double(h) * h)); }
 };
 
-/// Centred, off-axis, near one corner, near the plane, wide and narrow, in millimetres and kilometres.
+/// Centered, off-axis, near one corner, near the plane, wide and narrow, in millimeters and kilometers.
 const std::vector<Box> kBoxes = {{-1, 1, -1, 1, 1},
                                  {-0.7f, 2.1f, 0.3f, 0.9f, 0.8f},
                                  {0.001f, 1, 0.001f, 1, 0.01f},

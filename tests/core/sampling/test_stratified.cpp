@@ -45,12 +45,12 @@ TEST_CASE("stratified: pairs of elements are mapped to all pairs of positions wi
     CAPTURE(count);
     for (U a = 0; a < count; ++a) {
       const U b = (a + 1) % count;
-      std::vector<double> places(count * (count - 1));
+      std::vector<double> positions(count * (count - 1));
       for (U key = 0; key < 1u << 14; ++key) {
         const U pa = permuted(a, count, key_of(key)), pb = permuted(b, count, key_of(key));
-        places[pa * (count - 1) + (pb > pa ? pb - 1 : pb)] += 1.0;
+        positions[pa * (count - 1) + (pb > pa ? pb - 1 : pb)] += 1.0;
       }
-      CHECK(chi_square_uniform(places).p_value > significance_of_each(2 + 3 + 4 + 5 + 6 + 8 + 12));
+      CHECK(chi_square_uniform(positions).p_value > significance_of_each(2 + 3 + 4 + 5 + 6 + 8 + 12));
     }
   }
 }

@@ -102,7 +102,7 @@ TEST_CASE("warp: SIMD results equal scalar ones") {
     CHECK(cosine_hemisphere_pdf_solid_angle(cosines)[lane] == cosine_hemisphere_pdf_solid_angle(cosines[lane]));
 }
 
-TEST_CASE("warp: results are finite and normalised and inside their domain up to its ends") {
+TEST_CASE("warp: results are finite and normalized and inside their domain up to its ends") {
   double worst_norm = 0;
   int outside = 0;
   for (const float u : test_numbers())

@@ -1,5 +1,5 @@
 // Checks that products and sums are rounded separately, without contraction to fused multiply-adds. Compiled with the
-// optimisation level at which compilers contract, see cmake/SheafTests.cmake. The test is void on machines without FMA.
+// optimization level at which compilers contract, see cmake/SheafTests.cmake. The test is void on machines without FMA.
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The arena: alignment, order of allocations, zero initialisation.
+// The arena: alignment, order of allocations, zero initialization.
 #include "core/soa/arena.h"
 
 #include <doctest/doctest.h>

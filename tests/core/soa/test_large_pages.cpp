@@ -36,15 +36,15 @@ TEST_CASE("large pages: whole pages of anonymous memory are found") {
 }
 
 TEST_CASE("large pages: other memory is left alone") {
-  const std::string place = "7f0000000000-7f0001000000 ";
-  CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, 0)).size() == 1);
-  CHECK(ranges(entry(place + "r-xp 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());
-  CHECK(ranges(entry(place + "rw-s 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());
-  CHECK(ranges(entry(place + "rw-p 00000000 fe:00 99    /usr/lib/libm.so", kSixteenMegabytes, 0)).empty());
-  CHECK(ranges(entry(place + "rw-p 00000000 00:00 0    [stack]", kSixteenMegabytes, 0)).empty());
+  const std::string page = "7f0000000000-7f0001000000 ";
+  CHECK(ranges(entry(page + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, 0)).size() == 1);
+  CHECK(ranges(entry(page + "r-xp 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());
+  CHECK(ranges(entry(page + "rw-s 00000000 00:00 0 ", kSixteenMegabytes, 0)).empty());
+  CHECK(ranges(entry(page + "rw-p 00000000 fe:00 99    /usr/lib/libm.so", kSixteenMegabytes, 0)).empty());
+  CHECK(ranges(entry(page + "rw-p 00000000 00:00 0    [stack]", kSixteenMegabytes, 0)).empty());
   // Mostly unused, like stacks of threads; already on large pages; too small.
-  CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", 4000, 0)).empty());
-  CHECK(ranges(entry(place + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, kSixteenMegabytes)).empty());
+  CHECK(ranges(entry(page + "rw-p 00000000 00:00 0 ", 4000, 0)).empty());
+  CHECK(ranges(entry(page + "rw-p 00000000 00:00 0 ", kSixteenMegabytes, kSixteenMegabytes)).empty());
   CHECK(ranges(entry("7f0000100000-7f0000400000 rw-p 00000000 00:00 0 ", 3 << 10, 0)).empty());
   CHECK(ranges("").empty());
   CHECK(ranges("Rss: 12 kB\nnonsense\n7f00-\n").empty());

@@ -14,11 +14,11 @@ enum class Kind : std::uint32_t { kNone, kSome, kMany };
 
 template <class L> struct alignas(row_alignment<L>(64)) Row {
   EnumIn<L, Kind> kind;
-  Vec3<L> place;
+  Vec3<L> row;
   typename L::Float values[9];
   typename L::Uint pair[2];
   typename L::Uint last;
-  static constexpr auto fields(auto& s) { return std::tie(s.kind, s.place, s.values, s.pair, s.last); }
+  static constexpr auto fields(auto& s) { return std::tie(s.kind, s.row, s.values, s.pair, s.last); }
 };
 static_assert(sizeof(Row<Scalar>) == 64 && alignof(Row<Scalar>) == 64 && kLeafCount<Row> == 16);
 
@@ -46,7 +46,7 @@ template <class L> void check_gathers() {
   Uint<L> index;
   load(rows, index);
   const Row<L> got = gather_rows<L>(table.data(), index);
-  const Vec3<L> place = gather_member<L>(table.data(), &Row<Scalar>::place, index);
+  const Vec3<L> row = gather_member<L>(table.data(), &Row<Scalar>::row, index);
   Float<L> four[4];
   gather_four<L>(table.data(), &Row<Scalar>::values, 5, index, four);
   for (int lane = 0; lane < L::width; ++lane) {
@@ -54,9 +54,9 @@ template <class L> void check_gathers() {
     const auto number = static_cast<std::uint32_t>(want.kind);
     CHECK(static_cast<std::uint32_t>(lane_value(got.kind, lane)) == number);
     CHECK(lane_value(gather_member<L>(table.data(), &Row<Scalar>::kind, index), lane) == number);
-    CHECK(lane_value(got.place.y, lane) == want.place.y);
-    CHECK(lane_value(place.x, lane) == want.place.x);
-    CHECK(lane_value(place.z, lane) == want.place.z);
+    CHECK(lane_value(got.row.y, lane) == want.row.y);
+    CHECK(lane_value(row.x, lane) == want.row.x);
+    CHECK(lane_value(row.z, lane) == want.row.z);
     for (int k = 0; k < 9; ++k) CHECK(lane_value(got.values[k], lane) == want.values[k]);
     for (int k = 0; k < 4; ++k) CHECK(lane_value(four[k], lane) == want.values[5 + k]);
     CHECK(lane_value(got.pair[1], lane) == want.pair[1]);

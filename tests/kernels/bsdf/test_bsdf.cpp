@@ -131,10 +131,10 @@ TEST_CASE("bsdf: dielectrics choose reflection by the Fresnel reflectance and co
         const float scale = s.wi.z * wo.z > 0 ? 0.75f : 0.5f / s.eta_scale;
         CHECK(s.weight.c2 == near(scale, 1e-5));
       }
-      const double share = fresnel_dielectric<Scalar>(wo.z, eta).reflectance;
+      const double fraction = fresnel_dielectric<Scalar>(wo.z, eta).reflectance;
       // Binomial counts; 10 cases for each index.
       const double threshold = student_t_threshold(significance_of_each(20), kDraws - 1);
-      CHECK(std::fabs(reflected - kDraws * share) <= threshold * std::sqrt(kDraws * share * (1 - share)) + 1);
+      CHECK(std::fabs(reflected - kDraws * fraction) <= threshold * std::sqrt(kDraws * fraction * (1 - fraction)) + 1);
       CHECK(is_black(dielectric(eta).evaluate(wo, {0, 0, 1}).f_cos));
       CHECK(dielectric(eta).evaluate(wo, {0, 0, 1}).pdf_solid_angle == 0.0f);
     }
@@ -144,12 +144,15 @@ TEST_CASE("bsdf: dielectrics choose reflection by the Fresnel reflectance and co
 }
 
 TEST_CASE("bsdf: SIMD results equal scalar ones") {
-  const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
-  check_bsdf_lanes<DiffuseBsdf>([&](int lane) { return diffuse(share(lane, 0), share(lane, 1), share(lane, 2)); });
+  const auto fraction = [](int lane, int k) {
+    return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4);
+  };
+  check_bsdf_lanes<DiffuseBsdf>(
+      [&](int lane) { return diffuse(fraction(lane, 0), fraction(lane, 1), fraction(lane, 2)); });
   check_bsdf_lanes<ConductorBsdf>(
-      [&](int lane) { return conductor(2 * share(lane, 0), 4 * share(lane, 1), share(lane, 2)); });
+      [&](int lane) { return conductor(2 * fraction(lane, 0), 4 * fraction(lane, 1), fraction(lane, 2)); });
   check_bsdf_lanes<DielectricBsdf>(
-      [&](int lane) { return dielectric(0.5f + 1.5f * share(lane, 0), share(lane, 1), share(lane, 2)); });
+      [&](int lane) { return dielectric(0.5f + 1.5f * fraction(lane, 0), fraction(lane, 1), fraction(lane, 2)); });
 }
 
 }  // namespace sheaf::test_bsdf

@@ -16,7 +16,7 @@ DisneyBsdf<Scalar> disney(const Parameters& p) {
   return bsdf;
 }
 
-/// Members: base colour, metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint,
+/// Members: base color, metallic, subsurface, specular, specular_tint, roughness, anisotropic, sheen, sheen_tint,
 /// clearcoat, clearcoat_gloss.
 const Parameters kDefault{{0.5f, 0.5f, 0.5f, 0}, 0, 0, 0.5f, 0, 0.5f, 0, 0, 0.5f, 0, 1};
 const Parameters kMetal{{1, 0.8f, 0.4f, 0}, 1, 0, 0.5f, 0, 0.4f, 0.9f, 0, 0, 0, 0};
@@ -28,7 +28,7 @@ const Parameters kMaterials[] = {kDefault, kMetal, kSkin, kRough, kCoat, kEveryt
 
 constexpr int kSamplingTests = 5 * 6, kPeakTests = 2;
 
-/// The published formulas in double precision, term by term, for one colour channel `base`. `lum`: .3 R + .6 G + .1 B.
+/// The published formulas in double precision, term by term, for one color channel `base`. `lum`: .3 R + .6 G + .1 B.
 double reference(const Parameters& p, double base, double lum, Vec3f v, Vec3f l) {
   const double pi = 3.14159265358979323846;
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
@@ -137,19 +137,19 @@ TEST_CASE("disney: values are finite for all directions") {
 }
 
 TEST_CASE("disney: SIMD results equal scalar ones") {
-  const auto share = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
+  const auto fraction = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
   check_bsdf_lanes<DisneyBsdf>([&](int lane) {
-    return disney({{share(lane, 0), share(lane, 1), share(lane, 2), 0},
-                   share(lane, 3),
-                   share(lane, 4),
-                   share(lane, 5),
-                   share(lane, 6),
-                   0.2f + 0.8f * share(lane, 7),
-                   share(lane, 8),
-                   share(lane, 9),
-                   share(lane, 10),
-                   share(lane, 11),
-                   0.5f * share(lane, 12)});
+    return disney({{fraction(lane, 0), fraction(lane, 1), fraction(lane, 2), 0},
+                   fraction(lane, 3),
+                   fraction(lane, 4),
+                   fraction(lane, 5),
+                   fraction(lane, 6),
+                   0.2f + 0.8f * fraction(lane, 7),
+                   fraction(lane, 8),
+                   fraction(lane, 9),
+                   fraction(lane, 10),
+                   fraction(lane, 11),
+                   0.5f * fraction(lane, 12)});
   });
 }
 

@@ -11,7 +11,7 @@ namespace sheaf::test_bsdf_hair {
 namespace {
 
 using Hair = HairBsdf<Scalar>;
-using Angles = hair_detail::FibreAngles<Scalar>;
+using Angles = hair_detail::FiberAngles<Scalar>;
 
 constexpr int kTests = 60;
 
@@ -54,7 +54,7 @@ TEST_CASE("hair: the Bessel function matches tabulated values") {
   }
 }
 
-TEST_CASE("hair: longitudinal lobes integrate to one and are centred on the specular cone") {
+TEST_CASE("hair: longitudinal lobes integrate to one and are centered on the specular cone") {
   for (const float v : {2e-4f, 0.01f, 0.3f, 2.0f, 80.0f})
     for (const double theta : {0.0, 0.6, -1.2, 1.5}) {
       CAPTURE(v);
@@ -86,7 +86,7 @@ TEST_CASE("hair: azimuthal lobes integrate to one and are periodic and are sampl
   }
 }
 
-TEST_CASE("hair: samples follow their pdf for rough and smooth fibres") {
+TEST_CASE("hair: samples follow their pdf for rough and smooth fibers") {
   for (const auto& [longitudinal, azimuthal] : {std::pair{0.9f, 0.6f}, {0.3f, 0.3f}}) {
     CAPTURE_BINDING(longitudinal);
     check_bsdf_sampling(hair(longitudinal, azimuthal, 0.4f), kTests);
@@ -94,7 +94,7 @@ TEST_CASE("hair: samples follow their pdf for rough and smooth fibres") {
   }
 }
 
-TEST_CASE("hair: fibres without absorption scatter all light") {
+TEST_CASE("hair: fibers without absorption scatter all light") {
   for (const float roughness : {0.05f, 0.1f, 0.3f, 0.6f, 1.0f})
     for (const float tilt : {0.0f, 0.035f, 0.2f}) {
       CAPTURE(roughness);
@@ -111,7 +111,7 @@ TEST_CASE("hair: fibres without absorption scatter all light") {
 }
 
 TEST_CASE("hair: absorbed and scattered light add up to the incident light") {
-  // Through the centre of a fibre: Fresnel reflectance at normal incidence, and segments of one diameter each.
+  // Through the center of a fiber: Fresnel reflectance at normal incidence, and segments of one diameter each.
   const double f = std::pow((1.55 - 1) / (1.55 + 1), 2);
   for (const float sigma_a : {0.2f, 1.0f}) {
     const double t = std::exp(-2.0 * double(sigma_a)), albedo = f + (1 - f) * (1 - f) * t / (1 - t * f);
@@ -120,8 +120,8 @@ TEST_CASE("hair: absorbed and scattered light add up to the incident light") {
   }
 }
 
-TEST_CASE("hair: smooth fibres scatter as a glass cylinder does") {
-  // Transmission through the centre continues at the mirrored inclination. Reflection off the centre mirrors at the
+TEST_CASE("hair: smooth fibers scatter as a glass cylinder does") {
+  // Transmission through the center continues at the mirrored inclination. Reflection off the center mirrors at the
   // normal.
   const Hair bsdf = hair(0.03f, 0.03f, 0, 0);
   const auto value = [&](Vec3f wo, Vec3f wi) { return bsdf.evaluate(wo, normalize(wi)).f_cos.c1; };
@@ -187,12 +187,12 @@ TEST_CASE("hair: photons agree with paths although the model is not reciprocal")
   const Vec3f camera = normalize(Vec3f{0.7f, 0.2f, 0.5f}), light = normalize(Vec3f{-0.2f, -0.5f, 0.9f});
   CHECK(std::fabs(f(camera, light) / f(light, camera) - 1) > 0.02f);
   CHECK(photon(light, camera) == near(f(camera, light), 1e-5));
-  // Behind the fibre: the normal at the photon is opposite to the one that the camera sees.
-  const auto turned = [](Vec3f w) { return Vec3f{-w.x, w.y, -w.z}; };
-  CHECK(photon(light, turned(camera)) == near(f(camera, turned(light)), 1e-5));
+  // Behind the fiber: the normal at the photon is opposite to the one that the camera sees.
+  const auto rotated = [](Vec3f w) { return Vec3f{-w.x, w.y, -w.z}; };
+  CHECK(photon(light, rotated(camera)) == near(f(camera, rotated(light)), 1e-5));
 }
 
-TEST_CASE("hair: absorption follows from the colour of dense hair") {
+TEST_CASE("hair: absorption follows from the color of dense hair") {
   Hair bsdf = hair(0.3f, 0.3f, 0);
   const Vec3f wo = normalize(Vec3f{0.1f, 0.2f, 0.9f}), wi = normalize(Vec3f{0.1f, -0.3f, -0.9f});
   // Chiang et al. 2016: at azimuthal roughness 0.3 the logarithm is divided by 5.969 - 0.215 0.3 + 2.532 0.3^2 - ...

@@ -105,7 +105,7 @@ TEST_CASE("all bsdfs: the pass-through of thin dielectrics agrees with their sam
         const double threshold = student_t_threshold(significance_of_each(kTests), kDraws - 1);
         CHECK(std::fabs(passed / kDraws - p) <= threshold * sigma + 1.0 / kDraws);
         // Every ray that passes has the same weight.
-        CHECK(light / std::max(passed, 1.0) * p == near(double(passage.share.c1), 1e-4));
+        CHECK(light / std::max(passed, 1.0) * p == near(double(passage.attenuation.c1), 1e-4));
       }
   });
 }

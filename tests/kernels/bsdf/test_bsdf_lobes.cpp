@@ -54,7 +54,7 @@ HanrahanKruegerBsdf<Scalar> slab(float sigma_s, float sigma_a, float thickness, 
 }
 
 /// A slab with the same coefficients at all wavelengths.
-HanrahanKruegerBsdf<Scalar> grey_slab(float sigma_s, float thickness, float g) {
+HanrahanKruegerBsdf<Scalar> gray_slab(float sigma_s, float thickness, float g) {
   HanrahanKruegerBsdf<Scalar> bsdf = slab(sigma_s, 0, thickness, g);
   bsdf.first = Spectrum4(sigma_s);
   return bsdf;
@@ -84,8 +84,8 @@ double oren_nayar(double theta_o, double theta_i, double phi, double alpha, doub
 
 /// f times cosine of a slab, by the midpoint rule over the depth of the single scattering vertex.
 double slab_by_depth(double sigma_s, double sigma_t, double thickness, double g, Vec3f wo, Vec3f wi) {
-  const double o = std::fabs(double(wo.z)), i = std::fabs(double(wi.z)), turn = -double(dot(wo, wi));
-  const double phase = (1 - g * g) / (4 * kPiD * std::pow(1 + g * g - 2 * g * turn, 1.5));
+  const double o = std::fabs(double(wo.z)), i = std::fabs(double(wi.z)), cosine = -double(dot(wo, wi));
+  const double phase = (1 - g * g) / (4 * kPiD * std::pow(1 + g * g - 2 * g * cosine, 1.5));
   constexpr int kSteps = 4000;
   double sum = 0;
   for (int k = 0; k < kSteps; ++k) {
@@ -118,7 +118,7 @@ TEST_CASE("phong: values match computations by hand") {
   const double lobe = 12 / (2 * kPiD) * std::pow(0.64, 10);
   CHECK(phong(10, 0.3f, 0.6f).evaluate(wo, wi).f_cos.c0 == near(0.8 * (0.3 / kPiD + 0.6 * lobe), 1e-5));
   CHECK(is_black(phong(10, 0.3f, 0.6f).evaluate(wo, {0, 0.6f, -0.8f}).f_cos));
-  // At normal incidence the whole lobe is above the surface. Its normalisation (n + 2) / (2 pi) cancels the cosine, so
+  // At normal incidence the whole lobe is above the surface. Its normalization (n + 2) / (2 pi) cancels the cosine, so
   // a white lobe loses nothing.
   CHECK(sampled_albedo(phong(10, 0, 1), {0, 0, 1}) == near(1, 0.01));
 }
@@ -146,7 +146,7 @@ TEST_CASE("ward: the balanced variant does not gain energy and all variants agre
 
 TEST_CASE("ward: values match computations by hand") {
   const Vec3f wo{0.6f, 0, 0.8f}, wi{0, 0.6f, 0.8f};
-  // The unnormalised half vector is (0.6, 0.6, 1.6).
+  // The unnormalized half vector is (0.6, 0.6, 1.6).
   const double t2 = (std::pow(0.6 / 0.3, 2) + std::pow(0.6 / 0.2, 2)) / (1.6 * 1.6);
   const double e = std::exp(-t2) / (kPiD * 0.3 * 0.2), base = 0.2 / kPiD;
   const auto value = [&](Variant v) { return double(ward(v, 0.3f, 0.2f, 0.2f, 0.6f).evaluate(wo, wi).f_cos.c0) / 0.8; };
@@ -208,9 +208,9 @@ TEST_CASE("hanrahan krueger: samples have consistent weights and values are reci
     check_bsdf_weights(part);
     check_bsdf_reciprocity(part);
     check_bsdf_finite(slab(2, 0.5f, 0.4f, g));
-    check_white_furnace(grey_slab(2, 0.4f, g), false);
+    check_white_furnace(gray_slab(2, 0.4f, g), false);
     // The slab is so thin that multiple scattering is negligible: light that is not scattered passes.
-    CHECK(sampled_albedo(grey_slab(1e-3f, 0.1f, g), {0, 0.6f, 0.8f}) == near(1, 0.01));
+    CHECK(sampled_albedo(gray_slab(1e-3f, 0.1f, g), {0, 0.6f, 0.8f}) == near(1, 0.01));
   }
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("hanrahan krueger: values equal the integral over the depth of the sca
     if (s.pdf_solid_angle == 0) CHECK(length(s.wi + wo) < 1e-6f);
   }
   CHECK(passed.p_value(std::exp(-2.5 * 0.4 / 0.8)) > significance_of_each(kSamplingTests));
-  // Parametrised by extinction and albedo, the result is the same.
+  // Parametrized by extinction and albedo, the result is the same.
   HanrahanKruegerBsdf<Scalar> other = slab(2, 0.5f, 0.4f, 0.3f);
   other.first = {2.5f, 1.5f, 4.5f, 0};
   other.second = {0.8f, 1 / 1.5f, 4 / 4.5f, 0};

@@ -1,5 +1,5 @@
 // The measured BRDF: tables of GGX facets against the facets themselves and against Mitsuba 3 with the same tables; and
-// the conversion of spectra and colours.
+// the conversion of spectra and colors.
 #include "core/color/color.h"
 #include "kernels/bsdf/list.h"
 #include "scene/data/rgb_basis.h"
@@ -96,9 +96,9 @@ TEST_CASE("measured: values match Mitsuba for the same tables") {
   ClosureTables tables;
   MeasuredSpectralBsdf<Scalar> bsdf;
   bsdf.table = tables.measured(spectra);
-  const std::vector<float> floats = tables.take(), places = places_of_wavelengths(spectra.wavelengths);
+  const std::vector<float> floats = tables.take(), positions = wavelength_positions(spectra.wavelengths);
   bsdf.tables = floats.data();
-  bsdf.place = {places[0], places[100], places[200], places[400]};
+  bsdf.position = {positions[0], positions[100], positions[200], positions[400]};
   check_against_references(bsdf, kSpectral);
 }
 
@@ -106,9 +106,9 @@ TEST_CASE("measured: isotropic materials depend on the difference of azimuths on
   const Measured measured(fine_facets().tabulate());
   for (std::uint32_t i = 0; i < 200; ++i) {
     const Vec3f wo = random_direction(3, i), wi = random_direction(4, i);
-    const float turn = 0.1f * static_cast<float>(i), c = std::cos(turn), s = std::sin(turn);
-    const auto turned = [&](Vec3f w) { return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
-    const auto f = measured.bsdf.evaluate(wo, wi), g = measured.bsdf.evaluate(turned(wo), turned(wi));
+    const float azimuth = 0.1f * static_cast<float>(i), c = std::cos(azimuth), s = std::sin(azimuth);
+    const auto rotated = [&](Vec3f w) { return Vec3f{c * w.x - s * w.y, s * w.x + c * w.y, w.z}; };
+    const auto f = measured.bsdf.evaluate(wo, wi), g = measured.bsdf.evaluate(rotated(wo), rotated(wi));
     CHECK(f.f_cos.c1 == near(g.f_cos.c1, 2e-3));
     CHECK(f.pdf_solid_angle == near(g.pdf_solid_angle, 2e-3));
   }
@@ -136,28 +136,28 @@ TEST_CASE("measured: samples have consistent pdfs and weights and do not gain en
 TEST_CASE("measured: spectra are interpolated linearly between wavelengths") {
   const TabulatedFacets facets{.side = 16, .sample_side = 12, .channels = 5};
   const MeasuredBrdf brdf = facets.tabulate();
-  const std::vector<float> places = places_of_wavelengths(brdf.wavelengths);
-  CHECK(places.front() == 0);
-  CHECK(places.back() == 4);
-  CHECK(places[235] == near(2));
-  CHECK(places[300] == near(300 / 117.5));
-  CHECK(places_of_wavelengths({400, 500, 900})[0] == 0);
-  CHECK(places_of_wavelengths({400, 500, 600}).back() == 2);
+  const std::vector<float> positions = wavelength_positions(brdf.wavelengths);
+  CHECK(positions.front() == 0);
+  CHECK(positions.back() == 4);
+  CHECK(positions[235] == near(2));
+  CHECK(positions[300] == near(300 / 117.5));
+  CHECK(wavelength_positions({400, 500, 900})[0] == 0);
+  CHECK(wavelength_positions({400, 500, 600}).back() == 2);
   ClosureTables tables;
   MeasuredSpectralBsdf<Scalar> bsdf;
   bsdf.table = tables.measured(brdf);
   const std::vector<float> floats = tables.take();
   bsdf.tables = floats.data();
-  bsdf.place = {0, 1, 1.25f, 4};
+  bsdf.position = {0, 1, 1.25f, 4};
   const Vec3f wo = direction_at(0.6, 0), wi = direction_at(0.5, 3.0);
   const Spectrum4 f = bsdf.evaluate(wo, wi).f_cos;
   CHECK(f.c0 == near(facets.f_cos(0, wo, wi), 0.05));
   CHECK(f.c3 == near(facets.f_cos(4, wo, wi), 0.05));
-  bsdf.place = {2, 3, 4, 4};
+  bsdf.position = {2, 3, 4, 4};
   CHECK(f.c2 == near(0.75f * f.c1 + 0.25f * bsdf.evaluate(wo, wi).f_cos.c0));
 }
 
-TEST_CASE("measured: spectra become their colours under daylight") {
+TEST_CASE("measured: spectra become their colors under daylight") {
   MeasuredBrdf brdf = TabulatedFacets{.theta = {0, 1}, .side = 8, .sample_side = 4, .channels = 48}.tabulate();
   const std::size_t size = 16, texel = 5;
   std::vector<float> spectrum;
@@ -178,7 +178,7 @@ TEST_CASE("measured: spectra become their colours under daylight") {
   for (std::size_t c = 0; c < 3; ++c) CHECK(values[texel + 1 + c * size] == near(0.7, 1e-5));
 }
 
-TEST_CASE("measured: the basis spectra for red and green and blue have these colours and add up to one") {
+TEST_CASE("measured: the basis spectra for red and green and blue have these colors and add up to one") {
   std::vector<float> wavelengths, sum(471);
   for (int i = 0; i < 471; ++i) wavelengths.push_back(360.0f + static_cast<float>(i));
   for (int c = 0; c < 3; ++c) {

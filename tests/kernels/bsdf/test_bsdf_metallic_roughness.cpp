@@ -223,7 +223,7 @@ const Parameters kMaterials[] = {kPlastic, kMetal, kPane, kBrushed, kCloth, kLac
 
 constexpr int kSamplingTests = 10 * 7 + 3;
 
-/// Mean albedo over all directions, weighted by the cosine: the share of light that a closed surface reflects.
+/// Mean albedo over all directions, weighted by the cosine: the fraction of light that a closed surface reflects.
 double mean_albedo(const Parameters& p) {
   const auto bsdf = bsdf_of(p);
   constexpr int kSteps = 20;

@@ -109,14 +109,14 @@ TEST_CASE("plastic: the diffuse lobe follows its pdf and the coat is a mirror") 
   check_bsdf_finite(bsdf);
   for (const Vec3f wo : outgoing_directions()) {
     MeanVariance mirrored;
-    const double share = fresnel_dielectric<Scalar>(std::fabs(wo.z), 1.5f).reflectance;
+    const double fraction = fresnel_dielectric<Scalar>(std::fabs(wo.z), 1.5f).reflectance;
     for (std::uint32_t i = 0; i < 20000; ++i) {
       const auto s = bsdf.sample(wo, lane_random(52, i, 0));
       CHECK(s.valid == (wo.z > 0));
       if (s.valid && s.pdf_solid_angle == 0) CHECK(s.wi == Vec3f{-wo.x, -wo.y, wo.z});
       mirrored.add(s.valid && s.pdf_solid_angle == 0 ? s.weight.c0 : 0.0);
     }
-    if (wo.z > 0) CHECK(mirrored.p_value(0.8 * share) > significance_of_each(5));
+    if (wo.z > 0) CHECK(mirrored.p_value(0.8 * fraction) > significance_of_each(5));
   }
 }
 
@@ -194,17 +194,19 @@ TEST_CASE("rough plastic: vanishing roughness gives the smooth plastic") {
 }
 
 TEST_CASE("plastics: SIMD results equal scalar ones") {
-  const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
+  const auto fraction = [](int lane, int k) {
+    return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4);
+  };
   check_bsdf_lanes<PlasticBsdf>(
-      [&](int l) { return plastic(1.1f + share(l, 0), share(l, 1), share(l, 2), l % 2 ? 1.0f : 0.0f); });
+      [&](int l) { return plastic(1.1f + fraction(l, 0), fraction(l, 1), fraction(l, 2), l % 2 ? 1.0f : 0.0f); });
   std::array<RoughPlasticGgxBsdf<Scalar>, kWidth> ggx;
   std::array<RoughPlasticBeckmannBsdf<Scalar>, kWidth> beckmann;
   for (int l = 0; l < kWidth; ++l) {
     const auto lane = static_cast<std::size_t>(l);
-    ggx[lane] = rough_plastic<RoughPlasticGgxBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2),
+    ggx[lane] = rough_plastic<RoughPlasticGgxBsdf>(1.1f + fraction(l, 0), 0.15f + fraction(l, 1), 0.8f, fraction(l, 2),
                                                    l % 2 ? 1.0f : 0.0f);
     beckmann[lane] =
-        rough_plastic<RoughPlasticBeckmannBsdf>(1.1f + share(l, 0), 0.15f + share(l, 1), 0.8f, share(l, 2), 1);
+        rough_plastic<RoughPlasticBeckmannBsdf>(1.1f + fraction(l, 0), 0.15f + fraction(l, 1), 0.8f, fraction(l, 2), 1);
   }
   check_bsdf_lanes<RoughPlasticGgxBsdf>([&](int l) { return ggx[static_cast<std::size_t>(l)]; });
   check_bsdf_lanes<RoughPlasticBeckmannBsdf>([&](int l) { return beckmann[static_cast<std::size_t>(l)]; });

@@ -250,7 +250,7 @@ double reference_difference(const Spectrum4& f, const Spectrum4& expected) {
          scale;
 }
 
-/// Members: base colour, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness,
+/// Members: base color, roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness,
 /// clearcoat, clearcoat_gloss, eta.
 const Principled kDefault{{0.5f, 0.5f, 0.5f, 0}, 0.5f, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1.5f};
 const Principled kMetal{{1, 1, 1, 0}, 0.4f, 0.8f, 1, 0, 0, 0, 0, 0, 0, 0, 1.5f};
@@ -264,7 +264,7 @@ const Principled kMax{{1, 1, 1, 0}, 1, 1, 0, 1, 1, 1, 1, 1, 1, 0, 2};
 const Principled kSmooth{{0.8f, 0.8f, 0.8f, 0}, 0, 0, 0, 0.5f, 0, 0, 0, 0, 1, 1, 1.5f};
 const Principled kMaterials[] = {kDefault, kMetal, kGlass, kBubble, kCoated, kLacquer, kCloth, kEverything, kMax};
 
-/// Members: base colour, roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans.
+/// Members: base color, roughness, anisotropic, spec_trans, eta, spec_tint, sheen, sheen_tint, flatness, diff_trans.
 const Thin kPaper{{0.8f, 0.7f, 0.6f, 0}, 0.8f, 0, 0, 1.5f, 0, 0.5f, 0.5f, 0.5f, 1.2f};
 const Thin kPane{{1, 1, 1, 0}, 0.5f, 0.4f, 1, 1.5f, 0, 0, 0, 0, 0};
 const Thin kLeaf{{0.2f, 0.8f, 0.1f, 0}, 0.6f, 0.2f, 0.5f, 1.3f, 0.5f, 1, 1, 1, 2};
@@ -426,34 +426,34 @@ TEST_CASE("principled: values are finite for all directions") {
 }
 
 TEST_CASE("principled: SIMD results equal scalar ones") {
-  const auto share = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
+  const auto fraction = [](int lane, int k) { return static_cast<float>((lane * 5 + k * 3) % 8) / 7.0f; };
   check_bsdf_lanes<PrincipledBsdf>([&](int lane) {
-    const float roughness = 0.2f + 0.8f * share(lane, 3);
-    return principled({{share(lane, 0), share(lane, 1), share(lane, 2), 0},
+    const float roughness = 0.2f + 0.8f * fraction(lane, 3);
+    return principled({{fraction(lane, 0), fraction(lane, 1), fraction(lane, 2), 0},
                        roughness,
-                       share(lane, 4),
-                       share(lane, 5),
-                       share(lane, 6),
-                       share(lane, 7),
-                       share(lane, 8),
-                       share(lane, 9),
-                       share(lane, 10),
-                       share(lane, 11),
-                       0.5f * share(lane, 12),
-                       0.6f + share(lane, 13)});
+                       fraction(lane, 4),
+                       fraction(lane, 5),
+                       fraction(lane, 6),
+                       fraction(lane, 7),
+                       fraction(lane, 8),
+                       fraction(lane, 9),
+                       fraction(lane, 10),
+                       fraction(lane, 11),
+                       0.5f * fraction(lane, 12),
+                       0.6f + fraction(lane, 13)});
   });
   check_bsdf_lanes<PrincipledBsdf>([](int lane) { return principled(lane % 2 == 0 ? kDefault : kGlass); });
   check_bsdf_lanes<PrincipledThinBsdf>([&](int lane) {
-    return thin({{share(lane, 0), share(lane, 1), share(lane, 2), 0},
-                 0.2f + 0.8f * share(lane, 3),
-                 share(lane, 4),
-                 share(lane, 5),
-                 0.8f + share(lane, 6),
-                 share(lane, 7),
-                 share(lane, 8),
-                 share(lane, 9),
-                 share(lane, 10),
-                 2 * share(lane, 11)});
+    return thin({{fraction(lane, 0), fraction(lane, 1), fraction(lane, 2), 0},
+                 0.2f + 0.8f * fraction(lane, 3),
+                 fraction(lane, 4),
+                 fraction(lane, 5),
+                 0.8f + fraction(lane, 6),
+                 fraction(lane, 7),
+                 fraction(lane, 8),
+                 fraction(lane, 9),
+                 fraction(lane, 10),
+                 2 * fraction(lane, 11)});
   });
 }
 

@@ -137,10 +137,10 @@ TEST_CASE("thin dielectric: light that is not reflected passes straight and all 
       CHECK(s.pdf_solid_angle == 0.0f);
     }
     // R + T R T + T R^3 T + ...
-    double share = once;
-    for (int order = 1; order < 4000; order += 2) share += (1 - once) * (1 - once) * std::pow(once, order);
+    double fraction = once;
+    for (int order = 1; order < 4000; order += 2) fraction += (1 - once) * (1 - once) * std::pow(once, order);
     const double threshold = student_t_threshold(significance_of_each(10), kDraws - 1);
-    CHECK(std::fabs(reflected - kDraws * share) <= threshold * std::sqrt(kDraws * share * (1 - share)) + 1);
+    CHECK(std::fabs(reflected - kDraws * fraction) <= threshold * std::sqrt(kDraws * fraction * (1 - fraction)) + 1);
   }
   check_white_furnace(pane(1.5f), true);
   check_white_furnace(pane(1 / 1.5f), true);
@@ -181,21 +181,23 @@ TEST_CASE("nori microfacet: shadowing follows the approximation of Walter et al.
 }
 
 TEST_CASE("rough bsdfs: SIMD results equal scalar ones") {
-  const auto share = [](int lane, int k) { return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4); };
-  const auto alpha = [&](int lane) { return 0.15f + 0.8f * share(lane, 1); };
+  const auto fraction = [](int lane, int k) {
+    return static_cast<float>(lane + 1 + k) / static_cast<float>(kWidth + 4);
+  };
+  const auto alpha = [&](int lane) { return 0.15f + 0.8f * fraction(lane, 1); };
   check_bsdf_lanes<RoughConductorGgxBsdf>([&](int l) { return metal<RoughConductorGgxBsdf>(alpha(l), 0.5f); });
   check_bsdf_lanes<RoughConductorBeckmannBsdf>(
       [&](int l) { return metal<RoughConductorBeckmannBsdf>(alpha(l), 0.5f); });
   // No index close to 1: half vectors of nearly opposite directions consist of rounding errors.
   const auto eta = [&](int lane) {
-    return share(lane, 1) < 0.5f ? 0.45f + share(lane, 1) * 0.9f : 0.6f + share(lane, 1);
+    return fraction(lane, 1) < 0.5f ? 0.45f + fraction(lane, 1) * 0.9f : 0.6f + fraction(lane, 1);
   };
   check_bsdf_lanes<RoughDielectricGgxBsdf>(
       [&](int l) { return glass<RoughDielectricGgxBsdf>(eta(l), alpha(l), 0.5f); });
   check_bsdf_lanes<RoughDielectricBeckmannBsdf>(
-      [&](int l) { return glass<RoughDielectricBeckmannBsdf>(1.2f + share(l, 1), alpha(l), 0.5f); });
-  check_bsdf_lanes<ThinDielectricBsdf>([&](int l) { return pane(1.2f + share(l, 1), share(l, 2), 0.9f); });
-  check_bsdf_lanes<NoriMicrofacetBsdf>([&](int l) { return nori(share(l, 2), alpha(l)); });
+      [&](int l) { return glass<RoughDielectricBeckmannBsdf>(1.2f + fraction(l, 1), alpha(l), 0.5f); });
+  check_bsdf_lanes<ThinDielectricBsdf>([&](int l) { return pane(1.2f + fraction(l, 1), fraction(l, 2), 0.9f); });
+  check_bsdf_lanes<NoriMicrofacetBsdf>([&](int l) { return nori(fraction(l, 2), alpha(l)); });
 }
 
 TEST_SUITE_END();

@@ -27,7 +27,7 @@ double dielectric_reflectance(double cos_i, double relative) {
   return 0.5 * (s * s + p * p);
 }
 
-/// Reflectance from the complex amplitudes of both polarisations.
+/// Reflectance from the complex amplitudes of both polarizations.
 double conductor_reflectance(double cos_i, double eta, double k) {
   using Complex = std::complex<double>;
   const Complex index(eta, k), index2 = index * index;

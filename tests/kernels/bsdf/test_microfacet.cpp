@@ -1,4 +1,4 @@
-// Microfacet distributions: normalisation, Smith's masking functions, sampling of visible normals, and limits of the
+// Microfacet distributions: normalization, Smith's masking functions, sampling of visible normals, and limits of the
 // parameters.
 #include "kernels/bsdf/microfacet.h"
 
@@ -27,7 +27,7 @@ PlaneFacet facet_at(double x, double y, Roughness alpha) {
   return {{static_cast<float>(-sx * z), static_cast<float>(-sy * z), static_cast<float>(z)},
           z * z * z * alpha.u * alpha.v / (gx * gx * gy * gy)};
 }
-std::array<double, 2> place_of(Vec3f m, Roughness alpha) {
+std::array<double, 2> position_of(Vec3f m, Roughness alpha) {
   const double x = -double(m.x) / m.z / alpha.u, y = -double(m.y) / m.z / alpha.v;
   return {x / (1 + std::fabs(x)), y / (1 + std::fabs(y))};
 }
@@ -48,7 +48,7 @@ template <class F> double integrate_facets(Roughness alpha, F&& f) {
   return sum;
 }
 
-template <template <class> class Distribution> void check_normalisation() {
+template <template <class> class Distribution> void check_normalization() {
   for (const Roughness alpha : kRoughnesses) {
     CAPTURE(alpha.u);
     CAPTURE(alpha.v);
@@ -77,7 +77,7 @@ template <template <class> class Distribution> void check_visible_sampling() {
       const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
         const Vec3f m = facets.sample_visible(wo, u.y, u.z);
         if (!(facets.pdf_visible(wo, m) > 0)) return std::nullopt;
-        return place_of(m, alpha);
+        return position_of(m, alpha);
       };
       const auto density = [&](double x, double y) {
         const PlaneFacet facet = facet_at(x, y, alpha);
@@ -141,8 +141,8 @@ template <template <class> class Distribution> void check_lanes() {
 }  // namespace
 
 TEST_CASE("microfacet: normal distributions integrate to the surface and visible ones to its projection") {
-  check_normalisation<GgxDistribution>();
-  check_normalisation<BeckmannDistribution>();
+  check_normalization<GgxDistribution>();
+  check_normalization<BeckmannDistribution>();
 }
 
 TEST_CASE("microfacet: visible normals follow their pdf from normal to grazing directions") {

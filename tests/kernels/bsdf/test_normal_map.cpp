@@ -10,7 +10,7 @@ namespace sheaf::test_normal_map {
 
 namespace {
 
-/// A map that is (0.5, 0.2, 0.8) everywhere, unnormalised.
+/// A map that is (0.5, 0.2, 0.8) everywhere, unnormalized.
 struct UniformMap {
   UniformMap() {
     view.rows = textures.rows.data();
@@ -22,12 +22,12 @@ struct UniformMap {
   NormalMapRow row;
 
   /// The normal where p = (u, v_sign v, 0). `from_behind`: the base normal is flipped towards the viewer.
-  template <class L> Vec3<L> turned(float v_sign, bool from_behind) const {
+  template <class L> Vec3<L> rotated(float v_sign, bool from_behind) const {
     using F = Float<L>;
     const F zero(0.0f), one(1.0f), side(from_behind ? -1.0f : 1.0f);
     Mask<L> usable(false);
-    const Vec3<L> n = turned_normal<L>(view, row, TextureQuery<L>{}, {zero, zero, side}, side, {one, zero, zero},
-                                       {zero, F(v_sign), zero}, Mask<L>(true), usable);
+    const Vec3<L> n = perturbed_normal<L>(view, row, TextureQuery<L>{}, {zero, zero, side}, side, {one, zero, zero},
+                                          {zero, F(v_sign), zero}, Mask<L>(true), usable);
     CHECK(all(usable));
     return n;
   }
@@ -35,11 +35,11 @@ struct UniformMap {
     CAPTURE(v_sign);
     CAPTURE(from_behind);
     expected = normalize(expected);
-    const Vec3f n = turned<Scalar>(v_sign, from_behind);
+    const Vec3f n = rotated<Scalar>(v_sign, from_behind);
     CHECK(n.x == near(expected.x));
     CHECK(n.y == near(expected.y));
     CHECK(n.z == near(expected.z));
-    const Vec3<Wide> wide = turned<Wide>(v_sign, from_behind);
+    const Vec3<Wide> wide = rotated<Wide>(v_sign, from_behind);
     const LaneArray<WideFloat> x(wide.x), y(wide.y), z(wide.z);
     for (int lane = 0; lane < kWidth; ++lane) {
       CHECK(difference(x[lane], n.x) < 1e-6);
@@ -71,7 +71,7 @@ TEST_CASE("normal maps: the y axis can follow increasing v") {
   map.check(-1, false, {0.5f, 0.2f, 0.8f});
 }
 
-TEST_CASE("normal maps: the scale multiplies x and y before the normal is normalised") {
+TEST_CASE("normal maps: the scale multiplies x and y before the normal is normalized") {
   UniformMap map;
   map.row.scale = 2;
   map.check(1, false, {1, 0.4f, 0.8f});

@@ -39,8 +39,8 @@ struct Table {
 /// Tests samples against the pdf. The grid is azimuth by the logarithm of 1 - |cosine| on the side of `pole` (-1 or 1),
 /// which resolves peaks of any width, and azimuth by z on the other side.
 template <class Phase> void check_phase_sampling(const Phase& phase, double pole) {
-  constexpr double kTurn = 6.283185307179586, kLowest = -24;  // e^-24 is below the resolution of floats
-  const auto azimuth_of = [](Vec3f w) { return std::atan2(double(w.y), double(w.x)) + (w.y < 0 ? kTurn : 0.0); };
+  constexpr double kAzimuth = 6.283185307179586, kLowest = -24;  // e^-24 is below the resolution of floats
+  const auto azimuth_of = [](Vec3f w) { return std::atan2(double(w.y), double(w.x)) + (w.y < 0 ? kAzimuth : 0.0); };
   const auto sample = [&](Random4<Scalar> u) -> std::optional<std::array<double, 2>> {
     const Vec3f w = phase.sample(kWo, u).wi;
     const double t = pole * w.z, sine = std::hypot(double(w.x), double(w.y));
@@ -54,7 +54,7 @@ template <class Phase> void check_phase_sampling(const Phase& phase, double pole
                   static_cast<float>(pole * (1 - m))};
     return double(phase.evaluate(kWo, w).pdf_solid_angle) * (y < 0 ? m : 1.0);
   };
-  const CellGrid grid{0, kTurn, kLowest, 1, 12, 25};
+  const CellGrid grid{0, kAzimuth, kLowest, 1, 12, 25};
   const ChiSquare result = chi_square_plane(sample, density, grid, 100000);
   CHECK(result.integral == near(1, 1e-3));
   CHECK(result.p_value > significance_of_each(kTests));

@@ -62,8 +62,8 @@ TEST_CASE("sggx: the projected area matches its closed form and the integral ove
   CHECK(projected_area({1, 1, 0.25f, 0, 0, 0.5f}, {0, 0.6f, 0.8f}) == near(std::sqrt(0.36 + 0.16 + 0.48)));
   for (const Matrix& m : kShapes)
     for (const Vec3f w : kViews) {
-      const auto facing = [&](double turn, double z) {
-        const Vec3f h = direction_of(z, turn);
+      const auto facing = [&](double azimuth, double z) {
+        const Vec3f h = direction_of(z, azimuth);
         return distribution(m, h) * std::max(double(dot(h, w)), 0.0);
       };
       const double sum = detail::integrate(facing, 0, 6.283185307179586, -1, 1, 9, 1e-6);

@@ -62,8 +62,8 @@ double ratio_by_differences(Traced& t, const ChainStart& start, const ConnectedC
   for (int i = 0; i < 2; ++i) {
     Vec3f at[2];
     for (int side = 0; side < 2; ++side) {
-      const Vec3f turn = (i == 0 ? frame.s : frame.t) * (side == 0 ? -kStep : kStep);
-      DifferentialRay ray = start.ray(normalize(chain.direction + turn));
+      const Vec3f step = (i == 0 ? frame.s : frame.t) * (side == 0 ? -kStep : kStep);
+      DifferentialRay ray = start.ray(normalize(chain.direction + step));
       REQUIRE(t.tracer.follow(chain.type, ray));
       // The ray in the plane through the target across the unperturbed ray
       at[side] = ray.origin + ray.direction * (dot(target - ray.origin, chain.last) / dot(ray.direction, chain.last));

@@ -43,7 +43,7 @@ TEST_CASE("the variance of a lamp does not affect its surroundings but that of a
 }
 
 TEST_CASE("features: vertical slopes are treated like horizontal ones") {
-  // Inverse depth is linear on a plane; colours and normals are linear here too.
+  // Inverse depth is linear on a plane; colors and normals are linear here too.
   constexpr int kSide = 24;
   const auto features_of = [&](float across, float down) {
     Image image(kSide, kSide, {"albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "Z"});
@@ -56,13 +56,13 @@ TEST_CASE("features: vertical slopes are treated like horizontal ones") {
     return find_features(image, NoiseCorrelation());
   };
   const float across = 0.03f, down = 0.01f;
-  const std::vector<Feature> features = features_of(across, down), turned = features_of(down, across);
+  const std::vector<Feature> features = features_of(across, down), rotated = features_of(down, across);
   REQUIRE(features.size() == 3);
   for (int y = 1; y < kSide - 1; ++y)
     for (int x = 1; x < kSide - 1; ++x) {
       CHECK(features[2].slope_x.at(x, y) == near(across, 1e-3));
       CHECK(features[2].slope_y.at(x, y) == near(down, 1e-3));
-      for (std::size_t i = 0; i < 3; ++i) CHECK(features[i].scale.at(x, y) == near(turned[i].scale.at(y, x), 1e-3));
+      for (std::size_t i = 0; i < 3; ++i) CHECK(features[i].scale.at(x, y) == near(rotated[i].scale.at(y, x), 1e-3));
     }
   // Variation between pixels counts in both directions: three channels of 3 (across, down).
   CHECK(features[0].scale.at(5, 5) == near(1 / (1.2 * 1.2 * 27 * double{across * across + down * down}), 1e-3));
@@ -161,7 +161,7 @@ TEST_CASE("a firefly is detected by its variance without half buffers") {
     variance[c].at(6, 6) = 1;
   }
   remove_fireflies(color, variance, nullptr);
-  // The median of its neighbours replaces it.
+  // The median of its neighbors replaces it.
   CHECK(color[0].at(2, 2) == color[0].at(3, 2));
   CHECK(variance[0].at(2, 2) == variance[0].at(3, 2));
   CHECK(color[0].at(6, 6) == 100);
@@ -205,9 +205,9 @@ TEST_CASE("denoising has the same bits on any number of threads and leaves other
                         noisy.channels.size() * sizeof(float)) == 0);
   const DenoiseResult again = denoise(one.image, Denoiser::kNlMeans);
   CHECK(again.image.channels == one.image.channels);
-  const Image shown = denoised_only(one.image);
-  CHECK(shown.channels == std::vector<std::string>{"R", "G", "B"});
-  CHECK(shown.at(5, 5, 1) == one.image.at(5, 5, one.image.find_channel("denoised.G")));
+  const Image displayed = denoised_only(one.image);
+  CHECK(displayed.channels == std::vector<std::string>{"R", "G", "B"});
+  CHECK(displayed.at(5, 5, 1) == one.image.at(5, 5, one.image.find_channel("denoised.G")));
 }
 
 TEST_CASE("denoising handles non-finite values and single pixels and missing variances") {

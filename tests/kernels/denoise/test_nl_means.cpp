@@ -111,7 +111,7 @@ struct Expected {
   double value, self;
 };
 
-/// By the definition: the weighted mean, or the weighted least-squares plane, whose slopes are regularised by 3 pixels
+/// By the definition: the weighted mean, or the weighted least-squares plane, whose slopes are regularized by 3 pixels
 /// squared.
 Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half, int px, int py) {
   struct Pixel {
@@ -142,9 +142,9 @@ Expected expected_result(const NlMeansInput& in, NlMeansFilter filter, int half,
     }
   Expected expected{0, 0};
   for (const Pixel& q : pixels) {
-    const double share = q.weight * (m[0][3] / m[0][0] + q.dx * m[1][3] / m[1][1] + q.dy * m[2][3] / m[2][2]);
-    expected.value += share * q.value;
-    expected.self += share * q.correlation;
+    const double fraction = q.weight * (m[0][3] / m[0][0] + q.dx * m[1][3] / m[1][1] + q.dy * m[2][3] / m[2][2]);
+    expected.value += fraction * q.value;
+    expected.self += fraction * q.correlation;
   }
   return expected;
 }

@@ -25,7 +25,7 @@ std::vector<PixelRect> squares() {
 }
 
 /// Value of the samples of a unit. The two sets of a half differ at first and agree afterwards, so that more samples
-/// reduce the noise. Half A of the first tile converges early, and its neighbour becomes noisy after that.
+/// reduce the noise. Half A of the first tile converges early, and its neighbor becomes noisy after that.
 float value_of(const AdaptiveUnit& unit) {
   const float sign = unit.set % 2 == 0 ? 1.0f : -1.0f;
   const bool is_half_a = unit.set < 2, is_early = unit.first_sample < 8;

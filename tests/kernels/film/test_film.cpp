@@ -178,7 +178,7 @@ TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip
   SampleBuffer samples;
   samples.resize(1, film.layout().size(), false, true);
   std::vector<FilmBorder> borders;
-  // One sample in the centre of each pixel: surface 0 on the left, 1 on the right, nothing at the far right.
+  // One sample in the center of each pixel: surface 0 on the left, 1 on the right, nothing at the far right.
   for (const int x0 : {0, 8}) {
     FilmTile tile;
     film.begin(tile, {x0, 0, x0 + 8, 8}, &weights);
@@ -210,7 +210,7 @@ TEST_CASE("Cryptomatte coverage follows sample weights and survives a round trip
   CHECK(image.at(15, 4, number) == 0);
   CHECK(image.at(3, 4, id + 1) == near(1));
   CHECK(image.at(3, 4, id) == bits_float(cryptomatte_id("left")));
-  // On both sides of the edge, the neighbour has the same coverage.
+  // On both sides of the edge, the neighbor has the same coverage.
   CHECK(image.at(7, 4, id) == bits_float(cryptomatte_id("left")));
   CHECK(image.at(8, 4, id) == bits_float(cryptomatte_id("right")));
   CHECK(image.at(7, 4, id + 2) == bits_float(cryptomatte_id("right")));

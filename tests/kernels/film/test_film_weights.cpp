@@ -44,12 +44,12 @@ const FilmLayout kLayout({{"R", true}, {"G", false}});
 /// of spectral bins, 3 or 0; without bins the pixels are added by another function.
 Film film_by_tiles(const FilterWeights& weights, const PixelRect& crop, int side, VarianceUnit unit, int bins = 3) {
   Film film(kFrameWidth, kFrameHeight, crop, kLayout, bins, unit);
-  const PixelRect wanted = crop.grown(weights.reach()).intersection({0, 0, kFrameWidth, kFrameHeight});
+  const PixelRect requested = crop.grown(weights.reach()).intersection({0, 0, kFrameWidth, kFrameHeight});
   for (std::uint32_t replicate = 0; replicate < kReplicates; ++replicate) {
     std::vector<FilmBorder> borders;
     for (int y0 = 0; y0 < kFrameHeight; y0 += side)
       for (int x0 = 0; x0 < kFrameWidth; x0 += side) {
-        const PixelRect own{x0, y0, x0 + side, y0 + side}, pixels = own.intersection(wanted);
+        const PixelRect own{x0, y0, x0 + side, y0 + side}, pixels = own.intersection(requested);
         FilmTile tile;
         film.begin(tile, own, &weights);
         SampleBuffer samples;
@@ -177,7 +177,7 @@ TEST_CASE("weighted film: dropped samples have no weight in any pixel") {
     const Image image = film.to_image();
     CHECK(film.count(0, 0) == 33);
     CHECK(film.count(1, 0) == 0);
-    CHECK(image.at(1, 0, 0) == near(4));  // from the neighbour's samples
+    CHECK(image.at(1, 0, 0) == near(4));  // from the neighbor's samples
     CHECK(image.at(2, 0, 0) == near(4));
     CHECK(image.at(0, 0, 1) == near(1.0 / 33));
   }

@@ -36,15 +36,15 @@ SceneNames some_names() {
 /// The image of `samples`, a range of whole sample sets, in `crop`. `part`: includes all channels that merging needs.
 Image image_of(const FilterWeights* weights, const PixelRect& crop, const SampleRange& samples, bool part) {
   const int reach = weights != nullptr ? weights->reach() : 0;
-  const PixelRect wanted = crop.grown(reach).intersection({0, 0, kFrameWidth, kFrameHeight});
+  const PixelRect requested = crop.grown(reach).intersection({0, 0, kFrameWidth, kFrameHeight});
   Film film(kFrameWidth, kFrameHeight, crop, kLayout, 3, VarianceUnit::kReplicate, true);
   for (std::uint32_t first = samples.first; first < samples.end(); first += kPerSet) {
     FilmTile tile;
     film.begin(tile, {0, 0, kFrameWidth, kFrameHeight}, weights);
     SampleBuffer drawn;
     drawn.resize(1, kLayout.size(), true, true);
-    for (int y = wanted.y0; y < wanted.y1; ++y)
-      for (int x = wanted.x0; x < wanted.x1; ++x)
+    for (int y = requested.y0; y < requested.y1; ++y)
+      for (int x = requested.x0; x < requested.x1; ++x)
         for (std::uint32_t i = first; i < first + kPerSet; ++i) {
           const auto pixel = static_cast<std::uint32_t>(y * kFrameWidth + x);
           const auto u = random4<Scalar>(3, pixel, i, 0), v = random4<Scalar>(3, pixel, i, 1);
@@ -169,7 +169,7 @@ TEST_CASE("merge: overlapping parts are rejected and gaps are found") {
   REQUIRE(gap);
   CHECK(gap->pixels == frame_part(5, 9, 10, 10));
   CHECK(gap->samples == SampleRange{3, 5});
-  CHECK(covered_share(parts, frame, 8) == near(1.0 - 5.0 * 5 / 800));
+  CHECK(covered_fraction(parts, frame, 8) == near(1.0 - 5.0 * 5 / 800));
   CHECK(!find_gap(parts, frame_part(0, 0, 10, 9), 8));
   const auto end = find_gap(std::vector<ImagePart>{{"a", frame, {0, 8}}}, frame, 9);
   REQUIRE(end);

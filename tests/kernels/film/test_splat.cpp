@@ -41,7 +41,7 @@ struct Sample {
   float value;
 };
 
-/// Samples on a grid of size `width` in the centre of a pixel.
+/// Samples on a grid of size `width` in the center of a pixel.
 std::vector<Sample> samples_of(int x, int y, double width) {
   std::vector<Sample> samples;
   const auto offset = [&](int i) { return static_cast<float>(width * ((i + 0.5) / kSide - 0.5)); };
@@ -110,7 +110,7 @@ void check_same(const Image& a, const Image& b, double allowed) {
 
 }  // namespace
 
-TEST_CASE("splats: filter weights normalised by the sampled pixels reproduce the image of camera samples") {
+TEST_CASE("splats: filter weights normalized by the sampled pixels reproduce the image of camera samples") {
   for (const PixelFilter& filter : kFilters)
     for (const bool border : {false, true})
       for (const PixelRect crop : {kFrame, PixelRect{0, 1, 3, 5}}) {

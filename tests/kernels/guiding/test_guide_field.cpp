@@ -38,7 +38,7 @@ template <class F> std::vector<GuideRecord> records_of(int count, F&& of, Vec3f 
   return records;
 }
 
-/// An unnormalised von Mises-Fisher lobe of concentration `kappa` around `middle`, with peak value 1.
+/// An unnormalized von Mises-Fisher lobe of concentration `kappa` around `middle`, with peak value 1.
 float lobe(Vec3f d, Vec3f middle, float kappa) { return std::exp(kappa * (dot(d, middle) - 1)); }
 
 const Vec3f kFirst = normalize(Vec3f{1, 2, 2}), kSecond = normalize(Vec3f{-2, 1, 1});
@@ -67,10 +67,10 @@ void check_sampling(const GuideMixture& mixture) {
   const GuideView view = view_of(mixture);
   const auto pdf = [&view](Vec3f d) -> double {
     const GuideValue<Scalar> value = evaluate_guide<Scalar>(view, 0u, 1u, d);
-    return double{value.pdf_solid_angle} * (1 - double{value.bsdf_share});
+    return double{value.pdf_solid_angle} * (1 - double{value.bsdf_probability});
   };
   const ChiSquare result = chi_square_sphere([&view](const Random4<Scalar>& u) { return guided(view, u); }, pdf);
-  CHECK(result.integral == near(1 - mixture.bsdf_share, 1e-3));
+  CHECK(result.integral == near(1 - mixture.bsdf_probability, 1e-3));
   CHECK(result.p_value > significance_of_each(kTests));
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("guiding: SIMD results equal scalar ones and lanes are independent") {
         CHECK(length(s.direction - at) < 1e-5f);
       }
       const auto v = evaluate_guide<Scalar>(view, rows[lane], 1, {d.x[lane], d.y[lane], d.z[lane]});
-      CHECK(v.bsdf_share == value.bsdf_share[lane]);
+      CHECK(v.bsdf_probability == value.bsdf_probability[lane]);
       CHECK(v.pdf_solid_angle == value.pdf_solid_angle[lane]);
     }
   }
@@ -127,15 +127,15 @@ TEST_CASE("guiding: a fitted mixture approximates the distribution of its traini
   const GuideMixture mixture = two_lobes();
   const GuideView view = view_of(mixture);
   // Weights of the lobes in the integrand, by their integrals: 2 pi (1 - exp(-2 kappa)) / kappa.
-  const double first = 1.0 / 60, second = 0.5 / 15, a = double{mixture.bsdf_share};
+  const double first = 1.0 / 60, second = 0.5 / 15, a = double{mixture.bsdf_probability};
   const auto density = [&](Vec3f d) {
     const auto v = evaluate_guide<Scalar>(view, 0u, 1u, d);
     return a * double{kUniformSpherePdf} + (1 - a) * double{v.pdf_solid_angle};
   };
-  const double turn = 2 * 3.141592653589793;
+  const double full_angle = 2 * 3.141592653589793;
   const auto guided = [&](Vec3f d) { return evaluate_guide<Scalar>(view, 0u, 1u, d).pdf_solid_angle; };
-  CHECK(guided(kFirst) == near(1 / (turn * (first + second)), 0.15));
-  CHECK(guided(kSecond) == near(0.5 / (turn * (first + second)), 0.25));
+  CHECK(guided(kFirst) == near(1 / (full_angle * (first + second)), 0.15));
+  CHECK(guided(kSecond) == near(0.5 / (full_angle * (first + second)), 0.25));
   CHECK(density(-kFirst) < 0.05);
   CHECK(a < 0.35);  // the BSDF is uniform and explains nothing
 
@@ -143,9 +143,9 @@ TEST_CASE("guiding: a fitted mixture approximates the distribution of its traini
   GuideMixture even = first_mixture({0, 0, 0});
   GuideSums sums;
   const auto records = records_of(20000, [](Vec3f) { return 1.0f; });
-  const float before = even.bsdf_share;
+  const float before = even.bsdf_probability;
   for (int pass = 0; pass < 4; ++pass) fit_mixture(records, even, sums);
-  CHECK(even.bsdf_share >= 0.9f * before);
+  CHECK(even.bsdf_probability >= 0.9f * before);
   for (const Vec3f d : {kFirst, kSecond, -kFirst})
     CHECK(evaluate_guide<Scalar>(view_of(even), 0u, 1, d).mixed(kUniformSpherePdf) ==
           near(double{kUniformSpherePdf}, 0.3));
@@ -158,7 +158,7 @@ TEST_CASE("guiding: training samples without radiance leave the mixture valid") 
   fit_mixture(records, mixture, sums);
   const auto v = evaluate_guide<Scalar>(view_of(mixture), 0u, 1, kFirst);
   CHECK(is_finite(v.pdf_solid_angle));
-  CHECK(v.bsdf_share > 0);
+  CHECK(v.bsdf_probability > 0);
 }
 
 TEST_CASE("guiding: the mean of a cell is that of the light at its vertices, with earlier passes counting half") {
@@ -197,17 +197,17 @@ TEST_CASE("guiding: the mean of a cell is that of the light at its vertices, wit
 TEST_CASE("guiding: the halves of a cell share its statistics") {
   // Light from one direction in the first pass, from another in the second, in which the cell is split
   constexpr int kRecords = 8000;
-  const Vec3f places[2] = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
+  const Vec3f positions[2] = {{0.1f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}};
   GuideField field;
-  const auto mixture_at = [&](Vec3f place) {
+  const auto mixture_at = [&](Vec3f position) {
     const GuideView view = field.view();
-    return view.mixtures[guide_row<Scalar>(view, kGuideMedia, guide_code<Scalar>(view, place))];
+    return view.mixtures[guide_row<Scalar>(view, kGuideMedia, guide_code<Scalar>(view, position))];
   };
   std::mt19937 random(21);
   const auto train = [&](Vec3f middle, std::size_t split_records) {
     std::vector<GuideRecord> records;
     for (int i = 0; i < 2 * kRecords; ++i) {
-      const Vec3f p = places[i % 2] + Vec3f{uniform(random), uniform(random), uniform(random)} * 0.05f;
+      const Vec3f p = positions[i % 2] + Vec3f{uniform(random), uniform(random), uniform(random)} * 0.05f;
       const std::uint32_t row = guide_row<Scalar>(field.view(), kGuideMedia, guide_code<Scalar>(field.view(), p));
       const Vec3f d = uniform_direction(random);
       const float weight = lobe(d, middle, 30) / kUniformSpherePdf;
@@ -225,7 +225,7 @@ TEST_CASE("guiding: the halves of a cell share its statistics") {
   GuideMixture expected = first_mixture({0, 0, 0});
   GuideSums sums;
   fit_mixture(train(kFirst, 1'000'000), expected, sums);
-  check_same(mixture_at(places[0]), expected);
+  check_same(mixture_at(positions[0]), expected);
   const std::vector<GuideRecord> records = train(kSecond, kRecords + kRecords / 2);
   // Each half has half of the statistics, and its own records
   halve(sums);
@@ -235,7 +235,7 @@ TEST_CASE("guiding: the halves of a cell share its statistics") {
     std::vector<GuideRecord> own;
     for (std::size_t i = half; i < records.size(); i += 2) own.push_back(records[i]);
     fit_mixture(own, mixture, of_half);
-    check_same(mixture_at(places[half]), mixture);
+    check_same(mixture_at(positions[half]), mixture);
   }
 }
 

@@ -23,14 +23,14 @@ constexpr double kPiD = std::numbers::pi;
 const double kLevel = significance_of_each(5 * 2 * 5);
 
 struct Lobe {
-  double share;
+  double fraction;
   Vec3f middle;
   float kappa;
 };
 const std::array<Lobe, 2> kLobes{
     {{0.7, normalize(Vec3f{0.5f, 0.2f, 0.8f}), 9}, {0.3, normalize(Vec3f{-0.9f, 0.3f, -0.2f}), 2}}};
 
-GuideMixture mixture_of(float bsdf_share) {
+GuideMixture mixture_of(float bsdf_probability) {
   GuideMixture mixture;
   double below = 0;
   for (std::size_t k = 0; k < kGuideLobes; ++k) {
@@ -38,11 +38,11 @@ GuideMixture mixture_of(float bsdf_share) {
     const Lobe lobe = used ? kLobes[k] : Lobe{0, {0, 0, 1}, 1};
     mixture.x[k] = lobe.middle.x, mixture.y[k] = lobe.middle.y, mixture.z[k] = lobe.middle.z;
     mixture.kappa[k] = lobe.kappa;
-    mixture.peak[k] = static_cast<float>(lobe.share) * lobe_peak(lobe.kappa);
-    below += lobe.share;
+    mixture.peak[k] = static_cast<float>(lobe.fraction) * lobe_peak(lobe.kappa);
+    below += lobe.fraction;
     mixture.below[k] = k + 1 < kLobes.size() ? static_cast<float>(below) : 1.0f;
   }
-  mixture.bsdf_share = bsdf_share;
+  mixture.bsdf_probability = bsdf_probability;
   return mixture;
 }
 
@@ -51,7 +51,7 @@ double guide_pdf(Vec3f direction) {
   double sum = 0;
   for (const Lobe& lobe : kLobes) {
     const double kappa = double{lobe.kappa};
-    sum += lobe.share * kappa / (2 * kPiD * (1 - std::exp(-2 * kappa))) *
+    sum += lobe.fraction * kappa / (2 * kPiD * (1 - std::exp(-2 * kappa))) *
            std::exp(kappa * (double{dot(direction, lobe.middle)} - 1));
   }
   return sum;
@@ -88,16 +88,16 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
   item.ng = item.ns = normalize(Vec3f{0.3f, -0.2f, 1});
   item.wo = normalize(Vec3f{0.6f, 0.3f, 0.7f});
   item.tangent = {1, 0};
-  for (const float share : {0.25f, 0.8f}) {
-    CAPTURE(share);
-    const GuideMixture mixture = mixture_of(share);
+  for (const float fraction : {0.25f, 0.8f}) {
+    CAPTURE(fraction);
+    const GuideMixture mixture = mixture_of(fraction);
     TestWave test(1);
     StageContext context = test.context(*scene);
     context.sample_from({.mixtures = &mixture});
     test.wave.guide_cells.store<Scalar>(0, {0u, 4u});
     Means guided, alone;
     int deltas = 0;
-    double pdf_error = 0, weight_error = 0, share_error = 0;
+    double pdf_error = 0, weight_error = 0, fraction_error = 0;
     for (std::uint32_t i = 0; i < kSamples; ++i) {
       const GuidedSample<Scalar> g = sample_guided<Scalar>(context, test.wave, 0, 1, bsdf, item, lane_random(1, i, 0));
       guided.add(g.bsdf);
@@ -106,23 +106,23 @@ template <template <class> class Bsdf> void check_mixture(const Bsdf<Scalar>& bs
       if (g.bsdf.pdf_solid_angle == 0.0f) {
         ++deltas;
         CHECK(g.bsdf_pdf == 0.0f);
-        CHECK(g.guided_pdf_ratio == share);
+        CHECK(g.guided_pdf_ratio == fraction);
         continue;
       }
       const BsdfValue<Scalar> value = bsdf.evaluate(item.wo, g.bsdf.wi);
-      const double a = double{share};
+      const double a = double{fraction};
       const double pdf = a * double{value.pdf_solid_angle} + (1 - a) * guide_pdf(g.direction);
       const double weight = double{value.f_cos.c0} / pdf;
       // MIS with light sampling uses the pdf of the BSDF.
       const double bsdf_pdf = std::max(double{value.pdf_solid_angle}, 1e-10);
       pdf_error = std::max(pdf_error, std::fabs(double{g.bsdf.pdf_solid_angle} / bsdf_pdf - 1));
       weight_error = std::max(weight_error, std::fabs(double{g.bsdf.weight.c0} - weight));
-      share_error = std::max(share_error, std::fabs(double{g.guide.bsdf_share} - a));
+      fraction_error = std::max(fraction_error, std::fabs(double{g.guide.bsdf_probability} - a));
     }
     CHECK((deltas > 1000) == has_delta);
     CHECK(pdf_error < 2e-3);
     CHECK(weight_error < 2e-3);
-    CHECK(share_error == 0);
+    CHECK(fraction_error == 0);
     for (std::size_t k = 0; k < guided.smooth.size(); ++k) {
       CAPTURE(k);
       check_same(guided.smooth[k], alone.smooth[k], kSamples);
@@ -172,12 +172,12 @@ TEST_CASE("guided vertices: the weights combine BSDF and guide and keep the mean
 
 TEST_CASE("guided vertices: dispersive parts of blends keep their own pdf and the others are guided") {
   // Mixture weights: 0.5 diffuse, 0.2 mirror, 0.3 dispersive rough glass.
-  constexpr double kDiffusePdf = 0.21, kGlassPdf = 1.3, kGuidePdf = 2.2, kBsdfShare = 0.3;
+  constexpr double kDiffusePdf = 0.21, kGlassPdf = 1.3, kGuidePdf = 2.2, kBsdfProbability = 0.3;
   const BlendValue<Scalar> blend{Spectrum4(0.4f), static_cast<float>(0.5 * kDiffusePdf + 0.3 * kGlassPdf),
                                  Spectrum4(0.1f), static_cast<float>(0.5 * kDiffusePdf), 0.5f};
-  const GuideValue<Scalar> guide{static_cast<float>(kBsdfShare), static_cast<float>(kGuidePdf)};
+  const GuideValue<Scalar> guide{static_cast<float>(kBsdfProbability), static_cast<float>(kGuidePdf)};
   // The diffuse part is guided, the dispersive glass is not.
-  const double mixed = 0.5 * (kBsdfShare * kDiffusePdf + (1 - kBsdfShare) * kGuidePdf);
+  const double mixed = 0.5 * (kBsdfProbability * kDiffusePdf + (1 - kBsdfProbability) * kGuidePdf);
   CHECK(double{guided_pdf<Scalar>(guide, blend)} == near(mixed));
   const GuideValue<Scalar> none{1, 0};
   CHECK(guided_pdf<Scalar>(none, blend) == near(blend.mixed_pdf));

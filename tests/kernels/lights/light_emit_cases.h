@@ -79,10 +79,10 @@ inline Case instanced_case() {
       add_checkerboard(c.scene, {8, 1, 1}, {2, 3, 1});
   group.shapes = shapes.shapes;
   c.scene.groups.push_back(group);
-  for (const Transform& place : {kTilt, Transform::translate({1, 0, 3}) * Transform::rotate({1, 1, 0}, 150) *
-                                            Transform::scale({-1.2f, 0.7f, 0.9f})}) {
+  for (const Transform& transform : {kTilt, Transform::translate({1, 0, 3}) * Transform::rotate({1, 1, 0}, 150) *
+                                                Transform::scale({-1.2f, 0.7f, 0.9f})}) {
     InstanceDescription instance;
-    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = transform.matrix().m[i / 4][i % 4];
     c.scene.instances.push_back(instance);
   }
   return c;
@@ -225,22 +225,22 @@ inline std::vector<Case> placed_cases(const TemporaryFolder& folder) {
   std::get<ProjectorDescription>(c.scene.lights[0].model).irradiance = add_checkerboard(c.scene, {6, 1, 0}, {2, 3, 1});
   cases.push_back(c);
   ProjectorDescription even = projector_of();
-  even.is_even = true;
+  even.constant_intensity = true;
   cases.push_back(placed_case("even projector", even, 1e-3));
   c.name = "textured even projector";
-  std::get<ProjectorDescription>(c.scene.lights[0].model).is_even = true;
+  std::get<ProjectorDescription>(c.scene.lights[0].model).constant_intensity = true;
   cases.push_back(c);
   cases.push_back(goniometric_case());
   for (Case& spot : spot_cases()) cases.push_back(std::move(spot));
   return cases;
 }
 
-/// An emissive medium that fills the cubes to which `places` transform [-1, 1]^3, and so their bounding boxes.
-inline Case medium_case(const std::string& name, MediumDescription medium, const std::vector<Transform>& places) {
+/// An emissive medium that fills the cubes to which `transforms` transform [-1, 1]^3, and so their bounding boxes.
+inline Case medium_case(const std::string& name, MediumDescription medium, const std::vector<Transform>& transforms) {
   Case c{name, empty_scene(4, 4), {kBelow, kAside}, 1e-4};
   medium.emission = VolumeInput(rgb({1, 2, 0.5f}));
   const MediumId id = add_medium(c.scene, std::move(medium));
-  for (const Transform& place : places) fill(c.scene, add_shape(c.scene, CubeShape{}, place), id);
+  for (const Transform& transform : transforms) fill(c.scene, add_shape(c.scene, CubeShape{}, transform), id);
   return c;
 }
 

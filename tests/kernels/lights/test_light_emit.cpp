@@ -142,9 +142,9 @@ void check_surface(const Case& c, double significance) {
       worst_cosine = std::max(worst_cosine, std::fabs(double(dot(ng, e.direction)) - cosine));
     }
     const Vec3f local = Frame<Scalar>::from_normal(ng).to_local(e.direction);
-    const double turn = (std::atan2(double(local.y), double(local.x)) + kPiD) / (2 * kPiD);
+    const double azimuth = (std::atan2(double(local.y), double(local.x)) + kPiD) / (2 * kPiD);
     const int ring = std::min(static_cast<int>(cosine * cosine * kRings), kRings - 1);
-    const int sector = std::min(static_cast<int>(turn * kSectors), kSectors - 1);
+    const int sector = std::min(static_cast<int>(azimuth * kSectors), kSectors - 1);
     observed[static_cast<std::size_t>(ring * kSectors + sector)] += 1;
   }
   for (double& e : expected) e = double(valid - lost) / (kRings * kSectors);

@@ -82,7 +82,7 @@ std::optional<Vec3f> sampled_direction(const SceneView& scene, Vec3f from, const
   return s.valid ? std::optional<Vec3f>(s.direction) : std::nullopt;
 }
 
-/// A parametrisation of directions: a plane window around an axis, or azimuth by z.
+/// A parametrization of directions: a plane window around an axis, or azimuth by z.
 struct Chart {
   CellGrid grid;
   std::function<Vec3f(double, double)> direction;
@@ -107,8 +107,8 @@ Chart window(Vec3f axis, double half) {
 }
 
 Chart whole_sphere() {
-  constexpr double kTurn = 6.283185307179586476925;
-  return {{0, kTurn, -1, 1, 24, 16},
+  constexpr double kAzimuth = 6.283185307179586476925;
+  return {{0, kAzimuth, -1, 1, 24, 16},
           [](double azimuth, double z) {
             const double r = std::sqrt(std::max(0.0, 1 - z * z));
             return Vec3f{static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)),
@@ -116,7 +116,7 @@ Chart whole_sphere() {
           },
           [](Vec3f w) {
             const double azimuth = std::atan2(double(w.y), double(w.x));
-            return std::array<double, 2>{azimuth < 0 ? azimuth + kTurn : azimuth, double(w.z)};
+            return std::array<double, 2>{azimuth < 0 ? azimuth + kAzimuth : azimuth, double(w.z)};
           },
           [](double, double) { return 1.0; }};
 }
@@ -291,7 +291,7 @@ TEST_CASE("light sampling: a sphere that emits outwards sends nothing to its ins
     CHECK_FALSE(sample_any_light<Scalar>(scene->view(), {0.1f, 0, 3}, lane_random(44, i, 0)).valid);
 }
 
-TEST_CASE("light sampling: samples of a flipped sphere seen from its centre and near its surface follow their pdf") {
+TEST_CASE("light sampling: samples of a flipped sphere seen from its center and near its surface follow their pdf") {
   const auto scene = lone_light(SphereShape{{1, 0, 0}, 2}, Transform(), true);
   for (const Vec3f from : {Vec3f{1, 0, 0}, Vec3f{-0.6f, 0.4f, 0.1f}}) {
     check_directions(scene->view(), from, whole_sphere(), Use::kWhole);
@@ -345,8 +345,8 @@ TEST_CASE("light sampling: samples of a sun of any size are uniform over its dis
     for (std::uint32_t i = 0; i < 5000; ++i)
       spread.add(0.5 * double(length_squared(*sample(lane_random(48, i, 0)) - sun.direction)) / (1 - rim));
     CHECK(spread.p_value(0.5) > significance_of_each(kTests));
-    const auto seen = [&](double share) {
-      const auto angle = static_cast<float>(share * double(radius) * 3.14159265358979 / 180);
+    const auto seen = [&](double fraction) {
+      const auto angle = static_cast<float>(fraction * double(radius) * 3.14159265358979 / 180);
       return environment_value<Scalar, ColorMode::kRgb>(view, 0, {std::sin(angle), 0, std::cos(angle)}, 0.0f, {});
     };
     for (std::uint32_t i = 0; i < 1000; ++i) {

@@ -134,9 +134,9 @@ TEST_CASE("rectangle lights: samples follow the pdf that MIS uses, and lie on th
         const Vec3f point{static_cast<float>(x), static_cast<float>(y), 0};
         const Vec3f to = point - from.p;
         const double distance = double(length(to)), solid_angle = std::fabs(double(to.z)) / std::pow(distance, 3);
-        const double share = double(pdf_at(view, from, point)) * solid_angle * 2 / (double(kPoints) * kPoints);
-        integral += share;
-        expected[cell_of(x, y)] += share * kDraws;
+        const double fraction = double(pdf_at(view, from, point)) * solid_angle * 2 / (double(kPoints) * kPoints);
+        integral += fraction;
+        expected[cell_of(x, y)] += fraction * kDraws;
       }
     CHECK(integral == near(1, 2e-3));
     CHECK(chi_square(observed, expected).p_value > significance_of_each(static_cast<int>(kReceivers.size())));

@@ -31,7 +31,7 @@ Description lit_square(int candidates, LightSelector selector) {
   return d;
 }
 
-/// Reflected radiance at the centre of the square, without shadows.
+/// Reflected radiance at the center of the square, without shadows.
 double expected_radiance() {
   double sum = 0;
   for (int i = 0; i < static_cast<int>(std::size(kLights)); ++i) {
@@ -42,7 +42,7 @@ double expected_radiance() {
   return sum;
 }
 
-/// The contribution of shadow rays over kPaths paths that hit the centre of the square.
+/// The contribution of shadow rays over kPaths paths that hit the center of the square.
 template <class L> MeanVariance sampled_radiance(const Description& d) {
   const auto scene = compile_scene(d);
   TestWave test(kPaths);
@@ -115,7 +115,7 @@ double p_of(double x) { return 2 * x; }
 enum class Density { kCandidate, kAllCandidates, kKept };
 
 /// The MIS weight of light sampling at x; `kept`: effective pdf of the kept candidate.
-double light_share(Density density, double x, double kept) {
+double light_fraction(Density density, double x, double kept) {
   const double a = density == Density::kKept ? kept : p_of(x) * (density == Density::kAllCandidates ? kCandidates : 1);
   return power_heuristic(a, 1.0);
 }
@@ -124,7 +124,7 @@ double light_share(Density density, double x, double kept) {
 double estimate(Density density, std::uint32_t i) {
   // The target omits the MIS weight if that weight depends on the kept candidate.
   const auto target = [&](double x) {
-    return integrand(x) * (density == Density::kKept ? 1 : light_share(density, x, 0));
+    return integrand(x) * (density == Density::kKept ? 1 : light_fraction(density, x, 0));
   };
   double sum = 0, kept = 0;
   for (int k = 0; k < kCandidates; ++k) {
@@ -134,10 +134,10 @@ double estimate(Density density, std::uint32_t i) {
     if (u.y * sum < weight) kept = x;
   }
   const double effective = target(kept) / (sum / kCandidates);
-  const double from_lights = integrand(kept) * light_share(density, kept, effective) / effective;
+  const double from_lights = integrand(kept) * light_fraction(density, kept, effective) / effective;
   const double x = random4<Scalar>(22, i, 0, 0).x;
   return from_lights +
-         integrand(x) * (1 - light_share(density == Density::kKept ? Density::kCandidate : density, x, 0));
+         integrand(x) * (1 - light_fraction(density == Density::kKept ? Density::kCandidate : density, x, 0));
 }
 
 }  // namespace

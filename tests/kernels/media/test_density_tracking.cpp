@@ -55,7 +55,7 @@ struct Noise {
 float first_of(const MediumNumbers<Scalar>& n) { return MediumNumbers<Scalar>::start(n.x, n.y, n.z, n.w).at(0).x; }
 
 /// Tracks the same ray `rays` times with different random numbers.
-template <class L, DensityTracking kWhat>
+template <class L, DensityTracking kPurpose>
 std::vector<TrackResult<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, float length, float extinction,
                                        int rays) {
   auto rows = std::make_unique<DensityRays>();
@@ -67,7 +67,7 @@ std::vector<TrackResult<Scalar>> track(const Noise& medium, Vec3f o, Vec3f d, fl
       rows->store<Scalar>(i, {o, d, length, extinction, extinction, first_of(numbers), numbers});
     }
     const int count = std::min(kDensityRows, rays - static_cast<int>(found.size()));
-    track_densities<L, kWhat>({medium.bounds, medium.density}, *rows, count, *ends);
+    track_densities<L, kPurpose>({medium.bounds, medium.density}, *rows, count, *ends);
     for (int i = 0; i < count; ++i) found.push_back(ends->load<Scalar>(i));
   }
   return found;
@@ -125,8 +125,8 @@ TEST_CASE("density tracking: distances follow the closed form and weights of lig
   for (const auto& end : ends) {
     const double u =
         has_passed(end) ? 1.0 : -std::expm1(-0.12 * depths[static_cast<std::size_t>(end.t / 40 * Noise::kSteps)]);
-    const double place = has_passed(end) ? 19 : u / -std::expm1(-0.12 * total) * 19;
-    counts[static_cast<std::size_t>(std::min(place, has_passed(end) ? 19.0 : 18.0))] += 1;
+    const double position = has_passed(end) ? 19 : u / -std::expm1(-0.12 * total) * 19;
+    counts[static_cast<std::size_t>(std::min(position, has_passed(end) ? 19.0 : 18.0))] += 1;
     // The pdf ratio of light sampling and path sampling. Its mean is 1 over the rays that pass.
     light.add(has_passed(end) ? double{end.ratio} * std::exp(0.12 * double{end.minorants}) : 0.0);
   }
@@ -193,7 +193,7 @@ TEST_CASE("density tracking: weights and pdfs of lanes with unequal extinction m
         }
 }
 
-TEST_CASE("density tracking: results do not depend on neighbouring rays and SIMD results equal scalar ones") {
+TEST_CASE("density tracking: results do not depend on neighboring rays and SIMD results equal scalar ones") {
   const Noise medium(0.3f, true, 0.2f);
   auto rows = std::make_unique<DensityRays>();
   auto one = std::make_unique<DensityRays>();
@@ -207,19 +207,19 @@ TEST_CASE("density tracking: results do not depend on neighbouring rays and SIMD
     rows->store<Scalar>(i, {o, normalize(target - o), 30 * noise(k, 7), extinction, extinction * (1 + noise(k, 9)),
                             first_of(numbers), numbers});
   }
-  const auto compare = [&]<DensityTracking kWhat>() {
-    track_densities<Wide, kWhat>({medium.bounds, medium.density}, *rows, kDensityRows, *ends);
+  const auto compare = [&]<DensityTracking kPurpose>() {
+    track_densities<Wide, kPurpose>({medium.bounds, medium.density}, *rows, kDensityRows, *ends);
     int same = 0, outcomes[8] = {};
     for (int i = 0; i < kDensityRows; ++i) {
       for (int k = 0; k < kWidth; ++k) one->store<Scalar>(k, {});
       one->store<Scalar>(0, rows->load<Scalar>(i));
-      track_densities<Wide, kWhat>({medium.bounds, medium.density}, *one, 1, *alone);
+      track_densities<Wide, kPurpose>({medium.bounds, medium.density}, *one, 1, *alone);
       TrackResult<Scalar> a = ends->load<Scalar>(i), b = alone->load<Scalar>(0);
       ++outcomes[a.outcome];
       bool is_same = true;
       zip_leaves(a, b, [&](auto& x, auto& y) { is_same = is_same && x == y; });
       CHECK(is_same);
-      track_densities<Scalar, kWhat>({medium.bounds, medium.density}, *one, 1, *alone);
+      track_densities<Scalar, kPurpose>({medium.bounds, medium.density}, *one, 1, *alone);
       b = alone->load<Scalar>(0);
       same += a.outcome == b.outcome && a.nulls == b.nulls && std::fabs(a.t - b.t) < 1e-3f &&
               std::fabs(a.ratio - b.ratio) < 1e-3f * std::fabs(b.ratio) + 1e-6f;

@@ -147,14 +147,14 @@ Reach reach_of(const Bounded& b, int axis, float low, float side) {
 }
 
 /// Samples random points of the leaf around a voxel; returns how many values exceed its bounds.
-int beyond_bounds(const Bounded& b, std::array<int, 3> voxel, int places, std::uint32_t& number) {
+int beyond_bounds(const Bounded& b, std::array<int, 3> voxel, int positions, std::uint32_t& number) {
   LeafWalk<Scalar> walk{};
-  walk.place = {static_cast<float>(voxel[0]), static_cast<float>(voxel[1]), static_cast<float>(voxel[2])};
+  walk.position = {static_cast<float>(voxel[0]), static_cast<float>(voxel[1]), static_cast<float>(voxel[2])};
   const MajorantLeaf<Scalar> leaf = find_leaf<Scalar>(b.row, walk);
   CHECK(leaf.minorant <= leaf.majorant);
   const float lows[3] = {leaf.low.x, leaf.low.y, leaf.low.z};
   int beyond = 0;
-  for (int i = 0; i < places; ++i, ++number) {
+  for (int i = 0; i < positions; ++i, ++number) {
     float p[3];
     bool is_empty = false;
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -239,7 +239,7 @@ TEST_CASE("majorant walk: random rays visit the leaves of all sizes with valid b
           for (int step = 0; step < 4; ++step) {
             const float u = 0.05f + 0.3f * static_cast<float>(step);
             const float t = s.t0 + (s.t1 - s.t0) * u;
-            // Points within a rounding error of a face may be in the neighbour.
+            // Points within a rounding error of a face may be in the neighbor.
             if (s.t1 - s.t0 < 0.01f) continue;
             above += max_component(lookup_grid_color(b.lookup, o + d * t)) > s.bound;
           }
@@ -266,10 +266,10 @@ TEST_CASE("majorant walk: leaves beyond the table do not lead a ray out of it") 
     bool hits;
     auto walk = start_leaf_walk<Scalar>(row, o, normalize(target - o), 0, 1e6f, hits);
     for (; hits; ++steps) {
-      outside += !(max_component(walk.place) < 24.0f);
+      outside += !(max_component(walk.position) < 24.0f);
       const auto leaf = find_leaf<Scalar>(row, walk);
       if (!(leaf.t_end < walk.leave)) break;
-      walk.place = place_behind<Scalar>(row, walk, leaf);
+      walk.position = position_behind<Scalar>(row, walk, leaf);
     }
   }
   CHECK(outside == 0);

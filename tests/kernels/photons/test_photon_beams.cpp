@@ -73,9 +73,9 @@ std::vector<PhotonBeam> random_beams(int count, std::uint32_t medium) {
     beam.direction = u.direction();
     beam.length = 1 + u();
     beam.power = {1 + u(), 1 + u(), 1 + u(), 0};
-    beam.odds = {1 + 0.9f * u(), 1 + 0.9f * u(), 1 + 0.9f * u(), 1};
-    beam.odds = beam.odds * (3 / (beam.odds.c0 + beam.odds.c1 + beam.odds.c2));
-    beam.place = photon_place(i % 7 == 0 ? medium + 1 : medium, 1 + static_cast<std::uint32_t>(i % 5), false);
+    beam.pdf_ratio = {1 + 0.9f * u(), 1 + 0.9f * u(), 1 + 0.9f * u(), 1};
+    beam.pdf_ratio = beam.pdf_ratio * (3 / (beam.pdf_ratio.c0 + beam.pdf_ratio.c1 + beam.pdf_ratio.c2));
+    beam.medium_key = photon_medium_key(i % 7 == 0 ? medium + 1 : medium, 1 + static_cast<std::uint32_t>(i % 5), false);
     beams.push_back(beam);
   }
   return beams;
@@ -111,12 +111,12 @@ TEST_CASE("line query: every beam near a ray is found once however beams are spl
     const Vec3f origin = u.vector(), direction = u.direction();
     const float length = 1 + u();
     std::map<std::uint32_t, NearLine> found[3];
-    for (int way = 0; way < 3; ++way) {
+    for (int variant = 0; variant < 3; ++variant) {
       std::vector<NearLine> near;
-      (way == 0 ? whole : way == 1 ? cut : shreds).near_ray(origin, direction, length, near);
-      for (const NearLine& line : near) CHECK(found[way].emplace(line.index, line).second);
-      CHECK(found[way].size() == found[0].size());
-      for (const auto& [index, line] : found[way]) {
+      (variant == 0 ? whole : variant == 1 ? cut : shreds).near_ray(origin, direction, length, near);
+      for (const NearLine& line : near) CHECK(found[variant].emplace(line.index, line).second);
+      CHECK(found[variant].size() == found[0].size());
+      for (const auto& [index, line] : found[variant]) {
         REQUIRE(found[0].count(index) == 1);
         CHECK(found[0][index].t == line.t);
         CHECK(found[0][index].along == line.along);
@@ -171,18 +171,18 @@ Double3 gathered_by_hand(const BeamCase& c, Vec3f origin, const std::vector<Phot
   for (std::size_t k = 0; k < 3; ++k) sigma[k] = static_cast<double>(c.extinction[k]);
   for (const PhotonBeam& beam : beams) {
     const Nearest n = nearest(origin, {0, 0, 1}, {beam.start, beam.direction, beam.length});
-    const auto edges = static_cast<int>(beam.place & kMaxPhotonEdges);
+    const auto edges = static_cast<int>(beam.medium_key & kMaxPhotonEdges);
     if (n.t <= 0 || n.t >= 7.5 || n.along < 0 || n.along >= static_cast<double>(beam.length) ||
-        n.distance >= kBeamRadius || (c.max_depth > 0 && edges > c.max_depth - 1) || beam.place >> 8 != 1)
+        n.distance >= kBeamRadius || (c.max_depth > 0 && edges > c.max_depth - 1) || beam.medium_key >> 8 != 1)
       continue;
     const double g = static_cast<double>(c.g);
     // Light continues along the beam; the ray is traced backwards.
     const double phase = (1 - g * g) / (4 * kExactPi * std::pow(1 + g * g + 2 * g * n.cosine, 1.5));
-    const Double3 power = colors(beam.power), odds = colors(beam.odds);
+    const Double3 power = colors(beam.power), pdf_ratio = colors(beam.pdf_ratio);
     // Probability that the beam reaches this distance, with each lane's extinction or with the maximum one.
     double comes = 0;
     for (std::size_t k = 0; k < 3; ++k)
-      comes += odds[k] / 3 * std::exp(-n.along * (c.estimator == MediumEstimator::kRatio ? sigma[1] : sigma[k]));
+      comes += pdf_ratio[k] / 3 * std::exp(-n.along * (c.estimator == MediumEstimator::kRatio ? sigma[1] : sigma[k]));
     for (std::size_t k = 0; k < 3; ++k)
       sum[k] += std::exp(-sigma[k] * (n.t + n.along)) / comes * power[k] / 1000 * sigma[k] * kAlbedo[k] * phase *
                 kernel_across(c.kernel, n.distance / kBeamRadius) / kBeamRadius / n.sine;
@@ -244,11 +244,11 @@ TEST_CASE("gather volume: homogeneous media use beams where enabled and grids us
   photon.p = {0, 0, 8};
   photon.power = Spectrum4(1.0f);
   photon.direction = encode_octahedral<Scalar>({0, 1, 0});
-  photon.surface = photon_place(1, 1, false);
+  photon.surface = photon_medium_key(1, 1, false);
   PhotonBeam beam;
   beam.start = {0, -1, 7}, beam.direction = {0, 1, 0}, beam.length = 2;
-  beam.power = beam.odds = Spectrum4(1.0f);
-  beam.place = photon.surface;
+  beam.power = beam.pdf_ratio = Spectrum4(1.0f);
+  beam.medium_key = photon.surface;
   const VolumePhotonMaps volume{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc),
                                 PhotonBeamMap({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc)};
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};

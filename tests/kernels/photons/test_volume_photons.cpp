@@ -42,7 +42,7 @@ std::vector<Photon> random_photons(int count, std::uint32_t medium) {
     photon.p = {2 * u(random), 2 * u(random), 6 + 4 * u(random)};
     photon.power = {1 + u(random), 1 + u(random), 1 + u(random), 0};
     photon.direction = encode_octahedral<Scalar>(normalize(Vec3f{u(random), u(random), u(random)}));
-    photon.surface = photon_place(i % 7 == 0 ? medium + 1 : medium, 1 + static_cast<std::uint32_t>(i % 5), false);
+    photon.surface = photon_medium_key(i % 7 == 0 ? medium + 1 : medium, 1 + static_cast<std::uint32_t>(i % 5), false);
     photons.push_back(photon);
   }
   return photons;
@@ -159,7 +159,7 @@ TEST_CASE("gather volume: transmittance in a grid is unbiased up to each photon 
   photon.p = {0, 0, 8};
   photon.power = {1, 2, 3, 0};
   photon.direction = encode_octahedral<Scalar>({0, 1, 0});
-  photon.surface = photon_place(1, 1, false);
+  photon.surface = photon_medium_key(1, 1, false);
   const VolumePhotonMaps map{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc), {}};
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &map};
   MeanVariance found, left;
@@ -176,7 +176,7 @@ TEST_CASE("gather volume: transmittance in a grid is unbiased up to each photon 
       left.add(static_cast<double>(test.wave.paths.get(slot).beta.c0));
     }
   }
-  // The integral of the density, which is linear between voxel centres and constant in the outer half voxels.
+  // The integral of the density, which is linear between voxel centers and constant in the outer half voxels.
   const auto depth = [](double z) {  // z in [0, 1] of the box
     const double half = 0.5 / 32;
     double sum = 0;

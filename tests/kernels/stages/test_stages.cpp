@@ -162,7 +162,7 @@ TEST_CASE_TEMPLATE("intersect: each side of a surface has its own material", L, 
   CHECK(behind.words[0] == 0.7f);
 }
 
-TEST_CASE_TEMPLATE("intersect: non-finite rays are dropped and counted and reported while their neighbours are traced",
+TEST_CASE_TEMPLATE("intersect: non-finite rays are dropped and counted and reported while their neighbors are traced",
                    L, SHEAF_STAGE_LANES) {
   const auto scene = two_squares();
   const float nan = std::numeric_limits<float>::quiet_NaN();

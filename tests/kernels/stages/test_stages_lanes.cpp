@@ -50,7 +50,7 @@ double wave_difference(const Wave& a, const Wave& b) {
 
 }  // namespace
 
-TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
+TEST_CASE("stages: SIMD path stages equal scalar ones in both color modes") {
   Description d = mixed_scene();
   d.integrator.rr_depth = 2;
   DielectricDescription glass;
@@ -109,7 +109,7 @@ TEST_CASE("stages: SIMD path stages equal scalar ones in both colour modes") {
   }
 }
 
-TEST_CASE("stages: SIMD photon stages equal scalar ones in both colour modes") {
+TEST_CASE("stages: SIMD photon stages equal scalar ones in both color modes") {
   Description d = mixed_scene();
   d.integrator.rr_depth = 2;
   d.integrator.kind = IntegratorKind::kLightTracer;

@@ -13,10 +13,10 @@ namespace sheaf::test_stages_shading {
 
 namespace {
 
-/// Squares at z = 2 that face -z, at x = 0, 3, 6 ...: grey, mirror, glass, light grey, and a turned one that shows its
+/// Squares at z = 2 that face -z, at x = 0, 3, 6 ...: gray, mirror, glass, light gray, and a turned one that shows its
 /// back, which is brighter than its front. A point light of intensity 10 is at (0, 0, -1).
 constexpr int kSquares = 5;
-enum Square { kGrey, kMirror, kGlass, kLightGrey, kTurned };
+enum Square { kGray, kMirror, kGlass, kLightGray, kRotated };
 
 Description squares(bool with_light = true) {
   Description d = empty_scene(8, 8);
@@ -25,7 +25,7 @@ Description squares(bool with_light = true) {
   for (int i = 0; i < kSquares; ++i)
     add_rectangle(
         d,
-        Transform::translate({3 * static_cast<float>(i), 0, 2}) * Transform::rotate({0, 1, 0}, i == kTurned ? 0 : 180),
+        Transform::translate({3 * static_cast<float>(i), 0, 2}) * Transform::rotate({0, 1, 0}, i == kRotated ? 0 : 180),
         materials[i]);
   if (with_light) add_point_light(d, {0, 0, -1}, 10);
   return d;
@@ -101,7 +101,7 @@ TEST_CASE_TEMPLATE("sort: hits are sorted by kind and material and the sort is s
 
 TEST_CASE_TEMPLATE("sort: ranges of kinds without hits are empty", L, SHEAF_STAGE_LANES) {
   const auto scene = compile_scene(squares());
-  for (const int square : {kGrey, kMirror, kGlass})
+  for (const int square : {kGray, kMirror, kGlass})
     for (const int paths : kTailSizes) {
       ShadedWave<L> test(*scene, paths, [square](int) { return square; });
       for (int kind = 0; kind < kClosureKinds; ++kind)
@@ -122,7 +122,7 @@ TEST_CASE_TEMPLATE("surface inputs: positions and frames and parameters are set 
       const auto hit = wave.hits.get(slot);
       CHECK(record_difference<Vec3>(item.p, ray.origin + ray.direction * hit.t) < 1e-6);
       CHECK(item.p.z == near(2));
-      CHECK(item.ng.z == near(square == kTurned ? 1 : -1));
+      CHECK(item.ng.z == near(square == kRotated ? 1 : -1));
       CHECK(item.ns.z == near(-1));
       CHECK(item.wo.z == near(ray.direction.z));
       CHECK(record_difference<Vec3>(Frame<Scalar>::from_normal(item.ns).to_world(item.wo), -ray.direction) < 1e-6);
@@ -214,7 +214,7 @@ TEST_CASE_TEMPLATE("light candidates: unlit and backfacing and black surfaces ge
   for (MaterialDescription& m : black.materials) m.model = DiffuseDescription{SpectrumDescription::constant(0)};
   for (const Description& d : {dark, behind, black}) {
     const auto scene = compile_scene(d);
-    ShadedWave<L> test(*scene, 21, [](int i) { return i % 2 == 0 ? kGrey : kLightGrey; });
+    ShadedWave<L> test(*scene, 21, [](int i) { return i % 2 == 0 ? kGray : kLightGray; });
     sample_lights<L>(test.context(*scene), test.wave);
     CHECK(test.wave.shadow_count == 0);
   }
@@ -317,8 +317,8 @@ TEST_CASE_TEMPLATE("scatter: absorbed paths and paths of maximum depth end", L, 
   scatter<L>(test.context(*scene), wave);
   check_conservation(wave);
   for (const auto& [slot, square] : test.square_of_slot) {
-    CHECK(contains(wave.active, slot) == (square == kLightGrey));
-    CHECK(contains(wave.finished, slot) == (square != kLightGrey));
+    CHECK(contains(wave.active, slot) == (square == kLightGray));
+    CHECK(contains(wave.finished, slot) == (square != kLightGray));
   }
 }
 
@@ -355,7 +355,7 @@ TEST_CASE_TEMPLATE("scatter: Russian roulette follows the throughput and reweigh
   constexpr Case kCases[] = {{1, 0.8f, false},  {1, 40.0f, false}, {2, 0.8f, false}, {2, 2.0f, false},
                              {2, 40.0f, false}, {2, 0.8f, true},   {2, 2.0f, true}};
   for (const auto& [depth, beta, is_photon] : kCases) {
-    ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGrey); });
+    ShadedWave<L> test(*scene, kPaths, [](int) { return static_cast<int>(kLightGray); });
     Wave& wave = test.wave;
     for (const auto& [slot, square] : test.square_of_slot) {
       auto path = wave.paths.get(slot);

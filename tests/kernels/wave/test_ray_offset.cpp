@@ -243,8 +243,8 @@ TEST_CASE("few paths escape from a closed room far from the origin") {
     for (const float away : {10.0f, 1000.0f}) {
       CAPTURE(box);
       CAPTURE(away);
-      const double edge_share = box ? 3 * 8 * 6e-8 * away * 4 : 0;
-      const double allowed = kPaths * (kDepth - 1) * edge_share;
+      const double edge_fraction = box ? 3 * 8 * 6e-8 * away * 4 : 0;
+      const double allowed = kPaths * (kDepth - 1) * edge_fraction;
       CHECK(static_cast<double>(lost_paths(closed_room(box, 1, away))) <= allowed + 4 * std::sqrt(allowed));
     }
 }

@@ -1,4 +1,4 @@
-// Slot tables: round trips through registers, partial tiles and unchanged neighbours.
+// Slot tables: round trips through registers, partial tiles and unchanged neighbors.
 #include "kernels/wave/slot_table.h"
 
 #include "core/math/vec.h"
@@ -27,7 +27,7 @@ template <class L> struct Whole {
   static constexpr auto fields(auto& s) { return std::tie(s.first, s.second); }
 };
 
-/// A value for every word of every row. The eighth word of each half is an integer with the bits of a signalling NaN.
+/// A value for every word of every row. The eighth word of each half is an integer with the bits of a signaling NaN.
 std::uint32_t word_of(int row, int word) {
   const auto value = static_cast<std::uint32_t>(row * 16 + word);
   return word % 8 == 7 ? 0x7f800001u + value : float_bits(static_cast<float>(value));

@@ -30,7 +30,7 @@ void keep_one_wavelength(Wave& wave, Slot slot) {
   wave.wavelength_samples[slot] = bits_float(float_bits(wave.wavelength_samples[slot]) | kSingleWavelength);
 }
 
-/// A sheet of rough flint glass beside a grey wall, both at z = 4 in front of the camera, and a medium out of sight.
+/// A sheet of rough flint glass beside a gray wall, both at z = 4 in front of the camera, and a medium out of sight.
 Description sheet_and_wall() {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -146,7 +146,7 @@ TEST_CASE("gather: the factor four of single wavelengths is applied once over pa
 
 namespace {
 
-/// Coloured fog from z = 2 to z = 10 with albedo 0.8 at all wavelengths.
+/// Colored fog from z = 2 to z = 10 with albedo 0.8 at all wavelengths.
 Description colored_box(MediumPhotons kept) {
   Description d = empty_scene(16, 16);
   d.integrator.kind = IntegratorKind::kPhotonMapper;
@@ -160,7 +160,7 @@ Description colored_box(MediumPhotons kept) {
   return d;
 }
 
-constexpr std::array<double, 4> kOdds = {0.4, 1.6, 0.8, 1.2};  // their mean is 1
+constexpr std::array<double, 4> kRelativePdfs = {0.4, 1.6, 0.8, 1.2};  // their mean is 1
 
 struct InMedium {
   std::array<double, 4> radiance, sigma_t;
@@ -173,13 +173,13 @@ template <class L> InMedium gather_in_medium(MediumPhotons kept, bool single_ray
   photon.p = {0, 0, 6};
   photon.power = {1, 2, 3, 4};
   photon.direction = encode_octahedral<Scalar>({0, 1, 0});
-  photon.surface = photon_place(1, 1, single_photon);
+  photon.surface = photon_medium_key(1, 1, single_photon);
   PhotonBeam beam;
   beam.start = {0, -1, 7}, beam.direction = {0, 1, 0}, beam.length = 2;
   beam.power = photon.power;
-  beam.odds = {static_cast<float>(kOdds[0]), static_cast<float>(kOdds[1]), static_cast<float>(kOdds[2]),
-               static_cast<float>(kOdds[3])};
-  beam.place = photon.surface;
+  beam.pdf_ratio = {static_cast<float>(kRelativePdfs[0]), static_cast<float>(kRelativePdfs[1]),
+                    static_cast<float>(kRelativePdfs[2]), static_cast<float>(kRelativePdfs[3])};
+  beam.medium_key = photon.surface;
   const VolumePhotonMaps volume{VolumePhotonMap({{photon}}, 1, 0.5f, PhotonKernel::kDisc),
                                 PhotonBeamMap({{beam}}, 1, 0.5f, 1, PhotonKernel::kDisc)};
   const PhotonMaps maps{{}, {}, PhotonGathering::kAll, &volume};
@@ -210,14 +210,14 @@ TEST_CASE_TEMPLATE("gather volume: the factor four of single wavelengths is appl
       const auto points = gather_in_medium<L>(MediumPhotons::kPoints, single_ray, single_photon).radiance;
       const auto beams = gather_in_medium<L>(MediumPhotons::kBeams, single_ray, single_photon).radiance;
       double comes = 0;  // probability that the beam reaches the ray, averaged over the sampling lanes
-      for (std::size_t c = 0; c < 4; ++c) comes += 0.25 * kOdds[c] * std::exp(-sigma[c]);
+      for (std::size_t c = 0; c < 4; ++c) comes += 0.25 * kRelativePdfs[c] * std::exp(-sigma[c]);
       // For rays and photons of one wavelength the other lanes are empty.
       for (std::size_t c = 0; c < (single_ray || single_photon ? 1 : 4); ++c) {
         CAPTURE(c);
         const double power = static_cast<double>(c + 1);
         const double by_point = std::exp(-4 * sigma[c]) * power * kPhase / (kPi * 0.25);
-        const double share = single_photon ? 1 : std::exp(-sigma[c]) / comes;
-        const double by_beam = std::exp(-5 * sigma[c]) * power * share * 0.8 * sigma[c] * kPhase * 0.5 / 0.5;
+        const double fraction = single_photon ? 1 : std::exp(-sigma[c]) / comes;
+        const double by_beam = std::exp(-5 * sigma[c]) * power * fraction * 0.8 * sigma[c] * kPhase * 0.5 / 0.5;
         CHECK(points[c] / (by_point * once) == near(1, 2e-3));
         CHECK(beams[c] / (by_beam * once) == near(1, 2e-3));
       }
@@ -244,13 +244,13 @@ TEST_CASE_TEMPLATE("photons in media record whether one wavelength is left as po
                               stage_named("store_photons")})
       kStages<L>[static_cast<std::size_t>(stage)].run(context, test.wave);
     int seen[2] = {0, 0};
-    const auto check = [&](std::uint32_t place, std::uint32_t order) {
+    const auto check = [&](std::uint32_t medium_key, std::uint32_t order) {
       const bool single = is_single[order >> kVertexBits];
-      CHECK(((place & kPhotonSingleWavelength) != 0) == single);
+      CHECK(((medium_key & kPhotonSingleWavelength) != 0) == single);
       ++seen[single ? 1 : 0];
     };
     for (const Photon& photon : test.photons.stored) check(photon.surface, photon.order);
-    for (const PhotonBeam& beam : test.photons.beams) check(beam.place, beam.order);
+    for (const PhotonBeam& beam : test.photons.beams) check(beam.medium_key, beam.order);
     CHECK(test.photons.stored.empty() == (kept == MediumPhotons::kBeams));
     CHECK(test.photons.beams.empty() == (kept == MediumPhotons::kPoints));
     CHECK(std::min(seen[0], seen[1]) > 50);
@@ -378,7 +378,7 @@ TEST_CASE_TEMPLATE("photon rays: stored photons sample distances by any waveleng
       ++count[(test.wave.rays.row(slot).flags & kRayHeroMask) >> kRayHeroShift];
     return count;
   };
-  const auto is_even = [](const std::array<int, 4>& count, int lanes) {
+  const auto is_uniform = [](const std::array<int, 4>& count, int lanes) {
     for (int lane = 0; lane < 4; ++lane) {
       const double expected = lane < lanes ? 1200.0 / lanes : 0;
       // 5 standard deviations of a binomial distribution
@@ -386,8 +386,8 @@ TEST_CASE_TEMPLATE("photon rays: stored photons sample distances by any waveleng
     }
     return true;
   };
-  for (const bool stored : {false, true}) CHECK(is_even(lanes_of(ColorMode::kRgb, stored), 3));
-  CHECK(is_even(lanes_of(ColorMode::kSpectral, true), 4));
+  for (const bool stored : {false, true}) CHECK(is_uniform(lanes_of(ColorMode::kRgb, stored), 3));
+  CHECK(is_uniform(lanes_of(ColorMode::kSpectral, true), 4));
   CHECK(lanes_of(ColorMode::kSpectral, false)[0] == 1200);
 }
 

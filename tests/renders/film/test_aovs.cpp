@@ -54,7 +54,7 @@ Description wall(MaterialId (*add)(Description&)) {
   return d;
 }
 
-MaterialId coloured(Description& d) { return add_diffuse_rgb(d, 0.2f, 0.4f, 0.6f); }
+MaterialId colored(Description& d) { return add_diffuse_rgb(d, 0.2f, 0.4f, 0.6f); }
 
 /// The wall is rotated about y, so that world x and texture u have opposite directions.
 void check_wall(const Image& image, int x, int y) {
@@ -69,13 +69,13 @@ void check_wall(const Image& image, int x, int y) {
 
 }  // namespace
 
-TEST_CASE("layers: a wall has the known values in both colour modes and both filter modes") {
+TEST_CASE("layers: a wall has the known values in both color modes and both filter modes") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance})
       for (const bool wide : {false, true}) {
         CAPTURE(static_cast<int>(color));
         CAPTURE(static_cast<int>(mode));
-        Description d = wall(coloured);
+        Description d = wall(colored);
         d.film.filter_mode = mode;
         if (wide) d.film.filter.kind = PixelFilter::Kind::kGaussian;
         const Image image = render_image(d, with(kSurfaces, 64), color);
@@ -92,7 +92,7 @@ TEST_CASE("layers: a wall has the known values in both colour modes and both fil
 }
 
 TEST_CASE("layers: every layer of the first surface gets values") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   d.motions.emplace_back(std::vector<AnimatedTransform::Key>{
       {0, d.camera.to_world}, {1, Transform::translate({0.1f, 0.1f, 0}) * d.camera.to_world}});
   d.camera.motion = MotionId{0};
@@ -109,7 +109,7 @@ TEST_CASE("layers: every layer of the first surface gets values") {
 }
 
 TEST_CASE("layers: depth is measured along the camera axis for every camera transform") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   d.camera.to_world = Transform::translate({1, 0.5f, -2}) * Transform::scale({3, 3, 3});
   const Image image = render_image(d, with(kSurfaces));
   CHECK(value(image, 0, 0, "Z") == near(6));
@@ -125,7 +125,7 @@ TEST_CASE("layers: depth is measured along the camera axis for every camera tran
 }
 
 TEST_CASE("layers: samples without a hit are zero and count in the mean") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   // Half of the samples of each pixel at x = 4 miss the wall.
   d.shapes[0].to_world =
       Transform::translate({1.5f, 0, 4}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({2, 10, 1});
@@ -146,13 +146,13 @@ TEST_CASE("layers: normals include normal maps and face the camera") {
   map.made = std::make_shared<const Image>(normals);
   d.textures.emplace_back().model = map;
   const MaterialId mapped = add_material(d, NormalMapDescription{TextureId{0}, false, add_diffuse(d, 0.5f)});
-  const Transform place = Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1});
-  add_rectangle(d, place * Transform::rotate({0, 1, 0}, 180), mapped);
+  const Transform position = Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1});
+  add_rectangle(d, position * Transform::rotate({0, 1, 0}, 180), mapped);
   Image image = render_image(d, with(kSurfaces));
   check_vector(vector(image, 1, 2, "N"), {-n.x, n.y, -n.z}, 1e-3);
   check_vector(vector(image, 1, 2, "Ng"), {0, 0, -1});
   // One-sided surface, seen from behind.
-  d.shapes[0].to_world = place;
+  d.shapes[0].to_world = position;
   d.shapes[0].material = add_diffuse(d, 0.5f);
   image = render_image(d, with(kSurfaces));
   check_vector(vector(image, 1, 2, "N"), {0, 0, -1});
@@ -166,7 +166,7 @@ TEST_CASE("layers: the albedo is the reflectance under constant illumination") {
     double allowed;
   };
   const Variant variants[] = {
-      {"diffuse", coloured, 1e-4},
+      {"diffuse", colored, 1e-4},
       {"mirror", [](Description& d) { return add_mirror(d, 0.9f); }, 1e-4},
       {"plastic", [](Description& d) { return add_material(d, PlasticDescription{}); }, 0.02},
       {"rough metal",
@@ -206,7 +206,7 @@ TEST_CASE("layers: the albedo of glass is one") {
 }
 
 TEST_CASE("layers: the first half is the image of half the samples and features have variances") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_mirror(d));
   add_point_light(d, {1, 2, 0}, 10);
   const Image image =
@@ -239,11 +239,11 @@ TEST_CASE("layers: the first half is the image of half the samples and features 
 
 TEST_CASE("layers: each camera of a batch has depth along its own axis") {
   Description d = empty_scene(8, 4);
-  const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
+  const MaterialId gray = add_two_sided(d, add_diffuse(d, 0.5f));
   // Walls perpendicular to the axes of both cameras, at different distances. Each fills the view of its camera.
-  add_rectangle(d, Transform::translate({0, 0, 5}) * Transform::scale({50, 50, 1}), grey);
+  add_rectangle(d, Transform::translate({0, 0, 5}) * Transform::scale({50, 50, 1}), gray);
   add_rectangle(
-      d, Transform::translate({-7, 0, -15}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 50, 1}), grey);
+      d, Transform::translate({-7, 0, -15}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({20, 50, 1}), gray);
   CameraDescription second = d.camera;
   second.to_world = Transform::look_at({2, 0, -6}, {-1, 0, -6}, {0, 1, 0});
   d.more_cameras.push_back(second);
@@ -258,7 +258,7 @@ TEST_CASE("layers: each camera of a batch has depth along its own axis") {
 }
 
 TEST_CASE("layers: the first half is the smaller one for an odd number of replicates") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   add_point_light(d, {1, 2, 0}, 10);
   add_sphere(d, {0.3f, 0.2f, 3}, 1, add_two_sided(d, add_diffuse(d, 0.7f)));
   for (const int sets : {3, 5}) {
@@ -281,14 +281,14 @@ TEST_CASE("layers: the first half is the smaller one for an odd number of replic
 }
 
 TEST_CASE("layers: media and masks do not count as surfaces and the surfaces behind them do") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   MediumDescription thin = fog(0.1f, 0.9f);
   fill(d, add_sphere(d, {0, 0, 2}, 1, add_material(d, NullDescription{})), add_medium(d, thin));
   Image image = render_image(d, with(kSurfaces, 1024));
   // The sphere is about 2 long in the middle: exp(-0.1 * length) of the samples pass it.
   CHECK(value(image, 4, 4, "Z") == near(4 * std::exp(-0.1 * 1.85), 0.03));
   CHECK(value(image, 0, 0, "Z") == near(4));
-  d = wall(coloured);
+  d = wall(colored);
   add_rectangle(d, Transform::translate({0, 0, 2}) * Transform::scale({10, 10, 1}),
                 add_material(d, MaskDescription{0.25f, add_diffuse(d, 1)}));
   image = render_image(d, with(kSurfaces, 1024));
@@ -296,7 +296,7 @@ TEST_CASE("layers: media and masks do not count as surfaces and the surfaces beh
 }
 
 TEST_CASE("layers: layers without data are errors") {
-  Description d = wall(coloured);
+  Description d = wall(colored);
   const auto fails = [&](const RenderOptions& options) {
     try {
       render_image(d, options);

@@ -19,10 +19,10 @@ const AovSet kIds{aov_named("object_id"), aov_named("material_id"), aov_named("c
 Description scene_of_two() {
   Description d = empty_scene(16, 16);
   d.sampler.sample_count = 16;
-  const MaterialId red = add_diffuse_rgb(d, 0.6f, 0.1f, 0.1f), grey = add_diffuse(d, 0.5f);
+  const MaterialId red = add_diffuse_rgb(d, 0.6f, 0.1f, 0.1f), gray = add_diffuse(d, 0.5f);
   d.materials[0].id = "paint";
   add_rectangle(d, Transform::translate({-4, 0, 6}) * Transform::rotate({0, 1, 0}, 180) * Transform::scale({8, 10, 1}),
-                grey);
+                gray);
   d.shapes.back().id = "wall";
   add_sphere(d, {0.2f, 0.1f, 4}, 1.7f, red);
   return d;
@@ -39,14 +39,14 @@ Mattes decode(const Image& image, int x, int y, const std::string& layer) {
     const int coverage = image.find_channel(level + (i % 2 == 0 ? "g" : "a"));
     REQUIRE(id >= 0);
     REQUIRE(coverage >= 0);
-    const float share = image.at(x, y, coverage);
-    CHECK(share <= last);
-    last = share;
+    const float pixel_coverage = image.at(x, y, coverage);
+    CHECK(pixel_coverage <= last);
+    last = pixel_coverage;
     std::uint32_t bits;
     const float word = image.at(x, y, id);
     std::memcpy(&bits, &word, sizeof bits);
-    CHECK((share > 0) == (bits != 0));
-    if (share > 0) mattes[bits] += share;
+    CHECK((pixel_coverage > 0) == (bits != 0));
+    if (pixel_coverage > 0) mattes[bits] += pixel_coverage;
   }
   return mattes;
 }
@@ -84,7 +84,7 @@ TEST_CASE("cryptomatte: coverage adds up to the visible area of objects with any
       for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 16; ++x) {
           Mattes objects = decode(image, x, y, "CryptoObject"), materials = decode(image, x, y, "CryptoMaterial");
-          for (const auto& [id, share] : objects) CHECK((id == wall || id == ball));
+          for (const auto& [id, pixel_coverage] : objects) CHECK((id == wall || id == ball));
           CHECK(objects[wall] == materials[cryptomatte_id("material_2")]);
           CHECK(objects[ball] == materials[cryptomatte_id("paint")]);
           CHECK(objects[wall] + objects[ball] < 1.3f);
@@ -129,16 +129,16 @@ TEST_CASE("cryptomatte: samples placed by negative filter lobes reduce the cover
     }
     double largest = 0;
     for (int x = 0; x < 9; ++x) {
-      // Distance of the edge from the centre of the pixel, to the right.
+      // Distance of the edge from the center of the pixel, to the right.
       const double edge = 4.0 - x;
       const int cell = std::clamp(static_cast<int>((edge + radius) / step), 0, kSteps);
       const double expected = cell == 0 ? 0.0 : up_to[static_cast<std::size_t>(cell - 1)] / whole;
       const Mattes mattes = decode(image, x, 0, "CryptoObject");
-      double share = 0;
-      for (const auto& [id, covered] : mattes) share += double{covered};
+      double pixel_coverage = 0;
+      for (const auto& [id, covered] : mattes) pixel_coverage += double{covered};
       CAPTURE(x);
       // Names with negative coverage are omitted.
-      CHECK(share == within(std::max(expected, 0.0), 0.012));
+      CHECK(pixel_coverage == within(std::max(expected, 0.0), 0.012));
       largest = std::max(largest, expected);
     }
     CHECK(largest > 1.01);

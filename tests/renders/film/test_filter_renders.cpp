@@ -26,8 +26,8 @@ std::vector<PixelFilter> all_filters() {
   return filters;
 }
 
-/// Share of the integral of the filter to the left of `x`.
-double filter_share(const PixelFilter& filter, double x) {
+/// Fraction of the integral of the filter to the left of `x`.
+double filter_fraction(const PixelFilter& filter, double x) {
   const double radius = filter_radius(filter);
   constexpr int kSteps = 100000;
   double left = 0, all = 0;
@@ -72,7 +72,7 @@ TEST_CASE("a straight edge shows the integral of every filter") {
       CAPTURE(x);
       MeanVariance column;
       for (int y = 0; y < image.height; ++y) column.add(image.at(x, y, 0));
-      const double expected = filter_share(filter, kEdge - (x + 0.5));
+      const double expected = filter_fraction(filter, kEdge - (x + 0.5));
       // The table of 2048 bins smooths the sign changes of filters with negative lobes.
       const double allowed = 2e-3, distance = column.mean() - expected;
       INFO("mean " << column.mean() << ", expected " << expected);

@@ -35,21 +35,21 @@ Description edge_at(float distance, bool upright) {
   return d;
 }
 
-/// Area share of the unit disk beyond `x` along one axis.
-double disk_share(double x) {
+/// Area fraction of the unit disk beyond `x` along one axis.
+double disk_fraction(double x) {
   const double t = std::clamp(x, -1.0, 1.0);
   return (std::acos(t) - t * std::sqrt(1 - t * t)) / kPiD;
 }
 
-/// Share of white that pixel `i` across the edge sees. Through point u of the lens, in radii along the image, the edge
-/// appears shifted by kAperture u (1 / distance - 1 / kFocus) on the plane at distance 1.
+/// Fraction of white that pixel `i` across the edge sees. Through point u of the lens, in radii along the image, the
+/// edge appears shifted by kAperture u (1 / distance - 1 / kFocus) on the plane at distance 1.
 double expected_white(int i, double distance) {
   const double blur = kAcross / 2.0 * kAperture * std::fabs(1 / distance - 1 / double(kFocus));
   constexpr int kSteps = 2000;
   double sum = 0;
   for (int k = 0; k < kSteps; ++k) {
     const double behind = i + (k + 0.5) / kSteps - kEdge;
-    sum += blur > 1e-9 ? disk_share(behind / blur) : behind < 0 ? 1 : 0;
+    sum += blur > 1e-9 ? disk_fraction(behind / blur) : behind < 0 ? 1 : 0;
   }
   return sum / kSteps;
 }

@@ -32,8 +32,8 @@ TEST_CASE("sensors: irradiance meters match the closed form") {
   // Below a disk of radius r at height h on the axis: pi L r^2 / (r^2 + h^2) for a small meter.
   Description below = meter(Projection::kIrradianceMeter, Transform::scale({0.01f, 0.01f, 1}), 16384);
   add_rectangle(below, below.camera.to_world, add_diffuse(below, 0));
-  const Transform place = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
-  emit(add_shape(below, DiskShape{}, place, add_diffuse(below, 0)), 3);
+  const Transform position = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
+  emit(add_shape(below, DiskShape{}, position, add_diffuse(below, 0)), 3);
   CHECK(measured(below) == near(3 * kPiD / 5, 0.01));
   // With several pixels, each measures its part of the surface. The left of two is shadowed by a wall.
   Description parts = meter(Projection::kIrradianceMeter, Transform(), 1024);

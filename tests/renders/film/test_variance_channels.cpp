@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSide = 16, kSeeds = 40;
 
-/// A sphere on a floor below a coloured lamp, in a dim environment.
+/// A sphere on a floor below a colored lamp, in a dim environment.
 Description noisy_scene() {
   Description d = empty_scene(kSide, kSide);
   d.sampler.kind = SamplerKind::kIndependent;

@@ -57,13 +57,13 @@ inline void check_mean(const MeanVariance& statistics, double expected) {
 }
 
 /// Tests the mean of red against `expected`, and that green and blue are equal to it.
-inline void check_grey(const Description& d, double expected) {
+inline void check_gray(const Description& d, double expected) {
   const Image image = render_image(d);
   check_mean(statistics_of(image, 0), expected);
-  bool grey = true;
+  bool gray = true;
   for (std::size_t i = 0; i < image.data.size(); i += image.channels.size())
-    grey = grey && image.data[i] == image.data[i + 1] && image.data[i] == image.data[i + 2];
-  CHECK(grey);
+    gray = gray && image.data[i] == image.data[i + 1] && image.data[i] == image.data[i + 2];
+  CHECK(gray);
 }
 
 /// Renders with each strategy; `sees_points` is false where BSDF sampling alone cannot find the light.
@@ -71,7 +71,7 @@ inline void check_strategies(Description d, double expected, bool sees_points = 
   for (int i = 0; i < 3; ++i) {
     d.integrator.strategy = kStrategies[i];
     CAPTURE(kStrategyNames[i]);
-    check_grey(d, !sees_points && kStrategies[i] == LightStrategy::kBsdfOnly ? 0.0 : expected);
+    check_gray(d, !sees_points && kStrategies[i] == LightStrategy::kBsdfOnly ? 0.0 : expected);
   }
 }
 

@@ -25,7 +25,7 @@ namespace sheaf::light_tracing_cases {
 inline const double kLevel = significance_of_each(8000);
 /// Width and height of images, in pixels, and number of renders with different seeds per estimator.
 inline constexpr int kSide = 20, kRepeats = 7;
-/// Compared values: the means of 16 blocks and of the 3 colours.
+/// Compared values: the means of 16 blocks and of the 3 colors.
 inline constexpr std::size_t kMeans = 19;
 
 /// The compared values of an image.

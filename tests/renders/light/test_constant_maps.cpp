@@ -1,4 +1,4 @@
-// Constants in place of textures render like images of one colour.
+// Constants in place of textures render like images of one color.
 #include "core/image/exr.h"
 #include "kernels/render/render.h"
 #include "scene/compile/compile.h"
@@ -15,7 +15,7 @@ using namespace test;
 
 namespace {
 
-/// Renders a square with the material under a light from the side. The folder holds map.exr, an image of one colour.
+/// Renders a square with the material under a light from the side. The folder holds map.exr, an image of one color.
 Image render_image(const std::string& material, const std::string& lights, ColorMode color = ColorMode::kRgb) {
   const TemporaryFolder folder;
   Image map(2, 2, {"B", "G", "R"});
@@ -60,7 +60,7 @@ std::string map_of(const std::string& plugin, const std::string& texture) {
 
 }  // namespace
 
-TEST_CASE("constant maps: constant normal maps act like images of one colour") {
+TEST_CASE("constant maps: constant normal maps act like images of one color") {
   const std::string constants[] = {
       "<texture type='rawconstant' name='x'><vector name='value' value='0.8, 0.5, 0.9'/></texture>",
       "<texture type='srgb' name='x'><rgb name='color' value='0.8, 0.5, 0.9'/></texture>",
@@ -92,11 +92,11 @@ TEST_CASE("constant maps: spot lights and reflectances and opacities and area li
            "</transform><float name='cutoff_angle' value='60'/>" +
            texture + "</emitter>";
   };
-  const std::string grey = "<texture type='rawconstant' name='texture'><float name='value' value='0.25'/></texture>";
+  const std::string gray = "<texture type='rawconstant' name='texture'><float name='value' value='0.25'/></texture>";
   const double bright = brightest(render_image(kDiffuse, spot("")));
   CHECK(bright > 0.01);
-  CHECK(brightest(render_image(kDiffuse, spot(grey))) < 0.3 * bright);
-  CHECK(brightest(render_image(kDiffuse, spot(grey))) > 0.1 * bright);
+  CHECK(brightest(render_image(kDiffuse, spot(gray))) < 0.3 * bright);
+  CHECK(brightest(render_image(kDiffuse, spot(gray))) > 0.1 * bright);
   const std::string albedo =
       "<bsdf type='diffuse'><texture type='rawconstant' name='reflectance'><vector name='value' "
       "value='0.5, 0.5, 0.5'/></texture></bsdf>";

@@ -118,7 +118,7 @@ TEST_CASE("covered emission: gltf cuts out unlit and emissive surfaces below the
 
 namespace {
 
-/// A square lamp of radiance 1 on both sides, before a grey disk at z = -1 if `wall`.
+/// A square lamp of radiance 1 on both sides, before a gray disk at z = -1 if `wall`.
 Image pbrt_image(const std::string& alpha, bool wall) {
   const std::string disk =
       "AttributeBegin Translate 0 0 -1 Material \"diffuse\" \"rgb reflectance\" [ 0.5 0.5 0.5 ] Shape \"disk\" "

@@ -140,14 +140,14 @@ TEST_CASE("lights of all kinds add up whatever their power") {
   add_area_light_sphere(d, {0, 0, 2}, 0.5f, 2);
   add_area_light_rectangle(d, facing_down({-4, 0, 2}) * Transform::scale({1, 1, 1}), 30);
   add_constant_light(d, 0.5f);
-  const double sphere = 0.25 / 4;  // share of the cosine-weighted hemisphere of the floor
+  const double sphere = 0.25 / 4;  // fraction of the cosine-weighted hemisphere of the floor
   const double rectangle = polygon_irradiance({{-5, -1, 2}, {-3, -1, 2}, {-3, 1, 2}, {-5, 1, 2}}, 1) / kPiD;
   const double area_lights = kPiD * (2 * sphere + 30 * rectangle + 0.5 * (1 - sphere - rectangle));
   SUBCASE("without a point light") { check_strategies(d, reflected(area_lights)); }
   SUBCASE("with a point light") {
     add_point_light(d, {0, -2, 2}, 0.3f);
     d.integrator.strategy = LightStrategy::kMis;
-    check_grey(d, reflected(area_lights + 0.3 * std::sqrt(0.5) / 8));
+    check_gray(d, reflected(area_lights + 0.3 * std::sqrt(0.5) / 8));
   }
 }
 

@@ -1,4 +1,4 @@
-// Renders with environment maps: all strategies agree in both colour modes, with and without MIS compensation.
+// Renders with environment maps: all strategies agree in both color modes, with and without MIS compensation.
 #include "core/math/frame.h"
 #include "core/sampling/warp.h"
 #include "kernels/lights/envmap.h"
@@ -79,8 +79,8 @@ TEST_CASE("environment map: all strategies agree on a diffuse floor" * doctest::
     d.integrator.max_depth = 2;
     look_at(d, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 0.01f);
     add_rectangle(d, Transform::rotate({1, 0.3f, 0}, -60), add_diffuse(d, 0.5f));
-    const Transform turn = Transform::rotate({1, 2, 3}, 70);
-    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turn, compensated}, {}});
+    const Transform rotation = Transform::rotate({1, 2, 3}, 70);
+    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, rotation, compensated}, {}});
     const Vec3f normal = Transform::rotate({1, 0.3f, 0}, -60).vector({0, 0, 1});
     const double expected = 0.5 / kPiD * irradiance(compile_scene(d)->view().lights.envmap, normal);
     for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
@@ -150,9 +150,9 @@ void check_agree(const std::array<MeanVariance, 3>& a, const std::array<MeanVari
 TEST_CASE("environment map: spectral mode shows a smooth map as RGB mode does" * doctest::test_suite("slow")) {
   const TemporaryFolder folder;
   write_map(folder / "smooth.exr", envmap_image(64, 32, [](std::uint32_t x, std::uint32_t y) {
-              const float turn = std::sin(kPi * static_cast<float>(x) / 32),
+              const float rotation = std::sin(kPi * static_cast<float>(x) / 32),
                           polar = std::cos(kPi * static_cast<float>(y) / 31);
-              return Vec3f{1 + 0.6f * turn, 0.9f + 0.4f * polar, 1.2f - 0.5f * turn * polar};
+              return Vec3f{1 + 0.6f * rotation, 0.9f + 0.4f * polar, 1.2f - 0.5f * rotation * polar};
             }));
   // Errors of the upsampling table and of the two ways of interpolation.
   constexpr double kSystematic = 0.004;

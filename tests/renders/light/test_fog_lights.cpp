@@ -12,7 +12,7 @@ namespace {
 /// All comparisons of this file together fail with probability kSignificance if every estimator is unbiased.
 const double kLevel = significance_of_each(9 * 9);
 
-Transform turned(Vec3f at, Vec3f axis, float degrees, float size) {
+Transform rotated(Vec3f at, Vec3f axis, float degrees, float size) {
   return Transform::translate(at) * Transform::rotate(axis, degrees) * Transform::scale({size, size, 1});
 }
 
@@ -21,8 +21,8 @@ Transform turned(Vec3f at, Vec3f axis, float degrees, float size) {
 void add_lights(Description& d) {
   add_area_light_sphere(d, {0, 0, 2.6f}, 1.3f, 4);
   add_area_light_sphere(d, {0, 2.4f, -0.3f}, 1.1f, 1);
-  add_area_light_rectangle(d, turned({0, -2.2f, 0}, {1, 0, 0}, -90, 1.3f), 2);
-  add_area_light_rectangle(d, turned({2.4f, 0, 1.8f}, {0, 1, 0}, -135, 1.2f), 7);
+  add_area_light_rectangle(d, rotated({0, -2.2f, 0}, {1, 0, 0}, -90, 1.3f), 2);
+  add_area_light_rectangle(d, rotated({2.4f, 0, 1.8f}, {0, 1, 0}, -135, 1.2f), 7);
 }
 
 /// A sphere of `medium` around the origin, seen from the side.
@@ -49,7 +49,7 @@ TEST_CASE("fog lights: all strategies agree on area lights around a homogeneous 
   }
 }
 
-TEST_CASE("fog lights: all strategies agree on area lights around a coloured grid medium") {
+TEST_CASE("fog lights: all strategies agree on area lights around a colored grid medium") {
   const TemporaryFolder folder;
   const auto lumps = write_vol(folder / "lumps.vol", 12, 1, [](Vec3f p, int) {
     return 1 + std::sin(17 * p.x) * std::sin(13 * p.y + 1) * std::cos(11 * p.z);
@@ -91,7 +91,7 @@ TEST_CASE("fog lights: all strategies agree on a medium behind a mask and a thin
   pane.int_ior = 3;
   pane.ext_ior = 1;
   pane.thin = true;
-  add_rectangle(d, turned({1.15f, 0, 0}, {0, 1, 0}, 90, 1.5f), add_material(d, pane));
+  add_rectangle(d, rotated({1.15f, 0, 0}, {0, 1, 0}, 90, 1.5f), add_material(d, pane));
   check_strategies_agree(d, kLevel);
 }
 

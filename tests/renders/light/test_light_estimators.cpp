@@ -61,9 +61,10 @@ void add_instanced_light(Description& d) {
   group.shapes.push_back(lamp);
   d.groups.push_back(group);
   for (const float x : {-1.0f, 1.2f}) {
-    const Transform place = Transform::translate({x, 0, 0}) * over_the_stage() * Transform::scale({0.3f, -0.3f, -0.3f});
+    const Transform position =
+        Transform::translate({x, 0, 0}) * over_the_stage() * Transform::scale({0.3f, -0.3f, -0.3f});
     InstanceDescription instance;
-    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = position.matrix().m[i / 4][i % 4];
     d.instances.push_back(instance);
   }
 }

@@ -76,7 +76,7 @@ double sum_of(const Image& image, const char* channel) {
 
 }  // namespace
 
-TEST_CASE("light groups: groups add up to the image in both colour modes with any filter and with photon maps") {
+TEST_CASE("light groups: groups add up to the image in both color modes with any filter and with photon maps") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral})
     for (const FilterMode mode : {FilterMode::kWeighted, FilterMode::kImportance}) {
       const Image image = render_image(lit_scene(), color, mode);
@@ -162,10 +162,10 @@ TEST_CASE("light groups: each group contains the light of its own lamp only") {
   // Two rooms with one lamp each.
   Description d = empty_scene(8, 8);
   d.sampler.sample_count = 16;
-  const MaterialId grey = add_two_sided(d, add_diffuse(d, 0.5f));
-  add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1}), grey);
+  const MaterialId gray = add_two_sided(d, add_diffuse(d, 0.5f));
+  add_rectangle(d, Transform::translate({0, 0, 4}) * Transform::scale({10, 10, 1}), gray);
   add_rectangle(
-      d, Transform::translate({0, 0, 10.5f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({10, 10, 1}), grey);
+      d, Transform::translate({0, 0, 10.5f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({10, 10, 1}), gray);
   d.camera.to_world = Transform::translate({0, 0, -1});
   for (const float x : {2.0f, -2.0f}) {
     add_point_light(d, {x, 0, 2}, 10);

@@ -58,9 +58,9 @@ TEST_CASE("light tracing: hidden lights and their reflections are invisible exce
     d.integrator.max_depth = 4;
     d.integrator.hide_emitters = true;
     add_rectangle(d, Transform::scale({3, 3, 1}), add_diffuse_rgb(d, 0.8f, 0.5f, 0.2f));
-    const MaterialId grey = add_diffuse(d, 0.7f);
-    emit(add_rectangle(d, Transform::translate({0, 0, 1}) * Transform::scale({0.4f, 0.4f, 1}), grey), 3);
-    emit(add_sphere(d, {0.5f, 0.4f, 0.5f}, 0.3f, grey), 2);
+    const MaterialId gray = add_diffuse(d, 0.7f);
+    emit(add_rectangle(d, Transform::translate({0, 0, 1}) * Transform::scale({0.4f, 0.4f, 1}), gray), 3);
+    emit(add_sphere(d, {0.5f, 0.4f, 0.5f}, 0.3f, gray), 2);
     add_point_light(d, {1, 1, 3}, 3);
     return d;
   };

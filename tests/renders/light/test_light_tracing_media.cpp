@@ -32,7 +32,7 @@ std::vector<NamedChange> media(const std::filesystem::path& lumps) {
          m.phase = add_phase(d, 0.7f);
          fill(d, add_sphere(d, {0, 0, 1.5f}, 1.4f), add_medium(d, m));
        }},
-      {"coloured fog in a ball",
+      {"colored fog in a ball",
        [=](Description& d) {
          fill(d, add_sphere(d, {0, 0, 1.5f}, 1.4f), add_medium(d, colored));
        }},
@@ -86,7 +86,7 @@ TEST_CASE("light tracing: every emitter in and around media has the mean of path
     }
 }
 
-TEST_CASE("light tracing: distant light through unbounded fog is unbiased far from the centre of the scene") {
+TEST_CASE("light tracing: distant light through unbounded fog is unbiased far from the center of the scene") {
   for (const char* const emitter : {"directional", "constant"}) {
     CAPTURE(emitter);
     Description d = room(100);

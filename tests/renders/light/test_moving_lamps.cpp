@@ -116,7 +116,7 @@ TEST_CASE("moving lamps: lamps in instances on an arc light as much as they show
   for (const auto& lamp : kLamps) {
     CAPTURE(lamp.name);
     Description d = corner_scene(64);
-    // In millimetres, below a placement that scales them
+    // In millimeters, below a placement that scales them
     constexpr float kUnit = 1e-3f;
     d.groups.push_back({{lamp_of(lamp.geometry, kUnit)}, {}, {}});
     InstanceDescription instance;

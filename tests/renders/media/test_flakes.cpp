@@ -22,7 +22,7 @@ const double kLevel = significance_of_each(60);
 constexpr MediumEstimator kEstimators[] = {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio,
                                            MediumEstimator::kMarching};
 
-/// Fibres along an oblique axis.
+/// Fibers along an oblique axis.
 constexpr Matrix kOblique{0.5f, 0.9f, 0.4f, 0.2f, -0.3f, 0.1f};
 
 double area(const Matrix& s, Vec3f w) {

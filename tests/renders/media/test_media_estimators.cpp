@@ -54,7 +54,7 @@ void check_mean(const MeanVariance& statistics, double expected, double rounding
   CHECK(statistics.p_value(nearest) >= kLevel);
 }
 
-void check_grey(const Description& d, double expected) {
+void check_gray(const Description& d, double expected) {
   const Means m = means_of(d);
   for (const MeanVariance& channel : m.channel) check_mean(channel, expected);
 }
@@ -135,7 +135,7 @@ Description furnace(const MediumDescription& medium, float g) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE("media: paths and shadow rays match the transmittance of a homogeneous slab in each colour") {
+TEST_CASE("media: paths and shadow rays match the transmittance of a homogeneous slab in each color") {
   for (const MediumEstimator estimator :
        {MediumEstimator::kNullMis, MediumEstimator::kDelta, MediumEstimator::kRatio, MediumEstimator::kMarching})
     for (const float albedo : {0.0f, 0.6f}) {
@@ -159,7 +159,7 @@ TEST_CASE("media: paths and shadow rays match the transmittance of a homogeneous
 
 TEST_CASE("media: the transmittance of a linear density ramp matches the closed form") {
   const TemporaryFolder folder;
-  // Clamped beyond the centres of the outermost voxels, linear in between.
+  // Clamped beyond the centers of the outermost voxels, linear in between.
   constexpr int kVoxels = 32;
   const auto file = write_vol(folder / "ramp.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.x; });
   const auto upwards = write_vol(folder / "up.vol", kVoxels, 1, [](Vec3f p, int) { return 4 * p.y; });
@@ -170,7 +170,7 @@ TEST_CASE("media: the transmittance of a linear density ramp matches the closed 
     Description below = floor_below_cube();
     fill(below, below.shapes.back(), add_medium(below, with_density(fog(1, 0.5f), vol(upwards))));
     through.integrator.medium_estimator = below.integrator.medium_estimator = estimator;
-    check_grey(through, 2 * std::exp(-2.0));
+    check_gray(through, 2 * std::exp(-2.0));
     const Means lit = means_of(below);
     for (const MeanVariance& channel : lit.channel) check_mean(channel, kFloor * std::exp(-2.0), 2e-4);
   }
@@ -250,7 +250,7 @@ TEST_CASE("media: an emissive sphere matches the closed form directly and as ill
         fill(seen, add_sphere(seen, {0, 0, 0}, 0.8f), id);
         seen.integrator.max_depth = 1;
         seen.integrator.medium_estimator = estimator;
-        check_grey(seen, 3 * (1 - std::exp(-1.6 * sigma)));
+        check_gray(seen, 3 * (1 - std::exp(-1.6 * sigma)));
         for (const LightStrategy strategy :
              {LightStrategy::kMis, LightStrategy::kBsdfOnly, LightStrategy::kLightOnly}) {
           // With ray marching, only paths find emission.
@@ -265,7 +265,7 @@ TEST_CASE("media: an emissive sphere matches the closed form directly and as ill
       }
 }
 
-TEST_CASE("media: an isothermal gas emits as a black body in both colour modes") {
+TEST_CASE("media: an isothermal gas emits as a black body in both color modes") {
   const TemporaryFolder folder;
   const auto half = write_vol(folder / "half.vol", 3, 1, [](Vec3f, int) { return 0.5f; });
   const Transform around = Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4});
@@ -339,12 +339,12 @@ TEST_CASE("media: a sphere without absorption is invisible in a white environmen
             Description d = furnace(medium, g);
             d.integrator.medium_estimator = estimator;
             d.integrator.strategy = strategy;
-            check_grey(d, 1);
+            check_gray(d, 1);
           }
       }
 }
 
-TEST_CASE("media: homogeneous media and grids have the same mean for every estimator and colour") {
+TEST_CASE("media: homogeneous media and grids have the same mean for every estimator and color") {
   const TemporaryFolder folder;
   const auto one = write_vol(folder / "one.vol", 3, 1, [](Vec3f, int) { return 1.0f; });
   const auto colors = write_vol(folder / "colors.vol", 3, 3, [](Vec3f, int c) {

@@ -1,4 +1,4 @@
-// Renders of media whose extinction depends on colour, against closed forms.
+// Renders of media whose extinction depends on color, against closed forms.
 #include "kernels/render/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/media_testing.h"
@@ -102,21 +102,20 @@ Description floor_below_slab(const MediumDescription& medium) {
 
 TEST_SUITE_BEGIN("slow");
 
-TEST_CASE(
-    "media: grey absorption with coloured scattering is unbiased where minorants of the densest colour are used") {
+TEST_CASE("media: gray absorption with colored scattering is unbiased where minorants of the densest color are used") {
   const TemporaryFolder folder;
-  // Minorants are used up to an optical thickness of 2.3. The last colour exceeds it, whichever is the hero wavelength.
+  // Minorants are used up to an optical thickness of 2.3. The last color exceeds it, whichever is the hero wavelength.
   const float scattering[] = {0.1f, 0.8f, 2.5f};
   const auto ones = vol(write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 1.0f; }));
-  const auto grey = vol(write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 0.5f; }));
-  const auto greys = vol(write_vol(folder / "greys.vol", 2, 3, [](Vec3f, int) { return 0.5f; }));
+  const auto gray = vol(write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 0.5f; }));
+  const auto grays = vol(write_vol(folder / "greys.vol", 2, 3, [](Vec3f, int) { return 0.5f; }));
   const auto colors = vol(write_vol(folder / "colors.vol", 2, 3, [&](Vec3f, int c) { return scattering[c]; }));
   MediumDescription by_density, by_grids, by_colors;
   by_density.coefficients =
       AbsorptionScatteringDescription{SpectrumDescription::constant(0.5f), SpectrumDescription::rgb(0.1f, 0.8f, 2.5f)};
   by_density.density = ones;
-  by_grids.coefficients = AbsorptionScatteringDescription{grey, colors};
-  by_colors.coefficients = AbsorptionScatteringDescription{greys, colors};
+  by_grids.coefficients = AbsorptionScatteringDescription{gray, colors};
+  by_colors.coefficients = AbsorptionScatteringDescription{grays, colors};
   for (const MediumDescription& medium : {by_density, by_grids, by_colors})
     for (const MediumEstimator estimator : kUnbiased) {
       CAPTURE(medium.density.has_value());
@@ -133,7 +132,7 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("media: the MIS weights through a coloured medium add up by their pdfs") {
+TEST_CASE("media: the MIS weights through a colored medium add up by their pdfs") {
   const TemporaryFolder folder;
   const Transform slab = Transform::translate({-100, 0, -100}) * Transform::scale({200, 1, 200});
   const float extinction[] = {0.4f, 1.5f, 3};

@@ -37,8 +37,8 @@ Image passed_light(const TemporaryFolder& folder, const std::string& sigma_t, Co
   return render(*compile_scene(read_scene(write_below(folder, "scene.xml", text)), options), {}).film.to_image();
 }
 
-/// Position of the centre of a pixel, with x to the left and y upwards.
-float place_of(int pixel) { return 4 - 8 * (static_cast<float>(pixel) + 0.5f) / kSize; }
+/// Position of the center of a pixel, with x to the left and y upwards.
+float position_of(int pixel) { return 4 - 8 * (static_cast<float>(pixel) + 0.5f) / kSize; }
 
 /// Checks that pixels with inside(x, y) have transmittance `passed`, up to noise, and all others 1. Pixels with skip(x,
 /// y) are ignored.
@@ -49,8 +49,8 @@ void check_passed(const Image& image, double passed, Inside&& inside, Skip&& ski
   for (int y = 0; y < kSize; ++y)
     for (int x = 0; x < kSize; ++x) {
       const float value = image.at(x, y, channel);
-      if (skip(place_of(x), place_of(y))) continue;
-      if (!inside(place_of(x), place_of(y))) {
+      if (skip(position_of(x), position_of(y))) continue;
+      if (!inside(position_of(x), position_of(y))) {
         CHECK(value == near(1));
         continue;
       }
@@ -63,16 +63,16 @@ void check_passed(const Image& image, double passed, Inside&& inside, Skip&& ski
 }
 
 std::string placed(const std::string& steps) { return "<transform name='to_world'>" + steps + "</transform>"; }
-std::string constant(const std::string& value, const std::string& place = "") {
-  return "<volume name='sigma_t' type='constvolume'>" + value + place + "</volume>";
+std::string constant(const std::string& value, const std::string& position = "") {
+  return "<volume name='sigma_t' type='constvolume'>" + value + position + "</volume>";
 }
-std::string grid(const std::string& file, const std::string& place, const std::string& wrap) {
-  return "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/>" + place +
+std::string grid(const std::string& file, const std::string& position, const std::string& wrap) {
+  return "<volume name='sigma_t' type='gridvolume'><string name='filename' value='" + file + "'/>" + position +
          "<string name='wrap_mode' value='" + wrap + "'/></volume>";
 }
 const std::string kHalf = "<float name='value' value='0.5'/>";
 /// A square of side 4, rotated by 45 degrees. Its box has side 4 sqrt(2), of which the cube shows a part.
-const std::string kTurned =
+const std::string kRotated =
     placed("<translate value='-0.5, -0.5, -0.5'/><scale value='3, 3, 2'/><rotate z='1' angle='45'/>");
 
 }  // namespace
@@ -103,8 +103,8 @@ TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
   write_vol(folder / "ones.vol", 2, 1, [](Vec3f, int) { return 0.5f; });
   write_vol(folder / "halves.vol", 64, 1, [](Vec3f p, int) { return p.x < 0.5f ? 0.25f : 1.0f; });
   const float half = 1.5f * std::numbers::sqrt2_v<float>;  // half the side of the box
-  for (const std::string& sigma_t : {constant(kHalf, kTurned), grid("ones.vol", kTurned, "clamp"),
-                                     grid("ones.vol", kTurned, "repeat"), grid("ones.vol", kTurned, "mirror")}) {
+  for (const std::string& sigma_t : {constant(kHalf, kRotated), grid("ones.vol", kRotated, "clamp"),
+                                     grid("ones.vol", kRotated, "repeat"), grid("ones.vol", kRotated, "mirror")}) {
     CAPTURE(sigma_t);
     check_passed(
         passed_light(folder, sigma_t), std::exp(-1.0),
@@ -118,7 +118,7 @@ TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
   const auto check_beyond = [&](const char* wrap, double sigma) {
     CAPTURE(wrap);
     const auto corner = [](float x, float y) { return x > 1.5f && x < 2 && y > 1.5f && y < 2; };
-    check_passed(passed_light(folder, grid("halves.vol", kTurned, wrap)), std::exp(-2 * sigma), corner,
+    check_passed(passed_light(folder, grid("halves.vol", kRotated, wrap)), std::exp(-2 * sigma), corner,
                  [&](float x, float y) { return !corner(x, y); });
   };
   check_beyond("clamp", 1);
@@ -126,7 +126,7 @@ TEST_CASE("medium bounds: rotated volumes extend to their axis-aligned box") {
   check_beyond("mirror", 1);
 }
 
-TEST_CASE("medium bounds: a bounded constant absorbs by its spectrum in both colour modes") {
+TEST_CASE("medium bounds: a bounded constant absorbs by its spectrum in both color modes") {
   const TemporaryFolder folder;
   const std::string sigma_t =
       constant("<spectrum name='value' value='300:0.5, 900:0.5'/>", placed("<scale value='2'/>"));

@@ -14,11 +14,11 @@ constexpr double kPiD = 3.14159265358979323846;
 
 /// A cube of side 1 around `at`, filled with a grid medium.
 void add_cloud(Description& d, const std::filesystem::path& ones, Vec3f at, float sigma_t) {
-  const Transform place = Transform::translate(at) * Transform::scale({0.5f, 0.5f, 0.5f});
+  const Transform position = Transform::translate(at) * Transform::scale({0.5f, 0.5f, 0.5f});
   MediumDescription m = fog(sigma_t, 0.5f);
-  m.density = vol(ones, place * Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4}));
+  m.density = vol(ones, position * Transform::translate({-2, -2, -2}) * Transform::scale({4, 4, 4}));
   const MediumId id = add_medium(d, m);
-  fill(d, add_shape(d, CubeShape{}, place), id);
+  fill(d, add_shape(d, CubeShape{}, position), id);
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ TEST_CASE("medium passages: all strategies agree behind a rough boundary of a me
   check_strategies_agree(d, significance_of_each(2 * 9));
 }
 
-TEST_CASE("medium passages: coloured fog seen through weakly dispersive glass looks as through ordinary glass") {
+TEST_CASE("medium passages: colored fog seen through weakly dispersive glass looks as through ordinary glass") {
   PixelMeans means[2];
   for (const bool disperses : {false, true}) {
     Description d = one_point_scene(64);

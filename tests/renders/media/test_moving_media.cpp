@@ -23,7 +23,7 @@ Transform scale(float s) { return Transform::scale({s, s, s}); }
 Transform about_z(double degrees) { return Transform::rotate({0, 0, 1}, degrees); }
 
 /// From the unit cube to the cube of side 2 around the origin.
-Transform centred() { return shift(-1, -1, -1) * scale(2); }
+Transform centered() { return shift(-1, -1, -1) * scale(2); }
 
 /// Mean of the green channel.
 MeanVariance green(const Description& d) { return pixel_means(d)[1]; }
@@ -39,14 +39,14 @@ Description view_through(Vec3f from, Vec3f at, int samples) {
   return d;
 }
 
-/// Grey fog whose extinction is a grid, at rest at the first key.
-MediumDescription fog_on_grid(Description& d, const std::filesystem::path& file, float albedo, const Transform& place,
-                              MotionKeys keys) {
+/// Gray fog whose extinction is a grid, at rest at the first key.
+MediumDescription fog_on_grid(Description& d, const std::filesystem::path& file, float albedo,
+                              const Transform& position, MotionKeys keys) {
   MediumDescription m = fog(1, albedo);
-  GridVolumeDescription grid = vol(file, keys[0].value * place);
+  GridVolumeDescription grid = vol(file, keys[0].value * position);
   grid.filter = GridFilter::kNearest;
   grid.motion = add_motion(d, std::move(keys));
-  d.motions.back() = d.motions.back() * AnimatedTransform(place);
+  d.motions.back() = d.motions.back() * AnimatedTransform(position);
   std::get<ExtinctionAlbedoDescription>(m.coefficients).sigma_t = grid;
   return m;
 }
@@ -79,7 +79,7 @@ TEST_CASE("moving media: a box that passes gives the mean of both transmittances
         // Its right side passes the axis at 0.3, and stays
         const MotionKeys keys{{0, shift(-1.6f)}, {1, shift(0.4f)}};
         ShapeDescription& box = fill_box(d, shape_moves ? 1.001f : 4,
-                                         fog_on_grid(d, constant_grid(folder, 0.6f, channels), 0, centred(), keys));
+                                         fog_on_grid(d, constant_grid(folder, 0.6f, channels), 0, centered(), keys));
         if (shape_moves) {
           const Transform around = box.to_world;
           move(d, box, {{0, shift(-1.6f) * around}, {1, shift(0.4f) * around}});
@@ -112,11 +112,11 @@ TEST_CASE("moving media: a grid that turns shows each of its halves for its part
     }
 }
 
-TEST_CASE("moving media: coefficients of a grid that stretches stay those per metre") {
+TEST_CASE("moving media: coefficients of a grid that stretches stay those per meter") {
   const TemporaryFolder folder;
   Description d = view_through({0, 0, 9}, {0, 0, 0}, 64);
   fill_box(d, 4,
-           fog_on_grid(d, constant_grid(folder, 0.6f), 0, centred(), {{0, {}}, {1, Transform::scale({1, 1, 3})}}));
+           fog_on_grid(d, constant_grid(folder, 0.6f), 0, centered(), {{0, {}}, {1, Transform::scale({1, 1, 3})}}));
   // The length grows from 2 to 6
   check_mean(green(d), (std::exp(-1.2) - std::exp(-3.6)) / 2.4, kSignificance, kAllowed);
 }
@@ -131,14 +131,15 @@ TEST_CASE("moving media: a camera that moves sees what a cloud that moves the ot
     d.lights.push_back({DirectionalLightDescription{{0, 0, -1}}, {}});
     d.sampler.seed = camera_moves ? 3 : 4;
     // Both turn about the axis of the light
-    const auto turned = [](double angle) { return shift(0, 0, static_cast<float>(angle / 90)) * about_z(angle); };
+    const auto rotated = [](double angle) { return shift(0, 0, static_cast<float>(angle / 90)) * about_z(angle); };
     const bool cloud_moves = !camera_moves;
-    MediumDescription m = fog_on_grid(
-        d, lumps, 0.8f, centred(), {{0, {}}, {0.5, turned(cloud_moves ? 45 : 0)}, {1, turned(cloud_moves ? 90 : 0)}});
+    MediumDescription m =
+        fog_on_grid(d, lumps, 0.8f, centered(),
+                    {{0, {}}, {0.5, rotated(cloud_moves ? 45 : 0)}, {1, rotated(cloud_moves ? 90 : 0)}});
     m.phase = add_phase(d, 0.6f);
     fill_box(d, 4, m);
     if (camera_moves) {
-      d.camera.motion = add_motion(d, {{0, {}}, {0.5, turned(-45)}, {1, turned(-90)}});
+      d.camera.motion = add_motion(d, {{0, {}}, {0.5, rotated(-45)}, {1, rotated(-90)}});
       d.motions.back() = d.motions.back() * AnimatedTransform(d.camera.to_world);
     }
     return pixel_means(d, color)[1];
@@ -160,8 +161,8 @@ TEST_CASE("moving media: flakes turn with their grid") {
     fill(d, add_sphere(d, {0, 0, 0}, 1), add_medium(d, m));
     return d;
   };
-  // Fibres along x, which turn by `angle` towards -z
-  const auto fibres = [](double angle) {
+  // Fibers along x, which turn by `angle` towards -z
+  const auto fibers = [](double angle) {
     const double x = std::cos(angle), z = -std::sin(angle);
     return std::array<float, 6>{static_cast<float>(1 - 0.96 * x * x), 1, static_cast<float>(1 - 0.96 * z * z), 0,
                                 static_cast<float>(-0.96 * x * z),    0};
@@ -174,10 +175,10 @@ TEST_CASE("moving media: flakes turn with their grid") {
     const double c = std::cos(right * (i + 0.5) / kSteps);
     expected += std::exp(-3 * std::sqrt(c * c + 0.04 * (1 - c * c))) / kSteps;
   }
-  check_mean(green(scene(0, fibres(0), 90)), expected, significance_of_each(2), 1e-3);
-  // Scattering from x to z: against fibres that stand still at three times, by Simpson's rule
+  check_mean(green(scene(0, fibers(0), 90)), expected, significance_of_each(2), 1e-3);
+  // Scattering from x to z: against fibers that stand still at three times, by Simpson's rule
   const auto scattered = [&](double angle, double degrees, std::uint32_t seed) {
-    Description d = scene(1, fibres(angle), degrees);
+    Description d = scene(1, fibers(angle), degrees);
     d.lights.clear();
     d.lights.push_back({DirectionalLightDescription{{1, 0, 0}}, {}});
     d.integrator.max_depth = 2;
@@ -281,8 +282,8 @@ TEST_CASE("moving media: a cube that grows glows in proportion to its volume, ho
   const TemporaryFolder folder;
   const double level = significance_of_each(6);
   // A box of 0.4 x 0.4 x a at x = 3, where a grows from 0.1 to 0.7
-  const auto place = [](float a) { return shift(3, 0, 0) * Transform::scale({0.4f, 0.4f, a}); };
-  const MotionKeys keys{{0, place(0.1f)}, {1, place(0.7f)}};
+  const auto position = [](float a) { return shift(3, 0, 0) * Transform::scale({0.4f, 0.4f, a}); };
+  const MotionKeys keys{{0, position(0.1f)}, {1, position(0.7f)}};
   constexpr float kLamp = 0.03f;
   const double irradiance = double{kGlow} * 0.4 * 0.4 * 0.4 / 9;
   for (const Glow glow : {Glow::kGridInBox, Glow::kHomogeneous})
@@ -303,14 +304,14 @@ TEST_CASE("moving media: path tracing and light tracing agree on a dense cloud t
   look_at(d, {0, -5, 4}, {0, 0, 0.3f}, {0, 0, 1}, 60);
   d.integrator.max_depth = 4;
   add_rectangle(d, Transform::scale({3, 3, 1}), add_diffuse(d, 0.6f));
-  const auto place = [](float x, double angle, float a) {
+  const auto position = [](float x, double angle, float a) {
     return shift(x, 0, 1) * Transform::rotate({1, 1, 0}, angle) * Transform::scale({a, 1, 1});
   };
-  MediumDescription m = fog_on_grid(d, lumps, 0.6f, centred(), {{0, place(-1, 0, 1)}, {1, place(1, 80, 0.5f)}});
+  MediumDescription m = fog_on_grid(d, lumps, 0.6f, centered(), {{0, position(-1, 0, 1)}, {1, position(1, 80, 0.5f)}});
   m.scale = 1.5f;
   m.emission = SpectrumDescription::rgb(2, 3, 1);
   ShapeDescription& ball = fill(d, add_sphere(d, {0, 0, 0}, 0.9f), add_medium(d, m));
-  move(d, ball, {{0, place(-1, 0, 1)}, {1, place(1, 80, 0.5f)}});
+  move(d, ball, {{0, position(-1, 0, 1)}, {1, position(1, 80, 0.5f)}});
   expose(d, 0, 1);
   SUBCASE("strategies") {
     d.sampler.kind = SamplerKind::kIndependent;
@@ -326,7 +327,8 @@ namespace {
 
 /// A cloud lit by a point light, by photons in media. `keys`: of the cloud; with `all`, also of the light and the
 /// camera.
-Description photon_scene(const std::filesystem::path& lumps, const Transform& place, const MotionKeys& keys, bool all) {
+Description photon_scene(const std::filesystem::path& lumps, const Transform& position, const MotionKeys& keys,
+                         bool all) {
   Description d = empty_scene(12, 12);
   d.sampler.sample_count = 8;
   look_at(d, {0.5f, -5, 1}, {0, 0, 0}, {0, 0, 1}, 30);
@@ -334,7 +336,7 @@ Description photon_scene(const std::filesystem::path& lumps, const Transform& pl
   d.integrator.photons.global.count = 100;
   d.integrator.photons.volume = {10000, 0.1f, 0};
   d.integrator.max_depth = 6;
-  MediumDescription m = fog_on_grid(d, lumps, 0.9f, place, keys);
+  MediumDescription m = fog_on_grid(d, lumps, 0.9f, position, keys);
   m.phase = add_phase(d, 0.5f);
   ShapeDescription& box = fill_box(d, 2.5f, m);
   add_point_light(d, {2, -3, 1.5f}, 20);
@@ -365,21 +367,21 @@ TEST_CASE("moving media: photons in media move with the grids") {
   const double level = significance_of_each(2);
   const MotionKeys still{{0, {}}, {1, {}}};
   // All together: nothing moves relative to the camera
-  Description d = photon_scene(lumps, centred(), {{0, {}}, {0.5, about_z(60)}, {1, shift(2, 1) * about_z(120)}}, true);
+  Description d = photon_scene(lumps, centered(), {{0, {}}, {0.5, about_z(60)}, {1, shift(2, 1) * about_z(120)}}, true);
   expose(d, 0, 1);
-  check_same_photons(d, photon_scene(lumps, centred(), still, false), level);
+  check_same_photons(d, photon_scene(lumps, centered(), still, false), level);
   // A cloud that has been stretched
   const Transform stretch = Transform::scale({0.5f, 2, 1.4f});
-  d = photon_scene(lumps, centred(), {{0, {}}, {1, stretch}}, false);
+  d = photon_scene(lumps, centered(), {{0, {}}, {1, stretch}}, false);
   expose(d, 1, 1);
-  check_same_photons(d, photon_scene(lumps, stretch * centred(), still, false), level);
+  check_same_photons(d, photon_scene(lumps, stretch * centered(), still, false), level);
 }
 
 TEST_CASE("moving media: with a closed shutter grids are where they are at that time") {
   const TemporaryFolder folder;
   const auto halves = write_vol(folder / "halves.vol", 8, 1, [](Vec3f p, int) { return p.x < 0.5f ? 2.0f : 0.1f; });
   Description d = view_through({0.4f, 0.2f, 9}, {0.4f, 0.2f, 0}, 16);
-  fill_box(d, 4, fog_on_grid(d, halves, 0, centred(), {{0, {}}, {1, shift(0, 0.3f) * about_z(170)}}));
+  fill_box(d, 4, fog_on_grid(d, halves, 0, centered(), {{0, {}}, {1, shift(0, 0.3f) * about_z(170)}}));
   const auto at = [&](double time) {
     Description still = d;
     expose(still, time, time);
@@ -392,7 +394,7 @@ TEST_CASE("moving media: with a closed shutter grids are where they are at that 
 TEST_CASE("moving media: grids of one medium move together, and groups hold none") {
   const TemporaryFolder folder;
   Description d = view_through({0, 0, 9}, {0, 0, 0}, 1);
-  MediumDescription m = fog_on_grid(d, constant_grid(folder, 0.5f), 0, centred(), {{0, {}}, {1, shift(1)}});
+  MediumDescription m = fog_on_grid(d, constant_grid(folder, 0.5f), 0, centered(), {{0, {}}, {1, shift(1)}});
   // The same map in another place
   GridVolumeDescription albedo = vol(constant_grid(folder, 0.5f), shift(0, 2));
   albedo.motion = add_motion(d, {{0, shift(0, 2)}, {1, shift(1, 2)}});

@@ -50,7 +50,7 @@ TEST_CASE("moving surroundings: a medium that passes over the camera attenuates 
   const struct {
     const char* name;
     MotionKeys keys;  ///< of a cube with sides of 2
-    double share;     ///< of the time that the camera is inside
+    double fraction;  ///< of the time that the camera is inside
   } kMotions[] = {{"from outside to inside", {{0, shift(-1.6f)}, {1, shift(0.4f)}}, 0.7},
                   {"from inside to outside", {{0, shift(0.4f)}, {1, shift(2.4f)}}, 0.3},
                   {"past", {{0, shift(-2.5f)}, {1, shift(2.5f)}}, 0.4},
@@ -60,7 +60,7 @@ TEST_CASE("moving surroundings: a medium that passes over the camera attenuates 
     Description d = wall_ahead();
     move(d, absorbing_cube(d, 1, 0.5f), motion.keys);
     expose(d, 0, 1);
-    check_mean(green(d), motion.share * inside + 1 - motion.share, level, kAllowed);
+    check_mean(green(d), motion.fraction * inside + 1 - motion.fraction, level, kAllowed);
   }
 }
 

@@ -135,7 +135,7 @@ TEST_CASE_TEMPLATE("pass-through: debug views lose no paths behind hidden lights
 }
 
 TEST_CASE("pass-through: a hidden light still bounds its media") {
-  // Two metres of emissive gas before a black wall, in a cube that is a hidden light.
+  // Two meters of emissive gas before a black wall, in a cube that is a hidden light.
   MediumDescription gas = fog(1, 0);
   gas.emission = VolumeInput(SpectrumDescription::constant(1));
   Description d = small_scene({0, 0, 0}, {0, 0, 1}, 4);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 constexpr float kAlbedo = 0.6f, kOpacity = 0.6f, kIndex = 4;
-/// Transmittance colour of thin dielectrics.
+/// Transmittance color of thin dielectrics.
 constexpr float kTint[3] = {0.9f, 0.6f, 0.3f};
 
 /// A plane above the floor, parallel to it.
@@ -31,7 +31,7 @@ double fresnel(double cosine, double index) {
   return (s * s + p * p) / 2;
 }
 
-/// Share of light that passes a screen at this cosine to its normal.
+/// Fraction of light that passes a screen at this cosine to its normal.
 double passing(const Screen& screen, double cosine, int channel) {
   if (screen.kind == Screen::kNull) return 1;
   if (screen.kind == Screen::kMask) return 1 - double(kOpacity);
@@ -98,9 +98,9 @@ double reflected(const ConeLight& light, const std::vector<Screen>& screens, int
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
     const double cosine = least + (1 - least) * (i + 0.5) / kSteps;
-    double share = cosine;
-    for (const Screen& screen : screens) share *= passing(screen, cosine, channel);
-    sum += share;
+    double fraction = cosine;
+    for (const Screen& screen : screens) fraction *= passing(screen, cosine, channel);
+    sum += fraction;
   }
   return kAlbedo / kPiD * light.radiance * 2 * kPiD * sum * (1 - least) / kSteps;
 }

@@ -204,12 +204,12 @@ TEST_CASE("deformation: a lamp that grows gives the mean of its irradiance, howe
 
 TEST_CASE("deformation: a lamp that turns over lights what it faces later") {
   // Turned about the x axis, it faces upwards at first and downwards in the end
-  const auto turned = [](float degrees) {
+  const auto rotated = [](float degrees) {
     const float angle = degrees * kPi / 180, y = std::cos(angle), z = std::sin(angle);
     return quad({-1, y, 2 + z}, {1, y, 2 + z}, {1, -y, 2 - z}, {-1, -y, 2 - z});
   };
   Description d = floor_scene(128);
-  emit(add_deforming(d, {{0, turned(180)}, {0.5, turned(90)}, {1, turned(0)}}), 3);
+  emit(add_deforming(d, {{0, rotated(180)}, {0.5, rotated(90)}, {1, rotated(0)}}), 3);
   add_area_light_rectangle(d, Transform::translate({0, 3, 3}) * Transform::rotate({1, 0, 0}, 140), 1);
   expose(d, 0, 1);
   check_strategies_agree(d, significance_of_each(9));

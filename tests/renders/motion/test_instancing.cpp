@@ -70,8 +70,9 @@ TEST_CASE("instancing: rays hit instances as they hit individually placed shapes
       const auto z = surface_point<Scalar>(own->view(), gather_rows<Scalar>(own->view().geometry.shapes, a->shape),
                                            a->primitive, a->u, a->v, hit_point, kNone, 0.0f);
       worst_ns = std::max(worst_ns, distance(x.ns, normalize(placement.to_world.normal(z.ns))));
-      const double turns = std::fabs(x.uv.x - double(y.uv.x));
-      worst_uv = std::max({worst_uv, std::min(turns, std::fabs(1 - turns)), std::fabs(x.uv.y - double(y.uv.y))});
+      const double difference = std::fabs(x.uv.x - double(y.uv.x));
+      worst_uv =
+          std::max({worst_uv, std::min(difference, std::fabs(1 - difference)), std::fabs(x.uv.y - double(y.uv.y))});
       worst_du = std::max(worst_du, distance(x.dp_du, y.dp_du) / length(y.dp_du));
       worst_dv = std::max(worst_dv, distance(x.dp_dv, y.dp_dv) / length(y.dp_dv));
     }

@@ -130,8 +130,8 @@ TEST_CASE("motion: with a closed shutter everything is where it is at that time"
   for (const double time : {0.0, 0.55, 2.0}) {
     CAPTURE(time);
     Description d = busy_scene(4);
-    const Transform turn = Transform::rotate({0, 0, 1}, 20);
-    d.camera.motion = add_motion(d, {{0, d.camera.to_world}, {1, turn * d.camera.to_world}});
+    const Transform rotation = Transform::rotate({0, 0, 1}, 20);
+    d.camera.motion = add_motion(d, {{0, d.camera.to_world}, {1, rotation * d.camera.to_world}});
     expose(d, time, time);
     Description still = d;
     for (ShapeDescription& shape : still.shapes)
@@ -211,8 +211,8 @@ TEST_CASE("motion: a surface that turns over shows its other side") {
   TwoSidedDescription sides;
   sides.front = add_diffuse(d, 0.8f);
   sides.back = add_diffuse(d, 0.2f);
-  const auto turned = [](double angle) { return Transform::rotate({1, 0, 0}, angle); };
-  move(d, add_rectangle(d, {}, add_material(d, sides)), {{0, {}}, {0.5, turned(90)}, {1, turned(180)}});
+  const auto rotated = [](double angle) { return Transform::rotate({1, 0, 0}, angle); };
+  move(d, add_rectangle(d, {}, add_material(d, sides)), {{0, {}}, {0.5, rotated(90)}, {1, rotated(180)}});
   add_constant_light(d, 1);
   expose(d, 0, 1);
   check_mean(green(d), 0.5, kSignificance, 2e-3);
@@ -295,10 +295,10 @@ TEST_CASE("motion: an environment map that turns about the vertical gives the me
   const auto image = [&](bool moves, double degrees) {
     Description d = floor_scene(512);
     const Transform up = Transform::rotate({1, 0, 0}, 90);
-    const auto turned = [&](double angle) { return Transform::rotate({0, 1, 0}, angle) * up; };
-    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, turned(degrees)}, {}});
+    const auto rotated = [&](double angle) { return Transform::rotate({0, 1, 0}, angle) * up; };
+    d.lights.push_back({EnvmapDescription{folder / "map.exr", 1, rotated(degrees)}, {}});
     if (moves) {
-      d.lights.back().motion = add_motion(d, {{0, up}, {0.5, turned(60)}, {1, turned(120)}});
+      d.lights.back().motion = add_motion(d, {{0, up}, {0.5, rotated(60)}, {1, rotated(120)}});
       std::get<EnvmapDescription>(d.lights.back().model).to_world = up;
       expose(d, 0, 1);
     }

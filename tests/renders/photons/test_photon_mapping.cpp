@@ -73,7 +73,7 @@ TEST_CASE("photon mapping: photons in a closed box store the power of the light 
 
 TEST_CASE("photon mapping: the caustic map contains light from specular surfaces only") {
   Description d = empty_scene(4, 4);
-  // A mirror on the floor of a closed box reflects a known share of the light to the walls.
+  // A mirror on the floor of a closed box reflects a known fraction of the light to the walls.
   d.integrator.max_depth = -1;
   ShapeDescription& box = add_shape(d, CubeShape{}, Transform(), add_diffuse(d, 0.5f));
   box.flip_normals = true;
@@ -83,7 +83,7 @@ TEST_CASE("photon mapping: the caustic map contains light from specular surfaces
   MeanVariance mean;
   for (std::uint32_t seed = 0; seed < 12; ++seed)
     mean.add(total_power(trace(*scene, seed, 20000, PhotonKind::kCaustic)));
-  // Seen from half a side above its centre, a square covers one sixth of the sphere.
+  // Seen from half a side above its center, a square covers one sixth of the sphere.
   const double expected = 4 * 3.14159265358979 / 6 * 0.7;
   INFO("power " << mean.mean() << ", expected " << expected);
   CHECK(mean.p_value(expected) >= kLevel);
@@ -166,7 +166,7 @@ TEST_CASE("photon mapping: small maps have the power of large ones") {
     for (std::uint32_t i = 0; i < map.size; ++i) sum += static_cast<double>(map.photon(i).power.c1);
     mean.add(sum);
   }
-  // Solid angle of the square seen from above its centre.
+  // Solid angle of the square seen from above its center.
   const double expected = 4 * std::atan(0.16 / std::sqrt(1.32));
   INFO("power " << mean.mean() << ", expected " << expected << ", standard error "
                 << std::sqrt(mean.variance() / kPasses));
@@ -250,7 +250,7 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
     CHECK(photon_map_sets(d.integrator.photons, ColorMode::kSpectral, 64) == (progressive ? 64 : 32));
     double expected = 0.09;
     std::array<int, 16> strata{};
-    std::set<float> places;
+    std::set<float> positions;
     for (std::uint32_t sample = 0; sample < 16; ++sample) {
       mapping.prepare(sample, workers, tracing, context);
       if (progressive && sample > 0) expected *= (sample + 0.6) / (sample + 1.0);
@@ -262,12 +262,12 @@ TEST_CASE("photon mapping: each pass has its own radius and photons and waveleng
       if (progressive) {
         CHECK(static_cast<double>(context.photon_maps().volume->beams.radius()) == near(0.2 * expected / 0.09));
       }
-      places.insert(place_in(context.photon_maps().global));
+      positions.insert(place_in(context.photon_maps().global));
       REQUIRE(context.wavelength_sample >= 0);
       REQUIRE(context.wavelength_sample < 1);
       ++strata[static_cast<std::size_t>(context.wavelength_sample * 16)];
     }
-    CHECK(places.size() == 16);
+    CHECK(positions.size() == 16);
     // The shifted sequence of van der Corput leaves no stratum empty, except by rounding at its bounds.
     CHECK(std::count(strata.begin(), strata.end(), 0) <= 1);
     if (progressive) continue;

@@ -84,7 +84,7 @@ TEST_CASE("volume photons: the hero wavelength alone carries the same power as a
       double sum = 0, of_first = 0;
       for (std::uint32_t i = 0; i < map.size(); ++i) {
         const VolumePhotonMap::Record& photon = map.photon(i);
-        CHECK((photon.place & kPhotonSingleWavelength) == 0);
+        CHECK((photon.medium_key & kPhotonSingleWavelength) == 0);
         sum += static_cast<double>(photon.power.c0 + photon.power.c1 + photon.power.c2 + photon.power.c3);
         of_first += 4 * static_cast<double>(photon.power.c0);
       }
@@ -128,8 +128,8 @@ TEST_CASE("photons from distant light reach all of an unbounded medium") {
       double fluence = 0;
       for (int k = 0; k < kSteps; ++k) {
         const double mu = (k + 0.5) * 2 / kSteps - 1;
-        const double way = r * mu + std::sqrt(outer * outer - r * r * (1 - mu * mu));
-        fluence += 2 * kPiD * 2 / kSteps * std::exp(-kSigma * way);
+        const double path_length = r * mu + std::sqrt(outer * outer - r * r * (1 - mu * mu));
+        fluence += 2 * kPiD * 2 / kSteps * std::exp(-kSigma * path_length);
       }
       expected += 4 * kPiD * r * r * dr * kSigma * fluence;
     }
@@ -194,8 +194,8 @@ TEST_CASE("photon beams: power times length is the power of the light over the a
         const std::array passed{std::exp(-1.5 * step * (i + 0.5)), std::exp(-0.8 * step * (i + 0.5)),
                                 std::exp(-1.0 * step * (i + 0.5))};
         const double comes =
-            (passed[0] * static_cast<double>(beam.odds.c0) + passed[1] * static_cast<double>(beam.odds.c1) +
-             passed[2] * static_cast<double>(beam.odds.c2)) /
+            (passed[0] * static_cast<double>(beam.pdf_ratio.c0) + passed[1] * static_cast<double>(beam.pdf_ratio.c1) +
+             passed[2] * static_cast<double>(beam.pdf_ratio.c2)) /
             3;
         sum[0] += step * static_cast<double>(beam.power.c0) * passed[0] / comes;
         sum[1] += step * static_cast<double>(beam.power.c1) * passed[1] / comes;

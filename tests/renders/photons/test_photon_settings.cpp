@@ -44,7 +44,7 @@ std::string scene_of(const std::string& integrator, bool fog) {
 struct Rendering {
   std::vector<float> data;
   double mean = 0;
-  double roughness = 0;  ///< mean difference of neighbours over the mean
+  double roughness = 0;  ///< mean difference of neighbors over the mean
   double peak = 0;       ///< brightest pixel of the floor
   double stored = 0;     ///< photons
   std::uint32_t spp = 0;

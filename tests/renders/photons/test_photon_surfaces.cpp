@@ -1,4 +1,4 @@
-// Photon maps on every composite and mapped material against path tracing. A photon is stored with the share of the
+// Photon maps on every composite and mapped material against path tracing. A photon is stored with the fraction of the
 // parts that store photons, and weighted by the shadow terminator when it is gathered.
 #include "core/image/exr.h"
 #include "tests/support/photon_testing.h"

@@ -99,7 +99,7 @@ TEST_CASE("spectral photon maps: light dispersed twice by rough glass agrees wit
   check_spectral(spectral_mean_of(d), path, 0.03);
 }
 
-TEST_CASE("spectral photon maps: coloured fog that scatters paths and photons agrees with paths") {
+TEST_CASE("spectral photon maps: colored fog that scatters paths and photons agrees with paths") {
   for (const Between what : {Between::kNothing, Between::kRoughSheet, Between::kSmoothSlab}) {
     CAPTURE(static_cast<int>(what));
     Description d = lit_through(what, 1);
@@ -111,7 +111,7 @@ TEST_CASE("spectral photon maps: coloured fog that scatters paths and photons ag
   }
 }
 
-TEST_CASE("spectral volume photons: points and beams in coloured fog seen through dispersive glass agree with paths") {
+TEST_CASE("spectral volume photons: points and beams in colored fog seen through dispersive glass agree with paths") {
   for (const Between what : {Between::kNothing, Between::kRoughSheet, Between::kSmoothSlab})
     for (const MediumPhotons kept : {MediumPhotons::kPoints, MediumPhotons::kBeams}) {
       CAPTURE(static_cast<int>(what));
@@ -130,7 +130,7 @@ TEST_CASE("spectral volume photons: points and beams in coloured fog seen throug
 TEST_SUITE_END();
 
 TEST_CASE(
-    "spectral light sampling: light sampling through rough dispersive glass in coloured fog agrees with BSDF "
+    "spectral light sampling: light sampling through rough dispersive glass in colored fog agrees with BSDF "
     "sampling") {
   Description d = lit_through(Between::kRoughSheet, 1);
   d.integrator.max_depth = 3;
@@ -147,7 +147,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("spectral light tracing: coloured fog and rough dispersive glass agree with paths") {
+TEST_CASE("spectral light tracing: colored fog and rough dispersive glass agree with paths") {
   Description d = lit_through(Between::kRoughSheet, 1);
   d.integrator.strategy = LightStrategy::kBsdfOnly;
   const auto path = spectral_path(d, 2000);

@@ -117,20 +117,20 @@ Samples sample(const Scene& scene, int candidates, std::uint32_t seed) {
   context.sample_from(field.view());
   context.record_in(training);
   context.candidates = candidates;
-  if (candidates == 0) context.start_candidate_trial();
-  Wave wave(512, candidates == 0 ? WaveNeeds::with_candidate_trial(context) : WaveNeeds::of(context));
+  if (candidates == 0) context.start_candidate_comparison();
+  Wave wave(512, candidates == 0 ? WaveNeeds::with_candidate_moments(context) : WaveNeeds::of(context));
   run_pass<Wide>(context, wave);
   return {training.radiance(), training.squared_radiance(), training.vertices(), wave.stats.rays.shadow};
 }
 
 /// A pass whose pixels have variance 1 with 8 candidates, and `more[k]` in addition with kCandidateCounts[k].
-TrialPass pass_with(const std::array<float, 4>& more) {
-  TrialPass pass;
+ComparedPass pass_with(const std::array<float, 4>& more) {
+  ComparedPass pass;
   pass.rays = 100'000;
   pass.light_vertices = 40'000;
   pass.shadow_rays = {30'000, 30'000, 30'000, 30'000};
   for (std::uint32_t i = 0; i < 4; ++i) {
-    TrialTask& task = pass.tasks.emplace_back();
+    ComparedTask& task = pass.tasks.emplace_back();
     for (std::uint32_t k = 0; k < 4000; ++k) {
       const float x = 4 + 3.4641f * (random4<Scalar>(3, k, i, 0).x - 0.5f), square = x * x;
       task.radiance[k % 2].push_back(x);
@@ -163,7 +163,7 @@ TEST_CASE("candidate choice: the trial estimates the squared radiance with each 
     const auto scene = compile_scene(kind == Kind::kLamps       ? lamps(kSide)
                                      : kind == Kind::kSkyAndFog ? sky_and_fog()
                                                                 : dim_lights());
-    const Samples trial = sample(*scene, 0, 1);
+    const Samples compared = sample(*scene, 0, 1);
     for (int k = 0; k < 4; ++k) {
       const int candidates = kCandidateCounts[k];
       CAPTURE(candidates);
@@ -173,20 +173,20 @@ TEST_CASE("candidate choice: the trial estimates the squared radiance with each 
       for (std::size_t pixel = 0; pixel < kSide * kSide; ++pixel) {
         double difference = 0;
         for (std::size_t i = pixel * kSamples; i < (pixel + 1) * kSamples; ++i)
-          difference += double{(&trial.squared_radiance[i].c0)[k]} - std::pow(double{plain.radiance[i]}, 2);
+          difference += double{(&compared.squared_radiance[i].c0)[k]} - std::pow(double{plain.radiance[i]}, 2);
         squares.add(difference / kSamples);
       }
       // With fog, the MIS weights of fewer candidates are those without fog.
-      if (kind != Kind::kSkyAndFog || candidates == kTrialCandidates)
+      if (kind != Kind::kSkyAndFog || candidates == kMaxComparedCandidates)
         CHECK(squares.p_value(0) > significance_of_each(kTests));
-      const auto rays = static_cast<double>(trial.vertices.shadow_rays[static_cast<std::size_t>(k)]);
+      const auto rays = static_cast<double>(compared.vertices.shadow_rays[static_cast<std::size_t>(k)]);
       CHECK(rays == near(static_cast<double>(plain.shadow_rays), 0.01));
     }
     // With as many candidates as the trial has, it estimates nothing.
     int different = 0;
-    for (std::size_t i = 0; i < trial.radiance.size(); ++i) {
-      const float square = trial.radiance[i] * trial.radiance[i];
-      different += std::abs(trial.squared_radiance[i].c3 - square) > 1e-4f * square ? 1 : 0;
+    for (std::size_t i = 0; i < compared.radiance.size(); ++i) {
+      const float square = compared.radiance[i] * compared.radiance[i];
+      different += std::abs(compared.squared_radiance[i].c3 - square) > 1e-4f * square ? 1 : 0;
     }
     CHECK(different == 0);
   }
@@ -207,21 +207,21 @@ TEST_CASE("candidate choice: the number with the lowest error x cost, if it gain
   CHECK(choice({0.04f, 0, 0, 0}, 0).count == 1);
   CHECK(choice({-0.5f, -0.3f, -0.1f, 0}, 0).count == 1);
   // More shadow rays cost time too.
-  TrialPass rays = pass_with({1, 0.4f, 0.1f, 0});
+  ComparedPass rays = pass_with({1, 0.4f, 0.1f, 0});
   rays.shadow_rays = {30'000, 40'000, 100'000, 100'000};
   rays.rays += 70'000;
   CHECK(choose_candidates(rays, 0).count == 2);
 }
 
 TEST_CASE("candidate choice: a few outliers and black passes do not decide") {
-  TrialPass pass = pass_with({1, 0.4f, 0.1f, 0});
+  ComparedPass pass = pass_with({1, 0.4f, 0.1f, 0});
   for (const std::size_t i : {0, 100, 200}) {
     pass.tasks[1].radiance[0][i] = 1e4f;
     pass.tasks[1].squared_radiance[0][i] = Spectrum4(1e8f);
     pass.tasks[1].squared_radiance[0][i].c0 = 1e6f;
   }
   CHECK(choose_candidates(pass, 0.1).count == 4);
-  for (TrialTask& task : pass.tasks)
+  for (ComparedTask& task : pass.tasks)
     for (std::vector<float>& radiance : task.radiance) std::fill(radiance.begin(), radiance.end(), 0.0f);
   CHECK(choose_candidates(pass, 0.1).count == 1);
   CHECK(choose_candidates({}, 0.1).count == 1);
@@ -256,13 +256,13 @@ TEST_CASE("candidate choice: a trial with a rejected guide does not count, and o
     context.sampler = make_sampler(SamplerKind::kSobol, 3, 16);
     const GuideField field;
     context.sample_from(field.view());
-    Workers workers([&] { return Worker(512, WaveNeeds::with_candidate_trial(context)); });
+    Workers workers([&] { return Worker(512, WaveNeeds::with_candidate_moments(context)); });
     GuideTraining training{[] { return false; }, [](std::uint64_t) {}};
     train_guide(context, workers, kWidth, kWidth, passes, mode, true, training);
     CHECK(training.report.is_used == (mode == GuidingMode::kOn));
     return training.candidates.gains;
   };
-  const auto pass = [](std::uint32_t first_pair) { return TrainingPass{first_pair, 1, kTrialSet, 2, 2}; };
+  const auto pass = [](std::uint32_t first_pair) { return TrainingPass{first_pair, 1, kComparedSamples, 2, 2}; };
   const auto rejected = trained(GuidingMode::kAuto, {pass(0), pass(1)});
   CHECK(rejected[3] > 1.05);
   // Only the first pass counts, which no guide has changed.

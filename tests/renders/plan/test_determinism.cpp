@@ -305,7 +305,7 @@ TEST_CASE("equal hit distances are resolved the same way in every build of the B
 TEST_CASE("rays through vertices and edges hit the same triangles in every build of the BVH" *
           doctest::test_suite("slow")) {
   Description d = ties(193, 0);
-  d.film.filter.radius = 1e-6f;  // through the centres of pixels, which are half a cell of the grid apart
+  d.film.filter.radius = 1e-6f;  // through the centers of pixels, which are half a cell of the grid apart
   look_at(d, {0, 0, 193.0f / 96}, {0, 0, 0});
   const std::vector<float> expected = build_and_render(d, 1, 256);
   for (const int threads : {2, 7}) CHECK(same_bytes(build_and_render(d, threads, 1), expected));

@@ -20,14 +20,14 @@ namespace {
 /// All comparisons of means of this file together fail with probability kSignificance if guiding is unbiased.
 const double kLevel = significance_of_each(60);
 
-/// Two rooms joined by a gap, one with a lamp, seen from the other. Every pixel sees one point. `share` scales the
+/// Two rooms joined by a gap, one with a lamp, seen from the other. Every pixel sees one point. `fraction` scales the
 /// reflectance of the walls.
-Description two_rooms(int samples, float share = 1) {
+Description two_rooms(int samples, float fraction = 1) {
   Description d = one_point_scene(samples);
   d.film.width = d.film.height = 16;
   d.integrator.max_depth = 6;
   look_at_point(d, {-0.6f, 0.1f, 0.2f}, {-0.9f, 0.2f, -1}, {0, 1, 0});
-  const MaterialId wall = add_two_sided(d, add_diffuse_rgb(d, 0.7f * share, 0.6f * share, 0.5f * share));
+  const MaterialId wall = add_two_sided(d, add_diffuse_rgb(d, 0.7f * fraction, 0.6f * fraction, 0.5f * fraction));
   add_shape(d, CubeShape{}, Transform::scale({2, 1, 1}), wall);
   add_rectangle(
       d, Transform::translate({0, 0, -0.2f}) * Transform::rotate({0, 1, 0}, 90) * Transform::scale({0.8f, 1, 1}), wall);
@@ -43,7 +43,7 @@ struct Guided {
   MeanVariance off, on;  ///< of the green channel
 };
 
-Guided both_ways(const Description& d, ColorMode color = ColorMode::kRgb) {
+Guided both_directions(const Description& d, ColorMode color = ColorMode::kRgb) {
   Guided means;
   const auto scene = compile_scene(d, {false, color});
   for (const bool guiding : {false, true}) {
@@ -60,7 +60,7 @@ Guided both_ways(const Description& d, ColorMode color = ColorMode::kRgb) {
 }
 
 void check_means(const Description& d, ColorMode color = ColorMode::kRgb) {
-  const Guided means = both_ways(d, color);
+  const Guided means = both_directions(d, color);
   check_same_mean(means.off, means.on, kLevel, 16 * 16);
 }
 
@@ -76,13 +76,13 @@ TEST_CASE("guiding: guided paths have the mean of unguided ones and less noise")
   for (const LightStrategy strategy : {LightStrategy::kMis, LightStrategy::kLightOnly}) {
     Description d = two_rooms(64);
     d.integrator.strategy = strategy;
-    const Guided means = both_ways(d);
+    const Guided means = both_directions(d);
     check_same_mean(means.off, means.on, kLevel, 16 * 16);
     CHECK(means.on.variance() < 0.6 * means.off.variance());
   }
 }
 
-TEST_CASE("guiding: the mean is kept without light sampling and with several candidates in both colour modes") {
+TEST_CASE("guiding: the mean is kept without light sampling and with several candidates in both color modes") {
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     Description d = two_rooms(64);
     d.integrator.candidates = 4;
@@ -139,7 +139,7 @@ TEST_CASE("guiding: Russian roulette by expected contribution keeps paths that r
   d.integrator.max_depth = -1;
   for (const auto& [rr_depth, most] : {std::pair{2, 0.2}, {5, 0.5}}) {
     d.integrator.rr_depth = rr_depth;
-    const Guided means = both_ways(d);
+    const Guided means = both_directions(d);
     check_same_mean(means.off, means.on, kLevel, 16 * 16);
     CHECK(means.on.variance() < most * means.off.variance());
   }
@@ -156,7 +156,7 @@ TEST_CASE("guiding: lossless surfaces keep the energy of every lobe") {
     look_at_point(d, {0, -2, 1.2f}, {0, 0, 0});
     add_rectangle(d, Transform::scale({3, 3, 1}), material(d));
     add_constant_light(d, 1);
-    return both_ways(d, color);
+    return both_directions(d, color);
   };
   for (const ColorMode color : {ColorMode::kRgb, ColorMode::kSpectral}) {
     const Guided plastic = furnace(
@@ -323,8 +323,8 @@ TEST_CASE("guiding: training takes three samples per pixel and at most 3/16 of t
         CAPTURE(mode == GuidingMode::kOn);
         REQUIRE(passes.empty() == (mode == GuidingMode::kAuto && samples < 16));
         if (passes.empty()) continue;
-        const double wanted = std::max(3.0, mode == GuidingMode::kOn ? samples / 16.0 : 0.0) * pixels;
-        const double most = std::min({std::max(wanted, 32768.0), 524288.0, samples * pixels * 3 / 16});
+        const double requested = std::max(3.0, mode == GuidingMode::kOn ? samples / 16.0 : 0.0) * pixels;
+        const double most = std::min({std::max(requested, 32768.0), 524288.0, samples * pixels * 3 / 16});
         const double taken = double(training_samples(width, height, passes));
         // Rows and columns are rounded up; the last pass may be left out if less than half of its samples remain
         CHECK(taken <= 1.03 * most);

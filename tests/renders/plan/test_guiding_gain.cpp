@@ -13,19 +13,19 @@ namespace sheaf::test_guiding_gain {
 namespace {
 
 /// A pass of four tasks whose brightness grows from task to task, with noise of relative size `noise`.
-TrialPass noisy_pass(std::uint32_t seed, float noise, std::uint64_t rays) {
-  TrialPass pass;
+ComparedPass noisy_pass(std::uint32_t seed, float noise, std::uint64_t rays) {
+  ComparedPass pass;
   pass.rays = rays;
   for (std::uint32_t i = 0; i < 4; ++i) {
-    TrialTask& task = pass.tasks.emplace_back();
+    ComparedTask& task = pass.tasks.emplace_back();
     const auto brightness = static_cast<float>(1u << 2 * i);
-    for (std::uint32_t k = 0; k < 4000 * kTrialSet; ++k)
+    for (std::uint32_t k = 0; k < 4000 * kComparedSamples; ++k)
       task.radiance[k % 2].push_back(brightness * (1 + noise * (random4<Scalar>(seed, k, i, 0).x - 0.5f)));
   }
   return pass;
 }
 
-double ratio(const TrialPass& unguided, const TrialPass& guided) { return guiding_gain(unguided, guided).ratio; }
+double ratio(const ComparedPass& unguided, const ComparedPass& guided) { return guiding_gain(unguided, guided).ratio; }
 
 /// A room with a lamp under its ceiling, which light sampling finds, or with one that shines at the ceiling from behind
 /// a screen, whose light comes by way of a small part of the ceiling.
@@ -66,15 +66,15 @@ bool same_bits(const RenderResult& a, const RenderResult& b) {
 }  // namespace
 
 TEST_CASE("guiding gain: it is the ratio of error times rays, and a guided ray costs 20 % more") {
-  const TrialPass noisy = noisy_pass(1, 1, 1000);
+  const ComparedPass noisy = noisy_pass(1, 1, 1000);
   CHECK(ratio(noisy, noisy) == near(1 / 1.2));
   // Half the noise is a quarter of the squared error.
   CHECK(ratio(noisy, noisy_pass(2, 0.5f, 1000)) == near(4 / 1.2, 0.1));
   CHECK(ratio(noisy, noisy_pass(2, 0.5f, 2000)) == near(2 / 1.2, 0.1));
   CHECK(ratio(noisy_pass(2, 0.5f, 2000), noisy) == near(0.5 / 1.2, 0.1));
   // A larger pass of as many rays per sample.
-  TrialPass twice = noisy_pass(2, 0.5f, 2000);
-  for (TrialTask& task : twice.tasks)
+  ComparedPass twice = noisy_pass(2, 0.5f, 2000);
+  for (ComparedTask& task : twice.tasks)
     for (std::vector<float>& radiance : task.radiance) {
       const std::vector<float> once = radiance;
       radiance.insert(radiance.end(), once.begin(), once.end());
@@ -84,8 +84,8 @@ TEST_CASE("guiding gain: it is the ratio of error times rays, and a guided ray c
 
 TEST_CASE("guiding gain: stratification within sets counts") {
   // Noise of alternating sign, whose sum over a set is 0, is no error, but unstratified noise of the same size is.
-  TrialPass stratified = noisy_pass(1, 0.1f, 1000);
-  for (TrialTask& task : stratified.tasks)
+  ComparedPass stratified = noisy_pass(1, 0.1f, 1000);
+  for (ComparedTask& task : stratified.tasks)
     for (std::vector<float>& radiance : task.radiance)
       for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] *= i % 2 == 0 ? 1.5f : 0.5f;
   CHECK(ratio(noisy_pass(2, 1, 1000), stratified) > 50);
@@ -93,8 +93,8 @@ TEST_CASE("guiding gain: stratification within sets counts") {
 
 TEST_CASE("guiding gain: dark parts of the image count as much as bright ones") {
   // A pass that is noisy only where the image is dark, where its squared error would be hidden by that of bright parts.
-  const TrialPass noisy = noisy_pass(1, 1, 1000), calm = noisy_pass(1, 0.1f, 1000);
-  TrialPass dark = calm, bright = calm;
+  const ComparedPass noisy = noisy_pass(1, 1, 1000), calm = noisy_pass(1, 0.1f, 1000);
+  ComparedPass dark = calm, bright = calm;
   for (const std::size_t i : {0, 1}) dark.tasks[i] = noisy.tasks[i];
   for (const std::size_t i : {2, 3}) bright.tasks[i] = noisy.tasks[i];
   CHECK(ratio(noisy, calm) > 50);
@@ -104,25 +104,25 @@ TEST_CASE("guiding gain: dark parts of the image count as much as bright ones") 
 }
 
 TEST_CASE("guiding gain: a few outliers and black passes do not decide") {
-  const TrialPass noisy = noisy_pass(1, 1, 1000);
-  TrialPass outliers = noisy;
+  const ComparedPass noisy = noisy_pass(1, 1, 1000);
+  ComparedPass outliers = noisy;
   outliers.tasks[0].radiance[0][0] = outliers.tasks[3].radiance[1][10] = 1e6f;
   // They are left out of errors and brightness.
   CHECK(ratio(outliers, noisy) == near(1 / 1.2, 0.01));
   CHECK(ratio(noisy, outliers) == near(1 / 1.2, 0.01));
-  TrialPass black = noisy;
-  for (TrialTask& task : black.tasks)
+  ComparedPass black = noisy;
+  for (ComparedTask& task : black.tasks)
     for (std::vector<float>& radiance : task.radiance) std::fill(radiance.begin(), radiance.end(), 0.0f);
   CHECK(ratio(black, black) == 1);
   CHECK(ratio({}, {}) == 1);
 }
 
 TEST_CASE("guiding gain: a gain in a few pixels is not believed, but a loss is") {
-  const TrialPass noisy = noisy_pass(1, 1, 1000);
-  TrialPass spotted = noisy;
+  const ComparedPass noisy = noisy_pass(1, 1, 1000);
+  ComparedPass spotted = noisy;
   // 0.3 % of the pixels have most of the error
-  for (TrialTask& task : spotted.tasks)
-    for (std::size_t i = 0; i < 6; ++i) task.radiance[0][kTrialSet * 300 * i] *= 30;
+  for (ComparedTask& task : spotted.tasks)
+    for (std::size_t i = 0; i < 6; ++i) task.radiance[0][kComparedSamples * 300 * i] *= 30;
   CHECK(ratio(spotted, noisy) == near(1 / 1.2, 0.05));
   CHECK(ratio(noisy, spotted) < 0.5);
 }

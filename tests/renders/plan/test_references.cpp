@@ -34,8 +34,9 @@ constexpr int kBatches = 10;
 constexpr int kBlock = 8;
 /// Differences below this standard deviation are rounding errors: absolute, and relative to the reference.
 constexpr double kFloor = 1e-4, kRelativeFloor = 1e-3;
-/// Share of pixel values that must be accepted. Pixel means with outliers among their samples are not exactly normal.
-constexpr double kAcceptedShare = 0.9975;
+/// Fraction of pixel values that must be accepted. Pixel means with outliers among their samples are not exactly
+/// normal.
+constexpr double kAcceptedFraction = 0.9975;
 /// Allowed relative difference of the means of the two renderers, and allowed standard deviations of noise. Both are
 /// independent errors and add in quadrature.
 constexpr double kMeanFloor = 0.002, kMeanSigmas = 4;
@@ -81,7 +82,7 @@ Estimate render_batches(const fs::path& file, int batches, int batch_samples, in
   Description description = read_scene(file);
   // Sets the roulette depth of the references where scenes leave it open, because other settings change the variance.
   IntegratorSettings& integrator = description.integrator;
-  if (!integrator.rr_depth) integrator.rr_depth = kOtherRouletteDepth;
+  if (!integrator.rr_depth) integrator.rr_depth = kDefaultRouletteDepth;
   const auto scene = compile_scene(description, {false, color});
   std::vector<Image> images;
   for (int i = 0; i < batches; ++i) {
@@ -109,11 +110,11 @@ double mean_of(const Image& image, int channel) {
 
 /// Agreement of an image with its reference.
 struct Verdict {
-  double pixel_share = 0;           ///< share of pixel values that the Z-test accepts
-  double block_share = 0;           ///< share of block means that the Z-test accepts
+  double pixel_fraction = 0;        ///< fraction of pixel values that the Z-test accepts
+  double block_fraction = 0;        ///< fraction of block means that the Z-test accepts
   double worst_mean_error = 0;      ///< largest deviation of a channel's mean over the allowed one
   double worst_variance_ratio = 0;  ///< largest ratio of a channel's variance to the reference's
-  bool agrees() const { return pixel_share >= kAcceptedShare && block_share == 1 && worst_mean_error <= 1; }
+  bool agrees() const { return pixel_fraction >= kAcceptedFraction && block_fraction == 1 && worst_mean_error <= 1; }
 };
 
 /// Variance of the difference of two means: that of the reference, or that of the image where its blocks vary more.
@@ -133,12 +134,12 @@ Image difference_variance(const Estimate& estimate, const Estimate& reference) {
   return out;
 }
 
-/// Share of the values that the Z-test accepts at the joint significance level `significance`.
-double accepted_share(const Image& estimate, const Image& reference, const Image& variance, double significance) {
+/// Fraction of the values that the Z-test accepts at the joint significance level `significance`.
+double accepted_fraction(const Image& estimate, const Image& reference, const Image& variance, double significance) {
   CompareOptions options;
   options.variance_b = variance;
   options.significance = significance_of_each(3 * static_cast<int>(estimate.pixel_count()), significance);
-  return compare_images(estimate, reference, options).z_test->accepted_share();
+  return compare_images(estimate, reference, options).z_test->accepted_fraction();
 }
 
 Verdict judge(const Estimate& estimate, const Estimate& reference) {
@@ -146,7 +147,7 @@ Verdict judge(const Estimate& estimate, const Estimate& reference) {
   REQUIRE(estimate.mean.height == reference.mean.height);
   const Image variance = difference_variance(estimate, reference);
   Verdict v;
-  v.pixel_share = accepted_share(estimate.mean, reference.mean, variance, 0.01);
+  v.pixel_fraction = accepted_fraction(estimate.mean, reference.mean, variance, 0.01);
   Image block_variance = block_means(variance, kBlock);
   for (int y = 0; y < block_variance.height; ++y)
     for (int x = 0; x < block_variance.width; ++x)
@@ -155,8 +156,8 @@ Verdict judge(const Estimate& estimate, const Estimate& reference) {
         const int height = std::min(kBlock, variance.height - y * kBlock);
         block_variance.at(x, y, c) /= static_cast<float>(width * height);
       }
-  v.block_share = accepted_share(block_means(estimate.mean, kBlock), block_means(reference.mean, kBlock),
-                                 block_variance, kSignificance);
+  v.block_fraction = accepted_fraction(block_means(estimate.mean, kBlock), block_means(reference.mean, kBlock),
+                                       block_variance, kSignificance);
   for (int c = 0; c < 3; ++c) {
     const double expected = mean_of(reference.mean, c);
     const double sigma = std::sqrt(mean_of(variance, c) / static_cast<double>(variance.pixel_count()));
@@ -174,8 +175,8 @@ void check(const std::string& name, const Estimate& estimate, const Estimate& re
   INFO(name << ": mean " << mean_of(estimate.mean, 0) << " " << mean_of(estimate.mean, 1) << " "
             << mean_of(estimate.mean, 2) << ", expected " << mean_of(reference.mean, 0) << " "
             << mean_of(reference.mean, 1) << " " << mean_of(reference.mean, 2));
-  CHECK(v.pixel_share >= kAcceptedShare);
-  CHECK(v.block_share == 1);
+  CHECK(v.pixel_fraction >= kAcceptedFraction);
+  CHECK(v.block_fraction == 1);
   CHECK(v.worst_mean_error <= 1);
   CHECK(v.worst_variance_ratio <= kMaxVarianceRatio);
 }
@@ -244,11 +245,11 @@ TEST_SUITE("slow") {
     for (int y = 0; y < shifted.mean.height; ++y)
       for (int x = shifted.mean.width - 1; x > 0; --x)
         for (int c = 0; c < 3; ++c) shifted.mean.at(x, y, c) = shifted.mean.at(x - 1, y, c);
-    CHECK(judge(shifted, reference).pixel_share < kAcceptedShare);
+    CHECK(judge(shifted, reference).pixel_fraction < kAcceptedFraction);
     for (int y = 24; y < 32; ++y)
       for (int x = 24; x < 32; ++x)
         for (int c = 0; c < 3; ++c) patched.mean.at(x, y, c) *= 1.04f;
-    CHECK(judge(patched, reference).block_share < 1);
+    CHECK(judge(patched, reference).block_fraction < 1);
   }
 }
 

@@ -97,14 +97,14 @@ TEST_CASE("render settings: training passes and the trial of light candidates ar
   RenderRequest request;
   request.guiding = GuidingMode::kAuto;
   CHECK(resolved(scene, request).training == training_passes(200, 100, 64, GuidingMode::kAuto));
-  CHECK(resolved(scene, request).has_candidate_trial);
+  CHECK(resolved(scene, request).compares_candidates);
   scene.integrator.candidates = 2;
   CHECK_FALSE(resolved(scene, request).training.empty());
-  CHECK_FALSE(resolved(scene, request).has_candidate_trial);
+  CHECK_FALSE(resolved(scene, request).compares_candidates);
   scene.integrator.candidates.reset();
   scene.integrator.max_depth = 2;  // no indirect light
   CHECK(resolved(scene, request).training.empty());
-  CHECK_FALSE(resolved(scene, request).has_candidate_trial);
+  CHECK_FALSE(resolved(scene, request).compares_candidates);
 }
 
 TEST_CASE("render settings: other numbers of replicates are derived with the other settings unchanged") {

@@ -142,11 +142,11 @@ TEST_CASE("an interrupted render reports its sample count and its noise where it
       // Interrupted in the first of four replicates, then in the last. Light tracing counts whole rounds of photons, of
       // which there is one.
       double taken = 0;
-      for (const double share : {0.2, 0.9}) {
+      for (const double fraction : {0.2, 0.9}) {
         std::atomic<bool> stop{false};
         options.stop = &stop;
         options.on_progress = [&](std::uint64_t done, std::uint64_t total) {
-          if (static_cast<double>(done) >= share * static_cast<double>(total)) stop = true;
+          if (static_cast<double>(done) >= fraction * static_cast<double>(total)) stop = true;
         };
         const RenderResult part = render(*scene, options);
         CHECK(part.interrupted);
@@ -155,7 +155,7 @@ TEST_CASE("an interrupted render reports its sample count and its noise where it
         CHECK(part.report.mean_samples < 64);
         taken = part.report.mean_samples;
         if (!traces_light) CHECK(part.report.mean_samples == near(part.film.mean_samples(), 0.3));
-        if (!traces_light && !adapts) CHECK(part.report.noise.has_value() == (share > 0.5));
+        if (!traces_light && !adapts) CHECK(part.report.noise.has_value() == (fraction > 0.5));
         if (part.report.noise) {
           CHECK(*part.report.noise > 0);
           CHECK(*part.report.noise > 0.8 * *whole.report.noise);

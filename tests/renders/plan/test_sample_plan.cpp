@@ -41,14 +41,14 @@ struct Asked {
 
 void finish_tile(SamplePlan& plan, std::size_t i, Asked& asked) {
   const TileTask task = plan.tile_task(i);
-  const PixelRect& wanted = task.tile.sampled;
-  for (int y = wanted.y0; y < wanted.y1; ++y)
-    for (int x = wanted.x0; x < wanted.x1; ++x) {
+  const PixelRect& requested = task.tile.sampled;
+  for (int y = requested.y0; y < requested.y1; ++y)
+    for (int x = requested.x0; x < requested.x1; ++x) {
       std::uint32_t& next = asked.per_pixel[{x, y, plan.state().adaptive ? task.replicate : 0}];
       CHECK(task.first_sample == next);
       next += task.sample_count;
     }
-  asked.samples += wanted.area() * task.sample_count;
+  asked.samples += requested.area() * task.sample_count;
   FilmTile tile;
   plan.begin_tile(task, tile);
   plan.finish_tile(i, tile);

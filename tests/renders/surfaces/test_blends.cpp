@@ -1,4 +1,4 @@
-// Blends: light sampling evaluates all parts, whichever is chosen, and scattered light has the colours of all parts.
+// Blends: light sampling evaluates all parts, whichever is chosen, and scattered light has the colors of all parts.
 #include "core/image/exr.h"
 #include "tests/support/capture.h"
 #include "tests/support/measured_testing.h"
@@ -29,7 +29,7 @@ MaterialId add_coated_metal(Description& d) {
   return add_material(d, coat);
 }
 
-/// A texture of the constant colour (r, g, b).
+/// A texture of the constant color (r, g, b).
 TextureId add_uniform(Description& d, const TemporaryFolder& folder, const char* name, float r, float g, float b) {
   Image image(1, 1, {"R", "G", "B"});
   image.data = {r, g, b};
@@ -61,9 +61,9 @@ PixelMeans under_a_point(const AddMaterial& add, float side = 1) {
 void check_sum(const AddMaterial& blend, const std::vector<std::pair<double, AddMaterial>>& parts, float side = 1) {
   const PixelMeans found = under_a_point(blend, side);
   double expected[3] = {};
-  for (const auto& [share, part] : parts) {
+  for (const auto& [blend_weight, part] : parts) {
     const PixelMeans one = under_a_point(part, side);
-    for (std::size_t c = 0; c < 3; ++c) expected[c] += share * one[c].mean();
+    for (std::size_t c = 0; c < 3; ++c) expected[c] += blend_weight * one[c].mean();
   }
   for (std::size_t c = 0; c < 3; ++c) {
     CHECK(found[c].mean() == near(expected[c], 1e-4));
@@ -78,7 +78,7 @@ AddMaterial blend_of(const AddMaterial& a, const AddMaterial& b, ScalarInput wei
   };
 }
 
-const AddMaterial kGrey = [](Description& d) { return add_diffuse_rgb(d, 0.2f, 0.5f, 0.7f); };
+const AddMaterial kGray = [](Description& d) { return add_diffuse_rgb(d, 0.2f, 0.5f, 0.7f); };
 const AddMaterial kMetal = [](Description& d) { return add_metal(d, 0.5f, 0.2f); };
 const AddMaterial kMeasured = [](Description& d) {
   static const TemporaryFolder folder;
@@ -115,34 +115,34 @@ Description lit_floor(const AddMaterial& add, bool open) {
 TEST_SUITE_BEGIN("slow");
 
 TEST_CASE("blends: light sampling evaluates all parts without the noise of a choice") {
-  check_sum(blend_of(kGrey, kMetal, 0.4f), {{0.6, kGrey}, {0.4, kMetal}});
-  check_sum(blend_of(kMirror, kGrey, 0.4f), {{0.4, kGrey}});
-  check_sum(blend_of(kGrey, kMeasured, 0.4f), {{0.6, kGrey}, {0.4, kMeasured}});
-  check_sum(blend_of(kGrey, blend_of(kCoated, kMetal, 0.3f), 0.5f), {{0.5, kGrey}, {0.35, kCoated}, {0.15, kMetal}});
+  check_sum(blend_of(kGray, kMetal, 0.4f), {{0.6, kGray}, {0.4, kMetal}});
+  check_sum(blend_of(kMirror, kGray, 0.4f), {{0.4, kGray}});
+  check_sum(blend_of(kGray, kMeasured, 0.4f), {{0.6, kGray}, {0.4, kMeasured}});
+  check_sum(blend_of(kGray, blend_of(kCoated, kMetal, 0.3f), 0.5f), {{0.5, kGray}, {0.35, kCoated}, {0.15, kMetal}});
 }
 
 TEST_CASE("blends: parts may be textured and have normal maps and be seen from behind") {
   const TemporaryFolder folder;
   const AddMaterial tilted = [&](Description& d) { return add_tilted(d, folder, kMetal(d)); };
   const AddMaterial textured = [&](Description& d) {
-    const TextureId share = add_uniform(d, folder, "share.exr", 0.25f, 0.25f, 0.25f);
-    const TextureId colour = add_uniform(d, folder, "colour.exr", 0.8f, 0.5f, 0.2f);
-    const MaterialId first = add_material(d, DiffuseDescription{colour});
-    return add_material(d, BlendDescription{share, {first, tilted(d)}});
+    const TextureId blend_weight = add_uniform(d, folder, "share.exr", 0.25f, 0.25f, 0.25f);
+    const TextureId color = add_uniform(d, folder, "colour.exr", 0.8f, 0.5f, 0.2f);
+    const MaterialId first = add_material(d, DiffuseDescription{color});
+    return add_material(d, BlendDescription{blend_weight, {first, tilted(d)}});
   };
-  const AddMaterial coloured = [](Description& d) { return add_diffuse_rgb(d, 0.8f, 0.5f, 0.2f); };
-  check_sum(textured, {{0.75, coloured}, {0.25, tilted}});
+  const AddMaterial colored = [](Description& d) { return add_diffuse_rgb(d, 0.8f, 0.5f, 0.2f); };
+  check_sum(textured, {{0.75, colored}, {0.25, tilted}});
   const auto both_sides = [](const AddMaterial& add) {
     return [add](Description& d) { return add_two_sided(d, add(d)); };
   };
-  check_sum(both_sides(textured), {{0.75, both_sides(coloured)}, {0.25, both_sides(tilted)}}, -1);
+  check_sum(both_sides(textured), {{0.75, both_sides(colored)}, {0.25, both_sides(tilted)}}, -1);
   // Only one part is visible from behind.
-  check_sum(blend_of(both_sides(kGrey), kMetal, 0.4f), {{0.6, both_sides(kGrey)}}, -1);
+  check_sum(blend_of(both_sides(kGray), kMetal, 0.4f), {{0.6, both_sides(kGray)}}, -1);
 }
 
-TEST_CASE("blends: scattered light has the colours of all parts") {
+TEST_CASE("blends: scattered light has the colors of all parts") {
   Description d = floor_of(blend_of(
-                               kGrey, [](Description& e) { return add_diffuse(e, 0.9f); }, 0.4f),
+                               kGray, [](Description& e) { return add_diffuse(e, 0.9f); }, 0.4f),
                            4);
   add_constant_light(d, 1);
   d.integrator.strategy = LightStrategy::kBsdfOnly;
@@ -155,15 +155,15 @@ TEST_CASE("blends: scattered light has the colours of all parts") {
 TEST_CASE("blends: all strategies agree") {
   const TemporaryFolder folder;
   const AddMaterial tilted = [&](Description& d) { return add_tilted(d, folder, kMetal(d)); };
-  const AddMaterial blends[] = {blend_of(kGrey, kMetal, 0.4f), blend_of(kGrey, blend_of(kMirror, kCoated, 0.5f), 0.6f),
-                                blend_of(kGrey, tilted, 0.5f), blend_of(kGrey, kGlass, 0.5f)};
+  const AddMaterial blends[] = {blend_of(kGray, kMetal, 0.4f), blend_of(kGray, blend_of(kMirror, kCoated, 0.5f), 0.6f),
+                                blend_of(kGray, tilted, 0.5f), blend_of(kGray, kGlass, 0.5f)};
   int i = 0;
   for (const AddMaterial& blend : blends) {
     CAPTURE(i);
     check_strategies_agree(lit_floor(blend, i % 2 == 0), kLevel);
     ++i;
   }
-  check_strategies_agree(lit_floor(blend_of(kGrey, kGlass, 0.5f), true), kLevel, ColorMode::kSpectral);
+  check_strategies_agree(lit_floor(blend_of(kGray, kGlass, 0.5f), true), kLevel, ColorMode::kSpectral);
 }
 
 TEST_CASE("blends: the light selection is the same for parts with different normals") {
@@ -183,7 +183,7 @@ TEST_CASE("blends: the light selection is the same for parts with different norm
 }
 
 TEST_CASE("blends: photons are stored with their incident power whatever part scatters them") {
-  const AddMaterial sides = [](Description& d) { return add_two_sided(d, kGrey(d)); };
+  const AddMaterial sides = [](Description& d) { return add_two_sided(d, kGray(d)); };
   const AddMaterial masked = [&](Description& d) {
     const MaterialId nested = sides(d);
     return add_material(d, MaskDescription{0.4f, nested});
@@ -191,9 +191,9 @@ TEST_CASE("blends: photons are stored with their incident power whatever part sc
   // Power of a point light of 8 pi W / sr at height 2 that falls on the disk of the photon radius.
   const double pi = 3.14159265358979, radius = 0.3, cosine = 2 / std::sqrt(4 + radius * radius);
   const double whole = 0.5 / pi * 8 * pi * 2 * (1 - cosine) / (radius * radius);
-  for (const auto& [add, share] : {std::pair{kGrey, 1.0}, std::pair{masked, 0.4},
-                                   std::pair{blend_of(kMirror, blend_of(kGrey, kGrey, 0.5f), 0.7f), 0.7}}) {
-    CAPTURE_BINDING(share);
+  for (const auto& [add, blend_weight] : {std::pair{kGray, 1.0}, std::pair{masked, 0.4},
+                                          std::pair{blend_of(kMirror, blend_of(kGray, kGray, 0.5f), 0.7f), 0.7}}) {
+    CAPTURE_BINDING(blend_weight);
     Description d = floor_of(add);
     d.integrator.kind = IntegratorKind::kPhotonMapper;
     d.integrator.photons.global = {50'000, static_cast<float>(radius), 0};
@@ -203,18 +203,18 @@ TEST_CASE("blends: photons are stored with their incident power whatever part sc
       d.sampler.seed = seed;
       mean.add(pixel_means(d)[1].mean());
     }
-    check_mean(mean, share * whole, kLevel, 0.0);
+    check_mean(mean, blend_weight * whole, kLevel, 0.0);
   }
 }
 
 TEST_CASE("blends: a mask around a blend transmits the uncovered share") {
   const AddMaterial masked = [](Description& d) {
-    const MaterialId blend = blend_of(kGrey, kMetal, 0.4f)(d);
+    const MaterialId blend = blend_of(kGray, kMetal, 0.4f)(d);
     return add_material(d, MaskDescription{0.25f, blend});
   };
   Description d = floor_of(masked, 16);
   add_point_light(d, {-2, 1, 4}, 100);
-  const double whole = under_a_point(blend_of(kGrey, kMetal, 0.4f))[1].mean();
+  const double whole = under_a_point(blend_of(kGray, kMetal, 0.4f))[1].mean();
   check_mean(pixel_means(d)[1], 0.25 * whole, kLevel, 1e-5);
 }
 

@@ -49,7 +49,7 @@ TextureId add_bitmap(Description& d, const TemporaryFolder& folder, const char* 
   return static_cast<TextureId>(d.textures.size() - 1);
 }
 
-/// A texture of the constant colour (r, g, b).
+/// A texture of the constant color (r, g, b).
 TextureId add_uniform(Description& d, const TemporaryFolder& folder, const char* name, float r, float g, float b) {
   return add_bitmap(d, folder, name, 1, 1, {r, g, b});
 }
@@ -168,16 +168,16 @@ TEST_CASE("composites: a blend is the mixture of its parts") {
   check_mean(d, 0.75 * 0.5 + 0.25 * 0.8);
 }
 
-TEST_CASE("textures: the colours of an image are those of the surface") {
+TEST_CASE("textures: the colors of an image are those of the surface") {
   const TemporaryFolder folder;
   // The lower row is 0.1 and 0.2, the upper row 0.3 and 0.4. Files begin with the upper row.
   for (int quarter = 0; quarter < 4; ++quarter) {
     CAPTURE(quarter);
     Description d = small_scene();
-    const auto grey = [](float v) { return std::vector<float>{v, v, v}; };
+    const auto gray = [](float v) { return std::vector<float>{v, v, v}; };
     std::vector<float> texels;
     for (const float v : {0.3f, 0.4f, 0.1f, 0.2f})
-      for (const float c : grey(v)) texels.push_back(c);
+      for (const float c : gray(v)) texels.push_back(c);
     const TextureId texture = add_bitmap(d, folder, "quarters.exr", 2, 2, texels);
     const float x = quarter % 2 == 0 ? -0.5f : 0.5f, y = quarter / 2 == 0 ? -0.5f : 0.5f;
     add_rectangle(d, Transform::translate({-x, -y, 0}), add_material(d, DiffuseDescription{texture}));
@@ -204,22 +204,22 @@ TEST_CASE("normal maps: mapped normals receive light by their own cosine") {
   const float tilt = 20 * static_cast<float>(kPiD) / 180;
   const Vec3f light{std::sin(static_cast<float>(kPiD) / 3), 0, std::cos(static_cast<float>(kPiD) / 3)};
   const double lit = 0.5 / kPiD * cosine_degrees(40);
-  const double tan2_turn = std::pow(std::tan(20 * kPiD / 180), 2), tan2_light = std::pow(std::tan(60 * kPiD / 180), 2);
-  const double softened = lit * 2 / (1 + std::sqrt(1 + 0.125 * tan2_turn * tan2_light));
-  const auto scene = [&](bool soften, bool flip_green, float turn, bool from_behind = false) {
+  const double tan2_tilt = std::pow(std::tan(20 * kPiD / 180), 2), tan2_light = std::pow(std::tan(60 * kPiD / 180), 2);
+  const double softened = lit * 2 / (1 + std::sqrt(1 + 0.125 * tan2_tilt * tan2_light));
+  const auto scene = [&](bool soften, bool flip_green, float angle, bool from_behind = false) {
     Description d = small_scene();
-    // The normal is rotated by `turn` degrees about the floor's normal, against the texture's x axis.
-    const float phi = turn * static_cast<float>(kPiD) / 180;
+    // The normal is rotated by `angle` degrees about the floor's normal, against the texture's x axis.
+    const float phi = angle * static_cast<float>(kPiD) / 180;
     const Vec3f n{std::sin(tilt) * std::cos(phi), std::sin(tilt) * std::sin(phi), std::cos(tilt)};
     const TextureId map = add_uniform(d, folder, "map.exr", 0.5f * n.x + 0.5f, 0.5f * n.y + 0.5f, 0.5f * n.z + 0.5f);
     const MaterialId m =
         add_material(d, NormalMapDescription{map, flip_green, add_diffuse(d, 0.5f), {.soften_terminator = soften}});
     if (from_behind) {
       // Seen from behind, the map is mirrored at the floor.
-      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? -turn : turn) * Transform::rotate({1, 0, 0}, 180),
+      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? -angle : angle) * Transform::rotate({1, 0, 0}, 180),
                     add_two_sided(d, m));
     } else {
-      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? turn : -turn), m);
+      add_rectangle(d, Transform::rotate({0, 0, 1}, flip_green ? angle : -angle), m);
     }
     aim_at_floor(d);
     add_point_light(d, light * 1000.0f, 1e6f);

@@ -127,7 +127,7 @@ TEST_CASE("curves: hair without absorption is invisible in a constant environmen
 }
 
 TEST_CASE("curves: photons scattered by thin hair give the image of paths") {
-  // Paths scatter where the camera sees a fibre, and photons where they enter. That is the same for fibres much thinner
+  // Paths scatter where the camera sees a fiber, and photons where they enter. That is the same for fibers much thinner
   // than their distances to the light, the camera and each other.
   Description d = hairy_tuft(Curves::Basis::kBspline, dyed_hair());
   for (auto& point : std::get<Curves>(d.shapes[0].geometry).points) point.radius *= 0.1f;
@@ -137,8 +137,8 @@ TEST_CASE("curves: photons scattered by thin hair give the image of paths") {
   check_photons_agree(d, 1, 0.05, kSignificance);
 }
 
-TEST_CASE("curves: photons and paths agree around a single fibre") {
-  // With parallel light and parallel rays, it does not matter that paths scatter where the camera sees the fibre and
+TEST_CASE("curves: photons and paths agree around a single fiber") {
+  // With parallel light and parallel rays, it does not matter that paths scatter where the camera sees the fiber and
   // photons where they enter. Light that passes off the axis must leave on the side where paths find it.
   constexpr double kLevelOfEach = kSignificance / 8;
   for (const float azimuth : {10.0f, 65.0f, 90.0f, 115.0f, 150.0f, 178.0f, 240.0f, 290.0f}) {
@@ -149,11 +149,11 @@ TEST_CASE("curves: photons and paths agree around a single fibre") {
     d.integrator.max_depth = 2;
     HairDescription hair = dyed_hair();
     hair.azimuthal_roughness = 0.2f;
-    Curves fibre;
-    fibre.basis = Curves::Basis::kLinear;
-    fibre.starts = {0};
-    fibre.points = {{{0, -2, 3}, 0.5f}, {{0, 2, 3}, 0.5f}};
-    add_shape(d, fibre, Transform(), add_material(d, hair));
+    Curves fiber;
+    fiber.basis = Curves::Basis::kLinear;
+    fiber.starts = {0};
+    fiber.points = {{{0, -2, 3}, 0.5f}, {{0, 2, 3}, 0.5f}};
+    add_shape(d, fiber, Transform(), add_material(d, hair));
     const float angle = azimuth * kPi / 180;
     d.lights.push_back({DirectionalLightDescription{normalize(Vec3f{std::sin(angle), 0.3f, std::cos(angle)}),
                                                     SpectrumDescription::constant(1)},

@@ -199,7 +199,7 @@ TEST_CASE("a mesh of 1e30 units beside an ordinary scene is rendered") {
 }
 
 TEST_CASE("cameras inside shapes and on surfaces give finite images") {
-  const auto check_places = [](const std::function<void(Description&)>& add) {
+  const auto check_positions = [](const std::function<void(Description&)>& add) {
     for (const Vec3f at : {Vec3f{0, 0, 0}, Vec3f{0, 0, 1}, Vec3f{1, 0, 0}, Vec3f{0.5f, 0.5f, 0.5f}}) {
       Description d = empty_scene(8, 8);
       d.sampler.sample_count = 8;
@@ -210,22 +210,22 @@ TEST_CASE("cameras inside shapes and on surfaces give finite images") {
     }
   };
   SUBCASE("glass") {
-    check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_glass(d)); });
+    check_positions([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_glass(d)); });
   }
   SUBCASE("diffuse") {
-    check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_diffuse(d, 0.5f))); });
+    check_positions([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_diffuse(d, 0.5f))); });
   }
   SUBCASE("mirror") {
-    check_places([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d))); });
+    check_positions([](Description& d) { add_sphere(d, {0, 0, 0}, 1, add_two_sided(d, add_mirror(d))); });
   }
   SUBCASE("light") {
-    check_places([](Description& d) { emit(add_sphere(d, {0, 0, 0}, 1), 1).flip_normals = true; });
+    check_positions([](Description& d) { emit(add_sphere(d, {0, 0, 0}, 1), 1).flip_normals = true; });
   }
   SUBCASE("cube") {
-    check_places([](Description& d) { add_shape(d, CubeShape{}, Transform(), add_glass(d)); });
+    check_positions([](Description& d) { add_shape(d, CubeShape{}, Transform(), add_glass(d)); });
   }
   SUBCASE("triangle") {
-    check_places([](Description& d) { add_shape(d, one_triangle({-1, 0, 0}, {1, 0, 0}, {0, 0, 1}), Transform()); });
+    check_positions([](Description& d) { add_shape(d, one_triangle({-1, 0, 0}, {1, 0, 0}, {0, 0, 1}), Transform()); });
   }
 }
 

@@ -121,9 +121,9 @@ class Twins {
         camera + "</animation>";
   }
 
-  void add_light(const json& light, const json& place, const std::string& element) {
+  void add_light(const json& light, const json& position, const std::string& element) {
     json& lights = gltf_.json["extensions"]["KHR_lights_punctual"]["lights"];
-    json node = place;
+    json node = position;
     node["extensions"]["KHR_lights_punctual"]["light"] = lights.size();
     lights.push_back(light);
     gltf_.json["nodes"].push_back(node);
@@ -141,7 +141,7 @@ class Twins {
         "<float name='near_clip' value='0.01'/>" +
         camera_ + "</sensor>";
     ReadOptions options;
-    options.surroundings.environment = ModelSurroundings::kNoEnvironment;
+    options.surroundings.environment = ModelEnvironment::kNoEnvironment;
     options.shutter = shutter_;
     if (shutter_) options.moment.time = 0;
     const Description a = read_scene(write_below(folder, "scene.gltf", gltf_.text()), options);

@@ -82,12 +82,12 @@ double difference(const std::vector<float>& a, const std::vector<float>& b) {
 /// Equivalent spellings, none of which is the default.
 using Spellings = std::vector<std::string>;
 
-/// Checks groups of equivalent spellings. `place` inserts one into a scene; an empty string leaves the default.
-template <class Place> void check_groups(const std::vector<Spellings>& groups, Place&& place) {
+/// Checks groups of equivalent spellings. `insert` inserts one into a scene; an empty string leaves the default.
+template <class Insert> void check_groups(const std::vector<Spellings>& groups, Insert&& insert) {
   const Studio studio;
   const auto rendered = [&](const std::string& text) {
     Scene scene;
-    place(scene, text);
+    insert(scene, text);
     return studio.render(scene);
   };
   const std::vector<float> plain = rendered("");
@@ -208,7 +208,7 @@ TEST_CASE("Nori spellings: textures render equally in all spellings") {
               {"<vector2 name='delta' value='0.25, 0.1'/>"}});
   const std::string moved = "<vector2 name='delta' value='0.3, 0.3'/>";
   check_in("image", file + moved, {{text("wrap", "mirror")}, {text("wrap", "clamp")}});
-  // All names of image and colour textures.
+  // All names of image and color textures.
   const auto plain = [&](const std::string& type, const std::string& inside) {
     return of_type("bsdf", "diffuse", texture(type, inside));
   };
@@ -286,12 +286,12 @@ TEST_CASE("Nori spellings: shapes render equally in all spellings") {
                });
   // Groups and instances in both notations.
   const std::string ball = "<mesh type='sphere'>" + number("radius", "0.4") + "</mesh>";
-  const std::string place = moved("<translate value='1,0,1'/>");
+  const std::string insert = moved("<translate value='1,0,1'/>");
   check_groups(
-      {{"<mesh type='shapegroup' id='g'>" + ball + "</mesh><mesh type='instance'><ref id='g'/>" + place + "</mesh>",
-        "<mesh type='ref' name='g'>" + ball + "</mesh><mesh type='instance'>" + text("ref", "g") + place + "</mesh>",
-        "<mesh type='sphere'>" + number("radius", "0.4") + place + "</mesh>",
-        "<shape type='sphere'>" + number("radius", "0.4") + place + "</shape>"}},
+      {{"<mesh type='shapegroup' id='g'>" + ball + "</mesh><mesh type='instance'><ref id='g'/>" + insert + "</mesh>",
+        "<mesh type='ref' name='g'>" + ball + "</mesh><mesh type='instance'>" + text("ref", "g") + insert + "</mesh>",
+        "<mesh type='sphere'>" + number("radius", "0.4") + insert + "</mesh>",
+        "<shape type='sphere'>" + number("radius", "0.4") + insert + "</shape>"}},
       [](Scene& scene, const std::string& s) { scene.more = s; });
 }
 
@@ -327,7 +327,7 @@ TEST_CASE("Nori spellings: cameras and filters and samplers render equally in al
 }
 
 TEST_CASE("Nori spellings: integrators render equally in all spellings") {
-  const auto place = [](Scene& scene, const std::string& s) {
+  const auto insert = [](Scene& scene, const std::string& s) {
     scene.bsdf = of_type("bsdf", "microfacet", number("alpha", "0.2"));
     scene.emitters = "<emitter type='constant'><color name='radiance' value='0.2,0.3,0.4'/></emitter>";
     scene.more = "<mesh type='sphere'>" + point("center", "1.5,1.5,1.5") + number("radius", "0.5") +
@@ -354,11 +354,11 @@ TEST_CASE("Nori spellings: integrators render equally in all spellings") {
                 named({"ptracer"}),
                 {of_type("integrator", "av", number("length", "1"))},
                 {of_type("integrator", "simple", point("position", "2,3,4") + color("energy", "300,200,100"))}},
-               place);
+               insert);
   const Studio studio;
   const auto rendered = [&](const std::string& integrator) {
     Scene scene;
-    place(scene, integrator);
+    insert(scene, integrator);
     return studio.render(scene);
   };
   const std::vector<float> path = rendered("");
@@ -374,11 +374,11 @@ TEST_CASE("Nori spellings: integrators render equally in all spellings") {
        {of_type("integrator", "path", whole("maxDepth", "1"))},
        {of_type("integrator", "path", hidden), of_type("integrator", "path_mis", hidden)},
        {of_type("integrator", "path", whole("candidates", "8")), plain("path_ris")}},
-      place);
+      insert);
 }
 
 TEST_CASE("Nori spellings: photon maps render equally in all spellings") {
-  const auto place = [](const std::string& type, const std::string& rest) {
+  const auto insert = [](const std::string& type, const std::string& rest) {
     return [type, rest](Scene& scene, const std::string& s) {
       scene.integrator = of_type("integrator", type, rest + s);
       scene.emitters =
@@ -389,20 +389,20 @@ TEST_CASE("Nori spellings: photon maps render equally in all spellings") {
   const std::string few = whole("photonCount", "2000"), wide = number("photonRadius", "0.3");
   check_groups({{whole("photonCount", "500"), number("photonCount", "500"), whole("photon_count", "5e2"),
                  number("globalPhotons", "500")}},
-               [&](Scene& scene, const std::string& s) { place("photonmapper", wide)(scene, s.empty() ? few : s); });
+               [&](Scene& scene, const std::string& s) { insert("photonmapper", wide)(scene, s.empty() ? few : s); });
   check_groups({{number("photonRadius", "0.3"), number("photon_radius", "0.3")},
                 {text("kernel", "cone")},
                 {text("kernel", "epanechnikov")},
                 {"<boolean name='sampleDirect' value='true'/>"},
                 {"<boolean name='finalGather' value='true'/>"}},
-               place("photonmapper", few));
-  check_groups({{whole("lookupSize", "3"), number("lookup_size", "3")}}, place("photonmapper", few + wide));
+               insert("photonmapper", few));
+  check_groups({{whole("lookupSize", "3"), number("lookup_size", "3")}}, insert("photonmapper", few + wide));
   check_groups({{number("initialRadius", "0.5"), number("initial_radius", "0.5")}, {number("alpha", "0.1")}},
-               place("sppm", few));
+               insert("sppm", few));
   const Studio studio;
   const auto rendered = [&](const std::string& type) {
     Scene scene;
-    place(type, few + wide)(scene, "");
+    insert(type, few + wide)(scene, "");
     return studio.render(scene);
   };
   CHECK(difference(rendered("photonmapper"), rendered("photonmap")) == 0);
@@ -416,7 +416,7 @@ TEST_CASE("Nori spellings: media render equally in all spellings") {
   const auto volume = [&](const std::string& name, const std::string& inside) {
     return "<volume name='" + name + "' type='gridvolume'>" + grid + inside + "</volume>";
   };
-  const auto place = [](Scene& scene, const std::string& s) {
+  const auto insert = [](Scene& scene, const std::string& s) {
     scene.bsdf.clear();
     scene.inside = s.empty() ? "<medium type='homogeneous'/>" : s;
   };
@@ -442,17 +442,17 @@ TEST_CASE("Nori spellings: media render equally in all spellings") {
         medium("heterogeneous", grid + "<transform name='toWorld'><scale value='1'/></transform>")},
        {medium("heterogeneous", grid + text("filterType", "nearest")),
         medium("heterogeneous", volume("density", text("filter_type", "nearest")))}},
-      place);
+      insert);
   // Estimators differ in their random numbers or steps.
   check_groups(
       {{text("method", "march"), text("method", "raymarch")}, {text("method", "delta"), text("method", "woodcock")}},
-      [&](Scene& scene, const std::string& s) { place(scene, medium("heterogeneous", grid + pair + s)); });
+      [&](Scene& scene, const std::string& s) { insert(scene, medium("heterogeneous", grid + pair + s)); });
   check_groups({{text("mediumEstimator", "marching"), text("medium_estimator", "marching")},
                 {text("mediumEstimator", "marching") + number("stepSize", "0.9"),
                  text("mediumEstimator", "marching") + number("step_size", "0.9")},
                 {text("mediumEstimator", "delta")}},
                [&](Scene& scene, const std::string& s) {
-                 place(scene, medium("heterogeneous", grid + pair));
+                 insert(scene, medium("heterogeneous", grid + pair));
                  scene.integrator = of_type("integrator", "path_mis", s);
                });
   // Media around the camera.

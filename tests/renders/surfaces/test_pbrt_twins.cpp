@@ -16,13 +16,13 @@ namespace fs = std::filesystem;
 
 const fs::path kTwins = fs::path(SHEAF_SOURCE_DIR) / "tests" / "renders" / "pbrt_twins";
 
-/// Rounding may change single paths: the share of pixels that may differ, and the relative difference of means.
-constexpr double kDifferingShare = 0.002, kMeanDifference = 1e-4;
+/// Rounding may change single paths: the fraction of pixels that may differ, and the relative difference of means.
+constexpr double kDifferingFraction = 0.002, kMeanDifference = 1e-4;
 
 struct Difference {
-  double share = 0;  ///< of pixels that differ
-  double mean = 0;   ///< largest relative difference of a channel's mean
-  double light = 0;  ///< mean of all channels
+  double fraction = 0;  ///< of pixels that differ
+  double mean = 0;      ///< largest relative difference of a channel's mean
+  double light = 0;     ///< mean of all channels
 };
 
 Difference difference(const Image& a, const Image& b) {
@@ -41,10 +41,10 @@ Difference difference(const Image& a, const Image& b) {
         means[0][c] += first;
         means[1][c] += second;
       }
-      d.share += differs ? 1 : 0;
+      d.fraction += differs ? 1 : 0;
     }
   const auto pixels = static_cast<double>(a.pixel_count());
-  d.share /= pixels;
+  d.fraction /= pixels;
   for (int c = 0; c < 3; ++c) {
     d.mean = std::max(d.mean, std::fabs(means[0][c] - means[1][c]) / std::max(means[1][c], 1e-9));
     d.light += means[1][c] / (3 * pixels);
@@ -64,9 +64,9 @@ void check_twins(const std::string& name, ColorMode color = ColorMode::kRgb) {
   CAPTURE(name);
   const Difference d = difference(render_image(read_scene(kTwins / (name + ".pbrt")), color),
                                   render_image(read_scene(kTwins / (name + ".xml")), color));
-  INFO("differing pixels " << d.share << ", means " << d.mean << ", light " << d.light);
+  INFO("differing pixels " << d.fraction << ", means " << d.mean << ", light " << d.light);
   CHECK(d.light > 0.005);
-  CHECK(d.share <= kDifferingShare);
+  CHECK(d.fraction <= kDifferingFraction);
   CHECK(d.mean <= kMeanDifference);
 }
 
@@ -93,7 +93,7 @@ TEST_SUITE("pbrt twins") {
     Description mirrored = read_scene(kTwins / "camera.pbrt");
     mirrored.camera.to_world = mirrored.camera.to_world * Transform::scale({-1, 1, 1});
     const Image twin = render_image(read_scene(kTwins / "camera.xml"), ColorMode::kRgb);
-    CHECK(difference(render_image(mirrored, ColorMode::kRgb), twin).share > 0.3);
+    CHECK(difference(render_image(mirrored, ColorMode::kRgb), twin).fraction > 0.3);
   }
 }
 

@@ -38,8 +38,8 @@ std::array<double, 3> means_of(const Image& image) {
   return sum;
 }
 
-/// Every kind of closure without colour, and lights of white or tinted spectra.
-Description grey_scene() {
+/// Every kind of closure without color, and lights of white or tinted spectra.
+Description gray_scene() {
   Description d = empty_scene(8, 8);
   add_rectangle(d,
                 Transform::translate({0, -1.5f, 4}) * Transform::rotate({1, 0, 0}, -90) * Transform::scale({3, 3, 1}),
@@ -63,8 +63,8 @@ SpectrumDescription equal_energy(float value) { return {SpectrumDescription::Tab
 
 }  // namespace
 
-TEST_CASE("spectral: scenes without colour have the channel means of RGB mode") {
-  const Description d = grey_scene();
+TEST_CASE("spectral: scenes without color have the channel means of RGB mode") {
+  const Description d = gray_scene();
   constexpr int kBatches = 24;
   MeanVariance of_mode[2][3];
   for (std::uint32_t batch = 0; batch < kBatches; ++batch)
@@ -82,7 +82,7 @@ TEST_CASE("spectral: scenes without colour have the channel means of RGB mode") 
   }
 }
 
-TEST_CASE("spectral: a colour under daylight is reproduced") {
+TEST_CASE("spectral: a color under daylight is reproduced") {
   // One bounce in a constant environment: the pixel shows the reflectance.
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{0.1f, 0.6f, 0.3f}, Vec3f{0.2f, 0.25f, 0.7f}}) {
     Description d = empty_scene(8, 8);
@@ -224,7 +224,7 @@ TEST_CASE("spectral: a prism deviates 450 and 550 and 650 nm by the laws of Snel
   }
 }
 
-TEST_CASE("spectral: colours of constants and textures match RGB mode" * doctest::test_suite("slow")) {
+TEST_CASE("spectral: colors of constants and textures match RGB mode" * doctest::test_suite("slow")) {
   // One bounce under a constant light: the mean over the sphere is a weighted mean of the lobes.
   const auto scene = [](const auto& model) {
     Description d = empty_scene(8, 8);
@@ -271,7 +271,7 @@ TEST_CASE("spectral: colours of constants and textures match RGB mode" * doctest
       CAPTURE(i);
       CAPTURE(c);
       INFO("rgb " << rgb.mean() << ", spectral " << spectral.mean());
-      // Upsampled constants are within 1e-4 of their colour and textures within 0.005. Hue amplifies these errors.
+      // Upsampled constants are within 1e-4 of their color and textures within 0.005. Hue amplifies these errors.
       const double allowed = i < 3 ? 0.002 : 0.01;
       const double error = std::sqrt((rgb.variance() + spectral.variance()) / kBatches);
       const double difference = std::max(0.0, std::fabs(spectral.mean() - rgb.mean()) - allowed);

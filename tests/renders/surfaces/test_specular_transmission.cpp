@@ -83,7 +83,7 @@ TEST_CASE("specular transmission: panes transmit what the scaled reflectance lea
       for (const double found : transmitted(transmitting(specular, white, false), angle))
         CHECK(found == near((1 - r) / (1 + r), 0.01));
     }
-    // The colour scales the reflectance at normal incidence only
+    // The color scales the reflectance at normal incidence only
     const double normal = 0.04, grazing = once + (0 - normal) * (1 - once) / (1 - normal);
     const auto tinted = transmitted(transmitting(1, {0, 1, 1}, false), angle);
     CHECK(tinted[0] == near((1 - grazing) / (1 + grazing), 0.01));
@@ -188,8 +188,8 @@ TEST_CASE("coated emission: lamps of all kinds that move and stretch") {
   for (const bool textured : {false, true}) {
     Description moving = coated_lamp(textured, 24);
     const Transform there = moving.shapes.back().to_world;
-    const Transform turned = Transform::translate({0.4f, 0.2f, 0.3f}) * Transform::rotate({0, 1, 0}, -70) * shear();
-    move(moving, moving.shapes.back(), {{0, there}, {1, turned * there * Transform::scale({0.4f, 0.6f, 1})}});
+    const Transform rotated = Transform::translate({0.4f, 0.2f, 0.3f}) * Transform::rotate({0, 1, 0}, -70) * shear();
+    move(moving, moving.shapes.back(), {{0, there}, {1, rotated * there * Transform::scale({0.4f, 0.6f, 1})}});
     expose(moving, 0, 1);
     // Far from the lamp, light leaves it at grazing angles first, and along its normal last
     look_at_point(moving, {4.5f, -4, 0.5f}, {4.5f, 0, 0});

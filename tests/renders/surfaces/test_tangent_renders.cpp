@@ -1,5 +1,5 @@
 // Tangents of glTF files in images: anisotropy and normal maps against closed forms and against meshes whose texture
-// coordinates have the same tangents, through all ways to place and to deform a mesh. Coverage by vertex colours.
+// coordinates have the same tangents, through all ways to place and to deform a mesh. Coverage by vertex colors.
 #include "kernels/render/render.h"
 #include "scene/compile/compile.h"
 #include "tests/support/files/gltf_files.h"
@@ -89,7 +89,7 @@ class Square {
   }
 
   /// Turns a node about z by 90 degrees within the shutter interval.
-  void turn(int node) {
+  void azimuth(int node) {
     const float half = std::sqrt(0.5f);
     animate(node, "rotation", gltf.add<float>({0, 0, 0, 1, 0, 0, half, half}, "VEC4"));
   }
@@ -188,11 +188,11 @@ TEST_SUITE("Renders") {
   }
 
   TEST_CASE("gltf tangents: nodes, instances, joints and motion carry them as they carry texture coordinates") {
-    struct Place {
+    struct Slot {
       std::string name;
       void (*put)(Square&);
     };
-    const Place places[] = {
+    const Slot slots[] = {
         {"node",
          [](Square& s) {
            s.gltf.json["nodes"][0]["rotation"] = {0.1, 0.2, 0.3, 0.9};
@@ -219,21 +219,21 @@ TEST_SUITE("Renders") {
          [](Square& s) {
            s.add_joint({{"scale", {-1, 2, 1}}});
          }},
-        {"moving node", [](Square& s) { s.turn(0); }},
+        {"moving node", [](Square& s) { s.azimuth(0); }},
         {"moving joint",
          [](Square& s) {
            s.add_joint({{"scale", {1, -1, 1}}});
-           s.turn(3);
+           s.azimuth(3);
          }},
     };
-    for (const Place& place : places) {
-      CAPTURE(place.name);
+    for (const Slot& slot : slots) {
+      CAPTURE(slot.name);
       double means[2];
       for (const double handedness : {1.0, -1.0}) {
         Square own({0.7, handedness}, Source::kAttribute, full_material());
         Square of_uv({0.7, handedness}, Source::kUv, full_material());
-        place.put(own);
-        place.put(of_uv);
+        slot.put(own);
+        slot.put(of_uv);
         means[handedness > 0] = own.mean();
         CHECK(means[handedness > 0] == near(of_uv.mean(), 1e-3));
       }
@@ -257,10 +257,10 @@ TEST_SUITE("Renders") {
     glass["pbrMetallicRoughness"]["metallicFactor"] = 0.5;
     glass["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.5}};
     glass["extensions"]["KHR_materials_volume"] = {{"thicknessFactor", 1}};
-    json turned = glass;
-    turned["extensions"]["KHR_materials_anisotropy"]["anisotropyRotation"] = -0.6;
+    json rotated = glass;
+    rotated["extensions"]["KHR_materials_anisotropy"]["anisotropyRotation"] = -0.6;
     const double left = Square({0, -1}, Source::kAttribute, glass).mean();
-    CHECK(left == near(Square({0, 1}, Source::kAttribute, turned).mean(), 1e-4));
+    CHECK(left == near(Square({0, 1}, Source::kAttribute, rotated).mean(), 1e-4));
     CHECK(left != near(Square({0, 1}, Source::kAttribute, glass).mean(), 0.02));
   }
 
@@ -270,12 +270,12 @@ TEST_SUITE("Renders") {
     square.animate(3, "scale", square.gltf.add<float>({1, 1, 1, 0, 0, 0}, "VEC3"));
     square.samples = 64;
     // The square fills the image until its edge is a quarter of its length: 3/4 + integral of (4 s)^2 from 0 to 1/4
-    const double lit = 0.5 * kLight.z / (kLight.z + kView.z), share = 0.75 + 1 / 12.0;
+    const double lit = 0.5 * kLight.z / (kLight.z + kView.z), fraction = 0.75 + 1 / 12.0;
     // Five standard errors of independent samples
-    CHECK(square.mean() == within(lit * share, 5 * lit * std::sqrt(share * (1 - share) / (64 * 64))));
+    CHECK(square.mean() == within(lit * fraction, 5 * lit * std::sqrt(fraction * (1 - fraction) / (64 * 64))));
   }
 
-  TEST_CASE("gltf: alpha masks compare the product of factor and vertex colour") {
+  TEST_CASE("gltf: alpha masks compare the product of factor and vertex color") {
     json material = metal(1);
     material["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1, 1, 0.8};
     material["alphaMode"] = "MASK";

@@ -1,4 +1,4 @@
-// A texture of one value acts like the number or the colour of that value, for every parameter that may be textured.
+// A texture of one value acts like the number or the color of that value, for every parameter that may be textured.
 // The parameters are taken from the list of material models, from the queries of the XML readers, and from the sources
 // of the pbrt and glTF readers, so that new ones are tested as well.
 #include "core/image/exr.h"
@@ -194,10 +194,10 @@ std::string content_of(const std::string& plugin) {
 
 Description read_xml(Dialect dialect, const std::string& bsdf) {
   const TemporaryFolder folder;
-  Image grey(1, 1, {"Y"}), color(1, 1, {"B", "G", "R"});
-  grey.data = {kNumber};
+  Image gray(1, 1, {"Y"}), color(1, 1, {"B", "G", "R"});
+  gray.data = {kNumber};
   color.data = {0.7f, 0.5f, 0.3f};
-  write_exr(folder / "grey.exr", grey);
+  write_exr(folder / "grey.exr", gray);
   write_exr(folder / "color.exr", color);
   const std::string shape = dialect == Dialect::kNori ? "<mesh type='sphere'>" + bsdf + "</mesh>"
                                                       : "<shape type='sphere'>" + bsdf + "</shape>";
@@ -207,7 +207,7 @@ Description read_xml(Dialect dialect, const std::string& bsdf) {
   // Textures are read when the scene is compiled
   for (TextureDescription& texture : d.textures)
     if (auto* bitmap = std::get_if<BitmapDescription>(&texture.model)) {
-      bitmap->made = std::make_shared<Image>(bitmap->file.stem() == "grey" ? grey : color);
+      bitmap->made = std::make_shared<Image>(bitmap->file.stem() == "grey" ? gray : color);
       bitmap->file.clear();
     }
   return d;
@@ -292,18 +292,18 @@ Description read_ball(const std::string& material, const std::string& shape_para
       "MakeNamedMaterial \"b\" \"string type\" \"conductor\"\n" +
           material + "\nShape \"sphere\" " + shape_parameters + "\n",
       "Camera \"perspective\"", [](const TemporaryFolder& folder) {
-        Image grey(1, 1, {"Y"}), color(1, 1, {"B", "G", "R"});
-        grey.data = {kNumber};
+        Image gray(1, 1, {"Y"}), color(1, 1, {"B", "G", "R"});
+        gray.data = {kNumber};
         color.data = {0.7f, 0.5f, 0.3f};
-        write_exr(folder / "grey.exr", grey);
+        write_exr(folder / "grey.exr", gray);
         write_exr(folder / "color.exr", color);
       });
   for (TextureDescription& texture : d.textures)
     if (auto* bitmap = std::get_if<BitmapDescription>(&texture.model); bitmap != nullptr && bitmap->made == nullptr) {
-      const bool is_grey = bitmap->file.stem() == "grey";
+      const bool is_gray = bitmap->file.stem() == "grey";
       auto texel = std::make_shared<Image>(
-          1, 1, is_grey ? std::vector<std::string>{"Y"} : std::vector<std::string>{"B", "G", "R"});
-      texel->data = is_grey ? std::vector<float>{kNumber} : std::vector<float>{0.7f, 0.5f, 0.3f};
+          1, 1, is_gray ? std::vector<std::string>{"Y"} : std::vector<std::string>{"B", "G", "R"});
+      texel->data = is_gray ? std::vector<float>{kNumber} : std::vector<float>{0.7f, 0.5f, 0.3f};
       bitmap->made = std::move(texel);
       bitmap->file.clear();
     }
@@ -364,7 +364,7 @@ constexpr const char* kWhiteUri =
 
 /// A texture of a glTF material: a JSON pointer to it. Images of ones must change nothing.
 struct GltfSlot {
-  const char* place;
+  const char* pointer;
   bool glossy = false;  ///< of KHR_materials_pbrSpecularGlossiness
 };
 
@@ -404,14 +404,14 @@ json layered(Body body, float metallic, float roughness) {
   return material;
 }
 
-Description read_square(json material, const char* place) {
+Description read_square(json material, const char* pointer) {
   GltfBuilder gltf;
   json& primitive = gltf.add_mesh({{"POSITION", gltf.add<float>({-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1}, "VEC3")},
                                    {"TEXCOORD_0", gltf.add<float>({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2")}});
   primitive["indices"] = gltf.add<std::uint16_t>({0, 1, 2, 0, 2, 3}, "SCALAR");
   primitive["material"] = 0;
   gltf.json["nodes"] = {{{"mesh", 0}}};
-  if (place != nullptr) material[json::json_pointer(place)] = {{"index", 0}};
+  if (pointer != nullptr) material[json::json_pointer(pointer)] = {{"index", 0}};
   gltf.json["materials"] = json::array({material});
   gltf.json["images"] = {{{"uri", kWhiteUri}}};
   gltf.json["textures"] = {{{"source", 0}}};
@@ -434,7 +434,7 @@ TEST_CASE("texture slots: images of ones change nothing in all slots of gltf mat
     if (kDirections.contains(name)) continue;
     CAPTURE(name);
     CHECK(std::any_of(std::begin(kSlots), std::end(kSlots),
-                      [&](const GltfSlot& slot) { return std::string(slot.place).ends_with("/" + name); }));
+                      [&](const GltfSlot& slot) { return std::string(slot.pointer).ends_with("/" + name); }));
   }
   struct Surface {
     Body body;
@@ -450,9 +450,9 @@ TEST_CASE("texture slots: images of ones change nothing in all slots of gltf mat
     const Means constant = means_of(read_square(material, nullptr));
     for (const GltfSlot& slot : kSlots) {
       if (slot.glossy) continue;
-      if (s.body == Body::kOpaque && std::string(slot.place).find("transmission") != std::string::npos) continue;
-      CAPTURE(std::string(slot.place));
-      check_same(constant, means_of(read_square(material, slot.place)));
+      if (s.body == Body::kOpaque && std::string(slot.pointer).find("transmission") != std::string::npos) continue;
+      CAPTURE(std::string(slot.pointer));
+      check_same(constant, means_of(read_square(material, slot.pointer)));
     }
   }
   json glossy = {
@@ -461,7 +461,7 @@ TEST_CASE("texture slots: images of ones change nothing in all slots of gltf mat
          {{"diffuseFactor", {0.5, 0.4, 0.3, 1}}, {"specularFactor", {0.2, 0.3, 0.4}}, {"glossinessFactor", 0.6}}}}}};
   const Means constant = means_of(read_square(glossy, nullptr));
   for (const GltfSlot& slot : kSlots)
-    if (slot.glossy) check_same(constant, means_of(read_square(glossy, slot.place)));
+    if (slot.glossy) check_same(constant, means_of(read_square(glossy, slot.pointer)));
 }
 
 }  // namespace sheaf::test_texture_slots

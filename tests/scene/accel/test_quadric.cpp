@@ -187,9 +187,9 @@ TEST_CASE("quadric: bounds contain the shape tightly") {
 
 TEST_CASE("quadric: areas of spheres and spheroids and disks and cylinders match their closed forms") {
   constexpr double kPiD = 3.14159265358979323846;
-  const Transform turn = Transform::rotate({1, 2, 3}, 40);
+  const Transform azimuth = Transform::rotate({1, 2, 3}, 40);
   const auto area = [&](ShapeKind kind, Vec3f scale) {
-    return double(quadric_area(make_quadric(kind, turn * Transform::scale(scale), false)));
+    return double(quadric_area(make_quadric(kind, azimuth * Transform::scale(scale), false)));
   };
   CHECK(canonical_area(ShapeKind::kSphere) == near(4 * kPiD));
   CHECK(canonical_area(ShapeKind::kDisk) == near(kPiD));
@@ -239,12 +239,12 @@ TEST_CASE("quadric: areas under affine maps match fine meshes even for extreme p
     }
 }
 
-TEST_CASE("quadric: similarity transforms are recognised and projective ones are rejected") {
-  const Transform turn = Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 40);
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3}), false).uniform_scale == near(3));
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({-3, 3, 3}), false).uniform_scale == near(3));
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({3, 3, 3.01f}), false).uniform_scale == 0.0f);
-  CHECK(make_quadric(ShapeKind::kSphere, turn * Transform::scale({1, -2, 3}), false).determinant == near(6));
+TEST_CASE("quadric: similarity transforms are recognized and projective ones are rejected") {
+  const Transform azimuth = Transform::translate({1, 2, 3}) * Transform::rotate({1, 2, 3}, 40);
+  CHECK(make_quadric(ShapeKind::kSphere, azimuth * Transform::scale({3, 3, 3}), false).uniform_scale == near(3));
+  CHECK(make_quadric(ShapeKind::kSphere, azimuth * Transform::scale({-3, 3, 3}), false).uniform_scale == near(3));
+  CHECK(make_quadric(ShapeKind::kSphere, azimuth * Transform::scale({3, 3, 3.01f}), false).uniform_scale == 0.0f);
+  CHECK(make_quadric(ShapeKind::kSphere, azimuth * Transform::scale({1, -2, 3}), false).determinant == near(6));
   CHECK(make_quadric(ShapeKind::kSphere, Transform(), true).normal_sign == -1.0f);
   Matrix4 projective;
   projective.m[3][0] = 0.1;

@@ -182,7 +182,7 @@ TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
     const auto scene = lone(sampled({64, 64, 64}, ball(kRadius), smooth));
     constexpr int kSide = 100;
     int hits = 0;
-    double off = 0, turned = 0;
+    double off = 0, rotated = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
       const int column = i % kSide, row = i / kSide;
       const Vec3f origin{(static_cast<float>(column) + 0.5f) / kSide, (static_cast<float>(row) + 0.5f) / kSide, -3};
@@ -192,13 +192,13 @@ TEST_CASE("sdf grid: a sphere has its silhouette and positions and normals") {
       const auto y = surface_at(scene->view(), origin, {0, 0, 1}, *hit);
       const Vec3f from = y.p - Vec3f{0.5f, 0.5f, 0.5f};
       off = std::max(off, std::fabs(double(length(from)) - kRadius));
-      turned = std::max(turned, double(length(normalize(from) - y.ns)));
+      rotated = std::max(rotated, double(length(normalize(from) - y.ns)));
       CHECK(y.ng.z < 0);
     }
     const double area = double(hits) / (kSide * kSide);
     CHECK(area == near(3.14159265 * kRadius * kRadius, 0.01));
     CHECK(off < 1.6e-4);  // 1/8 of the squared cell width times the sum of both curvatures
-    CHECK(turned < (smooth ? 0.004 : 0.03));
+    CHECK(rotated < (smooth ? 0.004 : 0.03));
   }
 }
 
@@ -332,17 +332,17 @@ TEST_CASE("sdf grid: flipped normals, instances, and beside other shapes") {
   plain.shapes = mixed_shapes();
   instanced.groups.emplace_back();
   instanced.groups[0].shapes = mixed_shapes();
-  const Transform place =
+  const Transform position =
       Transform::translate({1, 2, 3}) * Transform::rotate({1, 1, 0}, 50) * Transform::scale({2, 1.5f, 2});
   InstanceDescription instance;
-  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
+  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = position.matrix().m[i / 4][i % 4];
   instanced.instances.push_back(instance);
   const auto a = compile_scene(plain), b = compile_scene(instanced);
   int on_grid[2] = {0, 0};
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const auto [origin, direction] = TestRay(i);
     const auto x = trace_ray(a->view(), origin, direction);
-    const Vec3f origin2 = place.point(origin), direction2 = place.vector(direction);
+    const Vec3f origin2 = position.point(origin), direction2 = position.vector(direction);
     const auto y = trace_ray(b->view(), origin2, direction2);
     if (!x || !y) continue;
     const auto p = surface_at(a->view(), origin, direction, *x), q = surface_at(b->view(), origin2, direction2, *y);
@@ -354,9 +354,9 @@ TEST_CASE("sdf grid: flipped normals, instances, and beside other shapes") {
       CHECK(p.uv.x == 0.0f);
     }
     CHECK(x->shape == y->shape);
-    CHECK(record_difference<Vec3>(q.p, place.point(p.p)) < 1e-4);
-    CHECK(record_difference<Vec3>(q.ng, normalize(place.normal(p.ng))) < 1e-3);
-    CHECK(record_difference<Vec3>(q.ns, normalize(place.normal(p.ns))) < 1e-3);
+    CHECK(record_difference<Vec3>(q.p, position.point(p.p)) < 1e-4);
+    CHECK(record_difference<Vec3>(q.ng, normalize(position.normal(p.ng))) < 1e-3);
+    CHECK(record_difference<Vec3>(q.ns, normalize(position.normal(p.ns))) < 1e-3);
   }
   CHECK(on_grid[0] > 200);
   CHECK(on_grid[1] > 200);
@@ -388,9 +388,9 @@ TEST_CASE("sdf grid: lanes together are as single ones, also beside other shapes
     const auto y = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, shape), primitive, u, v, at,
                                              Uint<Wide>(kNone), WideFloat(0.0f));
     for (int lane = 0; lane < kWidth; ++lane) {
-      const auto& [hit, place_of_hit] = hits[first + static_cast<std::size_t>(lane)];
+      const auto& [hit, position_of_hit] = hits[first + static_cast<std::size_t>(lane)];
       const auto one = surface_point<Scalar, true>(view, view.geometry.shapes[hit.shape], hit.primitive, hit.u, hit.v,
-                                                   place_of_hit, kNone, 0.0f);
+                                                   position_of_hit, kNone, 0.0f);
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.p, lane), one.p));
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.ng, lane), one.ng));
       worst = std::max(worst, record_difference<Vec3>(lane_record(y.ns, lane), one.ns));

@@ -29,7 +29,7 @@ double angle_between(Vec3f a, Vec3f b) {
   return std::atan2(double(length(cross(a, b))), double(dot(a, b))) * 180 / 3.14159265358979;
 }
 
-/// Angles across the frame through its centre, in degrees.
+/// Angles across the frame through its center, in degrees.
 struct Fields {
   double x, y, diagonal;
 };
@@ -283,11 +283,11 @@ TEST_CASE("camera: radial distortion moves image points and is inverted for poin
     d.distortion = kc;
     const Camera camera = make_camera(d, 200, 150);
     for (const Vec2f film : {Vec2f{3, 5}, Vec2f{80, 75}, Vec2f{150, 20}, Vec2f{199, 149}}) {
-      const Vec3f seen = direction(camera, film.x, film.y), shown = direction(plain, film.x, film.y);
+      const Vec3f seen = direction(camera, film.x, film.y), displayed = direction(plain, film.x, film.y);
       const double r = tangent(seen);
-      CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) == near(tangent(shown), 1e-4));
+      CHECK(r * (1 + double(kc[0]) * r * r + double(kc[1]) * r * r * r * r) == near(tangent(displayed), 1e-4));
       // Both lie in one plane with the axis, on the same side of it.
-      CHECK(std::fabs(dot(cross(seen, shown), axis)) < 1e-4f);
+      CHECK(std::fabs(dot(cross(seen, displayed), axis)) < 1e-4f);
       const auto ray = camera.ray<Scalar>(film.x, film.y, 0, 0);
       const auto view = camera.view<Scalar>(ray.origin + ray.direction * 3, 0, 0);
       CHECK(view.valid);
@@ -317,7 +317,7 @@ TEST_CASE("camera: radiance and distant and irradiance meters sample the expecte
   d.projection = Projection::kDistant;
   const auto distant = [&](float x, float y, float u, float v) {
     Camera camera = make_camera(d, 1, 1);
-    place_distant(camera, d, {10, 20, 30}, 5);
+    move_outside_scene(camera, d, {10, 20, 30}, 5);
     return camera.ray<Scalar>(x, y, u, v);
   };
   check_vector(distant(0.5f, 0.5f, 0, 0).origin, {10, 20, 25});
@@ -401,7 +401,7 @@ TEST_CASE("camera: the view of a point is the ray that hits it and its importanc
       const float t = 2 + u(random);
       const auto at = [&](float film_x, float film_y) {
         const auto r = camera.ray<Scalar>(film_x, film_y, lens_u, lens_v);
-        // Point where the neighbouring ray meets the plane perpendicular to the ray.
+        // Point where the neighboring ray meets the plane perpendicular to the ray.
         return r.origin + r.direction * (dot(ray.origin + ray.direction * t - r.origin, ray.direction) /
                                          dot(r.direction, ray.direction));
       };

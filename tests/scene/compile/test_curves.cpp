@@ -141,7 +141,7 @@ TEST_CASE("hair files: truncated and malformed and inconsistent files are errors
 }
 
 TEST_CASE("curves: straight curves are cylinders") {
-  const Transform place = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
+  const Transform transform = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
   const float r = 0.3f;
   const auto straight = [&](Curves::Basis basis, int from, int to) {
     Curves curves = one_curve(basis, {});
@@ -149,14 +149,14 @@ TEST_CASE("curves: straight curves are cylinders") {
     return curves;
   };
   Description d = empty_scene(4, 4);
-  add_shape(d, CylinderShape{{0, 0, -1}, {0, 0, 1}, r}, place);
+  add_shape(d, CylinderShape{{0, 0, -1}, {0, 0, 1}, r}, transform);
   const auto cylinder = compile_scene(d);
-  const std::unique_ptr<Scene> curves[] = {lone(straight(Curves::Basis::kLinear, -1, 1), place),
-                                           lone(straight(Curves::Basis::kBspline, -2, 2), place)};
+  const std::unique_ptr<Scene> curves[] = {lone(straight(Curves::Basis::kLinear, -1, 1), transform),
+                                           lone(straight(Curves::Basis::kBspline, -2, 2), transform)};
   int compared = 0;
   for (std::uint32_t i = 0; i < 3000; ++i) {
-    const Vec3f target = place.point(random_direction(61, i) * 0.8f),
-                origin = place.point(random_direction(62, i) * 5.0f), direction = normalize(target - origin);
+    const Vec3f target = transform.point(random_direction(61, i) * 0.8f),
+                origin = transform.point(random_direction(62, i) * 5.0f), direction = normalize(target - origin);
     const auto expected = trace_ray(cylinder->view(), origin, direction);
     if (!expected) continue;
     const auto x = surface_at(cylinder->view(), origin, direction, *expected);
@@ -330,10 +330,10 @@ TEST_CASE("curves: instances beside meshes and quadrics are placed correctly") {
   fill(plain.shapes);
   instanced.groups.emplace_back();
   fill(instanced.groups[0].shapes);
-  const Transform place =
+  const Transform transform =
       Transform::translate({1, 2, 3}) * Transform::rotate({1, 1, 0}, 50) * Transform::scale({2, 2, 2});
   InstanceDescription instance;
-  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
+  for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = transform.matrix().m[i / 4][i % 4];
   instanced.instances.push_back(instance);
   const auto a = compile_scene(plain), b = compile_scene(instanced);
   int on_curve = 0;
@@ -341,16 +341,16 @@ TEST_CASE("curves: instances beside meshes and quadrics are placed correctly") {
     const Vec3f origin = random_direction(71, i) * 6.0f, target = random_direction(72, i),
                 direction = normalize(target - origin);
     const auto x = trace_ray(a->view(), origin, direction);
-    const Vec3f origin2 = place.point(origin), direction2 = place.vector(direction);
+    const Vec3f origin2 = transform.point(origin), direction2 = transform.vector(direction);
     const auto y = trace_ray(b->view(), origin2, direction2);
     if (!x || !y) continue;
     const auto p = surface_at(a->view(), origin, direction, *x), q = surface_at(b->view(), origin2, direction2, *y);
     if (dot(p.ng, direction) > -0.2f) continue;
     on_curve += x->shape == 1;
     CHECK(x->shape == y->shape);
-    CHECK(is_close(q.p, place.point(p.p), 1e-4f));
-    CHECK(is_close(q.ng, normalize(place.normal(p.ng)), 1e-3f));
-    CHECK(is_close(q.dp_dv, place.vector(p.dp_dv), 1e-2f));
+    CHECK(is_close(q.p, transform.point(p.p), 1e-4f));
+    CHECK(is_close(q.ng, normalize(transform.normal(p.ng)), 1e-3f));
+    CHECK(is_close(q.dp_dv, transform.vector(p.dp_dv), 1e-2f));
   }
   CHECK(on_curve > 200);
 }

@@ -14,10 +14,10 @@ namespace {
 struct Variant {
   const char* color = "0.5";
   const char* origin = "0, 0, 9";
-  const char* shift = "0";  ///< of a cube
-  const char* place = "2";  ///< of an instance
-  const char* light = "";   ///< another emitter
-  const char* inside = "";  ///< another shape
+  const char* shift = "0";     ///< of a cube
+  const char* position = "2";  ///< of an instance
+  const char* light = "";      ///< another emitter
+  const char* inside = "";     ///< another shape
 };
 
 Description read(const Variant& v) {
@@ -34,7 +34,7 @@ Description read(const Variant& v) {
       "<shape type='sphere'><emitter type='area'><rgb name='radiance' value='1'/></emitter></shape>"
       "<shape type='shapegroup' id='group'><shape type='disk'/><shape type='rectangle'/></shape>"
       "<shape type='instance'><ref id='group'/><transform name='to_world'><translate y='" +
-      std::string(v.place) + "'/></transform></shape>" + v.light + "</scene>");
+      std::string(v.position) + "'/></transform></shape>" + v.light + "</scene>");
 }
 
 std::unique_ptr<Scene> compile(const Variant& v, KeptGeometry& kept, bool watertight = false) {
@@ -68,7 +68,7 @@ TEST_CASE("kept geometry: reused if only cameras, materials and lights at infini
 
 TEST_CASE("kept geometry: not reused if any shape, instance or option of the structure changes") {
   CHECK_FALSE(reuses({}, {.shift = "0.001"}));
-  CHECK_FALSE(reuses({}, {.place = "2.5"}));
+  CHECK_FALSE(reuses({}, {.position = "2.5"}));
   CHECK_FALSE(reuses({}, {.inside = "<shape type='disk'/>"}));
   CHECK_FALSE(reuses({}, {.inside = "<shape type='rectangle'/>"}));
   CHECK_FALSE(reuses({}, {}, true));

@@ -1,4 +1,4 @@
-// Majorants of media with coloured grids in spectral mode.
+// Majorants of media with colored grids in spectral mode.
 #include "scene/compile/compile.h"
 #include "scene/tables/medium_lookup.h"
 #include "tests/support/media_testing.h"
@@ -12,7 +12,7 @@ namespace sheaf::test_medium_majorants {
 
 namespace {
 
-/// A grid of one voxel of a saturated colour.
+/// A grid of one voxel of a saturated color.
 GridVolumeDescription saturated(const TemporaryFolder& folder, const char* name, Vec3f rgb, float factor = 1) {
   return vol(write_vol(folder / name, 1, 3, [=](Vec3f, int c) {
     return factor * (c == 0 ? rgb.x : c == 1 ? rgb.y : rgb.z);
@@ -27,7 +27,7 @@ std::unique_ptr<const Scene> compile_spectral(const MediumDescription& medium) {
   return compile_scene(d, options);
 }
 
-/// The largest extinction over all wavelengths at the centre of the unit cube, and its largest ratio to the majorant.
+/// The largest extinction over all wavelengths at the center of the unit cube, and its largest ratio to the majorant.
 std::pair<float, float> largest_and_bound(const Scene& scene) {
   const SceneView view = scene.view();
   const MediumRow& medium = view.media.rows[0];
@@ -50,7 +50,7 @@ std::pair<float, float> largest_and_bound(const Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("media: majorants hold at every wavelength where spectra exceed their colours") {
+TEST_CASE("media: majorants hold at every wavelength where spectra exceed their colors") {
   const TemporaryFolder folder;
   for (const Vec3f rgb : {Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}, Vec3f{0.9f, 0.02f, 0.8f}}) {
     CAPTURE(rgb.x);
@@ -62,20 +62,20 @@ TEST_CASE("media: majorants hold at every wavelength where spectra exceed their 
     sum.coefficients = AbsorptionScatteringDescription{grid, saturated(folder, "b.vol", rgb)};
     struct Case {
       MediumDescription medium;
-      float colour;  ///< the largest component
+      float largest_component;  ///< the largest component
     };
     for (const Case& c : {Case{extinction, 1}, Case{sum, 2}}) {
       const auto scene = compile_spectral(c.medium);
-      const auto [largest, share] = largest_and_bound(*scene);
-      // The test is meaningful only if spectra exceed their colours.
-      CHECK(largest > 1.1f * c.colour * max_component(rgb));
-      CHECK(share <= 1);
-      CHECK(share > 0.5f);
+      const auto [largest, fraction] = largest_and_bound(*scene);
+      // The test is meaningful only if spectra exceed their colors.
+      CHECK(largest > 1.1f * c.largest_component * max_component(rgb));
+      CHECK(fraction <= 1);
+      CHECK(fraction > 0.5f);
     }
   }
 }
 
-TEST_CASE("media: colours whose spectra exceed the float range are errors for extinction and emission") {
+TEST_CASE("media: colors whose spectra exceed the float range are errors for extinction and emission") {
   const TemporaryFolder folder;
   const auto large = saturated(folder, "large.vol", {0, 0, 1}, 2.5e38f);
   MediumDescription extinction, emission = fog(1, 0.5f);

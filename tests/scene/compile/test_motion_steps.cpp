@@ -284,9 +284,9 @@ TEST_CASE("motion steps: grids that move differently are found at all scales") {
       CAPTURE(size);
       CAPTURE(alike);
       Description d = empty_scene(4, 4);
-      const auto grid = [&](float way) {
+      const auto grid = [&](float direction) {
         GridVolumeDescription out = vol(file, shift(-0.5f * size, 0, 0) * scaled(size));
-        out.motion = add_motion(d, {{0, out.to_world}, {1, shift(way * size) * out.to_world}});
+        out.motion = add_motion(d, {{0, out.to_world}, {1, shift(direction * size) * out.to_world}});
         return out;
       };
       MediumDescription m;

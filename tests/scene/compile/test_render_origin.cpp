@@ -18,7 +18,7 @@ using namespace test;
 namespace {
 
 /// A place as in UTM coordinates, m. Floats are multiples of 0.5 there.
-constexpr Vec3d kPlace{500000.125, 40, -5400000.375};
+constexpr Vec3d kPosition{500000.125, 40, -5400000.375};
 
 std::string text_of(Vec3d v) { return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z); }
 
@@ -60,8 +60,8 @@ TEST_CASE("render origin: only scenes that lie far away in relation to the dista
 }
 
 TEST_CASE("render origin: a camera that moves a little keeps the origin") {
-  const std::vector<Vec3d> points{kPlace};
-  const Vec3d camera = kPlace + Vec3d{0.3, 9, 0.2};
+  const std::vector<Vec3d> points{kPosition};
+  const Vec3d camera = kPosition + Vec3d{0.3, 9, 0.2};
   const Vec3d origin = render_origin(camera, points);
   CHECK(origin != Vec3d());
   CHECK(render_origin(camera + Vec3d{0.05, 0.1, -0.1}, points) == origin);
@@ -69,41 +69,43 @@ TEST_CASE("render origin: a camera that moves a little keeps the origin") {
 
 TEST_CASE("render origin: Mitsuba's transforms keep positions far from the origin") {
   const auto scene = [](const std::string& to_world) {
-    const std::string at = text_of(kPlace + Vec3d{0, 0, 5});
+    const std::string at = text_of(kPosition + Vec3d{0, 0, 5});
     return mitsuba_scene("<shape type='rectangle'><transform name='to_world'>" + to_world + "</transform></shape>",
                          "<sensor type='perspective'><transform name='to_world'><lookat origin='" + at + "' target='" +
-                             text_of(kPlace) + "' up='0, 1, 0'/></transform></sensor>");
+                             text_of(kPosition) + "' up='0, 1, 0'/></transform></sensor>");
   };
-  const Vec3d corner = kPlace + Vec3d{-1, -1, 0};
+  const Vec3d corner = kPosition + Vec3d{-1, -1, 0};
   const auto check = [&](const std::string& to_world) {
     check_equal(first_vertex_in_world(read_text(scene(to_world))), corner, 1e-5);
   };
-  check("<translate value='" + text_of(kPlace) + "'/>");
-  check("<matrix value='1 0 0 " + std::to_string(kPlace.x) + " 0 1 0 " + std::to_string(kPlace.y) + " 0 0 1 " +
-        std::to_string(kPlace.z) + " 0 0 0 1'/>");
+  check("<translate value='" + text_of(kPosition) + "'/>");
+  check("<matrix value='1 0 0 " + std::to_string(kPosition.x) + " 0 1 0 " + std::to_string(kPosition.y) + " 0 0 1 " +
+        std::to_string(kPosition.z) + " 0 0 0 1'/>");
   // A rotation by an angle that floats do not hold, there and back
-  check("<translate value='" + text_of(kPlace) + "'/><rotate y='1' angle='33.3'/><rotate y='1' angle='-33.3'/>");
+  check("<translate value='" + text_of(kPosition) + "'/><rotate y='1' angle='33.3'/><rotate y='1' angle='-33.3'/>");
 }
 
 TEST_CASE("render origin: Mitsuba's points keep positions far from the origin") {
-  const Vec3d camera = kPlace + Vec3d{0, 0, 5};
+  const Vec3d camera = kPosition + Vec3d{0, 0, 5};
   const std::string sensor = "<sensor type='perspective'><transform name='to_world'><lookat origin='" +
-                             text_of(camera) + "' target='" + text_of(kPlace) + "' up='0, 1, 0'/></transform></sensor>";
-  const std::string center = "<point name='center' value='" + text_of(kPlace) + "'/>";
+                             text_of(camera) + "' target='" + text_of(kPosition) +
+                             "' up='0, 1, 0'/></transform></sensor>";
+  const std::string center = "<point name='center' value='" + text_of(kPosition) + "'/>";
   const auto sphere = compile_scene(read_text(mitsuba_scene("<shape type='sphere'>" + center + "</shape>", sensor)));
   const float* m = sphere->view().geometry.quadrics[0].to_world;
-  check_equal(Vec3d(m[3], m[7], m[11]) + sphere->origin(), kPlace, 1e-5);
-  const std::string ends = "<point name='p0' value='" + text_of(kPlace) + "'/><point name='p1' value='" +
-                           text_of(kPlace + Vec3d{0, 0.25, 0}) + "'/>";
+  check_equal(Vec3d(m[3], m[7], m[11]) + sphere->origin(), kPosition, 1e-5);
+  const std::string ends = "<point name='p0' value='" + text_of(kPosition) + "'/><point name='p1' value='" +
+                           text_of(kPosition + Vec3d{0, 0.25, 0}) + "'/>";
   const auto tube = compile_scene(read_text(mitsuba_scene("<shape type='cylinder'>" + ends + "</shape>", sensor)));
   m = tube->view().geometry.quadrics[0].to_world;
-  check_equal(Vec3d(m[3], m[7], m[11]) + tube->origin(), kPlace, 1e-5);
+  check_equal(Vec3d(m[3], m[7], m[11]) + tube->origin(), kPosition, 1e-5);
   CHECK(double{m[6]} == near(0.25));
-  const std::string light = "<emitter type='point'><point name='position' value='" + text_of(kPlace) + "'/></emitter>";
+  const std::string light =
+      "<emitter type='point'><point name='position' value='" + text_of(kPosition) + "'/></emitter>";
   const auto lamp =
       compile_scene(read_text(mitsuba_scene("<shape type='sphere'>" + center + "</shape>" + light, sensor)));
   const auto& row = lamp->view().lights.rows[0];
-  check_equal(Vec3d(PointLightKind::position(row)) + lamp->origin(), kPlace, 1e-5);
+  check_equal(Vec3d(PointLightKind::position(row)) + lamp->origin(), kPosition, 1e-5);
 }
 
 TEST_CASE("render origin: pbrt's transforms keep positions far from the origin") {
@@ -111,14 +113,15 @@ TEST_CASE("render origin: pbrt's transforms keep positions far from the origin")
     return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + " ";
   };
   const std::string camera =
-      "LookAt " + numbers(kPlace + Vec3d{0, 0, 5}) + numbers(kPlace) + "0 1 0 Camera \"perspective\"";
+      "LookAt " + numbers(kPosition + Vec3d{0, 0, 5}) + numbers(kPosition) + "0 1 0 Camera \"perspective\"";
   const std::string shape = "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]\n";
-  check_equal(first_vertex_in_world(read_pbrt_world("Translate " + numbers(kPlace) + shape, camera)), kPlace, 1e-5);
+  check_equal(first_vertex_in_world(read_pbrt_world("Translate " + numbers(kPosition) + shape, camera)), kPosition,
+              1e-5);
   const std::string object =
-      "ObjectBegin \"o\"\n" + shape + "ObjectEnd\nTranslate " + numbers(kPlace) + "ObjectInstance \"o\"";
+      "ObjectBegin \"o\"\n" + shape + "ObjectEnd\nTranslate " + numbers(kPosition) + "ObjectInstance \"o\"";
   const auto instanced = compile_scene(read_pbrt_world(object, camera));
   const float* m = instanced->view().geometry.instances[0].to_world;
-  check_equal(Vec3d(m[3], m[7], m[11]) + instanced->origin(), kPlace, 1e-5);
+  check_equal(Vec3d(m[3], m[7], m[11]) + instanced->origin(), kPosition, 1e-5);
 }
 
 TEST_CASE("render origin: nodes of glTF keep positions far from the origin") {
@@ -126,12 +129,12 @@ TEST_CASE("render origin: nodes of glTF keep positions far from the origin") {
   gltf.add_triangle();
   gltf.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}}};
   gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 5}}});
-  gltf.json["nodes"].push_back({{"children", {0, 1}}, {"translation", {kPlace.x, kPlace.y, kPlace.z}}});
+  gltf.json["nodes"].push_back({{"children", {0, 1}}, {"translation", {kPosition.x, kPosition.y, kPosition.z}}});
   gltf.json["scenes"][0]["nodes"] = {2};
   const TemporaryFolder folder;
   const Description d = read_scene(write_below(folder, "scene.gltf", gltf.text()));
-  check_equal(first_vertex_in_world(d), kPlace, 1e-5);
-  check_equal(d.camera.to_world.translation(), kPlace + Vec3d{0, 0, 5}, 1e-9);
+  check_equal(first_vertex_in_world(d), kPosition, 1e-5);
+  check_equal(d.camera.to_world.translation(), kPosition + Vec3d{0, 0, 5}, 1e-9);
 }
 
 TEST_CASE("render origin: skins of glTF keep positions far from the origin") {
@@ -144,11 +147,11 @@ TEST_CASE("render origin: skins of glTF keep positions far from the origin") {
   gltf.json["nodes"][0]["skin"] = 0;
   gltf.json["nodes"].push_back({{"translation", {0.5, 0, 0}}});
   gltf.json["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 5}}});
-  gltf.json["nodes"].push_back({{"children", {1, 2}}, {"translation", {kPlace.x, kPlace.y, kPlace.z}}});
+  gltf.json["nodes"].push_back({{"children", {1, 2}}, {"translation", {kPosition.x, kPosition.y, kPosition.z}}});
   gltf.json["scenes"][0]["nodes"] = {0, 3};
   const TemporaryFolder folder;
   const Description d = read_scene(write_below(folder, "scene.gltf", gltf.text()));
-  check_equal(first_vertex_in_world(d), kPlace + Vec3d{0.5, 0, 0}, 1e-5);
+  check_equal(first_vertex_in_world(d), kPosition + Vec3d{0.5, 0, 0}, 1e-5);
 }
 
 TEST_CASE("render origin: everything that has a place moves") {

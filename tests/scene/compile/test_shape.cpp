@@ -18,7 +18,7 @@ namespace sheaf::test_shape {
 
 namespace {
 
-const Transform kPlace = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
+const Transform kPosition = Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({2, -1, 2}, 40);
 const Transform kStretch =
     Transform::translate({0.5f, -0.25f, 2}) * Transform::rotate({1, 2, 3}, 40) * Transform::scale({2, 0.7f, 1.2f});
 
@@ -32,16 +32,17 @@ std::unique_ptr<Scene> lone_shape(Geometry geometry, const Transform& to_world, 
 struct Ray {
   Vec3f origin, direction;
 };
-/// A ray towards the neighbourhood of kPlace and kStretch.
+/// A ray towards the neighborhood of kPosition and kStretch.
 Ray random_ray(std::uint32_t i) {
-  const Vec3f target = kPlace.point(random_direction(61, i) * 0.8f),
-              origin = kPlace.point(random_direction(62, i) * 5.0f);
+  const Vec3f target = kPosition.point(random_direction(61, i) * 0.8f),
+              origin = kPosition.point(random_direction(62, i) * 5.0f);
   return {origin, normalize(target - origin)};
 }
 
 /// The point of a canonical shape at a uv.
 Vec3f canonical_at(ShapeKind kind, Vec2f uv) {
-  const float turn = 2 * kPi * (kind == ShapeKind::kDisk ? uv.y : uv.x), c = std::cos(turn), s = std::sin(turn);
+  const float azimuth = 2 * kPi * (kind == ShapeKind::kDisk ? uv.y : uv.x), c = std::cos(azimuth),
+              s = std::sin(azimuth);
   if (kind == ShapeKind::kDisk) return {uv.x * c, uv.x * s, 0};
   if (kind == ShapeKind::kCylinder) return {c, s, uv.y};
   return {std::sin(kPi * uv.y) * c, std::sin(kPi * uv.y) * s, std::cos(kPi * uv.y)};
@@ -79,13 +80,13 @@ void check_convention(Geometry geometry, const Transform& to_world, const Expect
 }  // namespace
 
 TEST_CASE("shape: positions and normals and uv and tangents match Mitsuba") {
-  const Transform stretched = kPlace * Transform::scale({2, 1.5f, 1});
+  const Transform stretched = kPosition * Transform::scale({2, 1.5f, 1});
   const CylinderShape cylinder{{0.2f, -1, 0.3f}, {-0.3f, 1.5f, 0.1f}, 0.8f};
   const Expected at_cylinder{{0.322458f, -0.06695f, 1.44917f},
                              {-0.0863406f, 0.237849f, -0.967457f},
                              {0.269436f, 0.452165f},
                              {-0.770784f, -0.631212f, -0.0863948f}};
-  check_convention(SphereShape{{0.1f, 0.2f, -0.1f}, 1.5f}, kPlace,
+  check_convention(SphereShape{{0.1f, 0.2f, -0.1f}, 1.5f}, kPosition,
                    {{0.276856f, -0.0122274f, 0.537124f},
                     {-0.150048f, -0.0042269f, -0.98867f},
                     {0.594973f, 0.818379f},
@@ -95,14 +96,14 @@ TEST_CASE("shape: positions and normals and uv and tangents match Mitsuba") {
                     {-0.110282f, -0.480515f, 0.870025f},
                     {0.142377f, 0.279762f},
                     {-0.678742f, 0.675869f, 0.287247f}});
-  check_convention(cylinder, kPlace, at_cylinder);
-  check_convention(cylinder, kPlace, {at_cylinder.p, -at_cylinder.n, at_cylinder.uv, at_cylinder.tangent}, true);
+  check_convention(cylinder, kPosition, at_cylinder);
+  check_convention(cylinder, kPosition, {at_cylinder.p, -at_cylinder.n, at_cylinder.uv, at_cylinder.tangent}, true);
   check_convention(RectangleShape{}, stretched,
                    {{0.353108f, -0.10373f, 2.06217f},
                     {-0.110282f, -0.480515f, 0.870025f},
                     {0.486765f, 0.569948f},
                     {0.870025f, 0.376535f, 0.318243f}});
-  check_convention(CubeShape{}, kPlace,
+  check_convention(CubeShape{}, kPosition,
                    {{0.297139f, -0.0365663f, 0.942773f},
                     {0.110282f, 0.480515f, -0.870025f},
                     {0.565779f, 0.283708f},
@@ -151,7 +152,7 @@ void check_quadric(ShapeKind kind, const Scene& scene, const Transform& to_world
 }  // namespace
 
 TEST_CASE("shape: surfaces of quadrics are consistent at random hits") {
-  for (const Transform& to_world : {kPlace, kStretch})
+  for (const Transform& to_world : {kPosition, kStretch})
     for (const bool flip : {false, true}) {
       check_quadric(ShapeKind::kSphere, *lone_shape(SphereShape{}, to_world, flip), to_world, flip);
       check_quadric(ShapeKind::kDisk, *lone_shape(DiskShape{}, to_world, flip), to_world, flip);
@@ -159,7 +160,7 @@ TEST_CASE("shape: surfaces of quadrics are consistent at random hits") {
     }
 }
 
-TEST_CASE("shape: quadrics have tangents at poles and axes and centres") {
+TEST_CASE("shape: quadrics have tangents at poles and axes and centers") {
   const auto sphere = lone_shape(SphereShape{}, Transform());
   const auto disk = lone_shape(DiskShape{}, Transform());
   for (const Scene* scene : {sphere.get(), disk.get()}) {
@@ -252,9 +253,9 @@ TEST_CASE("shape: opposing vertex normals and degenerate uv give a valid frame")
 TEST_CASE("shape: SIMD results of mixed kinds equal scalar ones") {
   Description d = empty_scene(4, 4);
   add_shape(d, SphereShape{}, kStretch);
-  add_shape(d, DiskShape{}, kPlace);
-  add_shape(d, CylinderShape{}, kPlace).flip_normals = true;
-  add_shape(d, smooth_mesh(), kPlace);
+  add_shape(d, DiskShape{}, kPosition);
+  add_shape(d, CylinderShape{}, kPosition).flip_normals = true;
+  add_shape(d, smooth_mesh(), kPosition);
   add_shape(d, CubeShape{}, kStretch);
   const auto scene = compile_scene(d);
   const SceneView view = scene->view();
@@ -262,7 +263,8 @@ TEST_CASE("shape: SIMD results of mixed kinds equal scalar ones") {
   for (std::uint32_t i = 0; i < 4000; i += kWidth) {
     const auto at = [i](int lane) { return i + static_cast<std::uint32_t>(lane); };
     const auto shape_of = [&](int lane) { return i % 3 == 0 ? 3u : (i / 8 + static_cast<std::uint32_t>(lane)) % 5; };
-    const auto hit = wide_record<Vec3>([&](int lane) { return kPlace.point(random_direction(64, at(lane)) * 0.9f); });
+    const auto hit =
+        wide_record<Vec3>([&](int lane) { return kPosition.point(random_direction(64, at(lane)) * 0.9f); });
     const WideFloat u = wide_random(65, i).x * WideFloat(0.5f), v = wide_random(65, i).y * WideFloat(0.5f);
     const auto primitive = [&](int lane) { return static_cast<std::uint32_t>(lane) % 2; };
     const auto wide = surface_point<Wide, true>(view, gather_rows<Wide>(view.geometry.shapes, wide_uints(shape_of)),

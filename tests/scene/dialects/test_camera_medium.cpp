@@ -47,7 +47,7 @@ TEST_CASE("camera medium: the medium of a pinhole camera is found at the near pl
   check(d, 1, true);
 }
 
-TEST_CASE("camera medium: the medium of an orthographic camera is found at the centre of its film") {
+TEST_CASE("camera medium: the medium of an orthographic camera is found at the center of its film") {
   Description d = beside_gas({0, 0, 0}, 2);
   d.camera.projection = CameraDescription::Projection::kOrthographic;
   check(d, 1, false);

@@ -41,9 +41,9 @@ Vec3f irradiance(const SceneView& scene, Vec3f normal) {
   constexpr int kRows = 400;
   for (int i = 0; i < kRows; ++i)
     for (int k = 0; k < 4 * kRows; ++k) {
-      const double polar = 0.5 * kPiD * (i + 0.5) / kRows, turn = 2 * kPiD * (k + 0.5) / (4 * kRows);
+      const double polar = 0.5 * kPiD * (i + 0.5) / kRows, azimuth = 2 * kPiD * (k + 0.5) / (4 * kRows);
       const double z = std::cos(polar), r = std::sin(polar), weight = z * r;
-      const Vec3f local{static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)),
+      const Vec3f local{static_cast<float>(r * std::cos(azimuth)), static_cast<float>(r * std::sin(azimuth)),
                         static_cast<float>(z)};
       const auto value = lookup_envmap<Scalar>(scene.lights.envmap, Frame<Scalar>::from_normal(normal).to_world(local));
       sum[0] += weight * double(value.radiance.c0), sum[1] += weight * double(value.radiance.c1);
@@ -87,7 +87,7 @@ TEST_CASE("daylight: the radiance of the sky matches reference values") {
   }
 }
 
-TEST_CASE("daylight: the colour and spectrum of the sun match reference values") {
+TEST_CASE("daylight: the color and spectrum of the sun match reference values") {
   struct Case {
     float turbidity;
     double elevation;
@@ -212,11 +212,11 @@ TEST_CASE("daylight: a sun between texels of the map keeps its position and powe
   for (const double column : {0.5, 7.25, 20.0, 33.5, 48.9, 63.4, 63.75, -0.2, 0.0}) {
     CAPTURE(column);
     // Texel i is at longitude (i + 1/2) / 64 of a full turn from -z.
-    const double turn = 2 * kPiD * (column + 0.5) / sky.resolution;
+    const double azimuth = 2 * kPiD * (column + 0.5) / sky.resolution;
     const Frame<Scalar> frame{cross(sky.up, front), sky.up, front};
-    const Vec3f sun = frame.to_world({static_cast<float>(std::sin(turn) * std::cos(kElevation)),
+    const Vec3f sun = frame.to_world({static_cast<float>(std::sin(azimuth) * std::cos(kElevation)),
                                       static_cast<float>(std::sin(kElevation)),
-                                      static_cast<float>(-std::cos(turn) * std::cos(kElevation))});
+                                      static_cast<float>(-std::cos(azimuth) * std::cos(kElevation))});
     sky.suns = {sun};
     const EnvmapImage image = sky_image(sky, front);
     double flux = 0, across = 0, down = 0;

@@ -161,12 +161,12 @@ TEST_CASE("emitters of Mitsuba: sun and sky have the documented defaults and par
   CHECK(sun.scale == 0.5f);
   CHECK(sun.radius == 1);
 
-  const auto turned = lights_of("sky",
-                                "<transform name='toWorld'><rotate x='1' angle='90'/></transform>"
-                                "<float name='stretch' value='1.5'/><integer name='resolution' value='256'/>",
-                                "0.6.0");
-  REQUIRE(turned.size() == 1);
-  const auto old = std::get<SkyDescription>(turned[0].model);
+  const auto rotated = lights_of("sky",
+                                 "<transform name='toWorld'><rotate x='1' angle='90'/></transform>"
+                                 "<float name='stretch' value='1.5'/><integer name='resolution' value='256'/>",
+                                 "0.6.0");
+  REQUIRE(rotated.size() == 1);
+  const auto old = std::get<SkyDescription>(rotated[0].model);
   CHECK(is_close(old.up, {0, 0, 1}));
   CHECK(old.stretch == 1.5f);
   CHECK(old.resolution == 256);

@@ -27,7 +27,7 @@ Description read_broken(const std::string& text) {
 }
 
 bool says(const Description& d, const char* what) {
-  const auto& all = d.stand_ins;
+  const auto& all = d.substitutions;
   return std::any_of(all.begin(), all.end(), [&](const std::string& text) { return contains(text, what); });
 }
 
@@ -42,7 +42,7 @@ std::string sphere_of(const std::string& bsdf) { return mitsuba_scene("<shape ty
 TEST_CASE("lenient: a valid scene is read without warnings") {
   const std::string text = mitsuba_scene("<shape type='cube'><bsdf type='diffuse'/></shape><emitter type='constant'/>");
   const Description d = read_text(text, leniently());
-  CHECK(d.stand_ins.empty());
+  CHECK(d.substitutions.empty());
   CHECK(d.shapes.size() == 1);
   CHECK(d.lights.size() == 1);
 }
@@ -86,7 +86,7 @@ TEST_CASE("lenient: unknown materials are replaced by the most similar ones") {
   CHECK(std::get<ConductorDescription>(model("<bsdf type='brushedmetal'><float name='alpha' value='.2'/></bsdf>"))
             .roughness.has_value());
   CHECK(std::holds_alternative<NullDescription>(model("<bsdf type='transparentfilm'/>")));
-  // The first colour, or the nested material.
+  // The first color, or the nested material.
   const auto diffuse = std::get<DiffuseDescription>(
       model("<bsdf type='cloth'><float name='fuzz' value='1'/><rgb name='tint' value='.1 .2 .3'/></bsdf>"));
   const auto& rgb = std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(diffuse.reflectance).value);
@@ -170,14 +170,14 @@ TEST_CASE("lenient: files that turn out to be malformed are dropped") {
     <emitter type='constant'/>)"));
   Description d = read_scene(path, leniently());
   CHECK_THROWS_AS(compile_scene(d), SceneError);
-  ErrorSink errors(true, d.stand_ins);
+  ErrorSink errors(true, d.substitutions);
   CompileOptions options;
   options.errors = &errors;
   const std::unique_ptr<Scene> scene = compile_scene(d, options);
   CHECK(scene->info().shapes == 1);
   CHECK(scene->info().lights == 1);
   for (const char* what : {"bad.obj", "bad.exr", "bad.png"}) CHECK(says(d, what));
-  CHECK(d.stand_ins.size() == 3);
+  CHECK(d.substitutions.size() == 3);
 }
 
 TEST_CASE("lenient: Nori scenes are read leniently") {

@@ -17,37 +17,37 @@ std::string color(const std::string& name, const std::string& value) {
   return "<rgb name='" + name + "' value='" + value + "'/>";
 }
 Description read_new(const std::string& text) { return read_text(mitsuba_scene(text)); }
-SpectrumInput grey(float v) { return SpectrumDescription::constant(v); }
+SpectrumInput gray(float v) { return SpectrumDescription::constant(v); }
 
 /// The shares of the diffuse rows below a material's row, by reflectance.
-void add_shares(const CompiledMaterials& c, std::uint32_t row, float share, std::map<float, float>& out) {
+void add_fractions(const CompiledMaterials& c, std::uint32_t row, float fraction, std::map<float, float>& out) {
   const MaterialRow& m = c.tables.rows.at(row);
   if ((m.flags & kComposite) == 0) {
-    out[m.words[0]] += share;
+    out[m.words[0]] += fraction;
     return;
   }
-  add_shares(c, m.choice[0], share * (1 - m.second_share()), out);
-  add_shares(c, m.choice[1], share * m.second_share(), out);
+  add_fractions(c, m.choice[0], fraction * (1 - m.second_weight()), out);
+  add_fractions(c, m.choice[1], fraction * m.second_weight(), out);
 }
-std::map<float, float> shares(const Description& d) {
+std::map<float, float> fractions(const Description& d) {
   const CompiledMaterials c = compile_materials(d.materials);
   std::map<float, float> out;
-  add_shares(c, c.row_of.back(), 1, out);
+  add_fractions(c, c.row_of.back(), 1, out);
   return out;
 }
-std::string grey_bsdf(const std::string& value) {
+std::string gray_bsdf(const std::string& value) {
   return bsdf("diffuse", "<spectrum name='reflectance' value='" + value + "'/>");
 }
 
 }  // namespace
 
 TEST_CASE("old materials: defaults and parameters are read in both notations") {
-  CHECK(material("phong") == dump_all("phong", grey(0.5f), grey(0.2f), 30.0f));
-  CHECK(material("roughdiffuse") == dump_all("roughdiffuse", grey(0.5f), 0.2f, false));
-  CHECK(material("ward") == dump_all("ward", 2, grey(0.5f), grey(0.2f), 0.1f, 0.1f));
-  CHECK(material("difftrans") == dump_all("difftrans", grey(0.5f), grey(0)));
+  CHECK(material("phong") == dump_all("phong", gray(0.5f), gray(0.2f), 30.0f));
+  CHECK(material("roughdiffuse") == dump_all("roughdiffuse", gray(0.5f), 0.2f, false));
+  CHECK(material("ward") == dump_all("ward", 2, gray(0.5f), gray(0.2f), 0.1f, 0.1f));
+  CHECK(material("difftrans") == dump_all("difftrans", gray(0.5f), gray(0)));
   CHECK(material("difftrans", color("transmittance", "0.1, 0.2, 0.3")) ==
-        dump_all("difftrans", SpectrumInput(SpectrumDescription::rgb(0.1f, 0.2f, 0.3f)), grey(0)));
+        dump_all("difftrans", SpectrumInput(SpectrumDescription::rgb(0.1f, 0.2f, 0.3f)), gray(0)));
   const std::string lobes =
       color("diffuseReflectance", "0.1, 0.2, 0.3") + color("specularReflectance", "0.4, 0.5, 0.6");
   const SpectrumInput d = SpectrumDescription::rgb(0.1f, 0.2f, 0.3f), s = SpectrumDescription::rgb(0.4f, 0.5f, 0.6f);
@@ -55,9 +55,9 @@ TEST_CASE("old materials: defaults and parameters are read in both notations") {
   CHECK(material("ward", lobes + word("variant", "ward-duer") + number("alphaU", "0.3") + number("alpha_v", "0.2")) ==
         dump_all("ward", 1, d, s, 0.3f, 0.2f));
   CHECK(material("ward", word("variant", "ward") + number("alpha", "0.3")) ==
-        dump_all("ward", 0, grey(0.5f), grey(0.2f), 0.3f, 0.3f));
+        dump_all("ward", 0, gray(0.5f), gray(0.2f), 0.3f, 0.3f));
   CHECK(material("roughdiffuse", number("alpha", "0.6") + "<boolean name='useFastApprox' value='true'/>") ==
-        dump_all("roughdiffuse", grey(0.5f), 0.6f, true));
+        dump_all("roughdiffuse", gray(0.5f), 0.6f, true));
 }
 
 TEST_CASE("old materials: lobes that reflect too much are scaled down with a note") {
@@ -82,7 +82,7 @@ TEST_CASE("old materials: single-scattering slabs are read") {
                  SpectrumInput(SpectrumDescription::rgb(0, 1, 0)), false, 0.5f, 0.0f));
   CHECK(material("hk", number("sigma_t", "2") + number("albedo", "0.5") +
                            "<phase type='hg'><float name='g' value='0.4'/></phase>") ==
-        dump_all("hk", grey(2), grey(0.5f), true, 1.0f, 0.4f));
+        dump_all("hk", gray(2), gray(0.5f), true, 1.0f, 0.4f));
   CHECK(material("hk") == material("hk", word("material", "skin1")));
   CHECK(material("hk") != material("hk", word("material", "marble")));
   CHECK(error_of_elements(bsdf("hk", number("sigma_t", "2"))).find("has only one coefficient") != std::string::npos);
@@ -92,7 +92,7 @@ TEST_CASE("old materials: single-scattering slabs are read") {
 }
 
 TEST_CASE("old materials: coats are read") {
-  CHECK(material("coating", bsdf("diffuse")) == dump_all("coating", 1.5046f, 1.000277f, 1.0f, grey(0), grey(1),
+  CHECK(material("coating", bsdf("diffuse")) == dump_all("coating", 1.5046f, 1.000277f, 1.0f, gray(0), gray(1),
                                                          std::optional<RoughnessDescription>(), MaterialId{0}));
   const std::string all = number("intIOR", "1.7") + word("extIOR", "water") + number("thickness", "2") +
                           color("sigmaA", "1, 2, 3") + color("specularReflectance", "0.5, 0.5, 0.4");
@@ -157,9 +157,9 @@ TEST_CASE("compile materials: coats apply to blends and to both sides") {
 }
 
 TEST_CASE("mixtures: weights become shares and the remainder is black") {
-  const std::string three = grey_bsdf("0.1") + grey_bsdf("0.2") + grey_bsdf("0.3");
+  const std::string three = gray_bsdf("0.1") + gray_bsdf("0.2") + gray_bsdf("0.3");
   const auto of = [&](const std::string& weights, const std::string& inside) {
-    return shares(read_mitsuba06(bsdf("mixturebsdf", word("weights", weights) + inside)));
+    return fractions(read_mitsuba06(bsdf("mixturebsdf", word("weights", weights) + inside)));
   };
   const auto full = of("0.5, 0.2, 0.3", three);
   CHECK(full.size() == 3);
@@ -169,14 +169,14 @@ TEST_CASE("mixtures: weights become shares and the remainder is black") {
   const auto dark = of("0.2 0.1 0.3", three);
   CHECK(dark.at(0.0f) == near(0.4));
   CHECK(dark.at(0.2f) == near(0.1));
-  CHECK(of("1", grey_bsdf("0.1")).at(0.1f) == near(1));
+  CHECK(of("1", gray_bsdf("0.1")).at(0.1f) == near(1));
   const Description bright = read_new(bsdf("mixturebsdf", word("weights", "2, 1, 1") + three));
-  CHECK(shares(bright).at(0.1f) == near(0.5));
+  CHECK(fractions(bright).at(0.1f) == near(0.5));
   REQUIRE(bright.notes.size() == 1);
   CHECK(bright.notes[0].find("normalized to 1") != std::string::npos);
   // The depth of nested blends is logarithmic: 100 materials are accepted.
   std::string many, weights;
-  for (int i = 1; i <= 100; ++i) many += grey_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";
+  for (int i = 1; i <= 100; ++i) many += gray_bsdf(std::to_string(i * 0.01)), weights += "0.01 ";
   CHECK(of(weights, many).at(0.5f) == near(0.01));
   const auto refused = [&](const std::string& w, const std::string& inside, const char* what) {
     CHECK(error_of_elements(bsdf("mixturebsdf", word("weights", w) + inside)).find(what) != std::string::npos);

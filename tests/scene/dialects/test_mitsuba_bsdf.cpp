@@ -150,7 +150,7 @@ TEST_CASE("Mitsuba materials: dispersion is off for names of Mitsuba and on for 
   CHECK_FALSE(nori(word("intIOR", "bk7") + off));
 }
 
-TEST_CASE("Mitsuba materials: every number and colour and switch is read in both naming styles") {
+TEST_CASE("Mitsuba materials: every number and color and switch is read in both naming styles") {
   for (const bool camel : {false, true}) {
     CAPTURE(camel);
     auto name = [&](const char* snake, const char* other) { return camel ? other : snake; };
@@ -342,7 +342,7 @@ TEST_CASE("Mitsuba materials: every parameter that may be textured is") {
   const std::string attribute = " type='mesh_attribute'><string name='name' value='vertex_x'/></texture>";
   struct Case {
     const char* type;
-    const char* parameters;  // colours and numbers
+    const char* parameters;  // colors and numbers
   };
   const Case cases[] = {
       {"diffuse", "reflectance"},
@@ -481,7 +481,7 @@ TEST_CASE("Mitsuba materials: bump and normal maps are read") {
   CHECK(std::get<BumpMapDescription>(referred.materials.back().model).scale == 2.0f);
 }
 
-TEST_CASE("Mitsuba materials: polarisers transmit half of the light with a note") {
+TEST_CASE("Mitsuba materials: polarizers transmit half of the light with a note") {
   const auto opacity = [](const std::string& plugin, const std::string& inside = "") {
     const Description d = read_text(mitsuba_scene("<bsdf type='" + plugin + "'>" + inside + "</bsdf>"));
     CHECK(d.notes.size() == 1);

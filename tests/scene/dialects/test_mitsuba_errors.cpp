@@ -39,7 +39,7 @@ TEST_CASE("Mitsuba: errors of plugins and elements and nesting have line and fau
   });
 }
 
-TEST_CASE("Mitsuba: errors of properties and colours and spectra have line and fault and nearest name") {
+TEST_CASE("Mitsuba: errors of properties and colors and spectra have line and fault and nearest name") {
   const auto diffuse = [](const std::string& inside) {
     return mitsuba_scene("<bsdf type='diffuse'>\n" + inside + "</bsdf>");
   };
@@ -48,7 +48,7 @@ TEST_CASE("Mitsuba: errors of properties and colours and spectra have line and f
        "scene.xml:5: unknown property 'reflectanc' of bsdf 'diffuse', did you mean 'reflectance'?"},
       {diffuse("<rgb name='reflectance' value='1.5'/>"), "expected values within [0, 1]"},
       {diffuse("<rgb name='reflectance' value='-0.5'/>"), "expected values within [0, 1]"},
-      {diffuse("<rgb name='reflectance' value='#12345'/>"), "colour is '#12345', expected #rrggbb"},
+      {diffuse("<rgb name='reflectance' value='#12345'/>"), "color is '#12345', expected #rrggbb"},
       {diffuse("<rgb name='reflectance' vaule='1'/>"), "<rgb> has no attribute 'vaule', did you mean 'value'?"},
       {diffuse("<rgb name='reflectance'/>"), "<rgb> needs an attribute 'value'"},
       {diffuse("<rgb value='0.1'/>"), "<rgb> in bsdf 'diffuse' needs an attribute 'name'"},
@@ -61,7 +61,7 @@ TEST_CASE("Mitsuba: errors of properties and colours and spectra have line and f
       {diffuse("<spectrum name='reflectance' value='500:1'/>"), "at least two wavelength:value pairs"},
       {diffuse("<spectrum name='reflectance' value='600:1, 500:1'/>"), "wavelengths must increase"},
       {diffuse("<spectrum name='reflectance' value='1 2'/>"),
-       "expected one number, three numbers of a colour, or wavelength:value pairs"},
+       "expected one number, three numbers of a color, or wavelength:value pairs"},
       {diffuse("<spectrum name='reflectance' type='uniforn'/>"),
        "unknown spectrum plugin 'uniforn', did you mean 'uniform'?"},
       {diffuse("<spectrum name='reflectance' filename='gone.spd'/>"), "scene.xml:5: file 'gone.spd' not found"},
@@ -85,7 +85,7 @@ TEST_CASE("Mitsuba: errors of sensors and samplers have line and fault and neare
       {sensor("<string name='fov_axis' value='z'/>"), "expected x, y, diagonal, smaller or larger"},
       {sensor("<float name='near_clip' value='0'/>"), "property 'near_clip' of sensor 'perspective' is '0'"},
       {sensor("<float name='near_clip' value='5'/><float name='far_clip' value='5'/>"),
-       "property 'far_clip' of sensor 'perspective' puts the far plane at 5.000000, expected it beyond the near plane"},
+       "property 'far_clip' of sensor 'perspective' puts the far plane at 5, expected it beyond the near plane"},
       {sensor("<float name='near_clip' value='20000'/>"), "property 'near_clip' of sensor 'perspective' puts the far"},
       {mitsuba_scene("", "<sensor type='thinlens'/>"), "sensor 'thinlens' has no 'aperture_radius'"},
       {mitsuba_scene("", "<sensor type='thinlens'><float name='aperture_radius' value='-1'/></sensor>"),
@@ -185,7 +185,7 @@ TEST_CASE("Mitsuba materials: errors of nested materials and textures name the f
           {bsdf("bumpmap", bsdf("diffuse") + board + board), "has a second <texture>, expected one"},
           {bsdf("normalmap", bsdf("diffuse") + "<rgb value='1'/><rgb value='1'/>"), "needs an attribute 'name'"},
           {bsdf("normalmap", bsdf("diffuse") + "<rgb name='a' value='1'/><rgb name='b' value='1'/>"),
-           "has a second colour, expected one"},
+           "has a second color, expected one"},
           {bsdf("diffuse", board), "<texture> in bsdf 'diffuse' needs an attribute 'name'"},
           {"<bsdf type='mask' id='a'><ref id='a'/></bsdf>", "bsdf 'mask' refers to itself"},
       },

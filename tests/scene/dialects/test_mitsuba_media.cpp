@@ -93,9 +93,9 @@ TEST_CASE("media: heterogeneous media of Mitsuba end at the axis-aligned box of 
     CHECK(length(box.second - high) == within(0, 1e-6));
   };
   const auto constant_at = [&](const std::string& steps) {
-    const std::string place = "<transform name='to_world'>" + steps + "</transform>";
+    const std::string position = "<transform name='to_world'>" + steps + "</transform>";
     return read_volumes(mitsuba_scene(
-        medium("heterogeneous", volume("sigma_t", "constvolume", "<float name='value' value='2'/>" + place))));
+        medium("heterogeneous", volume("sigma_t", "constvolume", "<float name='value' value='2'/>" + position))));
   };
   check_box(box_of(read_volumes(mitsuba_scene(medium("heterogeneous", "")))), {0, 0, 0}, {1, 1, 1});
   check_box(box_of(read_volumes(mitsuba_scene(medium("heterogeneous", "<float name='sigma_t' value='2'/>")))),
@@ -120,8 +120,8 @@ TEST_CASE("media: heterogeneous media of Mitsuba end at the axis-aligned box of 
                                                                      steps + "</transform>" + more)))));
   };
   CHECK_FALSE(only_medium(grid_at("<rotate y='1' angle='-90'/><scale value='2'/>", "")).density);
-  const std::string turned = "<translate value='-0.5, -0.5, 0'/><rotate z='1' angle='45'/>";
-  check_box(box_of(grid_at(turned, "")), {-half, -half, 0}, {half, half, 1});
+  const std::string rotated = "<translate value='-0.5, -0.5, 0'/><rotate z='1' angle='45'/>";
+  check_box(box_of(grid_at(rotated, "")), {-half, -half, 0}, {half, half, 1});
   check_box(box_of(grid_at("<rotate z='1' angle='45'/>", "<boolean name='use_grid_bbox' value='true'/>")),
             {-half - half, -half, 0}, {half, half + half, 2});
   // This does not apply to homogeneous media, to Nori, or to versions before 2.
@@ -248,7 +248,7 @@ TEST_CASE("media: errors of homogeneous media in Mitsuba scenes have line and ne
            "unknown volume plugin 'constvolum', did you mean 'constvolume'?"},
           {homogeneous("<float name='temperature' value='-5'/>"), "expected non-negative values"},
           {homogeneous("<float name='temperature_scale' value='-5'/>"), "expected a non-negative number"},
-          {homogeneous("<rgb name='temperature' value='1,2,3'/>"), "has a colour for 'temperature', expected a number"},
+          {homogeneous("<rgb name='temperature' value='1,2,3'/>"), "has a color for 'temperature', expected a number"},
           {homogeneous("<float name='temperature' value='5'/><float name='emission' value='5'/>"),
            "has both 'emission' and 'temperature', expected one"},
       },

@@ -82,7 +82,7 @@ TEST_CASE("Mitsuba textures: bitmaps have the documented parameters") {
   CHECK(contains(notes(number("gamma", "2.2"))[0], "rendered as sRGB"));
 }
 
-// Positions of uv points in the image, found with Mitsuba 3.9 and an image of four colours: row 0 is at v = 0, and
+// Positions of uv points in the image, found with Mitsuba 3.9 and an image of four colors: row 0 is at v = 0, and
 // to_uv applies to the original uv.
 TEST_CASE("Mitsuba textures: uv transforms are applied") {
   auto to_uv = [](const std::string& inside, const char* type = "bitmap") {
@@ -154,7 +154,7 @@ TEST_CASE("Mitsuba textures: errors have line and fault and nearest name") {
                bsdf("diffuse", "<ref name='reflectance' id='a'/>"),
            "texture 'checkerboard' refers to itself"},
           {bsdf("diffuse", "<texture type='uniform' name='reflectance'>" + number("value", "2") + "</texture>"),
-           "property 'reflectance' of bsdf 'diffuse' contains 2.000000, expected values within [0, 1]"},
+           "property 'reflectance' of bsdf 'diffuse' contains 2, expected values within [0, 1]"},
           {bsdf("diffuse", "<texture type='curvature' name='reflectance'/>"),
            "unknown texture plugin 'curvature' (known: bitmap, blackbody, checkerboard, d65, gridtexture, illuminant, "
            "irregular, mesh_attribute,"},

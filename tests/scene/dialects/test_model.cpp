@@ -140,11 +140,11 @@ std::string square_ply(const std::string& comment, const std::string& vertex_pro
   std::string text = "ply\nformat ascii 1.0\n" + comment +
                      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n" + vertex_properties +
                      "element face 1\nproperty list uchar int vertex_indices\n" + face_properties + "end_header\n";
-  for (const char* place : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) text += std::string(place) + " " + vertex + "\n";
+  for (const char* position : {"0 0 0", "1 0 0", "1 1 0", "0 1 0"}) text += std::string(position) + " " + vertex + "\n";
   return text + "4 0 1 2 3 " + face + "\n";
 }
 
-/// The texture of the model's first shape, or null if it is grey.
+/// The texture of the model's first shape, or null if it is gray.
 const TextureDescription* texture_of(const Description& d) {
   const auto& both =
       std::get<TwoSidedDescription>(d.materials.at(static_cast<std::size_t>(*d.shapes.at(0).material)).model);
@@ -179,7 +179,7 @@ TEST_CASE("model: normals of the file are kept") {
   CHECK(smallest_cosine_of("a.obj", kCube + normals + faces) < 0.6f);
 }
 
-TEST_CASE("model: colours of vertices and faces of PLY files are used") {
+TEST_CASE("model: colors of vertices and faces of PLY files are used") {
   const std::string floats = "property float red\nproperty float green\nproperty float blue\n";
   const std::string bytes = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
   const TemporaryFolder folder;

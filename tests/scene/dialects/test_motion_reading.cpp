@@ -134,8 +134,8 @@ TEST_CASE("motion: a meter moves with its shape") {
   const Description d = read_text(mitsuba_scene("<shape type='rectangle'><boolean name='flip_normals' value='true'/>" +
                                                     animation() + "<sensor type='irradiancemeter'/></shape>",
                                                 ""));
-  const Transform turned = Transform::scale({-1, 1, -1});
-  CHECK(difference(motion_of(d, d.camera.motion, d.camera.to_world).at(2), half_way() * turned) < kTolerance);
+  const Transform rotated = Transform::scale({-1, 1, -1});
+  CHECK(difference(motion_of(d, d.camera.motion, d.camera.to_world).at(2), half_way() * rotated) < kTolerance);
 }
 
 TEST_CASE("motion: lights of Mitsuba move") {
@@ -264,11 +264,11 @@ TEST_CASE("motion: what cannot move is an error, and stands at its first key if 
   const Description d = read_text(mitsuba_scene("<shape type='cube'>" + texture + "</shape>"), lenient);
   CHECK(d.shapes.size() == 1);
   CHECK(d.textures.size() == 1);
-  REQUIRE(d.stand_ins.size() >= 1);
-  CHECK(contains(d.stand_ins[0], "placed as at the first key"));
+  REQUIRE(d.substitutions.size() >= 1);
+  CHECK(contains(d.substitutions[0], "placed as at the first key"));
 }
 
-TEST_CASE("motion: an animation moves the grids of Mitsuba's media, about the centre of their cube") {
+TEST_CASE("motion: an animation moves the grids of Mitsuba's media, about the center of their cube") {
   const TemporaryFolder folder;
   write_vol(folder / "a.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
   const auto read = [&](const std::string& volume, const std::string& type = "heterogeneous") {

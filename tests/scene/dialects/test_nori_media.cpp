@@ -49,7 +49,7 @@ TEST_CASE("media: grids of Nori fill the shape unless they have a transform") {
   CHECK_FALSE(density(file("a.vol") + "<boolean name='fitToShape' value='false'/>").fit_to_shape);
 }
 
-TEST_CASE("media: emission is given by colour or temperature") {
+TEST_CASE("media: emission is given by color or temperature") {
   const Description fire = read_volumes(nori_mesh(medium(
       "heterogeneous", file("a.nvdb") +
                            volume("temperature", "nanovdb", file("a.nvdb") + "<string name='gridname' value='heat'/>") +
@@ -98,7 +98,7 @@ TEST_CASE("media: errors in Nori scenes have line and nearest name") {
            "is true together with 'toWorld'"},
           {nori_mesh(medium("homogeneous", volume("density", "vol", file("a.vol")))),
            "use type 'heterogeneous' for grids"},
-          {nori_mesh(medium("homogeneous", "<color name='density' value='1,2,3'/>")), "has a colour for 'density'"},
+          {nori_mesh(medium("homogeneous", "<color name='density' value='1,2,3'/>")), "has a color for 'density'"},
           {nori_mesh(medium("homogeneous", "<color name='sigmaT' value='1'/><color name='sigmaS' value='1'/>")),
            "mixes 'sigma_t' and 'albedo' with 'sigma_a' and 'sigma_s'"},
           {nori_mesh("<bsdf type='dielectric'><color name='sigmaA' value='1'/></bsdf>" + medium("homogeneous", "")),

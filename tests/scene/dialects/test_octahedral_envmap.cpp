@@ -45,9 +45,9 @@ TEST_SUITE("square environment maps") {
       for (float x = 0.013f; x < 1; x += 0.06f) {
         const Vec3f direction = direction_at(x, y);
         CHECK(length(direction) == near(1, 1e-4));
-        const Vec2f place = equal_area_octahedral<Scalar>(direction);
-        CHECK(place.x == near(x, 1e-3));
-        CHECK(place.y == near(y, 1e-3));
+        const Vec2f position = equal_area_octahedral<Scalar>(direction);
+        CHECK(position.x == near(x, 1e-3));
+        CHECK(position.y == near(y, 1e-3));
       }
     CHECK(equal_area_octahedral<Scalar>({0, 0, 1}).x == 0.5f);
     CHECK(equal_area_octahedral<Scalar>({1, 0, 0}).x == 1);

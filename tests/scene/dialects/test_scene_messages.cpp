@@ -201,9 +201,9 @@ TEST_CASE("messages: a missing file is an error that names the script which gene
 TEST_CASE("messages: texels outside the range of reflectance are counted once for each texture") {
   const TemporaryFolder folder;
   write_exr(folder / "beyond.exr", beyond_one());
-  Image grey(5, 5, {"Y"});
-  std::fill(grey.data.begin(), grey.data.end(), 1.5f);
-  write_exr(folder / "grey.exr", grey);
+  Image gray(5, 5, {"Y"});
+  std::fill(gray.data.begin(), gray.data.end(), 1.5f);
+  write_exr(folder / "grey.exr", gray);
   Image fine(5, 5, {"Y"});
   std::fill(fine.data.begin(), fine.data.end(), 1.0f);
   write_exr(folder / "fine.exr", fine);
@@ -229,7 +229,7 @@ TEST_CASE("messages: texels outside the range of reflectance are counted once fo
       "<texture type='checkerboard' name='reflectance'>" + bitmap("color0", "beyond.exr") + "</texture>";
   CHECK(warnings(sphere_of("<bsdf type='twosided'><bsdf type='diffuse'>" + board + "</bsdf></bsdf>")).size() == 1);
 
-  // Colours of checkerboards, and of materials that no dialect rejects.
+  // Colors of checkerboards, and of materials that no dialect rejects.
   const auto color =
       warnings(sphere_of("<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'>"
                          "<rgb name='color0' value='0.2 1.5 0'/></texture></bsdf>"));

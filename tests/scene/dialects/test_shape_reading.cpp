@@ -115,7 +115,7 @@ TEST_CASE("Mitsuba: height fields of procedural textures are sampled at the give
   const SceneView view = scene->view();
   REQUIRE(scene->info().shapes == 4);
   CHECK(scene->info().vertices == 3 * 24 + 256 * 256);
-  // At the centres of pixels, an image has the values of its pixels.
+  // At the centers of pixels, an image has the values of its pixels.
   const auto hills = [](const std::string& name) {
     return "<texture " + name +
            " type='bitmap'><string name='filename' value='hills.pgm'/>"
@@ -210,7 +210,7 @@ TEST_CASE("Mitsuba: merged shapes are expanded even in groups") {
                   Files::scene("<shape type='merge'><shape type='sphere'/><shape type='blob'/></shape>", "3.0.0")),
       lenient);
   CHECK(rest.shapes.size() == 1);
-  CHECK(rest.stand_ins.size() >= 1);
+  CHECK(rest.substitutions.size() >= 1);
 }
 
 TEST_CASE("Mitsuba: ellipsoids are transformed spheres") {
@@ -221,7 +221,7 @@ TEST_CASE("Mitsuba: ellipsoids are transformed spheres") {
       "property float scale_2\nproperty float rot_0\nproperty float rot_1\nproperty float rot_2\n"
       "property float rot_3\nend_header\n";
   // Half axes 1, e and at least 1e-6. The second is rotated by a quarter turn around z, by a quaternion that is not
-  // normalised.
+  // normalized.
   const std::string second = "4 5 6 0 0 0 1 0 2 0 0 2\n";
   write_below(files.folder, "cloud.ply", header + "1 2 3 0 0 0 1 -99 1 0 0 0\n" + second);
   write_below(files.folder, "short.ply", header + second);

@@ -35,19 +35,19 @@ void check_errors(const std::string& text, const std::vector<Expected>& expected
 }  // namespace
 
 TEST_CASE("error sink: strict errors are thrown together, lenient ones become messages") {
-  std::vector<std::string> stand_ins;
+  std::vector<std::string> substitutions;
   const SceneError first({"a.xml", 3}, "first"), second({"a.xml", 2}, "second", Code::kMissing);
   {
-    ErrorSink errors(true, stand_ins);
+    ErrorSink errors(true, substitutions);
     errors.run([&] {
       errors.report(first, "ignored");
       errors.report(second, "grey");
       errors.report(first, "ignored");
     });
-    CHECK(stand_ins == std::vector<std::string>{"a.xml:3: first (ignored)", "a.xml:2: second (grey)"});
+    CHECK(substitutions == std::vector<std::string>{"a.xml:3: first (ignored)", "a.xml:2: second (gray)"});
     CHECK_THROWS_AS(errors.run([&] { throw first; }), SceneError);
   }
-  ErrorSink errors(false, stand_ins);
+  ErrorSink errors(false, substitutions);
   CHECK_NOTHROW(errors.throw_errors());
   CHECK_THROWS_WITH_AS(errors.run([&] { throw second; }), "a.xml:2: second", SceneError);
   errors.report(first, "ignored");
@@ -60,7 +60,7 @@ TEST_CASE("error sink: strict errors are thrown together, lenient ones become me
     CHECK(all.where() == SourceLocation{"a.xml", 3});
     CHECK(all.code() == Code::kInvalid);
   }
-  CHECK(stand_ins.size() == 2);
+  CHECK(substitutions.size() == 2);
 }
 
 TEST_CASE("strict: all errors of a scene are reported in the order in which it is read") {

@@ -36,8 +36,8 @@ class Body {
     }
     std::array<char, sizeof(T)> raw;
     std::memcpy(raw.data(), &value, sizeof(T));
-    const bool is_little = std::endian::native == std::endian::little;
-    if (is_little != (encoding_ == Encoding::kLittle)) std::reverse(raw.begin(), raw.end());
+    const bool in_roulette = std::endian::native == std::endian::little;
+    if (in_roulette != (encoding_ == Encoding::kLittle)) std::reverse(raw.begin(), raw.end());
     text_.append(raw.data(), raw.size());
     return *this;
   }

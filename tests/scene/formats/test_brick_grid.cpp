@@ -24,14 +24,14 @@ void check_lookups(const TestGrid& t, GridFilter filter, float beyond, std::uint
       q[axis] = static_cast<float>(r.first[axis]) - beyond +
                 noise(i, 10 + axis) * (static_cast<float>(r.size[axis]) + 2 * beyond);
     const Vec3f world = (to_world * t.grid.grid_to_local).point({q[0], q[1], q[2]});
-    const auto place = to_index_space(t.grid, to_world, world);
+    const auto position = to_index_space(t.grid, to_world, world);
     bool is_between = false;  // on the line between voxels, where rounding decides
-    for (const double x : place) is_between |= std::fabs(x + 0.5 - std::round(x + 0.5)) < 1e-3;
+    for (const double x : position) is_between |= std::fabs(x + 0.5 - std::round(x + 0.5)) < 1e-3;
     if (filter == GridFilter::kNearest && is_between) continue;
     const Vec3f color = lookup_grid_color(row, world);
     const float found[3] = {color.x, color.y, color.z};
     for (int c = 0; c < 3; ++c) {
-      const double expected = r.lookup(place, r.channels == 1 ? 0 : c, filter);
+      const double expected = r.lookup(position, r.channels == 1 ? 0 : c, filter);
       differences += !(std::fabs(static_cast<double>(found[c]) - expected) < 2e-4);
     }
     differences += !(std::fabs(lookup_grid(row, world) - found[0]) < 1e-6f);

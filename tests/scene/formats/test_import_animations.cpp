@@ -82,7 +82,7 @@ void check_corner(const std::string& bytes, double time, std::array<double, 3> e
 }
 
 /// The point (x, y) turned about z by an angle in degrees.
-std::array<double, 3> turned(double degrees, double x, double y) {
+std::array<double, 3> rotated(double degrees, double x, double y) {
   const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
   return {c * x - s * y, s * x + c * y, 0};
 }
@@ -107,7 +107,7 @@ TEST_CASE("import: an arm turns on an arc, for any angle between its keys") {
     const std::string file = animated("<rotate sid='r'>0 0 1 0</rotate><translate>2 0 0</translate>",
                                       {{"n/r.ANGLE", {0, 1}, {0, angle}, {"LINEAR", "LINEAR"}}});
     for (const double t : {0.0, 0.25, 0.5, 0.77, 1.0, 2.0})
-      check_corner(file, t, turned(angle * std::min(t, 1.0), 2.5, 0.5));
+      check_corner(file, t, rotated(angle * std::min(t, 1.0), 2.5, 0.5));
   }
 }
 
@@ -122,15 +122,15 @@ TEST_CASE("import: several elements of a node move at once, each by its own keys
        {"n/s", {0, 2}, {1, 1, 1, 3, 2, 1}}});
   for (const double t : {0.0, 0.3, 0.75, 1.0, 1.6, 2.0}) {
     const double x = 1 + std::clamp((t - 0.5) / 0.5, 0.0, 1.0), y = 2 * t, angle = 90 + 90 * (t < 1 ? t : 2 - t);
-    const std::array<double, 3> p = turned(angle, 0.5 * (1 + t), 0.5 * (1 + t / 2));
+    const std::array<double, 3> p = rotated(angle, 0.5 * (1 + t), 0.5 * (1 + t / 2));
     check_corner(file, t, {x + p[0], y + p[1], 0});
   }
 }
 
-TEST_CASE("import: a rotation about an axis that is not normalised, and one whose axis moves") {
+TEST_CASE("import: a rotation about an axis that is not normalized, and one whose axis moves") {
   if (!can_import_models()) return;
   check_corner(animated("<rotate sid='r'>0 0 5 0</rotate><translate>2 0 0</translate>", {{"n/r(3)", {0, 1}, {0, 90}}}),
-               0.5, turned(45, 2.5, 0.5));
+               0.5, rotated(45, 2.5, 0.5));
   // From z to x: at half of the time the axis is x + z
   const std::string file =
       animated("<rotate sid='r'>0 0 1 180</rotate>", {{"n/r", {0, 1}, {0, 0, 1, 180, 1, 0, 0, 180}}});
@@ -144,9 +144,9 @@ TEST_CASE("import: interpolation by steps") {
   const std::string file = animated("<rotate sid='r'>0 0 1 0</rotate><translate sid='t'>2 0 0</translate>",
                                     {{"n/r.ANGLE", {0, 1, 2}, {0, 90, 120}, {"STEP", "LINEAR", "LINEAR"}},
                                      {"n/t.X", {0, 1}, {2, 3}, {"STEP", "STEP"}}});
-  check_corner(file, 0.9, turned(0, 2.5, 0.5));
-  check_corner(file, 1, turned(90, 3.5, 0.5));
-  check_corner(file, 1.5, turned(105, 3.5, 0.5));
+  check_corner(file, 0.9, rotated(0, 2.5, 0.5));
+  check_corner(file, 1, rotated(90, 3.5, 0.5));
+  check_corner(file, 1.5, rotated(105, 3.5, 0.5));
 }
 
 TEST_CASE("import: Bezier and Hermite curves") {
@@ -170,7 +170,7 @@ TEST_CASE("import: Bezier and Hermite curves") {
       animated(elements, {{"n/t.X", {0, 1}, {0, 1}, {"HERMITE", "HERMITE"}, {0, 2}, {0, 0}},
                           {"n/t.Y", {0, 1}, {0, 1}, {"HERMITE", "HERMITE"}, {0, 0, 1, 0}, {1, 2, 0, 0}}});
   for (const double t : {0.1, 0.3, 0.5, 0.8}) {
-    check_corner(eased, t, turned(bezier_at({0, 0.6, 0.4, 1}, {0, 0, 90, 90}, t), 2.5, 0.5));
+    check_corner(eased, t, rotated(bezier_at({0, 0.6, 0.4, 1}, {0, 0, 90, 90}, t), 2.5, 0.5));
     check_corner(uniform, t, {0.5 + bezier_at({0, 2.0 / 3, 4.0 / 3, 2}, {2, -1, 7, 4}, t), 0.5, 0});
     check_corner(
         vectors, t,
@@ -185,7 +185,7 @@ TEST_CASE("import: matrices are interpolated as translation, rotation and scale"
       animated("<translate>0 0 0</translate><matrix sid='m'>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>",
                {{"n/m", {0, 1}, {1, 0,  0, 2, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,  //
                                  0, -3, 0, 4, 3, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1}}});
-  const std::array<double, 3> p = turned(45, 1, 1);
+  const std::array<double, 3> p = rotated(45, 1, 1);
   check_corner(file, 0.5, {3 + p[0], p[1], 0});
   // One number of a matrix: the column precedes the row
   check_corner(animated("<matrix sid='m'>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>", {{"n/m(3)(1)", {0, 1}, {0, 4}}}),
@@ -200,7 +200,7 @@ TEST_CASE("import: divided nodes keep their children, and their instances move")
       "<node id='arm'><rotate sid='r'>0 0 1 0</rotate><translate>2 0 0</translate><node id='hand'>"
       "<translate>1 0 0</translate><instance_geometry url='#square'/></node></node>";
   const std::string child = collada_file(collada_square(), arm, tracks);
-  check_corner(child, 0.5, turned(45, 3.5, 0.5));
+  check_corner(child, 0.5, rotated(45, 3.5, 0.5));
   // A lamp in the hand of two instances
   const std::string lamp =
       "<library_lights><light id='l'><technique_common><point><color>1 1 "
@@ -219,8 +219,8 @@ TEST_CASE("import: divided nodes keep their children, and their instances move")
   REQUIRE(d.lights.size() == 2);
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec3d at = std::get<PointLightDescription>(d.lights[i].model).position;
-    CHECK(at.x == near(turned(45, 3, 0)[0]));
-    CHECK(at.y == near(turned(45, 3, 0)[1]));
+    CHECK(at.x == near(rotated(45, 3, 0)[0]));
+    CHECK(at.y == near(rotated(45, 3, 0)[1]));
     CHECK(at.z == near(1.0 + static_cast<double>(i)));
   }
 }

@@ -88,8 +88,8 @@ template <class F> double integral(double from, F f) {
   return sum * (1 - from) / kSteps;
 }
 
-/// The x coordinates (m) of the centres of all shapes, sorted.
-std::vector<double> places(const Description& d) {
+/// The x coordinates (m) of the centers of all shapes, sorted.
+std::vector<double> heights(const Description& d) {
   std::vector<double> out;
   for (const ShapeDescription& shape : d.shapes)
     if (const auto* mesh = std::get_if<Mesh>(&shape.geometry); mesh != nullptr && shape.id != "floor") {
@@ -309,7 +309,7 @@ TEST_CASE("import: the angles of FBX spot lights are those of whole cones") {
     CHECK(spot.beam_width == near(10));
     CHECK(spot.to_world.point({0, 0, 0}).y == near(3));
     CHECK(spot.to_world.vector({0, 0, 1}).y == near(-1));
-    // At the centre of the scene, at a distance of 3 m, the irradiance is pi times the colour
+    // At the center of the scene, at a distance of 3 m, the irradiance is pi times the color
     const Vec3f intensity = std::get<SpectrumDescription::Rgb>(spot.intensity.value).value;
     CHECK(intensity.x == near(2 * 9 * kPi, 1e-4));
     CHECK(intensity.z == near(0.5 * 9 * kPi, 1e-4));
@@ -356,27 +356,27 @@ TEST_CASE("import: hidden objects of FBX are left out") {
   file.add_square("b", moved(500), inner);
   file.add_square("c", moved(600, {alone}), inner);
   // Show concerns the object alone; pivots make Assimp divide the node
-  const std::int64_t shown =
+  const std::int64_t displayed =
       file.add_square("d", moved(700, {unshown, fbx_property("RotationPivot", "Vector3D", {50, 0, 0})}));
-  file.add_square("e", moved(100), shown);
+  file.add_square("e", moved(100), displayed);
   file.add_square("f", moved(900, {invisible, fbx_property("RotationPivot", "Vector3D", {50, 0, 0})}));
   file.add_attribute("lamp", "Light", {choice("LightType", 0)}, {invisible});
   file.add_attribute("lamp2", "Light", {choice("LightType", 0)});
   for (const Description& d : read_all(file)) {
-    CHECK(places(d) == std::vector<double>{1, 4, 6, 8});
+    CHECK(heights(d) == std::vector<double>{1, 4, 6, 8});
     CHECK(d.lights.size() == 1);
     CHECK(d.notes.empty());
   }
   FbxFile layers;
   layers.add_layer({unshown}, layers.add_square("a", moved(100)));
   layers.add_layer({}, layers.add_square("b", moved(200)));
-  for (const Description& d : read_all(layers)) CHECK(places(d) == std::vector<double>{2});
+  for (const Description& d : read_all(layers)) CHECK(heights(d) == std::vector<double>{2});
   // By the template of the file
   FbxFile hidden;
   hidden.add_template("Model", "FbxNode", {unshown});
   hidden.add_square("a", moved(100));
   hidden.add_square("b", moved(200, {fbx_property("Show", "bool", std::int32_t{1})}));
-  CHECK(places(read_as("a.fbx", hidden.text())) == std::vector<double>{2});
+  CHECK(heights(read_as("a.fbx", hidden.text())) == std::vector<double>{2});
 }
 
 TEST_CASE("import: animated visibility gives a note") {

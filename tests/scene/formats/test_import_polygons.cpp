@@ -145,7 +145,7 @@ TEST_CASE("import: concave polygons are covered exactly for every first corner a
   struct File {
     const char* name;
     std::string bytes;
-    double scale;  ///< file units per metre
+    double scale;  ///< file units per meter
   };
   for (const File& file : {File{"a.dae", dae, 1}, {"a.fbx", fbx.text(), 100}, {"b.fbx", fbx.binary(7400), 100}}) {
     CAPTURE(file.name);

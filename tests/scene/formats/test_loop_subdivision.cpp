@@ -61,10 +61,10 @@ TEST_CASE("subdivision: the limit surface does not depend on the level") {
 
 TEST_CASE("subdivision: the limit of an icosahedron keeps its symmetry") {
   const Mesh sphere = subdivide(icosahedron(), 3);
-  // The valence is 5 and the mean of the neighbours is the axis times 1 / sqrt(5). With Warren's weights, this share
+  // The valence is 5 and the mean of the neighbors is the axis times 1 / sqrt(5). With Warren's weights, this share
   // remains.
-  const double share = 1 / (5 + 3 / (8 * (3.0 / 40))), radius = std::hypot(1.0, (1 + std::sqrt(5.0)) / 2);
-  const double expected = radius * (1 - 5 * share + 5 * share / std::sqrt(5.0));
+  const double weight = 1 / (5 + 3 / (8 * (3.0 / 40))), radius = std::hypot(1.0, (1 + std::sqrt(5.0)) / 2);
+  const double expected = radius * (1 - 5 * weight + 5 * weight / std::sqrt(5.0));
   for (std::size_t v = 0; v < 12; ++v) {
     CHECK(double{length(sphere.positions[v])} == near(expected, 1e-6));
     CHECK(double{dot(sphere.normals[v], normalize(sphere.positions[v]))} == near(1, 1e-6));
@@ -83,7 +83,7 @@ TEST_CASE("subdivision: planes stay planes and regular meshes give box splines")
     CHECK(flat.positions[v].z == within(plane(flat.positions[v].x, flat.positions[v].y), 1e-6));
     CHECK(distance(flat.normals[v], normal) < 1e-6f);
   }
-  // Quartic box splines shift x^2 by a constant: six neighbours with weight 1/12 each, four of them at x +- 1.
+  // Quartic box splines shift x^2 by a constant: six neighbors with weight 1/12 each, four of them at x +- 1.
   const Mesh bowl = subdivide(lattice(6, [](float x, float) { return x * x; }), 0);
   const std::size_t middle = 3 * 7 + 3;
   CHECK(bowl.positions[middle].z == near(9 + 4.0 / 12));

@@ -69,7 +69,7 @@ TEST_CASE("measured files: all fields are read") {
   }
 }
 
-TEST_CASE("measured files: either spectra or colours are read as requested") {
+TEST_CASE("measured files: either spectra or colors are read as requested") {
   const TemporaryFolder folder;
   Fields fields = measured_fields(small_brdf(5));
   fields.push_back(field(fields, "spectra"));
@@ -120,7 +120,7 @@ TEST_CASE("measured files: malformed files are errors with a message") {
   CHECK(error_with([](Fields& f) { f.push_back(f[0]); }) == "field 'phi_i' appears twice");
   CHECK(error_with([](Fields& f) {
           f[0] = tensor_field("phi_i", {3}, {-1.0f, 0.0f, 1.0f});
-        }) == "field 'phi_i' goes from -1.000000 to 1.000000 (expected a full, half or quarter turn, in radians)");
+        }) == "field 'phi_i' goes from -1 to 1 (expected a full, half or quarter turn, in radians)");
 }
 
 TEST_CASE("measured files: every truncated or damaged file is an error or a material and never a crash") {

@@ -251,9 +251,9 @@ TEST_CASE("mesh: attributes stay with their vertices and triangles") {
   for (auto& t : mesh.triangles) {
     for (std::uint32_t& vertex : t) ++vertex;
   }
-  Mesh::Attribute place{"vertex_place", 3, {}};
-  for (const Vec3f p : mesh.positions) place.values.insert(place.values.end(), {p.x, p.y, p.z});
-  mesh.attributes = {place, {"face_id", 1, {10, 11, 12}}};
+  Mesh::Attribute attribute{"vertex_place", 3, {}};
+  for (const Vec3f p : mesh.positions) attribute.values.insert(attribute.values.end(), {p.x, p.y, p.z});
+  mesh.attributes = {attribute, {"face_id", 1, {10, 11, 12}}};
   check_mesh(mesh, {});
   CHECK(drop_degenerate_triangles(mesh) == 1);
   flip_mesh(mesh);

@@ -29,11 +29,11 @@ std::string binary_stl() {
 TEST_CASE("model formats: every format is documented, and its extensions are on its page") {
   for (const ModelFormat& format : model_formats()) {
     CAPTURE(std::string(format.key));
-    const std::string place = format.documentation;
-    const std::size_t hash = place.find('#');
+    const std::string position = format.documentation;
+    const std::size_t hash = position.find('#');
     const std::string page =
-        read_bytes(std::filesystem::path(SHEAF_SOURCE_DIR) / "docs/scene-format" / place.substr(0, hash));
-    CHECK(contains(page, "# " + place.substr(hash + 1) + "\n"));
+        read_bytes(std::filesystem::path(SHEAF_SOURCE_DIR) / "docs/scene-format" / position.substr(0, hash));
+    CHECK(contains(page, "# " + position.substr(hash + 1) + "\n"));
     for (const std::string_view extension : format.known.extensions) CHECK(contains(page, std::string(extension)));
     CHECK(find_model_format("a" + std::string(format.known.extensions[0])) == &format);
   }

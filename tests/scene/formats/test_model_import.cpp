@@ -31,7 +31,7 @@ std::string error_as(const std::string& name, const std::string& bytes) {
   return error_of(write_below(folder, name, bytes));
 }
 
-/// The diffuse colour of a material, below its two sides.
+/// The diffuse color of a material, below its two sides.
 Vec3f color_of(const Description& d, MaterialId id) {
   const MaterialModel& model = d.materials[static_cast<std::size_t>(id)].model;
   if (const auto* both = std::get_if<TwoSidedDescription>(&model)) return color_of(d, both->front);
@@ -46,7 +46,7 @@ Vec3f color_of(const Description& d, MaterialId id) {
   return std::get<SpectrumDescription::Rgb>(std::get<SpectrumDescription>(color).value).value;
 }
 
-/// Triangles in world space with their colour, in the order of their numbers; without the floor, which is grey.
+/// Triangles in world space with their color, in the order of their numbers; without the floor, which is gray.
 using ColoredTriangle = std::array<float, 12>;
 std::vector<ColoredTriangle> triangles_of(const Description& d) {
   std::vector<ColoredTriangle> out;
@@ -74,7 +74,7 @@ std::vector<ColoredTriangle> triangles_of(const Description& d) {
 }
 
 /// Applies x' = s x, y' = s z, z' = -s y: z upwards becomes y upwards.
-std::vector<ColoredTriangle> turned(std::vector<ColoredTriangle> triangles, float scale) {
+std::vector<ColoredTriangle> rotated(std::vector<ColoredTriangle> triangles, float scale) {
   for (ColoredTriangle& t : triangles) {
     std::array<std::array<float, 3>, 3> corners;
     for (std::size_t k = 0; k < 3; ++k)
@@ -96,7 +96,7 @@ Vec3f camera_of(const Description& d) { return d.camera.to_world.point({0, 0, 0}
 
 }  // namespace
 
-TEST_CASE("model import: a coloured cube equals that of an OBJ file") {
+TEST_CASE("model import: a colored cube equals that of an OBJ file") {
   if (!has_importer()) return;
   const Description obj = read_as("cube.obj", cube_obj());
   const std::vector<ColoredTriangle> expected = triangles_of(obj);
@@ -112,15 +112,15 @@ TEST_CASE("model import: a coloured cube equals that of an OBJ file") {
   }
 }
 
-TEST_CASE("model import: up axes and units become y upwards and metres") {
+TEST_CASE("model import: up axes and units become y upwards and meters") {
   if (!has_importer()) return;
   const std::vector<ColoredTriangle> obj = triangles_of(read_as("cube.obj", cube_obj()));
-  CHECK(triangles_of(read_as("cube.3ds", cube_3ds())) == turned(obj, 1));
+  CHECK(triangles_of(read_as("cube.3ds", cube_3ds())) == rotated(obj, 1));
   ColladaParts parts;
   parts.up = "Z_UP";
   parts.meter = "0.5";
-  CHECK(triangles_of(read_as("a.dae", cube_dae(parts))) == turned(obj, 0.5f));
-  CHECK(triangles_of(read_as("a.fbx", cube_fbx({2, 1, -1, "25"}))) == turned(obj, 0.25f));
+  CHECK(triangles_of(read_as("a.dae", cube_dae(parts))) == rotated(obj, 0.5f));
+  CHECK(triangles_of(read_as("a.fbx", cube_fbx({2, 1, -1, "25"}))) == rotated(obj, 0.25f));
 }
 
 TEST_CASE("model import: faces without normals are flat where they meet at a right angle") {
@@ -156,7 +156,7 @@ TEST_CASE("model import: cameras and lights belong to their nodes") {
   REQUIRE(d.lights.size() == 1);
   const auto& light = std::get<PointLightDescription>(d.lights[0].model);
   CHECK(light.position.y == 2);
-  // At the centre of the cube, at a distance of 2, the irradiance is pi.
+  // At the center of the cube, at a distance of 2, the irradiance is pi.
   const Vec3f intensity = std::get<SpectrumDescription::Rgb>(light.intensity.value).value;
   CHECK(intensity.x == near(4 * M_PI));
   CHECK(intensity.y == near(2 * M_PI));

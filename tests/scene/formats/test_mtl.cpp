@@ -93,7 +93,7 @@ struct ObjScene {
 
 /// Calls expand_obj_materials().
 void expand(Description& description, bool lenient = false) {
-  ErrorSink errors(lenient, description.stand_ins);
+  ErrorSink errors(lenient, description.substitutions);
   errors.run([&] { expand_obj_materials(description, errors); });
 }
 
@@ -228,7 +228,7 @@ TEST_CASE("mtl: textures are flipped with the uv of the mesh") {
   }
 }
 
-TEST_CASE("mtl: plastics and metals and mirrors are recognised") {
+TEST_CASE("mtl: plastics and metals and mirrors are recognized") {
   const Mapped coated = map("Kd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\nNs 30\nNi 1.7\n");
   const auto& plastic = coated.base<PlasticDescription>();
   CHECK(rgb(plastic.diffuse_reflectance) == Vec3f{0.5f, 0.5f, 0.5f});
@@ -250,7 +250,7 @@ TEST_CASE("mtl: plastics and metals and mirrors are recognised") {
   CHECK(std::get<float>(map("Ks 1 1 1\nNs -5").base<PlasticDescription>().roughness->alpha_u) == 1.0f);
 }
 
-TEST_CASE("mtl: glass is recognised") {
+TEST_CASE("mtl: glass is recognized") {
   for (const std::string illum : {"4", "6", "7", "9"}) {
     const Mapped glass = map("Kd 0 0 0\nKs 1 1 1\nd 0.5\nNi 1.25\nTf 1 0.5 1\nillum " + illum);
     REQUIRE(glass.layers.size() == 1);
@@ -424,9 +424,9 @@ TEST_CASE("obj materials: a missing material is an error with file and line and 
   expand(lenient.description, true);
   REQUIRE(lenient.description.shapes.size() == 2);
   CHECK_FALSE(lenient.description.shapes[1].material);
-  REQUIRE(lenient.description.stand_ins.size() == 1);
-  CHECK(contains(lenient.description.stand_ins[0], "'blu'"));
-  CHECK(contains(lenient.description.stand_ins[0], "(rendered as a diffuse surface)"));
+  REQUIRE(lenient.description.substitutions.size() == 1);
+  CHECK(contains(lenient.description.substitutions[0], "'blu'"));
+  CHECK(contains(lenient.description.substitutions[0], "(rendered as a diffuse surface)"));
 }
 
 TEST_CASE("obj materials: names may be quoted") {

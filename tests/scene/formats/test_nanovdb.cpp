@@ -96,7 +96,7 @@ TEST_CASE("nanovdb: floats and vectors are read exactly with every compression")
     }
 }
 
-TEST_CASE("nanovdb: quantised values are accurate to their bits") {
+TEST_CASE("nanovdb: quantized values are accurate to their bits") {
   const BrickGrid expected = make_sparse_grid(noise_blocks());
   const std::pair<Values, float> kinds[] = {
       {Values::kFp4, 0.5f / 15}, {Values::kFp8, 0.5f / 255}, {Values::kFp16, 0.5f / 65535}, {Values::kFpN, 0.01f}};
@@ -197,14 +197,14 @@ TEST_CASE("nanovdb: random edits give a grid or an error") {
     w.values = values;
     const std::string valid = w.bytes();
     // Positions of all non-zero bytes: headers, masks and offsets among megabytes of empty tables.
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> positions;
     for (std::size_t i = 0; i < valid.size(); ++i)
-      if (valid[i] != 0 && (i < 3000 || valid.size() - i > 20000 || i % 50 == 0)) places.push_back(i);
+      if (valid[i] != 0 && (i < 3000 || valid.size() - i > 20000 || i % 50 == 0)) positions.push_back(i);
     for (int round = 0; round < 150; ++round) {
       std::string bytes = valid;
       for (int edit = 0; edit < 3; ++edit) {
-        const std::size_t place = places[random() % places.size()] + random() % 8;
-        if (place < bytes.size()) bytes[place] = static_cast<char>(random());
+        const std::size_t byte = positions[random() % positions.size()] + random() % 8;
+        if (byte < bytes.size()) bytes[byte] = static_cast<char>(random());
       }
       error_of([&] {
         const BrickGrid grid = read(bytes);
@@ -227,7 +227,7 @@ TEST_CASE("nanovdb: trees with wild offsets are errors") {
     CHECK_FALSE(error_in(bytes).empty());
     bytes = valid;
     std::memcpy(bytes.data() + first_tile + 8, &offset, 8);
-    const std::string error = error_in(bytes);  // a neighbouring position may look like a node
+    const std::string error = error_in(bytes);  // a neighboring position may look like a node
     if (std::abs(offset + 1) > 100 || offset == 1) CHECK(contains(error, "corrupt"));
   }
   std::string bytes = valid;

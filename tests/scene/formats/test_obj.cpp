@@ -147,7 +147,7 @@ TEST_CASE("obj: all line ends and blanks and continued lines are accepted") {
   CHECK(are_equal(read("# C:\\models\\\n" + with_square("f 1 2 3 4")).mesh, expected));
 }
 
-TEST_CASE("obj: numbers in every notation and vertex colours and homogeneous coordinates are read") {
+TEST_CASE("obj: numbers in every notation and vertex colors and homogeneous coordinates are read") {
   const Mesh mesh = read("v -1.5e2 +.25 5. 0.1 0.2 0.3\nv 1E-3 -0 0 1.0\nv 0 1 0\nf 1 2 3\n").mesh;
   CHECK(mesh.positions[0] == Vec3f{-150, 0.25f, 5});
   CHECK(mesh.positions[1].x == near(1e-3f));

@@ -149,12 +149,12 @@ TEST_CASE("reading ahead: lenient compilation leaves out the same shapes") {
   for (const int i : {3, 31, 32}) write_bytes(folder / name_of(i), "broken");
   const auto leniently = [&](int threads) {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-    std::vector<std::string> stand_ins;
-    ErrorSink errors(true, stand_ins);
+    std::vector<std::string> substitutions;
+    ErrorSink errors(true, substitutions);
     CompileOptions options;
     options.errors = &errors;
     tbb::task_arena(threads).execute([&] { CHECK(compile_scene(description, options)->info().shapes == kMeshes - 3); });
-    return stand_ins;
+    return substitutions;
   };
   const std::vector<std::string> alone = leniently(1);
   REQUIRE(alone.size() == 3);
@@ -177,8 +177,8 @@ TEST_CASE("reading ahead: a scene with many broken elements is compiled once") {
                                "</texture></bsdf></shape>\n";
   }
   const Description description = read_scene(write_below(folder, "scene.xml", mitsuba_scene(inside)));
-  std::vector<std::string> stand_ins;
-  ErrorSink errors(true, stand_ins);
+  std::vector<std::string> substitutions;
+  ErrorSink errors(true, substitutions);
   CompileOptions options;
   options.errors = &errors;
   const double before = bytes_read();

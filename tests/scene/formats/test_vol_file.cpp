@@ -62,7 +62,7 @@ float at(const BrickGrid& grid, Vec3f p) {
 
 }  // namespace
 
-TEST_CASE("vol: values are at cell centres of the unit cube with x fastest") {
+TEST_CASE("vol: values are at cell centers of the unit cube with x fastest") {
   const BrickGrid grid = read(Written{}.bytes());
   CHECK(grid.channels == 1);
   CHECK(grid.max_value() == 23.0f);
@@ -71,8 +71,8 @@ TEST_CASE("vol: values are at cell centres of the unit cube with x fastest") {
   for (int z = 0; z < 2; ++z)
     for (int y = 0; y < 3; ++y)
       for (int x = 0; x < 4; ++x) {
-        const auto centre = [](int i, int n) { return (static_cast<float>(i) + 0.5f) / static_cast<float>(n); };
-        CHECK(at(grid, {centre(x, 4), centre(y, 3), centre(z, 2)}) == near(static_cast<float>((z * 3 + y) * 4 + x)));
+        const auto center = [](int i, int n) { return (static_cast<float>(i) + 0.5f) / static_cast<float>(n); };
+        CHECK(at(grid, {center(x, 4), center(y, 3), center(z, 2)}) == near(static_cast<float>((z * 3 + y) * 4 + x)));
       }
   CHECK(at(grid, {0, 0, 0}) == 0.0f);
   CHECK(at(grid, {2, 2, 2}) == 23.0f);

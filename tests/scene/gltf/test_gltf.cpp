@@ -107,7 +107,7 @@ TEST_CASE("gltf: indices of every unsigned type select vertices") {
   check(std::uint32_t{});
 }
 
-TEST_CASE("gltf: normalised integers become fractions and others stay") {
+TEST_CASE("gltf: normalized integers become fractions and others stay") {
   GltfBuilder gltf;
   json& primitive = gltf.add_triangle();
   const int positions = gltf.add<std::int16_t>({0, 0, 0, 300, 0, 0, 0, -400, 0}, "VEC3");

@@ -122,8 +122,8 @@ TEST_CASE("gltf: alpha is ignored, compared or blended by its mode") {
   CHECK(std::get<float>(std::get<MaskDescription>(blend.top().model).opacity) == 0.5f);
   const Read hidden = read_material({{"pbrMetallicRoughness", half}, {"alphaMode", "MASK"}, {"alphaCutoff", 0.6}});
   CHECK(std::get<float>(std::get<MaskDescription>(hidden.top().model).opacity) == 0);
-  const Read shown = read_material({{"pbrMetallicRoughness", half}, {"alphaMode", "MASK"}});
-  CHECK(std::holds_alternative<TwoSidedDescription>(shown.top().model));
+  const Read displayed = read_material({{"pbrMetallicRoughness", half}, {"alphaMode", "MASK"}});
+  CHECK(std::holds_alternative<TwoSidedDescription>(displayed.top().model));
   const Read mask = read_material({{"pbrMetallicRoughness", textured_half}, {"alphaMode", "MASK"}});
   const auto& opacity = std::get<MaskDescription>(mask.top().model).opacity;
   CHECK(std::get<ThresholdTextureDescription>(mask.texture(opacity).model).threshold == 0.5f);
@@ -187,7 +187,7 @@ TEST_CASE("gltf: surfaces emit by factor and strength, on both sides if double-s
   CHECK(rgb_of(*unlit.d.shapes.front().radiance).y == 0.5f);
 }
 
-TEST_CASE("gltf: specular-glossiness becomes a dielectric with coloured reflectance") {
+TEST_CASE("gltf: specular-glossiness becomes a dielectric with colored reflectance") {
   const Read read = read_material({{"extensions",
                                     {{"KHR_materials_pbrSpecularGlossiness",
                                       {{"diffuseFactor", {0.5, 0.25, 0.125, 1}},

@@ -137,8 +137,8 @@ TEST_CASE("gltf motion: instances") {
   CHECK_FALSE(d.instances[1].motion.has_value());
   // EXT_mesh_gpu_instancing
   GltfBuilder many = moving_triangle();
-  const int places = many.add<float>({0, 1, 0, 0, 2, 0}, "VEC3");
-  many.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = places;
+  const int translations = many.add<float>({0, 1, 0, 0, 2, 0}, "VEC3");
+  many.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = translations;
   many.json["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
   const Description e = read_at(many, 2, kShutter);
   REQUIRE(e.instances.size() == 2);
@@ -163,12 +163,12 @@ TEST_CASE("gltf motion: cameras and lights keep their orientation, also below sc
     animate(gltf, 1, "translation", {0, 2}, {0, 0, 0, 6, 0, 0}, "VEC3");
     const Description d = read_at(gltf, 0, ShutterDescription{0, 2, 0});
     const float s = std::sqrt(0.5f);
-    const auto check = [&](std::optional<MotionId> id, bool turns) {
+    const auto check = [&](std::optional<MotionId> id, bool rotations) {
       const Transform middle = motion_of(d, id).at(1);
       check_near(middle.point({0, 0, 0}), {3, 0, 0});
       // Along -z of the node, which has turned by 45 degrees about y
-      if (turns) check_near(middle.vector({0, 0, 1}), {-s, 0, -s});
-      if (turns) check_near(middle.vector({0, 1, 0}), {0, 1, 0});
+      if (rotations) check_near(middle.vector({0, 0, 1}), {-s, 0, -s});
+      if (rotations) check_near(middle.vector({0, 1, 0}), {0, 1, 0});
     };
     check(d.camera.motion, true);
     REQUIRE(d.lights.size() >= 3);

@@ -196,7 +196,7 @@ TEST_CASE("gltf: cameras look along -z and are chosen by name") {
   CHECK_THROWS_WITH_AS(read_document(gltf, options), doctest::Contains("did you mean 'flat'"), SceneError);
 }
 
-TEST_CASE("gltf: extras of cameras set the lens and the centre of the image") {
+TEST_CASE("gltf: extras of cameras set the lens and the center of the image") {
   GltfBuilder gltf;
   gltf.add_triangle();
   gltf.json["cameras"] = {{{"type", "orthographic"},

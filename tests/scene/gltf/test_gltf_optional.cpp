@@ -107,14 +107,17 @@ void add_meshes(GltfBuilder& gltf) {
   const json attributes = primitive["attributes"];
   // Indices whose first values come from the buffer view, and the last one from elsewhere
   const int indices = gltf.add<std::uint16_t>({0, 1, 0}, "SCALAR");
-  const std::uint16_t places[] = {0, 1, 2}, values[] = {0, 1, 2};
+  const std::uint16_t sparse_indices[] = {0, 1, 2}, values[] = {0, 1, 2};
   gltf.json["accessors"][indices]["byteOffset"] = 0;
   gltf.json["accessors"][indices]["name"] = "indices";
   gltf.json["accessors"][indices]["min"] = {0};
   gltf.json["accessors"][indices]["max"] = {2};
   gltf.json["accessors"][indices]["sparse"] = {
       {"count", 3},
-      {"indices", {{"bufferView", gltf.add_view(places, sizeof(places))}, {"byteOffset", 0}, {"componentType", 5123}}},
+      {"indices",
+       {{"bufferView", gltf.add_view(sparse_indices, sizeof(sparse_indices))},
+        {"byteOffset", 0},
+        {"componentType", 5123}}},
       {"values", {{"bufferView", gltf.add_view(values, sizeof(values))}, {"byteOffset", 0}}}};
   primitive["indices"] = indices;
   primitive["mode"] = 4;
@@ -126,10 +129,10 @@ void add_meshes(GltfBuilder& gltf) {
   gltf.json["meshes"][0]["name"] = "mesh";
   gltf.json["meshes"][0]["weights"] = {0.5};
   for (int material = 1; material <= 3; ++material) {
-    json shown = attributes;
-    shown.erase("JOINTS_0");
-    shown.erase("WEIGHTS_0");
-    gltf.add_mesh(shown)["material"] = material;
+    json displayed = attributes;
+    displayed.erase("JOINTS_0");
+    displayed.erase("WEIGHTS_0");
+    gltf.add_mesh(displayed)["material"] = material;
   }
 }
 
@@ -344,14 +347,15 @@ TEST_CASE("gltf optional: inverse bind matrices are the identity by default") {
 TEST_CASE("gltf optional: indices without a buffer view are zero but for their sparse elements") {
   GltfBuilder gltf;
   json& primitive = gltf.add_triangle();
-  const std::uint16_t places[] = {4, 5}, values[] = {1, 2};
-  gltf.json["accessors"].push_back({{"componentType", 5125},
-                                    {"count", 6},
-                                    {"type", "SCALAR"},
-                                    {"sparse",
-                                     {{"count", 2},
-                                      {"indices", {{"bufferView", gltf.add_view(places, 4)}, {"componentType", 5123}}},
-                                      {"values", {{"bufferView", 0}}}}}});
+  const std::uint16_t sparse_indices[] = {4, 5}, values[] = {1, 2};
+  gltf.json["accessors"].push_back(
+      {{"componentType", 5125},
+       {"count", 6},
+       {"type", "SCALAR"},
+       {"sparse",
+        {{"count", 2},
+         {"indices", {{"bufferView", gltf.add_view(sparse_indices, 4)}, {"componentType", 5123}}},
+         {"values", {{"bufferView", 0}}}}}});
   const std::uint32_t wide[] = {values[0], values[1]};
   gltf.json["accessors"].back()["sparse"]["values"]["bufferView"] = gltf.add_view(wide, 8);
   primitive["indices"] = 1;

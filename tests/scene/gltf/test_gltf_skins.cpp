@@ -65,7 +65,7 @@ GltfBuilder two_joints() {
 const Mesh& first_mesh(const Description& d) { return std::get<Mesh>(d.shapes.at(0).geometry); }
 
 /// Where a vertex of the first mesh is in the scene.
-Vec3f place_of(const Description& d, std::uint32_t vertex) {
+Vec3f position_of(const Description& d, std::uint32_t vertex) {
   return d.shapes.at(0).to_world.point(first_mesh(d).positions.at(vertex));
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("gltf skins: a joint of scale zero collapses its vertices") {
     const Description d = read_document(gltf);
     const Mesh& mesh = first_mesh(d);
     REQUIRE(mesh.triangles.size() == 1);
-    check_vector(place_of(d, mesh.triangles[0][1]), {1, 2, 0});
+    check_vector(position_of(d, mesh.triangles[0][1]), {1, 2, 0});
     CHECK(compile_scene(d)->info().triangles > 0);
   };
   check();
@@ -119,7 +119,7 @@ TEST_CASE("gltf skins: a joint of scale zero collapses its vertices") {
   gltf.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = gltf.add(halves, "VEC4");
   const Description d = read_document(gltf);
   REQUIRE(first_mesh(d).triangles.size() == 1);
-  check_vector(place_of(d, first_mesh(d).triangles[0][1]), {3, 1, 0});
+  check_vector(position_of(d, first_mesh(d).triangles[0][1]), {3, 1, 0});
 }
 
 TEST_CASE("gltf skins: a mesh that collapses as a whole leaves an empty image, if there is a camera") {

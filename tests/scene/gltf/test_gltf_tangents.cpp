@@ -59,7 +59,7 @@ void check_tangents(const Mesh& mesh, float x, float y, float handedness, double
 
 }  // namespace
 
-TEST_CASE("gltf tangents: floats, and normalised bytes and shorts (KHR_mesh_quantization)") {
+TEST_CASE("gltf tangents: floats, and normalized bytes and shorts (KHR_mesh_quantization)") {
   GltfBuilder gltf = triangle();
   attributes(gltf)["TANGENT"] = add_float_tangents(gltf);
   check_tangents(first_mesh(read_document(gltf)), 0.6f, 0.8f, -1, 1e-6);

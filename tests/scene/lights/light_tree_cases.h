@@ -19,7 +19,7 @@ inline Vec3f direction(std::uint32_t stream, std::uint32_t i) {
   const auto u = numbers(stream, i);
   return square_to_sphere<Scalar>(u.x, u.y);
 }
-inline Vec3f place(std::uint32_t stream, std::uint32_t i, float extent) {
+inline Vec3f position(std::uint32_t stream, std::uint32_t i, float extent) {
   const auto u = numbers(stream, i);
   return Vec3f{2 * u.x - 1, 2 * u.y - 1, 2 * u.z - 1} * extent;
 }
@@ -33,7 +33,7 @@ inline LightSet mixed_lights(std::uint32_t count, std::uint32_t seed = 1) {
   LightSet lights;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto u = numbers(seed + 100, i);
-    LightBounds light = point_at(place(seed + 101, i, 10), std::pow(10.0f, 4 * u.x - 2));
+    LightBounds light = point_at(position(seed + 101, i, 10), std::pow(10.0f, 4 * u.x - 2));
     light.axis = direction(seed + 102, i);
     if (i % 5 != 0) {
       const Vec3f half{0.3f * u.y, 0.3f * u.z, 0.3f * u.w};

@@ -36,7 +36,7 @@ Vec3f direction_of(double u, double v) {
           static_cast<float>(-std::cos(phi) * std::sin(theta))};
 }
 
-Envmap turned(Envmap map) {
+Envmap rotated(Envmap map) {
   set_rotation(map, Transform::rotate({1, 2, 3}, 70) * Transform::scale({-2, 2, 2}), {});
   return map;
 }
@@ -70,7 +70,7 @@ double integral_of(const Envmap& map) {
 
 }  // namespace
 
-TEST_CASE("environment map: texel centres lie at their documented directions") {
+TEST_CASE("environment map: texel centers lie at their documented directions") {
   const EnvmapImage image = uneven_image();
   const Envmap map = make_envmap(image, 2, false);
   for (std::uint32_t j = 0; j < 7; ++j)
@@ -94,7 +94,7 @@ TEST_CASE("environment map: directions follow their pdf" * doctest::test_suite("
     CHECK(check_sampling(make_envmap(uneven_image(), 1, false)).p_value > significance_of_each(kTests));
   }
   SUBCASE("rotated and mirrored") {
-    const ChiSquare result = check_sampling(turned(make_envmap(uneven_image(), 1, false)));
+    const ChiSquare result = check_sampling(rotated(make_envmap(uneven_image(), 1, false)));
     CHECK(result.p_value > significance_of_each(kTests));
     CHECK(result.integral == near(1, 2e-3));
   }
@@ -178,7 +178,7 @@ TEST_CASE("environment map: rounding of the quantiles adds little variance") {
 }
 
 TEST_CASE("environment map: the radiance of a sample equals the lookup in its direction") {
-  const Envmap map = turned(make_envmap(uneven_image(), 1, false));
+  const Envmap map = rotated(make_envmap(uneven_image(), 1, false));
   double worst = 0;
   for (std::uint32_t i = 0; i < 5000; ++i) {
     const auto u = random4<Scalar>(4, i, 0, 0);
@@ -192,7 +192,7 @@ TEST_CASE("environment map: the radiance of a sample equals the lookup in its di
 }
 
 TEST_CASE("environment map: SIMD results equal scalar ones") {
-  const Envmap map = turned(make_envmap(uneven_image(), 1, false));
+  const Envmap map = rotated(make_envmap(uneven_image(), 1, false));
   for (std::uint32_t i = 0; i < 500; ++i) {
     const auto one = [i](int lane) { return random4<Scalar>(5, i, static_cast<std::uint32_t>(lane), 0); };
     const WideFloat u = wide_floats([&](int lane) { return one(lane).x; });
@@ -228,16 +228,16 @@ struct ShapeAndScale {
   double shape[4], scale;
 };
 
-/// Fitted to the colour directly, without the table.
+/// Fitted to the color directly, without the table.
 ShapeAndScale fitted(Vec3f rgb) {
   const ScaledSigmoid<Scalar> s = fit_unbounded(rgb);
   const Spectrum4 v = evaluate(s.shape, kSomeWavelengths);
   return {{v.c0, v.c1, v.c2, v.c3}, s.scale};
 }
 
-ShapeAndScale grey(double value) { return {{0.5, 0.5, 0.5, 0.5}, 2 * value}; }
+ShapeAndScale gray(double value) { return {{0.5, 0.5, 0.5, 0.5}, 2 * value}; }
 
-/// Two columns of one colour each, `a` at u = 1/4 and `b` at u = 3/4.
+/// Two columns of one color each, `a` at u = 1/4 and `b` at u = 3/4.
 Envmap two_colors(Vec3f a, Vec3f b) {
   return uplifted(
       make_envmap(envmap_image(2, 2, [&](std::uint32_t x, std::uint32_t) { return x == 0 ? a : b; }), 1, false));
@@ -245,7 +245,7 @@ Envmap two_colors(Vec3f a, Vec3f b) {
 
 }  // namespace
 
-TEST_CASE("environment map: a map of one colour has the spectrum of that colour") {
+TEST_CASE("environment map: a map of one color has the spectrum of that color") {
   for (const Vec3f rgb : {Vec3f{0.8f, 0.3f, 0.1f}, Vec3f{20, 40, 30}, Vec3f{0.5f, 0.5f, 0.5f}}) {
     const Envmap map =
         uplifted(make_envmap(envmap_image(19, 3, [&](std::uint32_t, std::uint32_t) { return rgb; }), 2, false));
@@ -264,10 +264,10 @@ TEST_CASE("environment map: spectra are interpolated by mixing their shapes and 
     ShapeAndScale of_a, of_b;
   };
   const Case cases[] = {{red, blue, fitted(red), fitted(blue)},
-                        {red, {1, 1, 1}, fitted(red), grey(1)},
-                        {{30, 30, 30}, blue, grey(30), fitted(blue)},
-                        {{4, 4, 4}, {1, 1, 1}, grey(4), grey(1)},
-                        {red, {0, 0, 0}, fitted(red), grey(0)}};
+                        {red, {1, 1, 1}, fitted(red), gray(1)},
+                        {{30, 30, 30}, blue, gray(30), fitted(blue)},
+                        {{4, 4, 4}, {1, 1, 1}, gray(4), gray(1)},
+                        {red, {0, 0, 0}, fitted(red), gray(0)}};
   for (const Case& c : cases) {
     const Envmap map = two_colors(c.a, c.b);
     for (const double t : {0.1, 0.25, 0.5, 0.8}) {
@@ -283,14 +283,14 @@ TEST_CASE("environment map: spectra are interpolated by mixing their shapes and 
       CHECK(found.pdf_solid_angle == near(plain.pdf_solid_angle, 1e-5));
     }
   }
-  // Differs from the spectrum of the mixed colour.
+  // Differs from the spectrum of the mixed color.
   const auto half =
       lookup_envmap<Scalar, kSpectral>(two_colors(red, {1, 1, 1}).view(), direction_of(0.5, 0.4), kSomeWavelengths);
   CHECK(half.radiance.c3 < 0.97f * evaluate(fit_unbounded({2.5f, 1, 1}), kSomeWavelengths).c3);
 }
 
 TEST_CASE("environment map: the spectrum of a sample equals the lookup in its direction and in registers") {
-  const Envmap map = uplifted(turned(make_envmap(uneven_image(), 1, false)));
+  const Envmap map = uplifted(rotated(make_envmap(uneven_image(), 1, false)));
   const Spectrum<Wide> lambda(430, 510, 590, 670);
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto one = [i](int lane) { return random4<Scalar>(8, i, static_cast<std::uint32_t>(lane), 0); };
@@ -370,9 +370,9 @@ TEST_CASE("environment map: image files are checked and invalid ones are reporte
   CHECK(plain->view().lights.environment == 0);
   CHECK(plain->warnings().empty());
   CHECK(lookup_envmap<Scalar>(plain->view().lights.envmap, {0, 0, 1}).radiance.c2 == near(3));
-  const auto grey = compile_scene(scene_with("grey.pgm"));
-  CHECK(lookup_envmap<Scalar>(grey->view().lights.envmap, direction_of(0.25, 0.3)).radiance.c0 == near(1));
-  const auto darker = lookup_envmap<Scalar>(grey->view().lights.envmap, direction_of(0.75, 0.3)).radiance;
+  const auto gray = compile_scene(scene_with("grey.pgm"));
+  CHECK(lookup_envmap<Scalar>(gray->view().lights.envmap, direction_of(0.25, 0.3)).radiance.c0 == near(1));
+  const auto darker = lookup_envmap<Scalar>(gray->view().lights.envmap, direction_of(0.75, 0.3)).radiance;
   CHECK(darker.c2 == near(0.5029, 1e-3));
   Description linear = scene_with("grey.pgm");
   std::get<EnvmapDescription>(linear.lights.at(0).model).raw = true;

@@ -38,7 +38,7 @@ std::vector<ShapeDescription> emissive_shapes(Description& d) {
 }
 
 /// The matrices of the instances. The last two mirror.
-const Transform kPlaces[] = {
+const Transform kTransforms[] = {
     Transform::translate({-1, 0.3f, 1.5f}) * Transform::rotate({1, 0, 0}, 170),
     Transform::translate({1, 0, 1.2f}) * Transform::rotate({1, 1, 0}, 150) * Transform::scale({-1.2f, 0.7f, 0.9f}),
     Transform::translate({0, 1.2f, 2}) * Transform::rotate({0.2f, 1, 0}, 190) * Transform::scale({-0.8f, 0.8f, 0.8f})};
@@ -50,9 +50,9 @@ Description instanced_scene() {
   ShapeGroup group;
   group.shapes = emissive_shapes(d);
   d.groups.push_back(group);
-  for (const Transform& place : kPlaces) {
+  for (const Transform& transform : kTransforms) {
     InstanceDescription instance;
-    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = place.matrix().m[i / 4][i % 4];
+    for (std::size_t i = 0; i < 12; ++i) instance.to_world[i] = transform.matrix().m[i / 4][i % 4];
     d.instances.push_back(instance);
   }
   return d;
@@ -63,9 +63,9 @@ Description repeated_scene() {
   Description d = floor_scene();
   add_area_light_sphere(d, {0, -2.5f, 0.5f}, 0.1f, 50);  // so that instances are not the first lights
   const std::vector<ShapeDescription> shapes = emissive_shapes(d);
-  for (const Transform& place : kPlaces)
+  for (const Transform& transform : kTransforms)
     for (ShapeDescription shape : shapes) {
-      shape.to_world = place * shape.to_world;
+      shape.to_world = transform * shape.to_world;
       d.shapes.push_back(shape);
     }
   return d;
@@ -143,8 +143,8 @@ TEST_CASE("lights: no shadow ray to an emissive instance is blocked by that inst
 TEST_CASE("lights: SIMD results of mixed lights equal scalar ones") {
   Description d = instanced_scene();
   const TextureId one = add_checkerboard(d, {1, 2, 3}, {4, 5, 6}), two = add_checkerboard(d, {7, 1, 2}, {3, 4, 5});
-  add_rectangle(d, kPlaces[0] * Transform::translate({2, 0, 0})).radiance = one;
-  add_rectangle(d, kPlaces[2] * Transform::translate({-2, 0, 0})).radiance = two;
+  add_rectangle(d, kTransforms[0] * Transform::translate({2, 0, 0})).radiance = one;
+  add_rectangle(d, kTransforms[2] * Transform::translate({-2, 0, 0})).radiance = two;
   SpotLightDescription spot;
   spot.to_world = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
   spot.cutoff_angle = 60;

@@ -15,7 +15,7 @@ namespace {
 /// Thousands of shapes or lights of one kind, side by side.
 constexpr int kMany = 2000;
 
-Transform place_of(int i) {
+Transform position_of(int i) {
   const int column = i % 50, row = i / 50;
   return Transform::translate({static_cast<float>(column), static_cast<float>(row), 0});
 }
@@ -44,30 +44,30 @@ TEST_CASE("lights: thousands of lights and materials are compiled without an int
   };
   // Flat disks, whose area is a product.
   const double disks = compile_seconds(many([](Description& d, int i) {
-    emit(add_shape(d, DiskShape{}, place_of(i) * Transform::scale({0.1f, 0.1f, 1})), 1);
+    emit(add_shape(d, DiskShape{}, position_of(i) * Transform::scale({0.1f, 0.1f, 1})), 1);
   }));
   const std::pair<const char*, Description> others[] = {
       {"spheres", many([](Description& d, int i) {
-         emit(add_shape(d, SphereShape{{0, 0, 0}, 0.1f}, place_of(i)), 1);
+         emit(add_shape(d, SphereShape{{0, 0, 0}, 0.1f}, position_of(i)), 1);
        })},
       {"ellipsoids, each of its own shape", many([](Description& d, int i) {
          const float size = 0.1f + 1e-4f * static_cast<float>(i);
-         emit(add_shape(d, SphereShape{}, place_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
+         emit(add_shape(d, SphereShape{}, position_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
        })},
       {"cylinders, each of its own shape", many([](Description& d, int i) {
          const float size = 0.1f + 1e-4f * static_cast<float>(i);
-         emit(add_shape(d, CylinderShape{}, place_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
+         emit(add_shape(d, CylinderShape{}, position_of(i) * Transform::scale({0.1f, size, 2 * size})), 1);
        })},
       {"textured lights of one texture", many([](Description& d, int i) {
          if (i == 0) add_checkerboard(d, {1, 2, 3}, {3, 2, 1});
          if (i % 2 == 0)
-           add_shape(d, RectangleShape{}, place_of(i)).radiance = static_cast<TextureId>(0);
+           add_shape(d, RectangleShape{}, position_of(i)).radiance = static_cast<TextureId>(0);
          else
-           add_shape(d, SphereShape{}, place_of(i)).radiance = static_cast<TextureId>(0);
+           add_shape(d, SphereShape{}, position_of(i)).radiance = static_cast<TextureId>(0);
        })},
       {"spots", many([](Description& d, int i) {
          SpotLightDescription spot;
-         spot.to_world = place_of(i);
+         spot.to_world = position_of(i);
          d.lights.push_back({spot, {}});
        })},
   };
@@ -82,14 +82,14 @@ TEST_CASE("lights: thousands of lights and materials are compiled without an int
     PlasticDescription plastic;
     const float alpha = 0.05f + 4e-4f * static_cast<float>(i);
     plastic.roughness = RoughnessDescription{RoughnessDescription::Distribution::kGgx, alpha, alpha};
-    add_shape(d, DiskShape{}, place_of(i), add_material(d, plastic));
+    add_shape(d, DiskShape{}, position_of(i), add_material(d, plastic));
   }));
   INFO("plastics: " << plastics << " s, disks " << disks << " s");
   CHECK(plastics < 6 * disks + 0.5);
   // A separate texture for each light is evaluated at hundreds of points, not at thousands.
   const double textured = compile_seconds(many([](Description& d, int i) {
     add_checkerboard(d, {1, 2, 3}, {3, static_cast<float>(i), 1});
-    add_shape(d, RectangleShape{}, place_of(i)).radiance = static_cast<TextureId>(i);
+    add_shape(d, RectangleShape{}, position_of(i)).radiance = static_cast<TextureId>(i);
   }));
   INFO("textures: " << textured << " s, disks " << disks << " s");
   CHECK(textured < 12 * disks + 0.1);

@@ -46,15 +46,15 @@ void survey(const LightTree& tree, const LightSet& lights, std::uint32_t index, 
   const LightNodeRow& node = tree.nodes[index];
   const auto children = unpack(node);
   for (std::uint32_t k = 0; k < kLightChildren; ++k) {
-    const std::uint32_t turned = trail | k << 2 * level, place = light_tree_child(node, index, k),
+    const std::uint32_t child_trail = trail | k << 2 * level, position = light_tree_child(node, index, k),
                         light = node.lights[k];
-    if ((place & kLightLeaf) == 0) {
-      out.wrong += place <= index;
-      survey(tree, lights, place, turned, level + 1, out);
+    if ((position & kLightLeaf) == 0) {
+      out.wrong += position <= index;
+      survey(tree, lights, position, child_trail, level + 1, out);
       continue;
     }
-    out.wrong += place != (kLightLeaf | (4 * index + k));
-    if (light >= lights.size() || tree.trails[light] != turned) {
+    out.wrong += position != (kLightLeaf | (4 * index + k));
+    if (light >= lights.size() || tree.trails[light] != child_trail) {
       out.wrong += !std::isnan(children[k].spread);
       continue;
     }

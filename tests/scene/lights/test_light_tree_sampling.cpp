@@ -28,9 +28,9 @@ bool can_shine(const LightBounds& light, std::uint32_t i, Vec3f p) {
   const Vec3f y = light.lower + Vec3f{extent.x * u.x, extent.y * u.y, extent.z * u.z};
   const double theta_o = std::acos(double(light.cos_theta_o));
   const auto frame = Frame<Scalar>::from_normal(light.axis);
-  const double theta = theta_o * (i % 3 == 0 ? 1.0 : double(v.x)), turn = 6.2831853 * v.y;
-  const Vec3f local{static_cast<float>(std::sin(theta) * std::cos(turn)),
-                    static_cast<float>(std::sin(theta) * std::sin(turn)), static_cast<float>(std::cos(theta))};
+  const double theta = theta_o * (i % 3 == 0 ? 1.0 : double(v.x)), azimuth = 6.2831853 * v.y;
+  const Vec3f local{static_cast<float>(std::sin(theta) * std::cos(azimuth)),
+                    static_cast<float>(std::sin(theta) * std::sin(azimuth)), static_cast<float>(std::cos(theta))};
   const Vec3f normal = frame.to_world(local);
   const Vec3f to_p = p - y;
   const double distance = std::sqrt(double(length_squared(to_p)));
@@ -57,7 +57,7 @@ TEST_CASE("light tree: probabilities add up to one or to zero where no light is 
   for (const std::uint32_t count : {1u, 2u, 5u, 64u, 1000u}) {
     const LightTree tree = build_light_tree(mixed_lights(count));
     for (std::uint32_t i = 0; i < 20; ++i) {
-      const Vec3f p = place(11, i, i % 2 == 0 ? 12.0f : 200.0f), n = i % 3 == 0 ? Vec3f{} : direction(12, i);
+      const Vec3f p = position(11, i, i % 2 == 0 ? 12.0f : 200.0f), n = i % 3 == 0 ? Vec3f{} : direction(12, i);
       int valid = 0;
       for (std::uint32_t k = 0; k < 50; ++k) valid += draw_light(tree, p, n, numbers(13, k).x).valid;
       const double sum = sum_of_probabilities(tree, p, n);
@@ -71,10 +71,10 @@ TEST_CASE("light tree: probabilities add up to one or to zero where no light is 
     }
   }
   LightSet points;
-  for (std::uint32_t i = 0; i < 500; ++i) points.push_back(point_at(place(14, i, 5), numbers(15, i).x + 0.01f));
+  for (std::uint32_t i = 0; i < 500; ++i) points.push_back(point_at(position(14, i, 5), numbers(15, i).x + 0.01f));
   const LightTree tree = build_light_tree(points);
   for (std::uint32_t i = 0; i < 50; ++i)
-    CHECK(std::fabs(sum_of_probabilities(tree, place(16, i, 8), direction(17, i)) - 1) < 1e-5);
+    CHECK(std::fabs(sum_of_probabilities(tree, position(16, i, 8), direction(17, i)) - 1) < 1e-5);
 }
 
 TEST_CASE("light tree: lights are drawn with their probability") {
@@ -83,7 +83,7 @@ TEST_CASE("light tree: lights are drawn with their probability") {
   for (std::uint32_t c = 0; c < kCases; ++c) {
     const std::uint32_t count = c % 3 == 0 ? 3 : c % 3 == 1 ? 40 : 400;
     const LightTree tree = build_light_tree(mixed_lights(count, c));
-    const Vec3f p = place(21, c, 12), n = c % 4 == 3 ? Vec3f{} : direction(22, c);
+    const Vec3f p = position(21, c, 12), n = c % 4 == 3 ? Vec3f{} : direction(22, c);
     std::vector<double> observed(count + 1), expected(count + 1);
     double sum = 0;
     for (std::uint32_t i = 0; i < count; ++i) sum += expected[i] = probability(tree, p, n, i);
@@ -119,7 +119,7 @@ TEST_CASE("light tree: SIMD results equal scalar ones") {
   int wrong = 0, other = 0, total = 0;
   for (std::uint32_t i = 0; i < 2000; ++i) {
     const auto id = [&](int lane) { return i * kWidth + static_cast<std::uint32_t>(lane); };
-    const auto p_of = [&](int lane) { return place(41, id(lane), 15); };
+    const auto p_of = [&](int lane) { return position(41, id(lane), 15); };
     const auto n_of = [&](int lane) { return id(lane) % 5 == 0 ? Vec3f{} : direction(42, id(lane)); };
     const auto has = [&](int lane) { return id(lane) % 7 != 0; };
     const Vec3<Wide> p{wide_floats([&](int k) { return p_of(k).x; }), wide_floats([&](int k) { return p_of(k).y; }),
@@ -157,28 +157,28 @@ TEST_CASE("light tree: candidates that share the upper levels of a traversal dra
     int wrong = 0, other = 0, valid = 0;
     for (std::uint32_t i = 0; i < 300; ++i) {
       const auto id = [&](int lane) { return i * kWidth + static_cast<std::uint32_t>(lane); };
-      const auto p_of = [&](int lane) { return place(44, id(lane), 15); };
+      const auto p_of = [&](int lane) { return position(44, id(lane), 15); };
       const Vec3<Wide> p{wide_floats([&](int k) { return p_of(k).x; }), wide_floats([&](int k) { return p_of(k).y; }),
                          wide_floats([&](int k) { return p_of(k).z; })};
       const auto n_of = [&](int lane) { return id(lane) % 5 == 0 ? Vec3f{} : direction(45, id(lane)); };
       const Vec3<Wide> n{wide_floats([&](int k) { return n_of(k).x; }), wide_floats([&](int k) { return n_of(k).y; }),
                          wide_floats([&](int k) { return n_of(k).z; })};
       const WideFloat u = wide_floats([&](int k) { return numbers(46, id(k)).x; });
-      const auto top = light_tree_top<Wide>(tree.view(), p, n, WideMask(true));
+      const auto cut = light_tree_cut<Wide>(tree.view(), p, n, WideMask(true));
       // The other traversal reaches a part of the tree of another depth.
-      const auto [shared, other_way] =
-          ends<Wide>(tree, begin_light_traversal<Wide>(tree.view(), top, p, n, WideMask(true), u),
+      const auto [shared, other_choice] =
+          ends<Wide>(tree, begin_light_traversal<Wide>(tree.view(), cut, p, n, WideMask(true), u),
                      begin_light_traversal<Wide>(p, n, WideMask(true), WideFloat(kOneMinusEpsilon) - u));
       const auto own = sample_light_tree<Wide>(tree.view(), p, n, WideMask(true), u);
       for (int k = 0; k < kWidth; ++k) {
         valid += lane_of(own.valid, k);
-        const auto single_top = light_tree_top<Scalar>(tree.view(), p_of(k), n_of(k), true);
+        const auto single_cut = light_tree_cut<Scalar>(tree.view(), p_of(k), n_of(k), true);
         const auto [single, again] =
-            ends<Scalar>(tree, begin_light_traversal<Scalar>(tree.view(), single_top, p_of(k), n_of(k), true, u[k]),
+            ends<Scalar>(tree, begin_light_traversal<Scalar>(tree.view(), single_cut, p_of(k), n_of(k), true, u[k]),
                          begin_light_traversal<Scalar>(p_of(k), n_of(k), true, kOneMinusEpsilon - u[k]));
-        wrong += again.valid != lane_of(other_way.valid, k);
-        if (again.light == other_way.light[k])
-          wrong += std::fabs(again.probability - other_way.probability[k]) > 1e-5f * again.probability;
+        wrong += again.valid != lane_of(other_choice.valid, k);
+        if (again.light == other_choice.light[k])
+          wrong += std::fabs(again.probability - other_choice.probability[k]) > 1e-5f * again.probability;
         else
           ++other;
         if (shared.light[k] != own.light[k] || single.light != own.light[k]) {
@@ -256,7 +256,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
   double sum = 0;
   for (std::uint32_t i = 0; i < 400; ++i) {
     const std::uint32_t group = i / 20;
-    const Vec3f p = direction(61, group) * (500.0f + 100.0f * static_cast<float>(group)) + place(62, i, 0.5f);
+    const Vec3f p = direction(61, group) * (500.0f + 100.0f * static_cast<float>(group)) + position(62, i, 0.5f);
     lights.push_back(point_at(p, 1 + 9 * numbers(63, i).x));
     ideal.push_back(lights.back().power / double(length_squared(p)));
     sum += ideal.back();
@@ -270,7 +270,7 @@ TEST_CASE("light tree: distant lights are chosen by power over squared distance"
   for (std::uint32_t i = 0; i < 20; ++i)
     worst = std::max(worst, std::fabs(probability(small, {}, {}, i) / (ideal[i] / cloud_sum) - 1));
   CHECK(worst < 0.02);
-  // In a row whose far end gets 1/80 of its near end, a node counts by the distance of its centre.
+  // In a row whose far end gets 1/80 of its near end, a node counts by the distance of its center.
   LightSet row;
   std::vector<double> row_ideal;
   double row_sum = 0;
@@ -313,15 +313,17 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
   past.axis = {std::sqrt(0.75f), 0, -0.5f};
   direct.axis = {0, 0, -1};
   past.cos_theta_o = direct.cos_theta_o = 1;
-  const auto share_of_past = [&](Vec3f p) { return probability(build_light_tree(LightSet{past, direct}), p, {}, 0); };
-  CHECK(share_of_past({}) == rounded(1 / 3.0));
+  const auto fraction_of_past = [&](Vec3f p) {
+    return probability(build_light_tree(LightSet{past, direct}), p, {}, 0);
+  };
+  CHECK(fraction_of_past({}) == rounded(1 / 3.0));
   past.cos_theta_o = std::cos(kPi / 9);
   const double exact = std::cos(kPi / 4.5), most = 0.5 * std::cos(kPi / 9) + std::sin(kPi / 9);
-  CHECK(share_of_past({}) > exact / (1 + exact));
-  CHECK(share_of_past({}) < most / (1 + most));
+  CHECK(fraction_of_past({}) > exact / (1 + exact));
+  CHECK(fraction_of_past({}) < most / (1 + most));
   past.cos_theta_o = 1;
   past.two_sided = direct.two_sided = true;
-  CHECK(share_of_past({0, 0, 10}) == rounded(1 / 3.0));
+  CHECK(fraction_of_past({0, 0, 10}) == rounded(1 / 3.0));
   // Spherical lights that subtend asin 0.2 raise the cosine as much. If they subtend more than 30 degrees, it is 1.
   past.two_sided = direct.two_sided = false;
   const auto enlarge = [&](float radius) {
@@ -330,9 +332,9 @@ TEST_CASE("light tree: two lights are chosen by their cosines and distances and 
     past.upper = overhead + Vec3f{half, half, half};
   };
   enlarge(1);
-  CHECK(share_of_past({}) == rounded(0.7 / 1.7));
+  CHECK(fraction_of_past({}) == rounded(0.7 / 1.7));
   enlarge(3);
-  CHECK(share_of_past({}) == rounded(0.5));
+  CHECK(fraction_of_past({}) == rounded(0.5));
   // The same at the receiver, for a sphere 60 degrees from its normal.
   LightBounds ball = point_at(aslant);
   const float half = 1 / std::sqrt(3.0f);

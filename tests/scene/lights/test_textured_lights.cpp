@@ -49,7 +49,7 @@ TEST_CASE("lights: all strategies agree on textured lights of every shape" * doc
 TEST_CASE("lights: a textured light has the mean of its texture") {
   Description d = floor_scene(), plain = floor_scene();
   const Transform above = Transform::translate({0, 0, 2}) * Transform::rotate({1, 0, 0}, 180);
-  // The pattern maps to its complement under a rotation by 90 degrees: the point below sees the mean of both colours.
+  // The pattern maps to its complement under a rotation by 90 degrees: the point below sees the mean of both colors.
   add_rectangle(d, above, add_diffuse(d, 0)).radiance = add_checkerboard(d, {6, 6, 6}, {2, 2, 2});
   add_area_light_rectangle(plain, above, 4);
   const Result a = rendered(d), b = rendered(plain);

@@ -1,4 +1,4 @@
-// Metals and dielectrics by name: ranges, order, and well-known colours.
+// Metals and dielectrics by name: ranges, order, and well-known colors.
 #include "scene/data/metals.h"
 #include "scene/data/named_ior.h"
 #include "scene/spectra/spectrum_rgb.h"
@@ -42,7 +42,7 @@ TEST_CASE("metals: tables are ordered and positive and cover the visible range")
       CHECK(samples[i].eta > 0);
       CHECK(samples[i].k >= 0);
       CHECK((samples[i].k > 0 || samples[i].eta > 1));
-      // Detects typing errors: neighbours have similar reflectance. The steepest step is that of titanium nitride,
+      // Detects typing errors: neighbors have similar reflectance. The steepest step is that of titanium nitride,
       // which has few samples.
       if (i > 0)
         CHECK(std::abs(reflectance(samples[i].eta, samples[i].k) - reflectance(samples[i - 1].eta, samples[i - 1].k)) <
@@ -119,7 +119,7 @@ TEST_CASE("metals: reflectance at normal incidence matches clean surfaces") {
     CHECK(reflectance_at(c.name, c.wavelength) > c.low);
     CHECK(reflectance_at(c.name, c.wavelength) < c.high);
   }
-  // Gold is yellow, copper red, aluminium almost grey.
+  // Gold is yellow, copper red, aluminum almost gray.
   CHECK(reflectance_at("Au", 700) > 2.3 * reflectance_at("Au", 450));
   CHECK(reflectance_at("Cu", 650) > 1.5 * reflectance_at("Cu", 520));
   CHECK(std::abs(reflectance_at("Al", 650) - reflectance_at("Al", 450)) < 0.02);

@@ -53,15 +53,15 @@ TEST_CASE("microflakes: a grid of six channels is interpolated as matrices") {
   const float expected[6] = {1.6f, 1, 1, 0.15f, -0.25f, 0.125f};
   for (int k = 0; k < 6; ++k) CHECK(s.entries[k] == near(expected[k]));
   CHECK(medium.max_flakes >= s.projected_area({1, 0, 0}));
-  CHECK(flake_share(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) == near(std::sqrt(1.6f) / medium.max_flakes));
+  CHECK(flake_projected_area(view, medium, {0.1f, -0.2f, 5}, {1, 0, 0}) == near(std::sqrt(1.6f) / medium.max_flakes));
 }
 
 TEST_CASE("microflakes: invalid grids and emissive media are errors") {
   const TemporaryFolder folder;
-  const auto grey = write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
+  const auto gray = write_vol(folder / "grey.vol", 2, 1, [](Vec3f, int) { return 1.0f; });
   const auto bent =
       write_vol(folder / "bent.vol", 2, 6, [](Vec3f p, int c) { return c == 3 && p.y > 0.5f ? 2.0f : 1.0f; });
-  CHECK_THROWS_WITH_AS(compile_scene(flakes_in_sphere({vol(grey)})), doctest::Contains("expected 6 channels, found 1"),
+  CHECK_THROWS_WITH_AS(compile_scene(flakes_in_sphere({vol(gray)})), doctest::Contains("expected 6 channels, found 1"),
                        SceneError);
   CHECK_THROWS_WITH_AS(compile_scene(flakes_in_sphere({vol(bent)})), doctest::Contains("voxel 2: "), SceneError);
   const SggxDescription round{std::array<float, 6>{1, 1, 1, 0, 0, 0}};

@@ -1,4 +1,4 @@
-// Spectrum rows: values of each kind of description, and colours that match RGB mode.
+// Spectrum rows: values of each kind of description, and colors that match RGB mode.
 #include "scene/spectra/spectrum_set.h"
 
 #include "core/color/spectral_sensor.h"
@@ -32,7 +32,7 @@ float integral(const SpectrumSet& set, const SpectrumRow& row) {
   return static_cast<float>(sum);
 }
 
-/// The colour of an emitter with this row.
+/// The color of an emitter with this row.
 Vec3f emission_color(const SpectrumSet& set, const SpectrumRow& row) {
   return power_to_rgb([&](float lambda) { return at(set, row, lambda); });
 }
@@ -49,11 +49,11 @@ void check_close(Vec3f found, Vec3f expected, double relative) {
 
 }  // namespace
 
-TEST_CASE("spectrum rows: constants and greys are flat and emitters have the spectrum of D65") {
+TEST_CASE("spectrum rows: constants and grays are flat and emitters have the spectrum of D65") {
   SpectrumSet set;
   for (const SpectrumUse use : kUses)
-    for (const auto& grey : {SpectrumDescription::constant(0.37f), SpectrumDescription::rgb(0.37f, 0.37f, 0.37f)}) {
-      const SpectrumRow row = set.row(grey, use);
+    for (const auto& gray : {SpectrumDescription::constant(0.37f), SpectrumDescription::rgb(0.37f, 0.37f, 0.37f)}) {
+      const SpectrumRow row = set.row(gray, use);
       CHECK(row.is_flat() == (use != SpectrumUse::kIlluminant));
       for (float lambda = 360; lambda <= 830; lambda += 47) {
         if (use == SpectrumUse::kIlluminant)
@@ -66,7 +66,7 @@ TEST_CASE("spectrum rows: constants and greys are flat and emitters have the spe
   check_close(emission_color(set, light), {3, 3, 3}, 1e-3);
 }
 
-TEST_CASE("spectrum rows: colours of every use match RGB mode") {
+TEST_CASE("spectrum rows: colors of every use match RGB mode") {
   SpectrumSet set;
   for (const Vec3f rgb : {Vec3f{0.8f, 0.1f, 0.2f}, {0.05f, 0.3f, 0.9f}, {0.9f, 0.85f, 0.1f}, {0.01f, 0.02f, 0.015f}}) {
     const auto description = SpectrumDescription::rgb(rgb.x, rgb.y, rgb.z);
@@ -83,7 +83,7 @@ TEST_CASE("spectrum rows: colours of every use match RGB mode") {
   }
 }
 
-TEST_CASE("spectrum rows: tables keep their values and their colours match RGB mode") {
+TEST_CASE("spectrum rows: tables keep their values and their colors match RGB mode") {
   SpectrumSet set;
   const std::vector<float> wavelengths{400, 500, 600, 700}, values{0, 0.3f, 0.6f, 0.7f}, strong{0, 8, 15.6f, 18.4f};
   const auto row = set.row(table(wavelengths, values), SpectrumUse::kReflectance);
@@ -103,14 +103,14 @@ TEST_CASE("spectrum rows: tables keep their values and their colours match RGB m
 
 TEST_CASE("spectrum rows: resampling keeps the power of lines and steps at any wavelength") {
   SpectrumSet set;
-  for (const float centre : {500.0f, 546.07f, 611.5f, 435.83f}) {
+  for (const float center : {500.0f, 546.07f, 611.5f, 435.83f}) {
     // A line of width 0.02 nm and power 1, which point samples would miss or overestimate.
-    const auto line = set.row(table({centre - 0.02f, centre, centre + 0.02f}, {0, 50, 0}), SpectrumUse::kIlluminant);
+    const auto line = set.row(table({center - 0.02f, center, center + 0.02f}, {0, 50, 0}), SpectrumUse::kIlluminant);
     CHECK(integral(set, line) == near(1, 5e-3));
-    CHECK(at(set, line, centre + 2.1f) == 0.0f);
+    CHECK(at(set, line, center + 2.1f) == 0.0f);
     const Vec3f seen = emission_color(set, line) * 100.0f;  // outside the gamut, where RGB mode clamps
     check_close({std::max(seen.x, 0.0f), std::max(seen.y, 0.0f), std::max(seen.z, 0.0f)},
-                emission_table_to_rgb(std::vector<float>{centre - 0.02f, centre, centre + 0.02f},
+                emission_table_to_rgb(std::vector<float>{center - 0.02f, center, center + 0.02f},
                                       std::vector<float>{0, 5000, 0}),
                 2e-2);
   }

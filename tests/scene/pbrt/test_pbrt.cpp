@@ -106,11 +106,11 @@ TEST_CASE("pbrt cameras: spherical cameras face the direction of pbrt with +y up
   CHECK(areas.camera.equal_area);
   CHECK(areas.camera.to_world.vector({0, 0, 1}).y == 1);
   CHECK(areas.camera.to_world.vector({1, 0, 0}).x == 1);
-  const Description turns = read_pbrt_world("", "Camera \"spherical\" \"string mapping\" \"equirectangular\"");
-  CHECK(!turns.camera.equal_area);
-  CHECK(turns.camera.to_world.vector({0, 0, 1}).x == -1);
-  CHECK(turns.camera.to_world.vector({0, 1, 0}).y == 1);
-  CHECK(turns.camera.to_world.vector({1, 0, 0}).z == 1);
+  const Description panorama = read_pbrt_world("", "Camera \"spherical\" \"string mapping\" \"equirectangular\"");
+  CHECK(!panorama.camera.equal_area);
+  CHECK(panorama.camera.to_world.vector({0, 0, 1}).x == -1);
+  CHECK(panorama.camera.to_world.vector({0, 1, 0}).y == 1);
+  CHECK(panorama.camera.to_world.vector({1, 0, 0}).z == 1);
   const Description lens =
       read_pbrt_world("",
                       "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 10\n"
@@ -223,8 +223,8 @@ TEST_CASE("pbrt: unsupported features are errors or replacements with a note") {
     lenient.lenient = true;
     const TemporaryFolder folder;
     const Description d = read_scene(write_below(folder, "scene.pbrt", "\nWorldBegin\n" + world + "\n"), lenient);
-    REQUIRE(d.stand_ins.size() == 1);
-    CHECK(contains(d.stand_ins[0], "scene.pbrt:3: "));
+    REQUIRE(d.substitutions.size() == 1);
+    CHECK(contains(d.substitutions[0], "scene.pbrt:3: "));
   }
 }
 

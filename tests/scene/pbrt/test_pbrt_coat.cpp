@@ -64,7 +64,7 @@ Estimate walk(double albedo, double eta, const Layer& layer) {
 /// The same by Sheaf's closed form with a base of albedo `b`.
 double closed_form(double b, double eta) {
   const double r = double{smooth_coat_internal_reflectance(eta)};
-  const double entering = (1 - r) * eta * eta;  // by reciprocity: share of diffuse light from outside
+  const double entering = (1 - r) * eta * eta;  // by reciprocity: fraction of diffuse light from outside
   return entering * b * (1 - r) / (1 - b * r);
 }
 
@@ -100,7 +100,7 @@ TEST_CASE("pbrt coats: internal reflection of rough coats matches the tables of 
   }
 }
 
-TEST_CASE("pbrt coats: constants and colours and textures of the base are darkened equally") {
+TEST_CASE("pbrt coats: constants and colors and textures of the base are darkened equally") {
   const pbrt::LayeredBase base(0, 1.5, 0.01, 10);
   const auto reflectance = [](const std::string& world) {
     const TemporaryFolder folder;
@@ -114,8 +114,8 @@ TEST_CASE("pbrt coats: constants and colours and textures of the base are darken
         const auto* id = std::get_if<TextureId>(&plastic->diffuse_reflectance);
         if (id == nullptr) {
           const auto& value = std::get<SpectrumDescription>(plastic->diffuse_reflectance).value;
-          const auto* grey = std::get_if<SpectrumDescription::Constant>(&value);
-          return grey != nullptr ? Vec3f{grey->value, grey->value, grey->value}
+          const auto* gray = std::get_if<SpectrumDescription::Constant>(&value);
+          return gray != nullptr ? Vec3f{gray->value, gray->value, gray->value}
                                  : std::get<SpectrumDescription::Rgb>(value).value;
         }
         const TextureTables textures = compile_textures(d.textures);

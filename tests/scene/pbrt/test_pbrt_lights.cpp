@@ -1,4 +1,4 @@
-// Lights of pbrt: parameters, power on shapes of all kinds, both sides, images, and colours of other spaces.
+// Lights of pbrt: parameters, power on shapes of all kinds, both sides, images, and colors of other spaces.
 #include "core/color/color.h"
 #include "core/image/image.h"
 #include "scene/compile/compile.h"
@@ -17,7 +17,7 @@ using namespace test;
 
 namespace {
 
-/// Writes PPM files of 2 x 2 (red, green; blue, white), 4 x 2 grey and 16 x 16 white pixels.
+/// Writes PPM files of 2 x 2 (red, green; blue, white), 4 x 2 gray and 16 x 16 white pixels.
 void add_images(const TemporaryFolder& folder) {
   write_pnm(folder / "colours.ppm", 2, 2, 3, 255, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
   write_pnm(folder / "grey.ppm", 4, 2, 3, 255, std::vector<int>(24, 188));
@@ -136,7 +136,7 @@ TEST_CASE("pbrt lights: a projection is uniform over directions and keeps its po
       "LightSource \"projection\" \"string filename\" \"grey.ppm\" \"float fov\" 60 "
       "\"float scale\" 2");
   const auto& projector = std::get<ProjectorDescription>(d.lights.at(0).model);
-  CHECK(projector.is_even);
+  CHECK(projector.constant_intensity);
   CHECK(projector.fov_axis == CameraDescription::FovAxis::kSmaller);
   CHECK(projector.scale == 2);
   CHECK(projector.to_world.vector({1, 0, 0}).x == -1);
@@ -160,11 +160,11 @@ TEST_CASE("pbrt lights: a goniometric light is a point light times the luminance
 
 TEST_CASE("pbrt lights: the illuminance of an image is the irradiance on a plane towards +z") {
   const Description d = read("LightSource \"infinite\" \"string filename\" \"white.ppm\" \"float illuminance\" 5");
-  // Texels count by their centres, so that half of those on the horizon are lost: 1.6 % of the cosine
+  // Texels count by their centers, so that half of those on the horizon are lost: 1.6 % of the cosine
   CHECK(std::get<EnvmapDescription>(d.lights.at(0).model).scale == near(5 / 3.14159265, 0.02));
 }
 
-TEST_CASE("pbrt colours: other colour spaces keep white and colours outside Rec.709 are clamped") {
+TEST_CASE("pbrt colors: other color spaces keep white and colors outside Rec.709 are clamped") {
   const auto reflectance = [](const std::string& space, const std::string& rgb, std::size_t* notes = nullptr) {
     const Description d = read_pbrt_world("ColorSpace \"" + space + "\" Material \"diffuse\" \"rgb reflectance\" [ " +
                                           rgb + " ]\nShape \"sphere\"");
@@ -193,7 +193,7 @@ TEST_CASE("pbrt colours: other colour spaces keep white and colours outside Rec.
   CHECK(red.x == 1);
   CHECK(red.y == 0);
   CHECK(notes == 1);
-  CHECK(contains(error_of_pbrt_world("ColorSpace \"rec709\""), "scene.pbrt:3: unknown colour space 'rec709'"));
+  CHECK(contains(error_of_pbrt_world("ColorSpace \"rec709\""), "scene.pbrt:3: unknown color space 'rec709'"));
   const Description inside = read_pbrt_world(
       "AttributeBegin ColorSpace \"rec2020\" AttributeEnd LightSource \"point\" \"rgb I\" [ 0.1 1 0.1 ]");
   const auto& intensity = std::get<PointLightDescription>(inside.lights.at(0).model).intensity;

@@ -32,7 +32,7 @@ TEST_CASE("pbrt: materials have the documented parameters") {
   const Description glass = read_pbrt_world("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"\nShape \"sphere\"");
   CHECK(only_material<DielectricDescription>(glass)->int_ior == near(1.5168, 1e-4));
   CHECK(only_material<DielectricDescription>(glass)->int_dispersion);
-  // Between the tabulated neighbours of 588 nm in pbrt.
+  // Between the tabulated neighbors of 588 nm in pbrt.
   for (const auto& [name, low, high] : {std::tuple{"BAF10", 1.6686f, 1.6702f},
                                         {"FK51A", 1.4862f, 1.4869f},
                                         {"LASF9", 1.8481f, 1.8509f},
@@ -76,7 +76,7 @@ TEST_CASE("pbrt: textures of constants are evaluated") {
   CHECK(reflectance("Texture \"x\" \"spectrum\" \"constant\" \"rgb value\" [0.1 0.2 0.3]").z == 0.3f);
 }
 
-TEST_CASE("pbrt: hair is defined by pigments or absorption or colour") {
+TEST_CASE("pbrt: hair is defined by pigments or absorption or color") {
   const auto hair = [](const std::string& parameters) {
     return *only_material<HairDescription>(read_pbrt_world("Material \"hair\" " + parameters + " Shape \"sphere\""));
   };

@@ -62,7 +62,7 @@ double unit_blackbody_luminance(double temperature) {
 
 }  // namespace
 
-TEST_CASE("pbrt media: a uniform grid is interpolated between voxel centres and fades to zero at its box") {
+TEST_CASE("pbrt media: a uniform grid is interpolated between voxel centers and fades to zero at its box") {
   Filled fog(
       "\"uniformgrid\" \"integer nx\" 2 \"float density\" [ 1 3 ] \"point3 p0\" [ 0 0 0 ] \"point3 p1\" [ 4 1 1 ] "
       "\"rgb sigma_a\" [ 1 2 3 ] \"rgb sigma_s\" [ 0.5 0.5 0.5 ] \"float scale\" 2 \"rgb Le\" [ 1 1 1 ] "
@@ -82,7 +82,7 @@ TEST_CASE("pbrt media: a uniform grid is interpolated between voxel centres and 
   CHECK(fog.emission.x == near(2));
 }
 
-TEST_CASE("pbrt media: absorption and scattering may vary by voxel and colour and their sum is bounded") {
+TEST_CASE("pbrt media: absorption and scattering may vary by voxel and color and their sum is bounded") {
   Filled fog(
       "\"rgbgrid\" \"integer nx\" 2 \"integer ny\" 1 \"rgb sigma_a\" [ 1 2 3  3 0 1 ] "
       "\"rgb sigma_s\" [ 0 4 8  2 6 0 ] \"float scale\" 0.5 \"rgb Le\" [ 0 1 0  0 1 0 ] \"float Lescale\" 0.01");
@@ -106,7 +106,7 @@ TEST_CASE("pbrt media: absorption and scattering may vary by voxel and colour an
   CHECK(length(absorbing.sigma_s - Vec3f{1, 1, 1}) < 1e-5f);
 }
 
-TEST_CASE("pbrt media: coloured grids fade to zero at their box") {
+TEST_CASE("pbrt media: colored grids fade to zero at their box") {
   Filled grid(
       "\"rgbgrid\" \"integer nx\" 2 \"point3 p0\" [ 1 0 0 ] \"point3 p1\" [ 5 1 1 ] \"rgb sigma_a\" [ 1 2 3  4 4 4 ] "
       "\"rgb sigma_s\" [ 2 0 4  8 8 8 ] \"rgb Le\" [ 1 1 1  2 2 2 ]");
@@ -136,7 +136,7 @@ TEST_CASE("pbrt media: Lescale and the exposure multiply the emission of homogen
   };
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ]") - Vec3f{1, 2, 3}) < 1e-5f);
   CHECK(length(emission("\"rgb Le\" [ 1 2 3 ] \"float Lescale\" 2.5") - Vec3f{2.5f, 5, 7.5f}) < 1e-5f);
-  // Other spectra are normalised to a luminance of 1.
+  // Other spectra are normalized to a luminance of 1.
   CHECK(double{luminance(emission("\"blackbody Le\" 4000 \"float Lescale\" 3"))} == near(3, 2e-3));
 }
 

@@ -46,11 +46,11 @@ Material "diffuse" "texture reflectance" "t" Translate 1 2 3 Shape "sphere" "flo
   const auto scene = compile_scene(d);
   const SceneView& view = scene->view();
   for (const float polar : {0.3f, 1.2f, 2.0f, 2.9f})  // angle from +z
-    for (const float turn : {0.4f, 2.0f, 4.0f, 6.0f}) {
-      const Vec3f n{std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
+    for (const float azimuth : {0.4f, 2.0f, 4.0f, 6.0f}) {
+      const Vec3f n{std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth), std::cos(polar)};
       const auto y =
           surface_point<Scalar, true>(view, view.geometry.shapes[0], 0, 0, 0, Vec3f{1, 2, 3} + n * 2.0f, kNone, 0.0f);
-      CHECK(y.uv.x == near(static_cast<double>(turn) / (2 * std::numbers::pi), 1e-4));
+      CHECK(y.uv.x == near(static_cast<double>(azimuth) / (2 * std::numbers::pi), 1e-4));
       CHECK(y.uv.y == near(1 - static_cast<double>(polar) / std::numbers::pi, 1e-4));
       CHECK(length(y.ng - n) < 1e-4f);
     }

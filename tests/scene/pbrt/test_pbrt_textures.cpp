@@ -42,8 +42,8 @@ struct Seen {
     view.rows = textures.rows.data();
     view.tiles = textures.tiles.get();
     const Spectrum4 value = lookup_texture<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
-    const float grey = lookup_scalar<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
-    CHECK(grey == within(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2, 1e-4));
+    const float gray = lookup_scalar<Scalar>(view, row, {{u, v}, 0, 0, 0, 0});
+    CHECK(gray == within(0.212639 * value.c0 + 0.715169 * value.c1 + 0.072192 * value.c2, 1e-4));
     return {value.c0, value.c1, value.c2};
   }
 };
@@ -122,15 +122,15 @@ TEST_CASE("pbrt textures: gamma encodings are decoded") {
 
 TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have another encoding") {
   const TemporaryFolder folder;
-  const std::vector<int> grey(8 * 8 * 3, 128);
-  write_tga(folder / "p.tga", 8, 8, 3, grey);
+  const std::vector<int> gray(8 * 8 * 3, 128);
+  write_tga(folder / "p.tga", 8, 8, 3, gray);
   write_tga(folder / "p4.TGA", 1, 1, 4, {128, 128, 128, 7});
-  write_bmp(folder / "p.bmp", 8, 8, grey);
-  write_pnm(folder / "p.ppm", 8, 8, 3, 255, grey);
+  write_bmp(folder / "p.bmp", 8, 8, gray);
+  write_pnm(folder / "p.ppm", 8, 8, 3, 255, gray);
   write_pnm(folder / "p.pgm", 1, 1, 1, 255, {128});
   write_pnm(folder / "p16.ppm", 1, 1, 3, 65535, {32896, 32896, 32896});
   write_jpeg(folder / "p.jpg", 248);
-  write_hdr(folder / "p.hdr", 8, 8, grey);
+  write_hdr(folder / "p.hdr", 8, 8, gray);
   Image exact(1, 1, {"R", "G", "B"});
   exact.data = {0.215861f, 0.215861f, 0.215861f};
   write_png(folder / "p.png", exact);
@@ -178,7 +178,7 @@ TEST_CASE("pbrt textures: integer images are sRGB and only PNG files may have an
     }
 }
 
-TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colours") {
+TEST_CASE("pbrt textures: scalar textures use alpha or the mean of the colors") {
   const TemporaryFolder folder;
   Image image(1, 1, {"R", "G", "B", "A"});
   const auto seen = [&](const std::string& file, float alpha) {

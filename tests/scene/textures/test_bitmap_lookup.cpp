@@ -78,7 +78,7 @@ struct Place {
   double x, y;
 };
 
-Place place_of(const TextureDescription& texture, const TestImage& image, double u, double v) {
+Place position_of(const TextureDescription& texture, const TestImage& image, double u, double v) {
   const auto& m = texture.to_uv;
   return {(m[0] * u + m[1] * v + m[2]) * image.width, (m[3] * u + m[4] * v + m[5]) * image.height};
 }
@@ -86,7 +86,7 @@ Place place_of(const TextureDescription& texture, const TestImage& image, double
 /// The value of a channel in double precision.
 double reference(const TextureDescription& texture, const TestImage& image, double u, double v, int c) {
   const auto& model = std::get<BitmapDescription>(texture.model);
-  const Place at = place_of(texture, image, u, v);
+  const Place at = position_of(texture, image, u, v);
   const auto texel = [&](double x, double y) {
     return image.at(wrap_index(model.wrap_u, static_cast<long long>(x), image.width),
                     wrap_index(model.wrap_v, static_cast<long long>(y), image.height), c);
@@ -134,7 +134,7 @@ Errors measure(const TextureDescription& texture, const TestImage& image, const 
   for (std::uint32_t i = 0; i < queries; ++i) {
     const TextureQuery<Scalar> q = random_query(i);
     const double u = q.uv.x, v = q.uv.y;
-    if (distance_from_jump(texture, place_of(texture, image, u, v)) < kMargin) continue;
+    if (distance_from_jump(texture, position_of(texture, image, u, v)) < kMargin) continue;
     const Spectrum4 color = lookup_texture<Scalar>(view, 0, q);
     const float channels[] = {color.c0, color.c1, color.c2};
     for (int c = 0; c < 3; ++c) {
@@ -231,7 +231,7 @@ TEST_CASE("texture lookup: the uv transform applies to values and slopes") {
   }
 }
 
-TEST_CASE("texture lookup: the origin is the lower left corner and texel centres are at halves") {
+TEST_CASE("texture lookup: the origin is the lower left corner and texel centers are at halves") {
   const TemporaryFolder folder;
   write_pnm(folder / "a.pgm", 3, 2, 1, 255, {10, 20, 30, 40, 50, 60});
   TestImage image;
@@ -263,9 +263,9 @@ TEST_CASE("texture lookup: any coordinates are valid") {
       const auto [low, high] = std::minmax_element(image.linear.begin(), image.linear.end());
       for (const Wrap wrap : kWraps)
         for (const Filter filter : {Filter::kBilinear, Filter::kNearest})
-          for (const bool turned : {false, true}) {
+          for (const bool rotated : {false, true}) {
             TextureDescription texture = describe(image, filter, wrap, wrap);
-            if (turned) texture.to_uv = {0, -3e38f, 1, 3e38f, 0, 0};
+            if (rotated) texture.to_uv = {0, -3e38f, 1, 3e38f, 0, 0};
             const TextureTables compiled = compile_textures({texture});
             const TextureView view = view_of(compiled);
             for (const float u : kStrange)
@@ -275,7 +275,7 @@ TEST_CASE("texture lookup: any coordinates are valid") {
                     c.c0 >= *low - 1e-6 && c.c0 <= *high + 1e-6 && c.c2 >= *low - 1e-6 && c.c2 <= *high + 1e-6;
                 CHECK(inside);
                 const Vec2f g = lookup_scalar_gradient<Scalar>(view, 0, query_at(u, v));
-                CHECK((turned || (is_finite(g.x) && is_finite(g.y))));
+                CHECK((rotated || (is_finite(g.x) && is_finite(g.y))));
               }
             for (const float u : kStrange)
               for (std::size_t first = 0; first < std::size(kStrange); first += kWidth) {
@@ -283,7 +283,7 @@ TEST_CASE("texture lookup: any coordinates are valid") {
                   return query_at(u, kStrange[(first + static_cast<std::size_t>(k)) % std::size(kStrange)]);
                 });
                 CHECK(d.value < 1e-6);
-                CHECK((turned || d.slope < 2e-5));
+                CHECK((rotated || d.slope < 2e-5));
               }
           }
     }

@@ -33,8 +33,8 @@ std::vector<int> ramp(int count, int step = 7, int modulus = 256) {
 double stored(const TiledImage& image, int x, int y, int channel = 0) {
   const int shift = tile_shift(image.format), side = 1 << shift;
   const auto tile = static_cast<std::size_t>(y / side) * image.tiles_per_row + static_cast<std::size_t>(x / side);
-  const bool grey = texel_channels(image.format) == 1;
-  const auto value = static_cast<std::size_t>((y % side * side + x % side) * (grey ? 1 : 4) + channel);
+  const bool gray = texel_channels(image.format) == 1;
+  const auto value = static_cast<std::size_t>((y % side * side + x % side) * (gray ? 1 : 4) + channel);
   if (holds_bytes(image.format)) return image.tiles[tile].bytes[value];
   float out = 0;
   std::memcpy(&out, image.tiles[tile].bytes + 4 * value, sizeof(float));
@@ -123,15 +123,15 @@ TEST_CASE("texture: 8-bit images are stored as bytes in tiles from the lower lef
   for (const auto& [width, height] : {std::pair{1, 1}, {4, 4}, {9, 6}, {8, 17}, {30, 3}, {257, 2}}) {
     CAPTURE_BINDING(width);
     CAPTURE_BINDING(height);
-    const std::vector<int> grey = ramp(width * height), color = ramp(3 * width * height);
-    write_pnm(folder / "grey.pgm", width, height, 1, 255, grey);
+    const std::vector<int> gray = ramp(width * height), color = ramp(3 * width * height);
+    write_pnm(folder / "grey.pgm", width, height, 1, 255, gray);
     write_pnm(folder / "color.ppm", width, height, 3, 255, color);
     const TiledImage one = load_image(folder / "grey.pgm", false), four = load_image(folder / "color.ppm", false);
     CHECK(one.format == TexelFormat::kByte1);
     CHECK(four.format == TexelFormat::kByte4);
     REQUIRE(one.width == static_cast<std::uint32_t>(width));
     REQUIRE(four.height == static_cast<std::uint32_t>(height));
-    CHECK(holds(one, grey, 1));
+    CHECK(holds(one, gray, 1));
     CHECK(holds(four, color, 3));
     CHECK(stored(four, width - 1, height - 1, 3) == 0.0);
   }
@@ -189,9 +189,9 @@ TEST_CASE("texture: OpenEXR images are linear and have named channels") {
   write_exr(folder / "uv.exr", image);
   CHECK(contains(message_of([&] { load_image(folder / "uv.exr", false); }),
                  "the channels A, U, V, Z (expected R, G and B"));
-  Image grey(5, 3, {"A", "Y"});
-  grey.at(1, 0, 1) = 0.25f;
-  write_exr(folder / "grey.exr", grey);
+  Image gray(5, 3, {"A", "Y"});
+  gray.at(1, 0, 1) = 0.25f;
+  write_exr(folder / "grey.exr", gray);
   const TiledImage tiled = load_image(folder / "grey.exr", false);
   CHECK(tiled.format == TexelFormat::kFloat1);
   CHECK(stored(tiled, 1, 2) == 0.25);
@@ -219,9 +219,9 @@ TEST_CASE("texture: alpha is dropped without unpremultiplying") {
   CHECK(stored(png, 0, 0, 2) == 255);
   CHECK(stored(png, 0, 0, 0) == std::lround(255 * linear_to_srgb(0.5f)));
 
-  Image grey(2, 1, {"Y", "A"});
-  grey.data = {0.5f, 1, 0.25f, 0.5f};
-  write_png(folder / "grey.png", grey);
+  Image gray(2, 1, {"Y", "A"});
+  gray.data = {0.5f, 1, 0.25f, 0.5f};
+  write_png(folder / "grey.png", gray);
   const TiledImage two = load_image(folder / "grey.png", false);
   CHECK(two.format == TexelFormat::kByte1);
   CHECK(stored(two, 1, 0) == std::lround(255 * linear_to_srgb(0.5f)));

@@ -87,7 +87,7 @@ TEST_CASE("texture channels: bytes stay bytes, and alpha is never decoded") {
   }
 }
 
-TEST_CASE("texture channels: grey images have their grey in all colours, and images without alpha are opaque") {
+TEST_CASE("texture channels: gray images have their gray in all colors, and images without alpha are opaque") {
   const TemporaryFolder folder;
   write_pnm(folder / "grey.pgm", 2, 1, 1, 255, {40, 50});
   write_pnm(folder / "rgb.ppm", 2, 1, 3, 255, {1, 2, 3, 4, 5, 6});
@@ -104,7 +104,7 @@ TEST_CASE("texture channels: grey images have their grey in all colours, and ima
   CHECK(lookup_texture<Scalar>(view, 5, query_at(0.75f, 0.5f)).c1 == within(decoded(5), kDecodingError));
 }
 
-TEST_CASE("texture channels: wide integers, floats and colour transforms") {
+TEST_CASE("texture channels: wide integers, floats and color transforms") {
   const TemporaryFolder folder;
   write_tiff(folder / "wide.tif", 1, 1, 3, 16, {10000, 20000, 30000});
   Image image(1, 1, {"R", "G", "B", "A"});

@@ -60,7 +60,7 @@ struct WithUvs {
 
 }  // namespace
 
-TEST_CASE("product textures: colours and scalars are multiplied, slopes follow the product rule") {
+TEST_CASE("product textures: colors and scalars are multiplied, slopes follow the product rule") {
   const TemporaryFolder folder;
   // Heights 1 to 3 over u, and 2 to 10 over v
   const TextureDescription a = image_texture(folder / "a.exr", 2, 1, 1, {1, 3}),
@@ -70,7 +70,7 @@ TEST_CASE("product textures: colours and scalars are multiplied, slopes follow t
       texture(ProductTextureDescription{SpectrumDescription::rgb(0.5f, 2, 4), TextureId{0}});
   const TextureTables textures = compile_textures({a, b, both, color});
   const TextureView view = view_of(textures);
-  // Texel centres are at 1/4 and 3/4: at u = v = 0.4 the factors are 1 + 0.3 * 2 and 2 + 0.3 * 8.
+  // Texel centers are at 1/4 and 3/4: at u = v = 0.4 the factors are 1 + 0.3 * 2 and 2 + 0.3 * 8.
   const TextureQuery<Scalar> query = query_at(0.4f, 0.4f);
   CHECK(lookup_scalar<Scalar>(view, 2, query) == near(1.6 * 4.4));
   CHECK(lookup_texture<Scalar>(view, 2, query).c1 == near(1.6 * 4.4));
@@ -134,10 +134,10 @@ TEST_CASE("direction textures: the angle of the vector in two channels, with an 
   TextureDescription y = image_texture(folder / "y.exr", 4, 1, 1, {0.5f, 1, 0.5f, 0.5f - kDiagonal});
   for (TextureDescription* t : {&x, &y}) std::get<BitmapDescription>(t->model).filter = TextureFilter::kNearest;
   const DirectionTextureDescription plain{TextureId{0}, TextureId{1}};
-  const DirectionTextureDescription turned{TextureId{0}, TextureId{1}, 0.25f};
-  const TextureModel scaled = scaled_texture(turned, 2, [](const SpectrumInput& color) { return color; });
+  const DirectionTextureDescription rotated{TextureId{0}, TextureId{1}, 0.25f};
+  const TextureModel scaled = scaled_texture(rotated, 2, [](const SpectrumInput& color) { return color; });
   const TextureTables textures = compile_textures(
-      {x, y, texture(plain), texture(turned), texture(scaled), texture(DirectionTextureDescription{})});
+      {x, y, texture(plain), texture(rotated), texture(scaled), texture(DirectionTextureDescription{})});
   const TextureView view = view_of(textures);
   const double angles[4] = {0, 0.5 * std::numbers::pi, std::numbers::pi, -0.25 * std::numbers::pi};
   for (std::uint32_t i = 0; i < 4; ++i) {

@@ -94,23 +94,23 @@ TEST_CASE("texture lookup: volumes are evaluated at the position in world space"
     return c == 0 ? p.x : c == 1 ? p.y : p.z;
   });
   const auto numbers = write_vol(folder / "grey.vol", 8, 1, [](Vec3f p, int) { return p.x * p.z; });
-  TextureDescription rgb, grey, nearest;
+  TextureDescription rgb, gray, nearest;
   // The cube [1, 3] x [0, 2] x [0, 2].
-  const Transform place = Transform::translate({1, 0, 0}) * Transform::scale({2, 2, 2});
-  rgb.model = VolumeTextureDescription{vol(colors, place), 0.5f};
-  grey.model = VolumeTextureDescription{vol(numbers, place), 1};
-  VolumeTextureDescription blocks{vol(colors, place), 1};
+  const Transform position = Transform::translate({1, 0, 0}) * Transform::scale({2, 2, 2});
+  rgb.model = VolumeTextureDescription{vol(colors, position), 0.5f};
+  gray.model = VolumeTextureDescription{vol(numbers, position), 1};
+  VolumeTextureDescription blocks{vol(colors, position), 1};
   blocks.grid.filter = GridFilter::kNearest;
   blocks.grid.wrap = GridVolumeDescription::Wrap::kRepeat;
   nearest.model = blocks;
-  const TextureTables compiled = compile_textures({rgb, grey, nearest});
+  const TextureTables compiled = compile_textures({rgb, gray, nearest});
   const TextureView view = view_of(compiled);
   const auto at = [](Vec3f p) { return TextureQuery<Scalar>{{0.9f, 0.1f}, 0, 0, 0, 0, p}; };
   const Spectrum4 color = lookup_texture<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f}));
   CHECK(record_difference<Spectrum>(color, {0.5f * 0.6f, 0.5f * 0.75f, 0.5f * 0.15f, 0}) < 1e-5);
   CHECK(lookup_scalar<Scalar>(view, 0, at({2.2f, 1.5f, 0.3f})) == near(luminance({0.3f, 0.375f, 0.075f})));
   CHECK(lookup_texture<Scalar>(view, 0, at({9, 1, 1})).c0 == near(0.5 * 15 / 16));
-  // At voxel centres products are exact.
+  // At voxel centers products are exact.
   CHECK(lookup_scalar<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})) == near(5.5 / 8 * 2.5 / 8));
   CHECK(lookup_texture<Scalar>(view, 1, at({1 + 2 * 5.5f / 8, 1, 2 * 2.5f / 8})).c2 == near(5.5 * 2.5 / 64));
   CHECK(lookup_texture<Scalar>(view, 2, at({1.1f + 2, 0.9f, 0.1f})).c0 == near(0.5 / 8));
@@ -129,8 +129,8 @@ TEST_CASE("texture lookup: volumes as light or bump textures are rejected") {
   TextureDescription texture;
   texture.model = VolumeTextureDescription{vol(numbers), 1};
   d.textures.push_back(texture);
-  const MaterialId grey = add_diffuse(d, 0.5f);
-  add_sphere(d, {0, 0, 0}, 1, grey).radiance = TextureId{0};
+  const MaterialId gray = add_diffuse(d, 0.5f);
+  add_sphere(d, {0, 0, 0}, 1, gray).radiance = TextureId{0};
   CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("a grid in the world, expected one that follows"),
                        SceneError);
   TextureDescription board;
@@ -142,7 +142,7 @@ TEST_CASE("texture lookup: volumes as light or bump textures are rejected") {
   CHECK_THROWS_AS(compile_scene(d), SceneError);
   d.shapes[0].radiance.reset();
   CHECK_NOTHROW(compile_scene(d));
-  d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, grey});
+  d.shapes[0].material = add_material(d, BumpMapDescription{TextureId{0}, 1, gray});
   CHECK_THROWS_WITH_AS(compile_scene(d), doctest::Contains("expected a texture over uv"), SceneError);
 }
 
@@ -193,7 +193,7 @@ TEST_CASE("texture lookup: wireframes follow the edges of triangles") {
     }));
 }
 
-TEST_CASE("texture lookup: bindings give numbers or reflectances or unbounded colours") {
+TEST_CASE("texture lookup: bindings give numbers or reflectances or unbounded colors") {
   TextureDescription board;
   board.model = CheckerboardDescription{SpectrumDescription::rgb(3, 0.5f, -1), SpectrumDescription::rgb(3, 0.5f, -1)};
   const TextureTables compiled = compile_textures({board});

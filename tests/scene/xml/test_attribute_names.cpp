@@ -10,7 +10,7 @@ using namespace test;
 
 namespace {
 
-/// A triangle with vertex colours.
+/// A triangle with vertex colors.
 const std::string kColored =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
     "property float r\nproperty float g\nproperty float b\nelement face 1\nproperty list uchar int vertex_indices\n"
@@ -43,12 +43,12 @@ Outcome compile(const std::string& inside, bool lenient = false) {
   Description d =
       read_scene(write_below(folder, "scene.xml", mitsuba_scene(inside + "<emitter type='constant'/>")), options);
   try {
-    ErrorSink errors(lenient, d.stand_ins);
+    ErrorSink errors(lenient, d.substitutions);
     CompileOptions compiling;
     compiling.errors = &errors;
     outcome.warnings = compile_scene(d, compiling)->warnings();
   } catch (const SceneError& error) { outcome.error = error.what(); }
-  if (lenient) outcome.warnings = d.stand_ins;
+  if (lenient) outcome.warnings = d.substitutions;
   return outcome;
 }
 
@@ -112,11 +112,11 @@ TEST_CASE("attribute names: unused materials are not checked and wireframes need
   CHECK(compile(mesh("obj", diffuse("<texture type='wireframe' name='reflectance'/>"))).error.empty());
 }
 
-TEST_CASE("attribute names: in lenient mode the texture becomes grey") {
+TEST_CASE("attribute names: in lenient mode the texture becomes gray") {
   const Outcome outcome = compile(mesh("ply", diffuse(attribute("vertex_x"))), true);
   CHECK(outcome.error.empty());
   REQUIRE(outcome.warnings.size() == 1);
-  CHECK(contains(outcome.warnings[0], "(the texture is grey)"));
+  CHECK(contains(outcome.warnings[0], "(the texture is gray)"));
 }
 
 }  // namespace sheaf::test_attribute_names

@@ -170,22 +170,22 @@ TEST_CASE("expressions: results are the shortest text that parses to the same va
 TEST_CASE("definitions: names and expressions are substituted") {
   Definitions definitions({{"a", "1"}, {"ab", "2"}, {"n", "4"}});
   const auto fail = [](const SceneError& error) { throw SceneError(error); };
-  const TextPlace place{{"f", 3}, 10};
-  CHECK(definitions.substitute("x$a.$abc $ $", place, fail) == "x1.2c $ $");
-  CHECK(definitions.substitute("f_$(n * (a + 1)).png$a", place, fail) == "f_8.png1");
-  CHECK(definitions.substitute_defined("$x $a $$a", place, fail) == "$x 1 $1");
-  CHECK_THROWS_WITH(definitions.substitute("$x", place, fail),
+  const TextLocation position{{"f", 3}, 10};
+  CHECK(definitions.substitute("x$a.$abc $ $", position, fail) == "x1.2c $ $");
+  CHECK(definitions.substitute("f_$(n * (a + 1)).png$a", position, fail) == "f_8.png1");
+  CHECK(definitions.substitute_defined("$x $a $$a", position, fail) == "$x 1 $1");
+  CHECK_THROWS_WITH(definitions.substitute("$x", position, fail),
                     "f:3: parameter '$x' is not defined (define it by -D x=value or <default>)");
-  CHECK_THROWS_WITH(definitions.substitute_defined("a $(1 + x)", place, fail),
+  CHECK_THROWS_WITH(definitions.substitute_defined("a $(1 + x)", position, fail),
                     "f:3: column 18: '$(1 + x)': 'x' is not defined (define it by -D x=value)");
-  CHECK_THROWS_WITH(definitions.substitute("$(1 + (2)", place, fail),
+  CHECK_THROWS_WITH(definitions.substitute("$(1 + (2)", position, fail),
                     "f:3: column 10: '$(1 + (2)': '$(' is not closed, expected ')'");
   // Errors that do not throw leave the text empty.
   int errors = 0;
-  CHECK(definitions.substitute("<$x|$(2*)|$(2*3)>", place, [&](const SceneError&) { ++errors; }) == "<||6>");
+  CHECK(definitions.substitute("<$x|$(2*)|$(2*3)>", position, [&](const SceneError&) { ++errors; }) == "<||6>");
   CHECK(errors == 2);
   // Unclosed parentheses take linear time.
-  CHECK(definitions.substitute(repeated("$(", 200'000), place, [](const SceneError&) {}).empty());
+  CHECK(definitions.substitute(repeated("$(", 200'000), position, [](const SceneError&) {}).empty());
 }
 
 TEST_CASE("definitions: unused names of -D are errors") {
@@ -225,7 +225,7 @@ TEST_CASE("expressions in XML: attributes of all elements") {
   lenient.lenient = true;
   const Description left_out =
       read_text(mitsuba_scene("<shape type='sphere'><string name='id' value='a$(x)'/></shape>"), lenient);
-  CHECK(contains(left_out.stand_ins.at(0), "'x' is not defined (define it by -D x=value) (left empty)"));
+  CHECK(contains(left_out.substitutions.at(0), "'x' is not defined (define it by -D x=value) (left empty)"));
 }
 
 TEST_CASE("pbrt: -D replaces names and expressions are evaluated") {

@@ -45,7 +45,7 @@ std::string read_xml_values(const std::string& properties, Values* values) {
   const ExpandedScene scene(
       write_below(folder, "scene.xml", "<scene>\n<shape type='ball'>\n" + properties + "</shape>\n</scene>\n"), {});
   Description description;
-  ErrorSink errors(false, description.stand_ins);
+  ErrorSink errors(false, description.substitutions);
   ReadContext context{scene, description, description, description.textures, description.materials, description.phases,
                       errors};
   try {
@@ -61,7 +61,7 @@ std::string read_xml_values(const std::string& properties, Values* values) {
 /// The values of a pbrt directive, or the message of the error.
 std::string read_pbrt_values(const std::string& parameters, Values* values) {
   Description description;
-  ErrorSink errors(false, description.stand_ins);
+  ErrorSink errors(false, description.substitutions);
   pbrt::Reader reader{description, errors, {}, {}};
   try {
     pbrt::Tokens tokens(parameters, "scene.pbrt");

@@ -48,8 +48,8 @@ TEST_CASE("XML: entities of a DTD are not expanded") {
   const std::string text =
       "<!DOCTYPE scene [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<scene version=\"&b;\"/>";
   const TemporaryFolder folder;
-  std::vector<std::string> stand_ins;
-  ErrorSink errors(false, stand_ins);
+  std::vector<std::string> substitutions;
+  ErrorSink errors(false, substitutions);
   CHECK(read_xml(write_below(folder, "entities.xml", text), errors).attribute("version") == "&b;");
 }
 

@@ -91,7 +91,7 @@ inline void append_tiff_directory(std::string& bytes, const std::vector<TiffEntr
   append_little(bytes, 0, 4);
 }
 
-/// Writes a TIFF with one strip of 8- or 16-bit grey or RGB samples, top left first.
+/// Writes a TIFF with one strip of 8- or 16-bit gray or RGB samples, top left first.
 inline void write_tiff(const std::filesystem::path& path, int width, int height, int channels, int bits,
                        const std::vector<int>& values) {
   std::string data;
@@ -117,7 +117,7 @@ inline void write_tiff(const std::filesystem::path& path, int width, int height,
   write_bytes(path, bytes);
 }
 
-/// Writes an 8-bit grey TIFF with one tile of 16 x 16 pixels. The image of `values`, at most 16 pixels wide, is in the
+/// Writes an 8-bit gray TIFF with one tile of 16 x 16 pixels. The image of `values`, at most 16 pixels wide, is in the
 /// tile's top left corner. `claimed_width` and `claimed_height` are the tile size in the file's directory.
 inline void write_tiled_tiff(const std::filesystem::path& path, int width, int height, const std::vector<int>& values,
                              std::uint32_t claimed_width = 16, std::uint32_t claimed_height = 16) {
@@ -144,9 +144,9 @@ inline void write_tiled_tiff(const std::filesystem::path& path, int width, int h
   write_bytes(path, bytes);
 }
 
-/// Writes a baseline JPEG of 8 x 8 pixels of one grey. Every quantisation step is 1, so that the only coefficient, 8
+/// Writes a baseline JPEG of 8 x 8 pixels of one gray. Every quantization step is 1, so that the only coefficient, 8
 /// times the difference from 128, is exact. It must be in [2^9, 2^10 - 1]: one code for the category and 10 bits.
-inline void write_jpeg(const std::filesystem::path& path, int grey) {
+inline void write_jpeg(const std::filesystem::path& path, int gray) {
   std::string bytes{'\xff', '\xd8', '\xff', '\xdb', 0, 67, 0};
   bytes.append(64, 1);
   for (const int b : {0xff, 0xc0, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0}) bytes += static_cast<char>(b);
@@ -156,7 +156,7 @@ inline void write_jpeg(const std::filesystem::path& path, int grey) {
     bytes += static_cast<char>(table == 0 ? 10 : 0);
   }
   for (const int b : {0xff, 0xda, 0, 8, 1, 1, 0x00, 0, 63, 0}) bytes += static_cast<char>(b);
-  const auto coefficient = static_cast<std::uint32_t>(8 * (grey - 128));
+  const auto coefficient = static_cast<std::uint32_t>(8 * (gray - 128));
   const std::uint32_t bits = coefficient << 5 | 0xfu;  // 0, ten bits, 0, then ones up to the end of the byte
   bytes += static_cast<char>(bits >> 8 & 0x7fu);
   bytes += static_cast<char>(bits & 0xffu);
@@ -188,7 +188,7 @@ inline std::string webp_bytes(int width, int height, const std::vector<int>& val
   bits.put(static_cast<std::uint32_t>(width - 1), 14);
   bits.put(static_cast<std::uint32_t>(height - 1), 14);
   bits.put(has_alpha ? 1 : 0, 1);
-  bits.put(0, 3 + 3);  // version; no transform, no colour cache, one group of prefix codes
+  bits.put(0, 3 + 3);  // version; no transform, no color cache, one group of prefix codes
   constexpr std::size_t kOrder[] = {1, 0, 2, 3};
   std::vector<int> used[4];
   for (const std::size_t channel : kOrder) {

@@ -64,7 +64,7 @@ inline FbxBlock fbx_property(const std::string& name, const std::string& type, c
   return {"P", {name, type, std::string(), std::string("A"), v[0], v[1], v[2]}, {}};
 }
 
-/// Squares, cameras and lights of FBX, in centimetres.
+/// Squares, cameras and lights of FBX, in centimeters.
 class FbxFile {
  public:
   /// Adds a model and returns its id. `parent` 0: the root.

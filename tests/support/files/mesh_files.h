@@ -36,7 +36,7 @@ template <std::invocable Call> std::string error_of(Call&& call) {
   return {};
 }
 
-/// Unnormalised normal (b - a) x (c - a) of a triangle, twice its area in length.
+/// Unnormalized normal (b - a) x (c - a) of a triangle, twice its area in length.
 inline Vec3f area_normal(const Mesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
   return cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]);

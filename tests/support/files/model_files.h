@@ -57,7 +57,7 @@ inline std::string cube_off() {
 /// Parts of a COLLADA file that tests vary.
 struct ColladaParts {
   std::string up = "Y_UP", meter = "1";
-  std::string shading = "<lambert>$</lambert>";  ///< with $ for the diffuse colour
+  std::string shading = "<lambert>$</lambert>";  ///< with $ for the diffuse color
   std::string libraries, nodes;                  ///< more of them
 };
 inline std::string cube_dae(const ColladaParts& parts = {}) {
@@ -97,7 +97,7 @@ inline std::string cube_dae(const ColladaParts& parts = {}) {
 /// Axes and unit of an FBX file: the axis that points upwards, and the one to the viewer with its sign.
 struct FbxAxes {
   int up = 1, front = 2, front_sign = 1;
-  const char* centimetres = "100";
+  const char* centimeters = "100";
 };
 /// A text file of FBX 7.3. `material`: more properties of the materials.
 inline std::string cube_fbx(const FbxAxes& axes = {}, const std::string& material = "") {
@@ -122,7 +122,7 @@ inline std::string cube_fbx(const FbxAxes& axes = {}, const std::string& materia
          property("FrontAxis", kInteger, std::to_string(axes.front)) +
          property("FrontAxisSign", kInteger, std::to_string(axes.front_sign)) + property("CoordAxis", kInteger, "0") +
          property("CoordAxisSign", kInteger, "1") +
-         property("UnitScaleFactor", "\"double\", \"Number\", \"\"", axes.centimetres) +
+         property("UnitScaleFactor", "\"double\", \"Number\", \"\"", axes.centimeters) +
          "}\n}\nDefinitions:  {\nVersion: 100\nCount: 0\n}\nObjects:  {\nGeometry: 10, \"Geometry::cube\", \"Mesh\" {\n"
          "Vertices: *24 {\na: " +
          cube_corners(",") + "\n}\nPolygonVertexIndex: *24 {\na: " + corners +

@@ -1,4 +1,4 @@
-"""Composes labelled sheets of several images. Needs numpy and Pillow, and the font DejaVu Sans."""
+"""Composes labeled sheets of several images. Needs numpy and Pillow, and the font DejaVu Sans."""
 
 import sys
 from dataclasses import dataclass, field
@@ -106,7 +106,7 @@ def srgb(values):
 
 
 def cryptomatte_colors(channels, layer):
-    """The coverage of each id in a colour of its own; ids are the bits of floats."""
+    """The coverage of each id in a color of its own; ids are the bits of floats."""
     total = 0
     for level in range(3):
         for ids, cover in ("rg", "ba"):
@@ -153,7 +153,7 @@ def make_sheet(name, paths):
 
 
 def write_film(paths, film):
-    """Writes an animated PNG of the frames, with a palette of 128 colours that all frames share."""
+    """Writes an animated PNG of the frames, with a palette of 128 colors that all frames share."""
     frames = [open_image(path) for path in paths]
     palette = compose([frame.reduce(2) for frame in frames[::4]]).quantize(128, method=Image.Quantize.MEDIANCUT)
     frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]

@@ -13,16 +13,17 @@ namespace {
 using L = Wide;
 using Indices = std::vector<std::size_t>;
 
-/// A plain material of a composite one, and its share. kNothing: light passes unchanged.
+/// A plain material of a composite one, and its weight. kNothing: light passes unchanged.
 struct Part {
   std::uint32_t row;
-  float share;
+  float fraction;
 };
 
 /// Appends the parts of a material as seen from one side.
-void add_parts(const MaterialView& materials, std::uint32_t row, bool behind, float share, std::vector<Part>& parts) {
+void add_parts(const MaterialView& materials, std::uint32_t row, bool behind, float fraction,
+               std::vector<Part>& parts) {
   if (row == MaterialRow::kNothing) {
-    parts.push_back({row, share});
+    parts.push_back({row, fraction});
     return;
   }
   if (behind) row = materials.rows[row].back;
@@ -30,12 +31,12 @@ void add_parts(const MaterialView& materials, std::uint32_t row, bool behind, fl
   if (material.binding_count > 0 || (material.flags & kMapped) != 0)
     throw Error(ExitCode::kUsage, "textures or maps vary the material (expected constant parameters)");
   if ((material.flags & kComposite) == 0) {
-    parts.push_back({row, share});
+    parts.push_back({row, fraction});
     return;
   }
-  const float second = material.second_share();
-  add_parts(materials, material.choice[0], behind, share * (1 - second), parts);
-  add_parts(materials, material.choice[1], behind, share * second, parts);
+  const float second = material.second_weight();
+  add_parts(materials, material.choice[0], behind, fraction * (1 - second), parts);
+  add_parts(materials, material.choice[1], behind, fraction * second, parts);
 }
 
 /// The directions of kWidth elements; the last one repeats.
@@ -50,8 +51,8 @@ Vec3<L> load_directions(const std::vector<Vec3f>& values, const Indices& element
 
 /// Two-sided materials are shaded in a frame on the side of wo: -1 for lanes where it is turned.
 Float<L> side_of(const MaterialRow& material, const Vec3<L>& wo) {
-  const Mask<L> turned = (wo.z < Float<L>(0.0f)) & Mask<L>((material.flags & kTwoSided) != 0);
-  return select(turned, Float<L>(-1.0f), Float<L>(1.0f));
+  const Mask<L> flipped = (wo.z < Float<L>(0.0f)) & Mask<L>((material.flags & kTwoSided) != 0);
+  return select(flipped, Float<L>(-1.0f), Float<L>(1.0f));
 }
 
 /// Calls f(bsdf, material) with the BSDF of a row, the same in all lanes.
@@ -84,8 +85,8 @@ void add_values(const MaterialView& materials, const Part& part, const std::vect
       for (int lane = 0; lane < L::width && first + static_cast<std::size_t>(lane) < elements.size(); ++lane) {
         const std::size_t at = elements[first + static_cast<std::size_t>(lane)];
         const Spectrum<Scalar> f = f_cos[lane];
-        out.f_cos[at] = out.f_cos[at] + Vec3f{f.c0, f.c1, f.c2} * part.share;
-        out.pdf[at] += pdf[lane] * part.share;
+        out.f_cos[at] = out.f_cos[at] + Vec3f{f.c0, f.c1, f.c2} * part.fraction;
+        out.pdf[at] += pdf[lane] * part.fraction;
       }
     }
   });
@@ -136,8 +137,8 @@ void sample_parts(const MaterialView& materials, const std::vector<Part>& parts,
   for (const std::size_t at : elements) {
     float rest = u[at].x;
     std::size_t k = 0;
-    while (k + 1 < parts.size() && rest >= parts[k].share) rest -= parts[k++].share;
-    u[at].x = std::clamp(rest / std::max(parts[k].share, 1e-20f), 0.0f, kOneMinusEpsilon);
+    while (k + 1 < parts.size() && rest >= parts[k].fraction) rest -= parts[k++].fraction;
+    u[at].x = std::clamp(rest / std::max(parts[k].fraction, 1e-20f), 0.0f, kOneMinusEpsilon);
     chosen[k].push_back(at);
   }
   for (std::size_t k = 0; k < parts.size(); ++k) sample_part(materials, parts[k], wo, u, chosen[k], out);

@@ -295,7 +295,7 @@ py::dict compare(const RenderedImage& a, const RenderedImage& b, double signific
   out["mean_ratio"] = result.mean_ratio;
   out["non_finite"] = result.non_finite;
   if (result.z_test) {
-    out["accepted"] = result.z_test->accepted_share();
+    out["accepted"] = result.z_test->accepted_fraction();
     out["mean_z_squared"] = result.z_test->mean_z_squared;
     out["mean_p"] = result.z_test->corrected_mean_p();
   }
@@ -314,7 +314,7 @@ void add_scene(py::module_& m) {
       .def_property_readonly("has_tree", &Session::has_tree)
       .def_property_readonly("name", &Session::name)
       .def_property_readonly("notes", [](const Session& s) { return s.description().notes; })
-      .def_property_readonly("stand_ins", [](const Session& s) { return s.description().stand_ins; })
+      .def_property_readonly("substitutions", [](const Session& s) { return s.description().substitutions; })
       .def_property_readonly(
           "size",
           [](const Session& s) { return py::make_tuple(s.description().film.width, s.description().film.height); })

@@ -95,26 +95,26 @@ const OptionValues& rgb_options() {
 }
 
 py::tuple evaluate_arrays(Session& session, const std::string& material, const Vectors& wo, const Vectors& wi) {
-  const std::vector<Vec3f> out_going = vectors_of(wo), incoming = vectors_of(wi);
-  if (out_going.size() != incoming.size()) throw Error(ExitCode::kUsage, "wo and wi differ in length");
+  const std::vector<Vec3f> outgoing = vectors_of(wo), incoming = vectors_of(wi);
+  if (outgoing.size() != incoming.size()) throw Error(ExitCode::kUsage, "wo and wi differ in length");
   BsdfValues values;
   {
     const py::gil_scoped_release unlocked;
     session.with_scene(rgb_options(), [&](const LoadedScene& loaded) {
-      values = evaluate_bsdf(*loaded.scene, material_row(*loaded.scene, material), out_going, incoming);
+      values = evaluate_bsdf(*loaded.scene, material_row(*loaded.scene, material), outgoing, incoming);
     });
   }
   return py::make_tuple(array_of(values.f_cos), array_of(values.pdf));
 }
 
 py::tuple sample_arrays(Session& session, const std::string& material, const Vectors& wo, const Vectors& u) {
-  const std::vector<Vec3f> out_going = vectors_of(wo), numbers = vectors_of(u);
-  if (out_going.size() != numbers.size()) throw Error(ExitCode::kUsage, "wo and u differ in length");
+  const std::vector<Vec3f> outgoing = vectors_of(wo), numbers = vectors_of(u);
+  if (outgoing.size() != numbers.size()) throw Error(ExitCode::kUsage, "wo and u differ in length");
   BsdfSamples samples;
   {
     const py::gil_scoped_release unlocked;
     session.with_scene(rgb_options(), [&](const LoadedScene& loaded) {
-      samples = sample_bsdf(*loaded.scene, material_row(*loaded.scene, material), out_going, numbers);
+      samples = sample_bsdf(*loaded.scene, material_row(*loaded.scene, material), outgoing, numbers);
     });
   }
   return py::make_tuple(array_of(samples.wi), array_of(samples.weight), array_of(samples.pdf),

@@ -92,7 +92,7 @@ std::vector<OptionHelp> render_option_list() {
 }
 
 std::map<std::string, std::vector<std::string>> plugin_names() {
-  // A scene for each element, at a place where readers expect it
+  // A scene for each element, with the parents that readers expect
   const XmlElement sensor = around("sensor", "perspective", {});
   const auto in_sensor = [](XmlElement child) { return around("sensor", "perspective", {std::move(child)}); };
   std::vector<std::vector<XmlElement>> scenes;

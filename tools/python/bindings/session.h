@@ -30,7 +30,7 @@ struct RenderedImage {
   bool kept_accel = false;  ///< its acceleration structure was used
 };
 
-/// What another thread reads and sets while a render runs.
+/// State that another thread reads and sets while a render runs.
 struct RenderWatch {
   std::atomic<bool> stop{false};
   std::atomic<std::uint64_t> done{0}, total{0};  ///< samples

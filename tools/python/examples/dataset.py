@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders views from random places with depth, normals and object numbers, for computer vision. Each view becomes a PNG
-file and a .npz file with the arrays depth (H x W, metres along the optical axis, 0: nothing), normal (H x W x 3, world
-space), object (H x W, exact numbers of the pixel centres), and camera (4 x 4, camera to world, +z forwards).
+file and a .npz file with the arrays depth (H x W, meters along the optical axis, 0: nothing), normal (H x W x 3, world
+space), object (H x W, exact numbers of the pixel centers), and camera (4 x 4, camera to world, +z forwards).
 
   python3 dataset.py views --count 100
 """
@@ -15,7 +15,7 @@ import sheaf
 
 
 def pixel_directions(matrix, width, height, fov):
-    """World-space directions through the centres of the pixels, H * W x 3. `fov`: horizontal, degrees."""
+    """World-space directions through the centers of the pixels, H * W x 3. `fov`: horizontal, degrees."""
     x = (1 - 2 * (np.arange(width) + 0.5) / width) * np.tan(np.radians(fov / 2))
     y = (1 - 2 * (np.arange(height) + 0.5) / height) * np.tan(np.radians(fov / 2)) * height / width
     local = np.stack([*np.meshgrid(x, y), np.ones((height, width))], axis=-1)
@@ -36,7 +36,7 @@ def main():
         camera = common.look_from(random.uniform(0, 360), random.uniform(5, 60), random.uniform(6, 9))
         scene.camera.to_world = camera
         result = sheaf.render(scene, spp=arguments.spp, size=arguments.size, aovs=["depth", "normal"], denoise="nlm")
-        # Objects have no mean over a pixel: trace its centre
+        # Objects have no mean over a pixel: trace its center
         matrix = np.array(camera.matrix, dtype=float)
         hits = sheaf.trace(scene, matrix[:3, 3], pixel_directions(matrix, width, height, scene.camera.fov))
         result.write(arguments.folder / f"view_{view:04}.png")

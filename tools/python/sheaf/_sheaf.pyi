@@ -34,7 +34,7 @@ class Session:
     has_tree: bool
     name: str
     notes: List[str]
-    stand_ins: List[str]
+    substitutions: List[str]
     size: Tuple[int, int]
     def __init__(self, *arguments: Any) -> None: ...
     def list(self, names: Sequence[str]) -> List[Tuple[List[int], str, str, str]]: ...

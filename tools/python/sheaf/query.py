@@ -103,7 +103,7 @@ class BsdfSample(NamedTuple):
 
 class Bsdf:
     """The BSDF of a material. Directions are in the shading frame, whose z axis is the normal, and point away from the
-    surface: N x 3, or one direction for all. They are normalised.
+    surface: N x 3, or one direction for all. They are normalized.
     """
 
     def __init__(self, scene: Scene, name: str):

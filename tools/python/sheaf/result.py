@@ -14,21 +14,21 @@ _AOVS = {name: channels for name, channels in native.aovs()}
 
 
 class Result:
-    """An image with layers, in linear colours. Arrays are views of its memory."""
+    """An image with layers, in linear colors. Arrays are views of its memory."""
 
     def __init__(self, image):
         self._native = image
 
     @property
     def image(self) -> np.ndarray:
-        """float32, H x W x 4: R, G, B and A, premultiplied. Grey images and images without alpha are completed."""
+        """float32, H x W x 4: R, G, B and A, premultiplied. Gray images and images without alpha are completed."""
         rgba = self._native.array(["R", "G", "B", "A"])
         if rgba is not None:
             return rgba
         color = self._native.array(["R", "G", "B"])
         if color is None:
-            grey = self._native.array(self._native.channels[:1])
-            color = np.repeat(grey[..., None], 3, axis=2)
+            gray = self._native.array(self._native.channels[:1])
+            color = np.repeat(gray[..., None], 3, axis=2)
         return np.concatenate([color, np.ones_like(color[..., :1])], axis=2)
 
     @property

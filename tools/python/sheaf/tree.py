@@ -86,7 +86,7 @@ def _transform(name: str, matrix: np.ndarray, where: str) -> tuple:
 def _color(kind: str, name: str, value: Any, where: str) -> tuple:
     values = np.asarray(value, dtype=np.float64).reshape(-1)
     if len(values) not in (1, 3):
-        raise SceneError.at(where, f"is a colour of {len(values)} numbers, expected 3")
+        raise SceneError.at(where, f"is a color of {len(values)} numbers, expected 3")
     return (kind, {"name": name, "value": ", ".join(_number(v) for v in _finite(values, where))}, [], where)
 
 

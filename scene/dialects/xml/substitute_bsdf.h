@@ -11,7 +11,7 @@ namespace sheaf {
 using BsdfPluginReader = std::function<MaterialId(const XmlElement&, const char* plugin)>;
 
 /// Reads a <bsdf> by `read`. Reports an unreadable material and replaces it: by a nested material, the known plugin
-/// with the most similar name or parameters, or a diffuse surface in its first colour.
+/// with the most similar name or parameters, or a diffuse surface in its first color.
 MaterialId read_bsdf_or_substitute(const XmlElement& bsdf, ReadContext& context, const BsdfPluginReader& read);
 
 }  // namespace sheaf

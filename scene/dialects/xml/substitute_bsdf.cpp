@@ -1,5 +1,5 @@
 // Selection of the supported material that is most similar to an unsupported one.
-#include "scene/dialects/xml/stand_in_bsdf.h"
+#include "scene/dialects/xml/substitute_bsdf.h"
 
 #include "scene/materials/reading.h"
 
@@ -60,7 +60,7 @@ std::string nearest_plugin(Properties& p) {
 struct Substitutes {
   const XmlElement* nested = nullptr;  ///< its first nested material
   std::string plugin;                  ///< the most similar other plugin; may be empty
-  DiffuseDescription diffuse;          ///< with its first readable colour, or the default colour
+  DiffuseDescription diffuse;          ///< with its first readable color, or the default color
 };
 
 Substitutes substitutes_of(const XmlElement& bsdf, ReadContext& context) {

@@ -1,4 +1,4 @@
-#include "kernels/training/trial_pass.h"
+#include "kernels/training/compared_pass.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@ constexpr double kDarkest = 0.01;
 
 }  // namespace
 
-TrialBrightness::TrialBrightness(const TrialPass& pass) {
+PassBrightness::PassBrightness(const ComparedPass& pass) {
   double sum = 0, count = 0;
-  for (const TrialTask& task : pass.tasks) {
+  for (const ComparedTask& task : pass.tasks) {
     std::vector<float> values = task.radiance[0];
     values.insert(values.end(), task.radiance[1].begin(), task.radiance[1].end());
     of_task.push_back(trimmed_mean(values));
@@ -35,11 +35,11 @@ double trimmed_mean(std::vector<float>& values, double left_out) {
   return std::accumulate(values.begin(), end, 0.0) / static_cast<double>(kept);
 }
 
-double jackknife_error(const std::array<double, kTrialGroups>& without) {
+double jackknife_error(const std::array<double, kJackknifeGroups>& without) {
   double mean = 0, spread = 0;
-  for (const double value : without) mean += value / kTrialGroups;
+  for (const double value : without) mean += value / kJackknifeGroups;
   for (const double value : without) spread += std::pow(value - mean, 2);
-  return std::sqrt(spread * (kTrialGroups - 1) / kTrialGroups);
+  return std::sqrt(spread * (kJackknifeGroups - 1) / kJackknifeGroups);
 }
 
 }  // namespace sheaf

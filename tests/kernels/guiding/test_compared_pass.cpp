@@ -1,7 +1,7 @@
 // The jackknife, and the choice of light candidates from made-up trials.
 #include "core/sampling/rng.h"
 #include "kernels/training/candidate_choice.h"
-#include "kernels/training/trial_pass.h"
+#include "kernels/training/compared_pass.h"
 #include "tests/support/near.h"
 #include "tests/support/statistics.h"
 
@@ -9,19 +9,19 @@
 
 #include <cmath>
 
-namespace sheaf::test_trial_pass {
+namespace sheaf::test_compared_pass {
 
 namespace {
 
 /// A trial whose squared radiances with 1, 2 and 4 candidates exceed those with 8 by 1, 0.4 and 0.1. `common`: size of
 /// a random term that the estimates with all numbers of candidates share.
-TrialPass trial(float common) {
-  TrialPass pass;
+ComparedPass iterate(float common) {
+  ComparedPass pass;
   pass.rays = 100'000;
   pass.light_vertices = 40'000;
   pass.shadow_rays = {30'000, 30'000, 30'000, 30'000};
   for (std::uint32_t task_index = 0; task_index < 4; ++task_index) {
-    TrialTask& task = pass.tasks.emplace_back();
+    ComparedTask& task = pass.tasks.emplace_back();
     for (std::uint32_t k = 0; k < 4000; ++k) {
       const auto u = random4<Scalar>(3, k, task_index, 0);
       const float x = 4 + 3.4641f * (u.x - 0.5f), square = x * x + common * (u.y - 0.3f);
@@ -35,27 +35,27 @@ TrialPass trial(float common) {
 }  // namespace
 
 TEST_CASE("trial pass: the jackknife error of a mean is its standard error") {
-  std::array<double, kTrialGroups> without{};
+  std::array<double, kJackknifeGroups> without{};
   MeanVariance values;
   double sum = 0;
-  for (std::size_t i = 0; i < kTrialGroups; ++i) {
+  for (std::size_t i = 0; i < kJackknifeGroups; ++i) {
     const double value = std::sin(1.7 * static_cast<double>(i * i));
     without[i] = value;
     values.add(value);
     sum += value;
   }
-  for (double& value : without) value = (sum - value) / (kTrialGroups - 1);
-  CHECK(jackknife_error(without) == near(std::sqrt(values.variance() / kTrialGroups), 1e-12));
+  for (double& value : without) value = (sum - value) / (kJackknifeGroups - 1);
+  CHECK(jackknife_error(without) == near(std::sqrt(values.variance() / kJackknifeGroups), 1e-12));
   without.fill(3);
   CHECK(jackknife_error(without) == 0);
 }
 
 TEST_CASE("candidate choice: noise that all numbers of candidates share does not matter") {
-  const CandidateChoice expected = choose_candidates(trial(0), 0.1);
+  const CandidateChoice expected = choose_candidates(iterate(0), 0.1);
   CHECK(expected.count == 4);
   for (const float common : {0.5f, 20.0f}) {
     CAPTURE(common);
-    const CandidateChoice found = choose_candidates(trial(common), 0.1);
+    const CandidateChoice found = choose_candidates(iterate(common), 0.1);
     CHECK(found.count == expected.count);
     // Squares are rounded to floats
     for (std::size_t k = 0; k < std::size(kCandidateCounts); ++k)
@@ -64,12 +64,12 @@ TEST_CASE("candidate choice: noise that all numbers of candidates share does not
 }
 
 TEST_CASE("candidate choice: both sets of a pixel count") {
-  const CandidateChoice expected = choose_candidates(trial(0), 0.1);
+  const CandidateChoice expected = choose_candidates(iterate(0), 0.1);
   for (const std::size_t set : {0u, 1u}) {
     CAPTURE(set);
     // Twice the differences in one set, and none in the other, have the same mean.
-    TrialPass pass = trial(0);
-    for (TrialTask& task : pass.tasks)
+    ComparedPass pass = iterate(0);
+    for (ComparedTask& task : pass.tasks)
       for (std::size_t i = 0; i < task.squared_radiance[set].size(); ++i) {
         Spectrum4& twice = task.squared_radiance[set][i];
         Spectrum4& none = task.squared_radiance[1 - set][i];
@@ -87,12 +87,12 @@ TEST_CASE("candidate choice: a gain that a small part of the pixels decides is n
   for (const bool is_even : {true, false}) {
     CAPTURE(is_even);
     // With one candidate, all pixels have 1.5 times the variance, or those of one group 9 times
-    TrialPass pass = trial(0);
+    ComparedPass pass = iterate(0);
     std::size_t pixel = 0;
-    for (TrialTask& task : pass.tasks)
+    for (ComparedTask& task : pass.tasks)
       for (std::size_t i = 0; i < task.radiance[0].size(); ++i, ++pixel) {
-        const bool is_noisy = is_even || pixel / kTrialSet % kTrialGroups == 3;
-        const float excess = is_noisy ? (is_even ? 0.5f : 0.5f * kTrialGroups) : 0.0f;
+        const bool is_noisy = is_even || pixel / kComparedSamples % kJackknifeGroups == 3;
+        const float excess = is_noisy ? (is_even ? 0.5f : 0.5f * kJackknifeGroups) : 0.0f;
         for (auto& squared : task.squared_radiance)
           squared[i] = {squared[i].c3 + excess, squared[i].c3, squared[i].c3, squared[i].c3};
       }
@@ -102,4 +102,4 @@ TEST_CASE("candidate choice: a gain that a small part of the pixels decides is n
   }
 }
 
-}  // namespace sheaf::test_trial_pass
+}  // namespace sheaf::test_compared_pass

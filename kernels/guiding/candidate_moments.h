@@ -1,4 +1,4 @@
-// Moments of paths by the number of light candidates: a pass with kTrialCandidates light candidates per vertex
+// Moments of paths by the number of light candidates: a pass with kMaxComparedCandidates light candidates per vertex
 // estimates the variance of paths with fewer.
 //
 // Next-event estimation with M candidates of resampling weight W_i = q(x_i) / p(x_i) contributes I = V(y) 1/M sum W_i,
@@ -15,7 +15,7 @@ namespace sheaf {
 
 /// Numbers of candidates that a pass compares. Values for each of them are the lanes of a Spectrum or Float4.
 inline constexpr int kCandidateCounts[] = {1, 2, 4, 8};
-inline constexpr int kTrialCandidates = 8;
+inline constexpr int kMaxComparedCandidates = 8;
 
 /// Resampling weights, spectral lanes added up, with the MIS weights of each number of candidates. Same row as its
 /// VertexItem.
