@@ -41,7 +41,7 @@ class Error : public std::runtime_error {
   const SourceLocation& where() const { return where_; }
 
  protected:
-  /// An error with the place of another one, and its own message.
+  /// An error with the location of another one, and its own message.
   Error(const Error& other, const std::string& message)
       : std::runtime_error(message), exit_code_(other.exit_code_), where_(other.where_) {}
 

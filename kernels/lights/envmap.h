@@ -3,8 +3,10 @@
 #pragma once
 
 #include "core/color/uplift.h"
+#include "core/sampling/quantile_table.h"
 #include "core/sampling/warp.h"
 #include "core/soa/lane_array.h"
+#include "scene/tables/envmap.h"
 #include "scene/tables/instance.h"
 
 namespace sheaf {

@@ -1,6 +1,8 @@
 // Reading of cameras and samplers, shared by the Nori and Mitsuba dialects.
 #pragma once
 
+#include "scene/description/camera.h"
+#include "scene/tables/render_settings.h"
 #include "scene/xml/properties.h"
 
 namespace sheaf {
