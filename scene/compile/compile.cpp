@@ -94,9 +94,10 @@ void set_transmittance(const Description& in, SceneTables& scene) {
     return (row.flags & kComposite) != 0 &&
            (row.choice[0] == MaterialRow::kNothing || row.choice[1] == MaterialRow::kNothing);
   };
-  scene.shadow_rays_pass_thin_dielectrics = in.integrator.thin_dielectrics_are_free && can_pass_thin_dielectrics(rows);
+  scene.shadow_rays_pass_thin_dielectrics =
+      scene.integrator.thin_dielectrics_are_free && can_pass_thin_dielectrics(rows);
   // Light tracing connects photons to the camera by shadow rays, which pass lights that the camera does not see.
-  const bool passes_lights = in.integrator.traits().connects_photons() && in.integrator.hide_emitters;
+  const bool passes_lights = scene.integrator.traits().connects_photons() && scene.integrator.hide_emitters;
   scene.needs_transmittance = !in.media.empty() || std::any_of(rows.begin(), rows.end(), lets_pass) ||
                               scene.shadow_rays_pass_thin_dielectrics || passes_lights;
 }
@@ -152,7 +153,7 @@ std::vector<PlacedGrid> add_media_and_lights(const Description& in, const Compil
   };
   CompiledMedia media;
   with_memory_for("grids of media", "use coarser grids", [&] {
-    media = compile_media(in, geometry, row_of_phase, spectra, motion, errors, scene.geometry.shapes);
+    media = compile_media(in, scene.integrator, geometry, row_of_phase, spectra, motion, errors, scene.geometry.shapes);
     scene.media = std::move(media.tables);
     scene.spectra.media = std::move(media.spectra);
     append(scene.warnings, media.warnings);
@@ -202,16 +203,17 @@ std::unique_ptr<Scene> compile_moved(const Description& in, Vec3d origin, const 
   SceneTables scene;
   scene.origin = origin;
   scene.color = options.color;
-  scene.film = in.film;
-  scene.sampler = in.sampler;
-  scene.integrator = in.integrator;
+  const SceneSettings& settings = options.settings != nullptr ? *options.settings : in;
+  scene.film = settings.film;
+  scene.sampler = settings.sampler;
+  scene.integrator = settings.integrator;
   scene.warnings = in.warnings;
   std::optional<SpectrumSet> set;
   if (options.color == ColorMode::kSpectral) set.emplace();
   SpectrumSet* const spectra = set ? &*set : nullptr;
   SceneNaming naming(scene.names);
   MotionCompiler motion(in, scene.motion);
-  CompiledCameras cameras = compile_cameras(in, motion, errors);
+  CompiledCameras cameras = compile_cameras(in, settings, motion, errors);
   scene.sensor = std::move(cameras.tables);
   // Read meshes and textures by all threads; compile textures, materials, shapes and instances
   MeshReader meshes(in);

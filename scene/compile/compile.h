@@ -45,7 +45,8 @@ struct CompileOptions {
   /// (measured on the Cornell box), and intersection in small scenes is up to 50% faster.
   bool watertight = false;
   ColorMode color = ColorMode::kRgb;
-  CompileReport* report = nullptr;  ///< receives a report; null: none
+  const SceneSettings* settings = nullptr;  ///< instead of those of the description; null: those
+  CompileReport* report = nullptr;          ///< receives a report; null: none
   BvhChoice bvh = BvhChoice::kAuto;
   /// Returns the memory that the render needs besides the scene, in bytes, for BvhChoice::kAuto. The scene lacks its
   /// acceleration structure. Empty: none.

@@ -113,14 +113,16 @@ CameraDescription at_open(CameraDescription camera, std::size_t index, MotionCom
 
 }  // namespace
 
-CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion, ErrorSink& errors) {
+CompiledCameras compile_cameras(const Description& in, const SceneSettings& settings, MotionCompiler& motion,
+                                ErrorSink& errors) {
+  const FilmSettings& film = settings.film;
   CompiledCameras out;
   SensorTables& sensor = out.tables;
   const auto count = static_cast<int>(in.more_cameras.size()) + 1;
-  if (in.film.width % count != 0)
-    throw SceneError(in.camera.where,
-                     fmt::format("the film's width of {} pixels is not a multiple of the number of cameras, {}",
-                                 in.film.width, count));
+  if (film.width % count != 0)
+    throw SceneError(
+        in.camera.where,
+        fmt::format("the film's width of {} pixels is not a multiple of the number of cameras, {}", film.width, count));
   // Place the cameras
   out.at_open.push_back(at_open(in.camera, 0, motion));
   for (const CameraDescription& camera : in.more_cameras)
@@ -128,7 +130,7 @@ CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion, E
   sensor.more_cameras.resize(in.more_cameras.size());
   for (std::size_t i = 0; i < out.at_open.size(); ++i) {
     CameraDescription& camera = out.at_open[i];
-    const int width = in.film.width / count, height = in.film.height;
+    const int width = film.width / count, height = film.height;
     try {
       sensor.camera_of(i) = make_camera(camera, width, height);
     } catch (const SceneError& error) {
@@ -140,14 +142,14 @@ CompiledCameras compile_cameras(const Description& in, MotionCompiler& motion, E
       sensor.camera_of(i) = make_camera(camera, width, height);
     }
   }
-  if (in.integrator.traits().connects_photons() && (count > 1 || !sensor.camera.sees_points))
+  if (settings.integrator.traits().connects_photons() && (count > 1 || !sensor.camera.sees_points))
     throw SceneError(
         in.camera.where,
         "light tracing needs a single camera that forms an image: photons cannot be connected to this sensor");
   // Tabulate the pixel filter
-  const bool weighted = in.film.filter_mode == FilterMode::kWeighted;
-  sensor.filter = weighted ? make_placement_table(in.film.filter) : make_filter_table(in.film.filter);
-  if (weighted) sensor.filter_weights.emplace(in.film.filter);
+  const bool weighted = film.filter_mode == FilterMode::kWeighted;
+  sensor.filter = weighted ? make_placement_table(film.filter) : make_filter_table(film.filter);
+  if (weighted) sensor.filter_weights.emplace(film.filter);
   return out;
 }
 

@@ -15,7 +15,8 @@ struct CompiledCameras {
 /// Compiles the cameras of a scene, with their motions, and the pixel filter. Reports errors of make_camera(), and uses
 /// the default lens. Throws SceneError for a film that is not divisible by the number of cameras, and for cameras that
 /// the integrator does not support.
-CompiledCameras compile_cameras(const Description& description, MotionCompiler& motion, ErrorSink& errors);
+CompiledCameras compile_cameras(const Description& description, const SceneSettings& settings, MotionCompiler& motion,
+                                ErrorSink& errors);
 
 /// Prepares a camera for a frame of width x height pixels. Throws SceneError for a field of view outside (0, 180),
 /// unordered clip distances, a negative aperture, a focus distance that is not positive, a distortion that is not

@@ -48,7 +48,7 @@ class LightTableBuilder {
         naming_(naming),
         errors_(errors),
         scene_(scene),
-        context_{in_.integrator,
+        context_{scene.integrator,
                  std::span(scene.textures.rows).first(in_.textures.size()),
                  set,
                  out_.tables.envmap,
@@ -258,8 +258,8 @@ class LightTableBuilder {
 
   /// Makes lights of emitting media if lights are sampled and the estimator supports it.
   void add_volume_lights() {
-    if (in_.integrator.strategy == LightStrategy::kBsdfOnly ||
-        in_.integrator.medium_estimator == MediumEstimator::kMarching)
+    if (scene_.integrator.strategy == LightStrategy::kBsdfOnly ||
+        scene_.integrator.medium_estimator == MediumEstimator::kMarching)
       return;
     for (std::uint32_t i = 0; i < scene_.media.rows.size(); ++i) {
       const auto first_cell = static_cast<std::uint32_t>(lights_.triangle_alias.size());

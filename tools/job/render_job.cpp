@@ -48,10 +48,8 @@ void prepare(const RenderArguments& arguments, LoadedScene& loaded) {
 RenderControl control_of(const RenderArguments& arguments) { return {arguments.threads, arguments.wave_size}; }
 
 void compile(const RenderArguments& arguments, LoadedScene& loaded, KeptGeometry* kept) {
-  // The compiler reads the settings in the description
-  static_cast<SceneSettings&>(loaded.description) = loaded.settings;
   loaded.compiled = {};
-  CompileOptions options{arguments.watertight, loaded.settings.color, &loaded.compiled};
+  CompileOptions options{arguments.watertight, loaded.settings.color, &loaded.settings, &loaded.compiled};
   options.bvh = kBvhChoices.option("bvh", arguments.bvh);
   options.render_bytes = [&](const Scene& scene) {
     double bytes = 0;

@@ -28,15 +28,14 @@ bool has_grid(const MediumInput& medium) {
 }
 
 /// The media of a description, before their shapes are known.
-std::vector<MediumInput> medium_inputs(const Description& description, const std::vector<std::uint32_t>& row_of_phase,
-                                       ErrorSink& errors) {
+std::vector<MediumInput> medium_inputs(const Description& description, const IntegratorSettings& integrator,
+                                       const std::vector<std::uint32_t>& row_of_phase, ErrorSink& errors) {
   if (description.media.size() > kMaxMedia) throw SceneError(fmt::format("more than {} media", kMaxMedia));
   std::vector<MediumInput> media;
   for (const MediumDescription& m : description.media) {
     // The last row is isotropic
     const std::size_t phase = m.phase ? static_cast<std::size_t>(*m.phase) : row_of_phase.size() - 1;
     media.push_back({&m, m.phase ? &description.phases.at(phase) : nullptr, row_of_phase.at(phase), {}});
-    const IntegratorSettings& integrator = description.integrator;
     if (flakes_of(media.back().phase) != nullptr && integrator.traits().has_photon_maps() &&
         integrator.photons.volume.count > 0)
       media.back().make_empty(SceneError(m.where,
@@ -86,13 +85,14 @@ void MediumInput::make_empty(const SceneError& error, ErrorSink& errors) {
   phase = nullptr;
 }
 
-CompiledMedia compile_media(const Description& description, const CompiledGeometry& geometry,
-                            const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
-                            ErrorSink& errors, std::vector<ShapeRow>& shapes) {
+CompiledMedia compile_media(const Description& description, const IntegratorSettings& integrator,
+                            const CompiledGeometry& geometry, const std::vector<std::uint32_t>& row_of_phase,
+                            SpectrumSet* set, MotionCompiler& motion, ErrorSink& errors,
+                            std::vector<ShapeRow>& shapes) {
   CompiledMedia out;
-  std::vector<MediumInput> media = medium_inputs(description, row_of_phase, errors);
+  std::vector<MediumInput> media = medium_inputs(description, integrator, row_of_phase, errors);
   add_boundaries(geometry, motion, media, errors, shapes, out.tables.boundaries);
-  add_medium_rows(media, geometry.bounds, set, description.integrator.step_size, errors, out);
+  add_medium_rows(media, geometry.bounds, set, integrator.step_size, errors, out);
   move_media(media, geometry.bounds, motion, errors, out);
   const std::optional<MediumId>& camera_medium = description.camera.medium;
   if (camera_medium) out.tables.camera_medium = static_cast<std::uint32_t>(*camera_medium) + 1;

@@ -44,9 +44,9 @@ struct CompiledMedia {
 /// makes rows of spectra in spectral mode. Reports media that are replaced by empty ones: unreadable files, grids with
 /// a wrong number of channels, singular transforms, and media that photons do not support. Reports grids with different
 /// motions, which stand still, and media that groups of shapes do not support, which are left out.
-CompiledMedia compile_media(const Description& description, const CompiledGeometry& geometry,
-                            const std::vector<std::uint32_t>& row_of_phase, SpectrumSet* set, MotionCompiler& motion,
-                            ErrorSink& errors, std::vector<ShapeRow>& shapes);
+CompiledMedia compile_media(const Description& description, const IntegratorSettings& integrator,
+                            const CompiledGeometry& geometry, const std::vector<std::uint32_t>& row_of_phase,
+                            SpectrumSet* set, MotionCompiler& motion, ErrorSink& errors, std::vector<ShapeRow>& shapes);
 
 /// Adds the rows of media, grids and majorants, and describes the grids. `step_size` is that of ray marching, meters;
 /// 0: 1/100 of each medium's diagonal. `scene`: bounds of the scene, for media that no shape contains.

@@ -118,8 +118,8 @@ void probe_cameras(const Description& in, const CompiledGeometry& geometry, std:
       rows.push_back({i, 0, static_cast<std::uint32_t>(*named) + 1});
       continue;
     }
-    const CameraColumn column{scene.sensor.camera_of(i), static_cast<float>(in.film.width) / columns,
-                              static_cast<float>(in.film.height)};
+    const CameraColumn column{scene.sensor.camera_of(i), static_cast<float>(scene.film.width) / columns,
+                              static_cast<float>(scene.film.height)};
     const Vec3f middle = column.middle();
     const MotionRow motion = MotionCompiler::of(scene.motion.cameras, i);
     const auto at = [&](float time) {
@@ -154,7 +154,7 @@ void probe_media(const Description& description, const CompiledGeometry& geometr
     probe_cameras(description, geometry, cameras, default_value, scene);
   }
   // Warn about missing light
-  const bool by_photons = description.integrator.traits().emits_photons();
+  const bool by_photons = scene.integrator.traits().emits_photons();
   const std::uint32_t outer = media.outer_medium;
   if (by_photons && outer != 0 && (media.rows[outer - 1].flags & kMediumEmits) != 0)
     scene.warnings.push_back(SceneError(description.media[outer - 1].where,

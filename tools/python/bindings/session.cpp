@@ -125,7 +125,6 @@ Session::~Session() { shared_files().close(); }
 
 void Session::take(Description description) {
   loaded_.description = std::move(description);
-  read_settings_ = loaded_.description;
   replaced_.reset();
   compiled_for_.clear();
 }
@@ -162,7 +161,6 @@ void Session::prepare_job(const OptionValues& options, Job& job) {
   // Apply them to the scene as it was read
   if (replaced_) loaded_.description = std::move(*replaced_);
   replaced_.reset();
-  static_cast<SceneSettings&>(loaded_.description) = read_settings_;
   if (!job.arguments.integrator.empty()) replaced_ = loaded_.description;
   prepare(job.arguments, loaded_);
 }

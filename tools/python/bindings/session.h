@@ -84,7 +84,6 @@ class Session {
   std::unique_ptr<ExpandedScene> expanded_;  ///< null for formats other than XML
   bool is_changed_ = false;                  ///< the tree is not that of the file
   LoadedScene loaded_;
-  SceneSettings read_settings_;          ///< as read, before options are applied
   std::optional<Description> replaced_;  ///< the scene as read, if an integrator of the options has changed it
   double load_seconds_ = 0;
   KeptGeometry kept_;
