@@ -30,6 +30,9 @@ constexpr std::uint32_t kMaxSamples = 1 << 24;
 /// Samples per pixel for which adaptive sampling trains the guide.
 constexpr std::uint32_t kTypicalSamples = 64;
 
+/// The quotient, rounded up.
+std::uint32_t ceil_div(std::uint32_t dividend, std::uint32_t divisor) { return (dividend + divisor - 1) / divisor; }
+
 [[noreturn]] void refuse(const std::string& text) { throw Error(ExitCode::kUsage, text); }
 
 /// Checks that the pixels of the frame and of its border can be numbered by 31 bits.
@@ -118,9 +121,8 @@ void set_replicates(std::uint32_t requested, RenderSettings& settings) {
   settings.replicates = requested > 0 ? requested : default_replicates(settings);
   if (wants_halves(settings)) settings.replicates = std::max(settings.replicates, 2u);
   const bool by_samples = settings.sampler.kind == SamplerKind::kIndependent && settings.reach == 0 && !settings.adapts;
-  const auto sets_of = [&](std::uint32_t size) { return (settings.spp + size - 1) / size; };
-  settings.replicate_samples = by_samples ? settings.spp : sets_of(settings.replicates);
-  const std::uint32_t made = sets_of(settings.replicate_samples);
+  settings.replicate_samples = by_samples ? settings.spp : ceil_div(settings.spp, settings.replicates);
+  const std::uint32_t made = ceil_div(settings.spp, settings.replicate_samples);
   if (settings.aovs.contains(aov_named("half")))
     settings.half_samples = by_samples ? settings.spp / 2 : made / 2 * settings.replicate_samples;
   settings.unit = by_samples ? VarianceUnit::kSample : VarianceUnit::kReplicate;
@@ -149,7 +151,7 @@ void set_range(const std::optional<SampleRange>& requested, RenderSettings& sett
   refuse(
       fmt::format("the samples {0} split one of the {1} sample sets of {2} samples (expected multiples of {2}{3}; "
                   "--replicates changes the sets)",
-                  name, (settings.spp + set - 1) / set, set, settings.rays > 1 ? " gather rays" : ""));
+                  name, ceil_div(settings.spp, set), set, settings.rays > 1 ? " gather rays" : ""));
 }
 
 /// Sets the samples per pixel, with gather rays.
@@ -232,6 +234,35 @@ RenderSettings with_replicates(const RenderSettings& settings, std::uint32_t rep
   const SampleRange samples{settings.range.first / settings.rays, settings.range.count / settings.rays};
   set_range(settings.is_part ? std::optional(samples) : std::nullopt, changed);
   return changed;
+}
+
+std::uint32_t replicates_for_parts(const RenderSettings& settings, std::uint32_t parts) {
+  if (settings.replicates == 1 || settings.requests_replicates) return settings.replicates;
+  const std::uint32_t samples = settings.camera_samples();
+  const std::uint32_t sets = ceil_div(settings.replicates, parts) * parts;
+  if (sets <= samples && ceil_div(samples, ceil_div(samples, sets)) >= parts) return sets;
+  return ceil_div(samples, samples / parts);
+}
+
+std::vector<SampleRange> divide_samples(const RenderSettings& settings, std::uint32_t parts) {
+  const std::uint32_t total = settings.spp, rays = settings.rays;
+  // A single set may be split anywhere
+  const std::uint32_t set = settings.replicate_samples < total ? settings.replicate_samples : rays;
+  const std::uint64_t sets = ceil_div(total, set);
+  if (sets < parts) refuse(fmt::format("{} sample sets (--replicates) cannot be divided among {} parts", sets, parts));
+  std::vector<SampleRange> ranges;
+  std::uint32_t first = 0;
+  for (std::uint32_t part = 1; part <= parts; ++part) {
+    const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(part * sets / parts * set, total));
+    if (end % rays != 0)
+      refuse(
+          fmt::format("a sample set of {} gather rays does not consist of whole samples of {} rays: choose another "
+                      "--replicates or --spp",
+                      set, rays));
+    ranges.push_back({first / rays, (end - first) / rays});
+    first = end;
+  }
+  return ranges;
 }
 
 void check_scene(const Scene& scene, const RenderSettings& settings) {

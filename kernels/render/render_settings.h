@@ -44,8 +44,7 @@ struct RenderRequest : RenderFeatures {
   std::optional<std::uint32_t> seed;
   /// Number of independent sets of samples (replicates), whose spread gives the variance. More sets estimate it better
   /// and are stratified less well: the squared error grows by some 5 % with 2 sets of 16 samples, and by 10 to 20 %
-  /// with
-  /// 4. 1: the image has variances only if samples are independent anyway and contribute to one pixel. 0:
+  /// with 4. 1: the image has variances only if samples are independent anyway and contribute to one pixel. 0:
   /// default_replicates().
   int replicates = 0;
   /// The samples of each pixel to be taken. They are the same as in a full render: merging the images of all parts
@@ -83,6 +82,14 @@ RenderSettings resolve_settings(const Scene& scene, const RenderRequest& request
 
 /// The same settings with another number of sets of samples. Throws Error (usage) if a range of samples splits a set.
 RenderSettings with_replicates(const RenderSettings& settings, std::uint32_t replicates);
+
+/// Number of replicates whose sets of samples can be divided among `parts` parts: the requested number, or else at
+/// least the default one. `parts` must not exceed the camera samples.
+std::uint32_t replicates_for_parts(const RenderSettings& settings, std::uint32_t parts);
+
+/// Divides the camera samples into a range of whole sets for each part, see RenderRequest::samples. Throws Error
+/// (usage) if there are fewer sets than parts, or if the sets do not consist of whole camera samples.
+std::vector<SampleRange> divide_samples(const RenderSettings& settings, std::uint32_t parts);
 
 /// Throws Error (usage) if `crop` is empty or reaches beyond the frame; otherwise returns it.
 PixelRect checked_crop(const PixelRect& crop, int frame_width, int frame_height);

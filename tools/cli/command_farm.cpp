@@ -43,46 +43,6 @@ constexpr std::pair<const char*, const char*> kUnsupportedOptions[] = {
     {"noise-target", "parts are rendered independently"},
     {"time-limit", "parts are rendered independently"}};
 
-/// Number of sets of samples that can be distributed to `parts` parts; at most one set per sample.
-std::uint32_t choose_sets(const RenderSettings& settings, std::uint32_t parts) {
-  if (settings.replicates == 1 || settings.requests_replicates) return settings.replicates;
-  const std::uint32_t samples = settings.camera_samples();
-  const std::uint32_t sets = (settings.replicates + parts - 1) / parts * parts;
-  const auto made = [&](std::uint32_t requested) {
-    const std::uint32_t size = (samples + requested - 1) / requested;
-    return (samples + size - 1) / size;
-  };
-  if (sets <= samples && made(sets) >= parts) return sets;
-  // Use smaller sets.
-  const std::uint32_t size = samples / parts;
-  return (samples + size - 1) / size;
-}
-
-/// FIRST:COUNT of each part. Throws Error (exit code 2) if the samples cannot be divided into that many parts.
-std::vector<std::string> sample_ranges(const RenderSettings& settings, std::uint32_t sets, std::uint32_t parts) {
-  const std::string tiles = "; use --tiles to split the frame instead";
-  const std::uint64_t total = settings.spp, rays = settings.rays;
-  // As in renders, all sets but the last have the same number of samples.
-  const std::uint64_t size = sets == 1 ? rays : (total + sets - 1) / sets;
-  const std::uint64_t made = (total + size - 1) / size;
-  if (made < parts)
-    throw Error(ExitCode::kUsage,
-                fmt::format("{} sample sets (--replicates) cannot be divided among {} parts", made, parts) + tiles);
-  std::vector<std::string> ranges;
-  std::uint64_t first = 0;
-  for (std::uint64_t part = 1; part <= parts; ++part) {
-    const std::uint64_t end = std::min(part * made / parts * size, total);
-    if (end % rays != 0)
-      throw Error(ExitCode::kUsage, fmt::format("a sample set of {} gather rays does not consist of whole samples of "
-                                                "{} rays: choose another --replicates or --spp",
-                                                size, rays) +
-                                        tiles);
-    ranges.push_back(fmt::format("{}:{}", first / rays, (end - first) / rays));
-    first = end;
-  }
-  return ranges;
-}
-
 /// Crop windows "x0,y0,x1,y1" of strips of rows. Throws Error (exit code 2) if there are fewer rows than parts.
 std::vector<std::string> strips(const PixelRect& crop, int parts) {
   if (crop.height() < parts)
@@ -126,14 +86,19 @@ void split(const FarmArguments& arguments, const RenderPlan& plan, Farm& farm) {
         ExitCode::kUsage,
         fmt::format("{} samples per pixel cannot be split into {} parts; use --tiles to split the frame instead",
                     settings.camera_samples(), parts));
-  const std::uint32_t sets = choose_sets(settings, parts);
+  const std::uint32_t sets = replicates_for_parts(settings, parts);
   constexpr std::uint32_t kMaxSets = 1024;  // limit of --replicates
   if (sets > kMaxSets)
     throw Error(ExitCode::kUsage, fmt::format("{} samples in {} parts require {} sample sets (--replicates), expected "
                                               "at most {}; --replicates 1 disables them, without variance layers",
                                               settings.camera_samples(), parts, sets, kMaxSets));
   farm.part_option = "--samples";
-  farm.part_values = sample_ranges(settings, sets, parts);
+  try {
+    for (const SampleRange& range : divide_samples(with_replicates(settings, sets), parts))
+      farm.part_values.push_back(fmt::format("{}:{}", range.first, range.count));
+  } catch (const Error& error) {
+    throw Error(error.exit_code(), fmt::format("{}; use --tiles to split the frame instead", error.what()));
+  }
   if (!settings.requests_replicates) {
     farm.options.emplace_back("--replicates");
     farm.options.push_back(std::to_string(sets));
