@@ -390,7 +390,8 @@ TEST_CASE("a browser shows the render") {
                               "' --virtual-time-budget=4000 --dump-dom http://127.0.0.1:" + std::to_string(port) +
                               "/ >'" + render.file("page.html").string() + "' 2>/dev/null";
   std::string page;
-  for (int i = 0; i < 10 && !contains(page, "data-number="); ++i, pause_for(1)) {
+  const auto is_complete = [&] { return contains(page, "data-number=") && contains(page, "<td>camera_rays</td>"); };
+  for (int i = 0; i < 10 && !is_complete(); ++i, pause_for(1)) {
     REQUIRE(std::system(command.c_str()) == 0);
     page = read_bytes(render.file("page.html"));
   }

@@ -3,7 +3,6 @@
 #include "tests/support/light_testing.h"
 
 #include "core/image/image.h"
-#include "kernels/lights/light_weight.h"
 #include "scene/compile/compile.h"
 #include "tests/support/capture.h"
 #include "tests/support/chi_square.h"
@@ -484,17 +483,6 @@ TEST_CASE("light sampling: SIMD pdfs of mixed lights equal scalar ones") {
     }
   }
   CHECK(worst < 1e-4);
-}
-
-TEST_CASE("light sampling: the power heuristic squares the pdfs") {
-  CHECK(power_heuristic(1.0f, 0.0f) == 1.0f);
-  CHECK(power_heuristic(2.0f, 2.0f) == 0.5f);
-  CHECK(power_heuristic(1.0f, 3.0f) == near(0.1));
-  for (const float a : {1e-20f, 1.0f, 1e20f, 3e38f})
-    for (const float b : {1e-20f, 1.0f, 1e20f, 3e38f}) {
-      CHECK(power_heuristic(a, b) + power_heuristic(b, a) == near(1));
-      CHECK(power_heuristic(a, b) >= 0.0f);
-    }
 }
 
 TEST_SUITE_END();
