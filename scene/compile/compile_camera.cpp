@@ -134,7 +134,7 @@ CompiledCameras compile_cameras(const Description& in, const SceneSettings& sett
     try {
       sensor.camera_of(i) = make_camera(camera, width, height);
     } catch (const SceneError& error) {
-      errors.report(error, "the camera's usual lens stands in");
+      errors.report(error, "rendered with the default lens and clip distances");
       const CameraDescription standard;
       camera.near_clip = standard.near_clip;
       camera.far_clip = standard.far_clip;

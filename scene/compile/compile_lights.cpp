@@ -157,7 +157,7 @@ class LightTableBuilder {
     }
   }
 
-  /// `moving`: the motion of the instance; null: it stands still.
+  /// `moving`: the motion of the instance; null: it is static.
   void add_instance_lights(const InstanceRow& instance, const std::vector<Emitter>& emitters,
                            const MovingInstance* moving) {
     if (moving == nullptr) {

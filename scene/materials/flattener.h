@@ -22,7 +22,7 @@ struct MaterialWrappers {
 };
 
 /// What becomes of a material that cannot be compiled, for messages.
-inline constexpr const char* kDiffuseSubstitute = "a diffuse surface stands in";
+inline constexpr const char* kDiffuseSubstitute = "rendered as diffuse";
 
 /// Makes rows in the order of the description. Rows of nested materials precede the row that refers to them.
 class MaterialFlattener {

@@ -43,7 +43,7 @@ struct CompiledMedia {
 /// Reads grids, makes the tables of media, majorants and boundaries, and refers to boundaries from `shapes`. `set`
 /// makes rows of spectra in spectral mode. Reports media that are replaced by empty ones: unreadable files, grids with
 /// a wrong number of channels, singular transforms, and media that photons do not support. Reports grids with different
-/// motions, which stand still, and media that groups of shapes do not support, which are left out.
+/// motions, which become static, and media that groups of shapes do not support, which are left out.
 CompiledMedia compile_media(const Description& description, const IntegratorSettings& integrator,
                             const CompiledGeometry& geometry, const std::vector<std::uint32_t>& row_of_phase,
                             SpectrumSet* set, MotionCompiler& motion, ErrorSink& errors, std::vector<ShapeRow>& shapes);

@@ -108,7 +108,7 @@ bool is_rigid(const AnimatedTransform& motion) {
   });
 }
 
-/// The motion of the grids of a medium; null: they stand still. A medium without grids that emits moves with its shapes
+/// The motion of the grids of a medium; null: they are static. A medium without grids that emits moves with its shapes
 /// if all of them move alike. Throws SceneError if grids move in different ways.
 const AnimatedTransform* motion_of(const MediumInput& medium, const MotionCompiler& motions) {
   const MediumDescription& m = *medium.description;
@@ -209,7 +209,7 @@ void move_media(std::span<const MediumInput> media, const Bounds3f& scene, Motio
       if (out.motions[i].segment_count > 0 && (row.flags & kMediumHomogeneous) == 0)
         MotionCompiler::set(motion.tables().media, i, out.motions[i]);
     } catch (const SceneError& error) {
-      errors.report(at_location(medium.description->where, error), "the medium stands still");
+      errors.report(at_location(medium.description->where, error), "the medium does not move");
     }
   }
 }
