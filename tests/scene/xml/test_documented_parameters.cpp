@@ -449,17 +449,17 @@ TEST_CASE("the tables in docs/scene-format list every parameter with its default
       const auto row = std::find_if(rows.begin(), rows.end(), [](const auto* each) { return !each->type.empty(); });
       const DocumentedParameter& parameter = row != rows.end() ? **row : *rows[0];
       if (const std::string what = difference(plugin, parameters, parameter); !what.empty())
-        failures.insert(parameter.position + ": '" + queried.name + "' of " + plugin.text() + " " + what);
+        failures.insert(parameter.location + ": '" + queried.name + "' of " + plugin.text() + " " + what);
     }
   }
   for (const DocumentedSection& section : sections)
     for (const DocumentedParameter& parameter : section.parameters)
       if (asked.count(&parameter) == 0)
-        failures.insert(parameter.position + ": no reader knows the parameter '" + parameter.names[0] + "'");
+        failures.insert(parameter.location + ": no reader knows the parameter '" + parameter.names[0] + "'");
   for (const DocumentedSection& section : sections)
     for (const std::string& name : section.names)
       if (is_about_plugins(section) && !is_plugin(known.plugins(), section.page, name))
-        failures.insert(section.position + ": there is no plugin '" + name + "'");
+        failures.insert(section.location + ": there is no plugin '" + name + "'");
   for (const NotCompared& entry : kNotCompared)
     if (!is_documented(sections, entry))
       failures.insert(std::string("no row of '") + entry.parameter + "' has the default '" + entry.text + "'");

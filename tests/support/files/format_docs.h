@@ -17,7 +17,7 @@ namespace sheaf::test {
 struct DocumentedParameter {
   std::vector<std::string> names;  ///< the alternatives "`a` or `b`" of one parameter
   std::string type, default_value, meaning;
-  std::string pointer;  ///< file and line
+  std::string location;  ///< file and line
 };
 
 /// The text below a heading.
@@ -25,7 +25,7 @@ struct DocumentedSection {
   std::string page;                ///< name of the file without its extension
   std::vector<std::string> names;  ///< of plugins, in the heading; empty for general sections
   std::string text;                ///< prose and tables
-  std::string pointer;
+  std::string location;
   std::vector<DocumentedParameter> parameters;
   std::vector<std::string> snippets;
 };
@@ -79,7 +79,7 @@ inline std::vector<std::string> cells_of(const std::string& row) {
 }
 
 /// Adds the parameters of a row: one for each name, or for each group of alternative names.
-inline void add_parameters(const std::vector<std::string>& cells, const std::string& pointer,
+inline void add_parameters(const std::vector<std::string>& cells, const std::string& location,
                            std::vector<DocumentedParameter>& out) {
   const bool are_alternatives = cells[0].find(" or ") != std::string::npos;
   const std::vector<std::string> names = are_alternatives ? std::vector{cells[0]} : parts_of(cells[0]);
@@ -92,7 +92,7 @@ inline void add_parameters(const std::vector<std::string>& cells, const std::str
     parameter.type = cells[1];
     parameter.default_value = values.size() == names.size() ? values[i] : defaults;
     parameter.meaning = cells.back();
-    parameter.pointer = pointer;
+    parameter.location = location;
     out.push_back(std::move(parameter));
   }
 }
@@ -104,13 +104,13 @@ inline std::vector<DocumentedSection> sections_of(const std::filesystem::path& f
   bool in_snippet = false, in_table = false;
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
-    const std::string pointer = "docs/scene-format/" + file.filename().string() + ":" + std::to_string(++number);
+    const std::string location = "docs/scene-format/" + file.filename().string() + ":" + std::to_string(++number);
     if (in_snippet) {
       in_snippet = !line.starts_with("```");
       if (in_snippet) sections.back().snippets.back() += line + "\n";
       continue;
     }
-    if (line.starts_with("#")) sections.push_back({file.stem().string(), code_in(line), {}, pointer, {}, {}});
+    if (line.starts_with("#")) sections.push_back({file.stem().string(), code_in(line), {}, location, {}, {}});
     if (sections.empty()) continue;
     DocumentedSection& section = sections.back();
     in_snippet = line.starts_with("```");
@@ -122,7 +122,7 @@ inline std::vector<DocumentedSection> sections_of(const std::filesystem::path& f
     // Tables of parameters begin with "| name | type | default |"
     const bool is_row = line.starts_with("|");
     const bool is_header = line.starts_with("| name | type | default |");
-    if (in_table && is_row && !line.starts_with("| ---")) add_parameters(cells_of(line), pointer, section.parameters);
+    if (in_table && is_row && !line.starts_with("| ---")) add_parameters(cells_of(line), location, section.parameters);
     in_table = is_header || (in_table && is_row);
   }
   return sections;
