@@ -328,7 +328,7 @@ const XmlElement* Properties::any_texture_or_color() {
     const std::string& kind = entry.target->name;
     return kind == "rgb" || kind == "srgb" || kind == "color" || kind == "spectrum";
   };
-  return take_first(is_color, "colour");
+  return take_first(is_color, "color");
 }
 
 const XmlElement* Properties::any_texture() {

@@ -33,7 +33,7 @@ FOLDER = Path(__file__).resolve().parent
 SCENES = FOLDER / "scenes"
 CORNELL = FOLDER.parent.parent / "scenes" / "cornell" / "cornell.xml"
 CORNELL_BLOCK = 20  # pixels per side of one pixel of the Cornell reference
-# Excluded: metals by name, whose data differ, and textured emitters, whose colour differs between Mitsuba's spectral
+# Excluded: metals by name, whose data differ, and textured emitters, whose color differs between Mitsuba's spectral
 # and RGB variants.
 SPECTRAL = ["constant_environment", "glass_sphere", "medium_chromatic", "medium_dielectric", "medium_hg_forward",
             "plastics", "point_light", "spectra_emission", "spectra_reflectance", "textures"]
@@ -62,13 +62,13 @@ def blackbody_rgb(temperature):
 
 
 def adapt(text):
-    """Replaces black bodies by colours, because Mitsuba supports them in spectral variants only."""
-    def colour(match):
+    """Replaces black bodies by colors, because Mitsuba supports them in spectral variants only."""
+    def color(match):
         rgb = ", ".join(f"{max(v, 0):.7g}" for v in blackbody_rgb(float(match[2])))
         return f'<rgb name="{match[1]}" value="{rgb}"/>'
 
     pattern = r'<spectrum name="(\w+)" type="blackbody">\s*<float name="temperature" value="([\d.]+)"/>\s*</spectrum>'
-    return re.sub(pattern, colour, text)
+    return re.sub(pattern, color, text)
 
 
 def positive_indices(obj):
@@ -186,7 +186,7 @@ def make(name, spp):
 
 
 def make_by_images(name, output, spp):
-    """Estimates the variance from 32 images, because spectral variants do not expose the colours of single samples."""
+    """Estimates the variance from 32 images, because spectral variants do not expose the colors of single samples."""
     images = 32
     scene = load(SCENES / f"{name}.xml")
     each = max(spp // images, 1)

@@ -69,7 +69,7 @@ SCRIPTS = {
     "bench/compare_samplers.py": ["--sheaf", "{build}/sheaf", "--spp", "1", "--scale", "0.05"],
     "tools/compare_builds.py": ["{build}/sheaf", "{build}/sheaf", "--spp", "1", "--only", "cornell"],
     "tools/color/fit_rgb_basis.py": ["--step", "20"],
-    "tools/color/fit_wavelengths.py": ["--colours", "2", "--iterations", "1"],
+    "tools/color/fit_wavelengths.py": ["--colors", "2", "--iterations", "1"],
     "scenes/make/make_cloudy_sky.py": ["{out}/sky.hdr", "--width", "64"],
     "tools/documentation/make_gallery.py": ["--sheaf", "{build}/sheaf", "--output", "{out}/gallery", "--draft", "wall", "denoising",
                               "layers"],

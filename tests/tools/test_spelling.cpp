@@ -5,10 +5,12 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace sheaf::test_spelling {
 
 namespace {
 
@@ -20,9 +22,8 @@ const std::array<std::string, 9> kBritish = {
     std::string("gre") + "y",   std::string("behavio") + "ur", std::string("fib") + "re",
     std::string("met") + "re",  std::string("normal") + "ise", std::string("optim") + "ise"};
 
-/// The line with its letters in lower case, without parts that are no prose:
-/// links and names of files in Markdown, words that are joined to others by
-/// "_", "/" or "-", and quoted names.
+/// Whether a line has a British word, other than in quoted names, in names of files, and joined to others by "_", "/"
+/// or "-".
 bool has_british(std::string_view line) {
   std::string lower;
   for (const char c : line) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -42,13 +43,15 @@ bool has_british(std::string_view line) {
   return false;
 }
 
+const std::set<std::string> kExtensions = {".h", ".cpp", ".md", ".py", ".sh", ".xml", ".pbrt", ".cmake"};
+
 std::vector<std::string> british_lines() {
   std::vector<std::string> found;
   const fs::path root = SHEAF_SOURCE_DIR;
-  for (const char* const folder : {"core", "scene", "kernels", "tools", "docs"})
+  for (const char* const folder : {"core", "scene", "kernels", "tools", "docs", "scenes", "bench", "cmake"})
     for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
       const fs::path extension = entry.path().extension();
-      if (extension != ".h" && extension != ".cpp" && extension != ".md") continue;
+      if (kExtensions.count(extension.string()) == 0) continue;
       std::ifstream file(entry.path());
       int number = 0;
       bool in_block = false;  // of code in Markdown, which quotes other files
@@ -78,3 +81,5 @@ TEST_CASE("spelling: British words are found, but not in names of files") {
   CHECK_FALSE(has_british("\"" + word + "\""));
   CHECK_FALSE(has_british(word + ".exr"));
 }
+
+}  // namespace sheaf::test_spelling

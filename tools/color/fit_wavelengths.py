@@ -6,7 +6,7 @@ stratified wavelengths. It is summed over the illuminants D65, A and equal energ
 reflectances, which are sigmoids of quadratic polynomials with random coefficients, as in spectral uplifting. The same
 variance for a single wavelength, the case after dispersion, is added with weight 0.01.
 
-  tools/color/fit_wavelengths.py [--colours 24] [--iterations 100]
+  tools/color/fit_wavelengths.py [--colors 24] [--iterations 100]
 """
 
 import argparse
@@ -77,7 +77,7 @@ def show(name, density):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--colours", type=int, default=24, help="number of reflectances in the average")
+    parser.add_argument("--colors", type=int, default=24, help="number of reflectances in the average")
     parser.add_argument("--iterations", type=int, default=100, help="maximum number of iterations")
     arguments = parser.parse_args()
     print("density; per illuminant: variance of white, mean over colors, mean with a single wavelength")

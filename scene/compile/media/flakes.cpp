@@ -44,12 +44,10 @@ float largest_flake_area(const std::array<float, 6>& matrix) {
   constexpr double kRounding = 1e-4;
   const auto [smallest, largest] = extreme_eigenvalues(matrix);
   if (smallest < -kRounding * std::max(largest, 0.0)) {
-    std::string text;
-    for (const float entry : matrix) text += (text.empty() ? "" : " ") + std::to_string(entry);
-    throw SceneError(
-        fmt::format("the matrix of microflakes {} (xx yy zz xy xz yz) has the negative eigenvalue {}, so it describes "
-                    "no ellipsoid (expected none)",
-                    text, smallest));
+    throw SceneError(fmt::format(
+        "the matrix of microflakes {} (xx yy zz xy xz yz) has the negative eigenvalue {:.6g}, so it describes "
+        "no ellipsoid (expected none)",
+        fmt::join(matrix, " "), smallest));
   }
   return static_cast<float>(std::sqrt(std::max(largest, 0.0)));
 }

@@ -41,7 +41,7 @@ TEST_CASE("error sink: strict errors are thrown together, lenient ones become me
     ErrorSink errors(true, substitutions);
     errors.run([&] {
       errors.report(first, "ignored");
-      errors.report(second, "grey");
+      errors.report(second, "gray");
       errors.report(first, "ignored");
     });
     CHECK(substitutions == std::vector<std::string>{"a.xml:3: first (ignored)", "a.xml:2: second (gray)"});
