@@ -47,7 +47,7 @@ template <class L> SHEAF_INLINE Float<L> ior(const Dispersion& d, typename L::Fl
   return d.form == Dispersion::Form::kPowers ? sum : sqrt(sum);
 }
 
-/// Index of refraction at the helium d line, at which glasses are catalogd.
+/// Index of refraction at the helium d line, at which glasses are cataloged.
 inline float catalog_ior(const Dispersion& d) { return ior<Scalar>(d, 587.56f); }
 
 }  // namespace sheaf

@@ -10,7 +10,7 @@ namespace sheaf::pbrt {
 
 namespace {
 
-/// Wavelength (nm) of catalogd glass indices: the helium d line.
+/// Wavelength (nm) of cataloged glass indices: the helium d line.
 constexpr float kCatalogWavelength = 587.56f;
 
 SpectrumDescription rgb_spectrum(Parameters& p, const char* name, const Parameter& parameter, Use use) {
