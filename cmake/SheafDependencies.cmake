@@ -4,6 +4,8 @@ find_package(ZLIB REQUIRED)
 find_package(TBB CONFIG REQUIRED)
 find_package(Imath CONFIG REQUIRED QUIET)
 find_package(OpenEXR CONFIG REQUIRED QUIET)
+find_package(PNG 1.6 REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(OpenImageIO MODULE REQUIRED)
 find_package(OpenColorIO MODULE QUIET)  # optional, for views of --ocio-config
 find_package(Embree MODULE REQUIRED)

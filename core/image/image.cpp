@@ -1,4 +1,4 @@
-// Images, and reading of image files by the library behind core/image/image_library.h.
+// Images, and reading of image files.
 #include "core/image/image.h"
 
 #include "core/color/color_space.h"
@@ -60,24 +60,22 @@ struct OpenImage {
 
 /// Opens an image and checks its header. `keeps_bytes`: 8-bit data will be read as bytes.
 OpenImage open_image(ImageSource source, bool keeps_bytes) {
-  const fs::path& path = source.path();
+  const fs::path path = source.path();
   const SourceLocation where{path.string(), 0};
   const std::string format = checked_image_format(source);
+  const std::size_t file_bytes = counted_image_bytes(source, format);
   ImageCorrections corrections;
-  if (source.memory() != nullptr)
-    corrections.bytes = source.memory()->bytes;
-  else
-    corrections = find_corrections(path, format);
+  if (source.memory() == nullptr) corrections = find_corrections(path, format);
   std::string problem;
   std::unique_ptr<ImageReader> reader =
-      image_library().open(path.string(), format, problem, std::move(corrections.bytes));
+      open_image_reader(std::move(source), format, problem, std::move(corrections.bytes));
   if (!reader) refuse_image(path, first_line(problem));
   const ImageHeader& header = reader->header();
   check_image_size(path, header.width, header.height, static_cast<std::size_t>(std::max(header.channel_count, 0)),
-                   counted_image_bytes(source, format));
+                   file_bytes);
   const std::size_t copies = corrections.orientation == 1 ? 1 : 2;
   check_image_memory(path, header.width, header.height, static_cast<std::size_t>(header.channel_count),
-                     copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)));
+                     copies * (keeps_bytes && header.holds_bytes ? 1 : sizeof(float)) + header.decoder_bytes);
   check_tiles(path, header);
   if (header.depth > 1 || header.deep) throw SceneError(where, "volume and deep images are not supported");
   if (header.channels.size() != static_cast<std::size_t>(header.channel_count)) {
@@ -86,16 +84,14 @@ OpenImage open_image(ImageSource source, bool keeps_bytes) {
   return {std::move(reader), corrections.orientation, corrections.xyz};
 }
 
-/// Reads all pixels, rows from the top. Rejects truncated JPEG files: the library fills their lower part with gray and
-/// only leaves a remark.
+/// Reads all pixels, rows from the top.
 template <class Value> std::vector<Value> read_pixels(const OpenImage& open, const fs::path& path) {
   const ImageHeader& header = open.reader->header();
   const auto width = static_cast<std::size_t>(header.width), height = static_cast<std::size_t>(header.height);
   std::vector<Value> values(width * height * header.channels.size());
   std::string remark;
   const bool complete = open.reader->read(values.data(), remark);
-  if (!complete || remark.find("remature end") != std::string::npos)
-    refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
+  if (!complete) refuse_image(path, remark.empty() ? "the file is damaged or ends too early" : first_line(remark));
   if (open.orientation == 1) return values;
   return oriented(values, width, height, header.channels.size(), open.orientation);
 }

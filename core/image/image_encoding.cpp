@@ -2,6 +2,9 @@
 
 #include "core/color/color.h"
 #include "core/image/display_channels.h"
+#include "core/image/image_library.h"
+#include "core/image/jpeg.h"
+#include "core/image/png.h"
 #include "core/io/error.h"
 #include "core/io/output_file.h"
 
@@ -56,7 +59,16 @@ std::vector<unsigned char> encode(const Image& image, const DisplayChannels& cha
   const bool has_alpha = channels.alpha >= 0;
   const int count = static_cast<int>(channels.color.size()) + (has_alpha ? 1 : 0);
   constexpr int kBits = std::numeric_limits<Integer>::digits;
-  return image_library().encode({image.width, image.height, count, has_alpha, kBits, values.data()}, encoding, problem);
+  const IntegerPixels pixels{image.width, image.height, count, has_alpha, kBits, values.data()};
+  switch (encoding.format) {
+    case IntegerFormat::kJpeg:
+      return encode_jpeg(pixels, encoding.quality, encoding.description, problem);
+    case IntegerFormat::kTiff:
+      return image_library().encode_tiff(pixels, encoding.description, problem);
+    case IntegerFormat::kPng:
+      break;
+  }
+  return encode_png(pixels, encoding.level, encoding.description, problem);
 }
 
 }  // namespace

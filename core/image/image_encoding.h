@@ -2,11 +2,21 @@
 #pragma once
 
 #include "core/image/image.h"
-#include "core/image/image_library.h"
 
+#include <string>
 #include <vector>
 
 namespace sheaf {
+
+/// File formats of integers.
+enum class IntegerFormat { kPng, kJpeg, kTiff };
+
+struct IntegerEncoding {
+  IntegerFormat format = IntegerFormat::kPng;
+  int level = 6;            ///< PNG: compression, 0 to 9
+  int quality = 95;         ///< JPEG: 1 to 100
+  std::string description;  ///< text in the header; empty: none
+};
 
 /// Encodes the channels of display_channels() with the sRGB curve: 8 bits in PNG and JPEG files, 16 in TIFF files.
 /// Values are clamped to [0, 1] and rounded to nearest; NaN becomes 0. PNG and TIFF files keep display_alpha() if it is

@@ -1,7 +1,9 @@
-// Loading of sheaf_image_io.so, detection of image formats, and checks of headers that OpenImageIO trusts.
+// Loading of sheaf_image_io.so, detection of image formats, and checks of headers that the libraries trust.
 #include "core/image/image_library.h"
 
 #include "core/image/image_source.h"
+#include "core/image/jpeg.h"
+#include "core/image/png.h"
 #include "core/io/error.h"
 #include "core/io/memory.h"
 #include "core/io/program_file.h"
@@ -32,10 +34,12 @@ const ImageLibrary* load() {
   const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
   const fs::path& file = fs::exists(beside, error) ? beside : installed;
   const auto fail = [&](const std::string& why) {
-    return Error(ExitCode::kRuntime,
-                 fmt::format("cannot read or write image formats other than OpenEXR: {} (expected sheaf_image_io.so "
-                             "next to the program or in ../lib/sheaf)",
-                             why));
+    return Error(
+        ExitCode::kRuntime,
+        fmt::format(
+            "cannot read or write image formats other than OpenEXR, PNG and JPEG: {} (expected sheaf_image_io.so "
+            "next to the program or in ../lib/sheaf)",
+            why));
   };
   if (!fs::exists(file, error))
     throw fail(fmt::format("neither '{}' nor '{}' exists", beside.string(), installed.string()));
@@ -138,8 +142,8 @@ void check_pnm(const ImageSource& source) {
   check_memory(fmt::format("reading the image '{}'", source.path().string()), {&copies, 1});
 }
 
-/// Checks the lengths of the chunks of a PNG file. The library allocates the length of a chunk, up to 2 GB, and libpng
-/// itself prints an error if the file ends within one. A chunk has a length, four letters, the data, and a checksum.
+/// Checks the lengths of the chunks of a PNG file, also of those that the reader skips or does not reach. A chunk has a
+/// length, four letters, the data, and a checksum.
 void check_png(ImageSource& source) {
   constexpr std::uint64_t kSignature = 8, kAround = 12;
   constexpr const char* kEndsEarly = "the file is damaged or ends too early";
@@ -175,6 +179,14 @@ std::string checked_image_format(ImageSource& source) {
 std::string checked_image_format(const fs::path& file) {
   ImageSource source(file);
   return checked_image_format(source);
+}
+
+std::unique_ptr<ImageReader> open_image_reader(ImageSource source, const std::string& format, std::string& problem,
+                                               std::vector<std::uint8_t> bytes) {
+  if (format == "png") return open_png(std::move(source), problem);
+  if (format == "jpeg") return open_jpeg(std::move(source), problem);
+  if (source.memory() != nullptr) bytes = source.memory()->bytes;
+  return image_library().open(source.path().string(), format, problem, std::move(bytes));
 }
 
 std::size_t counted_image_bytes(const ImageSource& source, const std::string& format) {

@@ -3,6 +3,7 @@
 // take a hundred times as long as others and tend to multiply: one in sixteen of them is read, without height fields.
 #include "core/image/image.h"
 #include "core/image/image_library.h"
+#include "core/image/image_source.h"
 #include "core/io/inflate.h"
 #include "scene/formats/height_field.h"
 #include "tests/fuzz/fuzz.h"
@@ -33,9 +34,14 @@ void put_check_sums(std::string& png) {
 /// Whether the header of a file claims more than a few pixels.
 bool claims_much(const std::filesystem::path& file) {
   constexpr double kFew = 1 << 13;
-  std::string format, problem;
-  if (!reads([&] { format = checked_image_format(file); })) return false;
-  const std::unique_ptr<ImageReader> reader = image_library().open(file.string(), format, problem);
+  std::string problem;
+  std::unique_ptr<ImageReader> reader;
+  const auto open = [&] {
+    ImageSource source(file);
+    const std::string format = checked_image_format(source);
+    reader = open_image_reader(std::move(source), format, problem);
+  };
+  if (!reads(open)) return false;
   if (!reader) return false;
   const ImageHeader& header = reader->header();
   return double(header.width) * double(header.height) * double(header.channel_count) > kFew;

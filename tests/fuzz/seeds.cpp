@@ -11,7 +11,9 @@
 #include "tests/support/files/gltf_samples.h"
 #include "tests/support/files/image_files.h"
 #include "tests/support/files/import_files.h"
+#include "tests/support/files/jpeg_files.h"
 #include "tests/support/files/model_files.h"
+#include "tests/support/files/png_files.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/job/parts.h"
 
@@ -351,6 +353,27 @@ void add_checkpoints(Seeds& seeds) {
 }
 
 /// Images of 3 x 2 pixels, and parts of one for merging.
+/// Kinds of PNG and JPEG files that Sheaf does not write.
+void add_png_and_jpeg(Seeds& seeds) {
+  const std::string png(1, '\0'), jpeg(1, '\1');  // places in kImageExtensions
+  test::PngSample sample{9, 3, 3, 2, {}, test::png_chunk("PLTE", "abcdefghi") + test::png_chunk("tRNS", "\1\2")};
+  for (int i = 0; i < 27; ++i) sample.values.push_back(i % 3);
+  seeds.add("image", png + test::png_file(sample));
+  sample.interlaced = true;
+  seeds.add("image", png + test::png_file(sample));
+  for (const int color_type : {0, 4, 6}) {
+    test::PngSample wide{3, 2, color_type, 16, std::vector<int>(24, 40000), "", color_type == 6};
+    if (color_type == 0) wide.chunks = test::png_chunk("tRNS", "\x9c\x40");
+    seeds.add("image", png + test::png_file(wide));
+  }
+  std::vector<unsigned char> values;
+  for (int i = 0; i < 17 * 17 * 4; ++i) values.push_back(static_cast<unsigned char>(i * i));
+  for (const bool progressive : {false, true}) {
+    seeds.add("image", jpeg + test::jpeg_file({17, 17, JCS_RGB, JCS_YCbCr, 3, values, 20, 2, progressive}));
+    seeds.add("image", jpeg + test::jpeg_file({9, 9, JCS_CMYK, JCS_YCCK, 4, values, 20, 1, progressive, true}));
+  }
+}
+
 void add_images(Seeds& seeds) {
   const TemporaryFolder folder;
   const std::vector<int> gray = {0, 50, 100, 150, 200, 250},
@@ -370,6 +393,7 @@ void add_images(Seeds& seeds) {
   write_bytes(path("webp"), webp_bytes(2, 1, {200, 30, 0, 255, 100, 30, 0, 128}));
   for (std::size_t i = 0; i < std::size(kImageExtensions); ++i)
     seeds.add("image", static_cast<char>(i) + read_bytes(path(kImageExtensions[i])));
+  add_png_and_jpeg(seeds);
   ExrMetadata metadata;
   metadata.software = "seeds";
   metadata.half_channels = {"R"};

@@ -1,4 +1,5 @@
-// The image format library, which is loaded on demand: startup without it, and messages where it is missing.
+// The library of less common image formats, which is loaded on demand: what works without it, and messages where it is
+// missing.
 #include "core/image/image.h"
 #include "tests/support/program_testing.h"
 
@@ -44,19 +45,31 @@ TEST_CASE("images: the program starts without the image format libraries") {
   CHECK_FALSE(contains(listed.out, "OpenImageIO"));
 }
 
-TEST_CASE("images: OpenEXR is written without the image library and PNG is rejected before rendering") {
+TEST_CASE("images: OpenEXR, PNG and JPEG need no image library, and TIFF is rejected before rendering") {
   const TemporaryFolder folder;
   const Copied alone(folder, "alone/sheaf");
   write_bytes(folder / "scene.xml", kScene);
-  CHECK(alone.run("render scene.xml --quiet -o out.exr").code == 0);
-  CHECK(std::filesystem::exists(folder / "out.exr"));
-  const Outcome png = alone.run("render scene.xml --quiet -o out.png -o second.exr");
-  CHECK(png.code == 1);
-  CHECK(contains(png.err, "cannot read or write image formats other than OpenEXR"));
-  CHECK(contains(png.err, kModule));
-  CHECK_FALSE(std::filesystem::exists(folder / "out.png"));
+  CHECK(alone.run("render scene.xml --quiet -o out.exr -o out.png -o out.jpg").code == 0);
+  for (const char* const name : {"out.exr", "out.png", "out.jpg"}) {
+    CAPTURE(std::string(name));
+    CHECK(std::filesystem::exists(folder / name));
+    const std::string bitmap =
+        std::string("<texture type='bitmap' name='reflectance'><string name='filename' value='") + name +
+        "'/></texture>";
+    std::string textured = kScene;
+    textured.insert(textured.find("<emitter"),
+                    "<shape type='sphere'><bsdf type='diffuse'>" + bitmap + "</bsdf></shape>");
+    write_bytes(folder / "textured.xml", textured);
+    CHECK(alone.run("render textured.xml --quiet -o textured.png").code == 0);
+  }
+  CHECK(alone.run("compare out.png out.jpg --max-mse 0.01").code == 0);
+  CHECK(alone.run("denoise out.exr --quiet -o denoised.png").code == 0);
+  const Outcome tiff = alone.run("render scene.xml --quiet -o out.tif -o second.exr");
+  CHECK(tiff.code == 1);
+  CHECK(contains(tiff.err, "cannot read or write image formats other than OpenEXR, PNG and JPEG"));
+  CHECK(contains(tiff.err, kModule));
+  CHECK_FALSE(std::filesystem::exists(folder / "out.tif"));
   CHECK_FALSE(std::filesystem::exists(folder / "second.exr"));
-  CHECK(alone.run("denoise out.exr -o out.png").code == 1);
 }
 
 TEST_CASE("images: the image library is found beside the program and in lib/sheaf of an installation") {
@@ -66,15 +79,15 @@ TEST_CASE("images: the image library is found beside the program and in lib/shea
   const Copied installed(folder, "usr/bin/sheaf"), beside(folder, "here/sheaf");
   std::filesystem::copy_file(module_file(), folder / ("usr/lib/sheaf/" + kModule));
   std::filesystem::copy_file(module_file(), folder / ("here/" + kModule));
-  CHECK(installed.run("render scene.xml --quiet -o installed.png").code == 0);
-  CHECK(beside.run("render scene.xml --quiet -o beside.png").code == 0);
-  const Image a = read_image(folder / "installed.png"), b = read_image(folder / "beside.png");
+  CHECK(installed.run("render scene.xml --quiet -o installed.tif").code == 0);
+  CHECK(beside.run("render scene.xml --quiet -o beside.tif").code == 0);
+  const Image a = read_image(folder / "installed.tif"), b = read_image(folder / "beside.tif");
   CHECK(a.width == 8);
   CHECK(a.data == b.data);
 
   SUBCASE("a file that is not a library is an error with its name") {
     write_bytes(folder / ("here/" + kModule), "no library");
-    const Outcome outcome = beside.run("render scene.xml --quiet -o third.png");
+    const Outcome outcome = beside.run("render scene.xml --quiet -o third.tif");
     CHECK(outcome.code == 1);
     CHECK(contains(outcome.err, "here/" + kModule));
   }

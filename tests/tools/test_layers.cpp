@@ -103,6 +103,8 @@ const std::vector<Wrapped> kWrapped = {
     {"xsimd", {"xsimd/"}, "core/simd/simd"},
     {"Embree", {"embree3/", "embree4/"}, "scene/accel/embree"},
     {"OpenEXR and Imath", {"OpenEXR/", "Imf", "Imath"}, ""},
+    {"libpng", {"png.h"}, "core/image/png"},
+    {"libjpeg-turbo", {"jpeglib.h", "jerror.h"}, "core/image/jpeg"},
     {"OpenImageIO", {"OpenImageIO/"}, "core/image/plugin/openimageio"},
     {"pugixml", {"pugixml.hpp"}, ""},
     {"tinyobjloader", {"tiny_obj_loader.h"}, "scene/formats/obj"},

@@ -112,7 +112,7 @@ void check_all_writable(std::span<const NamedFile> written) {
   for (const NamedFile& output : written) {
     check_writable(output.file);
     const OutputFormat* const format = kExtensions.find(extension_of(output.file));
-    if (format != nullptr && *format != OutputFormat::kExr) image_library();
+    if (format != nullptr && *format == OutputFormat::kTiff) image_library();
   }
 }
 

@@ -1,7 +1,6 @@
 #include "tools/preview/live_page.h"
 
 #include "core/image/image_encoding.h"
-#include "core/image/image_library.h"
 #include "tools/console/progress.h"
 #include "tools/preview/preview_page.h"
 
@@ -48,9 +47,7 @@ LivePage::LivePage(const Endpoint& endpoint, std::string scene, const DisplayTra
         denoised_number_ = number;
         image_denoised_ = number == image_number_;
       }),
-      server_(endpoint, [this](std::string_view path) { return answer(path); }) {
-  image_library();  // load the library now, so that encoding_seconds() of the first image excludes it
-}
+      server_(endpoint, [this](std::string_view path) { return answer(path); }) {}
 
 void LivePage::begin_scene() {
   const std::lock_guard lock(mutex_);

@@ -158,32 +158,21 @@ class Library final : public ImageLibrary {
     return std::make_unique<Reader>(std::move(input), std::move(file));
   }
 
-  std::vector<unsigned char> encode(const IntegerPixels& pixels, const IntegerEncoding& encoding,
-                                    std::string& problem) const override {
-    const char* const format = format_name(encoding.format);
+  std::vector<unsigned char> encode_tiff(const IntegerPixels& pixels, const std::string& description,
+                                         std::string& problem) const override {
     const OIIO::TypeDesc type = pixels.bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-    const OIIO::ImageSpec spec = make_spec(pixels, type, encoding);
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(format);
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create("tiff");
     const auto fail = [&](const std::string& why) {
       problem = why;
       return std::vector<unsigned char>();
     };
     if (!output) return fail(OIIO::geterror());
     // Through a proxy, OpenImageIO 2.4 writes TIFF files without their main directory.
-    if (encoding.format == IntegerFormat::kTiff) {
-      const AnonymousFile file;
-      if (!output->open(file.path(), spec)) return fail(output->geterror());
-      const bool written = output->write_image(type, pixels.values);
-      if (!output->close() || !written) return fail(output->geterror());
-      return file.bytes();
-    }
-    OIIO::Filesystem::IOVecOutput encoded;  // the library ignores errors while closing files
-    if (!output->set_ioproxy(&encoded))
-      return fail(std::string("this build of OpenImageIO cannot write ") + format + " files to memory");
-    if (!output->open(std::string("image.") + format, spec)) return fail(output->geterror());
+    const AnonymousFile file;
+    if (!output->open(file.path(), make_spec(pixels, type, description))) return fail(output->geterror());
     const bool written = output->write_image(type, pixels.values);
     if (!output->close() || !written) return fail(output->geterror());
-    return encoded.buffer();
+    return file.bytes();
   }
 
   std::unique_ptr<ColorProcessor> display_view(const DisplayView& view, std::string& problem) const override {
@@ -191,33 +180,15 @@ class Library final : public ImageLibrary {
   }
 
  private:
-  static const char* format_name(IntegerFormat format) {
-    switch (format) {
-      case IntegerFormat::kJpeg:
-        return "jpeg";
-      case IntegerFormat::kTiff:
-        return "tiff";
-      case IntegerFormat::kPng:
-        break;
-    }
-    return "png";
-  }
-
   static OIIO::ImageSpec make_spec(const IntegerPixels& pixels, const OIIO::TypeDesc& type,
-                                   const IntegerEncoding& encoding) {
+                                   const std::string& description) {
     OIIO::ImageSpec spec(pixels.width, pixels.height, pixels.channels, type);
     spec.alpha_channel = pixels.has_alpha ? pixels.channels - 1 : -1;
     spec.attribute("oiio:UnassociatedAlpha", 1);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    // Otherwise the library writes the current time.
-    if (encoding.format == IntegerFormat::kTiff) spec.attribute("DateTime", "");
-    if (encoding.format == IntegerFormat::kPng) spec.attribute("png:compressionLevel", encoding.level);
-    if (encoding.format == IntegerFormat::kTiff) spec.attribute("compression", "zip");
-    if (encoding.format == IntegerFormat::kJpeg) {
-      spec.attribute("compression", "jpeg:" + std::to_string(encoding.quality));
-      spec.attribute("jpeg:subsampling", "4:4:4");
-    }
-    if (!encoding.description.empty()) spec.attribute("ImageDescription", encoding.description);
+    spec.attribute("DateTime", "");  // otherwise the library writes the current time
+    spec.attribute("compression", "zip");
+    if (!description.empty()) spec.attribute("ImageDescription", description);
     return spec;
   }
 };
