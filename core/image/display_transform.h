@@ -3,8 +3,8 @@
 #pragma once
 
 #include "core/color/tone_map.h"
+#include "core/image/display_view.h"
 #include "core/image/image.h"
-#include "core/image/image_library.h"
 
 #include <memory>
 #include <optional>

@@ -1,4 +1,4 @@
-// Loading of sheaf_image_io.so, detection of image formats, and checks of headers that the libraries trust.
+// Detection of image formats, and checks of headers that the libraries trust.
 #include "core/image/image_library.h"
 
 #include "core/image/image_source.h"
@@ -6,11 +6,9 @@
 #include "core/image/png.h"
 #include "core/io/error.h"
 #include "core/io/memory.h"
-#include "core/io/program_file.h"
+#include "core/io/module.h"
 
 #include <fmt/format.h>
-
-#include <dlfcn.h>
 
 #include <algorithm>
 #include <array>
@@ -26,29 +24,6 @@ namespace sheaf {
 namespace {
 
 namespace fs = std::filesystem;
-
-const ImageLibrary* load() {
-  std::error_code error;
-  const fs::path folder = program_file().parent_path();
-  const fs::path beside = folder / "sheaf_image_io.so";
-  const fs::path installed = folder.parent_path() / "lib/sheaf/sheaf_image_io.so";
-  const fs::path& file = fs::exists(beside, error) ? beside : installed;
-  const auto fail = [&](const std::string& why) {
-    return Error(
-        ExitCode::kRuntime,
-        fmt::format(
-            "cannot read or write image formats other than OpenEXR, PNG and JPEG: {} (expected sheaf_image_io.so "
-            "next to the program or in ../lib/sheaf)",
-            why));
-  };
-  if (!fs::exists(file, error))
-    throw fail(fmt::format("neither '{}' nor '{}' exists", beside.string(), installed.string()));
-  void* const handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
-  if (handle == nullptr) throw fail(dlerror());
-  void* const function = dlsym(handle, kImageLibraryFunction);
-  if (function == nullptr) throw fail(fmt::format("'{}' is not Sheaf's image library", file.string()));
-  return reinterpret_cast<ImageLibraryFunction*>(function)();
-}
 
 [[noreturn]] void reject_image(const fs::path& path, const std::string& why) {
   throw SceneError({path.string(), 0}, "cannot read the image: " + why);
@@ -163,8 +138,9 @@ void check_png(ImageSource& source) {
 }  // namespace
 
 const ImageLibrary& image_library() {
-  static const ImageLibrary* const library = load();
-  return *library;
+  static const auto library = reinterpret_cast<ImageLibraryFunction*>(load_module(
+      kImageLibrary, kImageLibraryFunction, "cannot read or write image formats other than OpenEXR, PNG and JPEG"));
+  return *library();
 }
 
 std::string checked_image_format(ImageSource& source) {

@@ -16,21 +16,7 @@ namespace sheaf {
 
 class ImageSource;
 
-/// A view of an OpenColorIO configuration.
-class ColorProcessor {
- public:
-  virtual ~ColorProcessor() = default;
-  /// Converts `count` colors of three values, in place, from linear Rec.709 to values of the display.
-  virtual void apply(float* rgb, std::size_t count) const = 0;
-};
-
-/// Names a view. An empty string means the default of the configuration.
-struct DisplayView {
-  std::string config;  ///< file, built-in name such as ocio://default or raw, or empty: the file that $OCIO names
-  std::string display, view;
-};
-
-/// The libraries behind an interface that does not depend on their headers.
+/// OpenImageIO behind an interface that does not depend on its headers.
 class ImageLibrary {
  public:
   virtual ~ImageLibrary() = default;
@@ -42,13 +28,13 @@ class ImageLibrary {
   /// `problem`.
   virtual std::vector<unsigned char> encode_tiff(const IntegerPixels& pixels, const std::string& description,
                                                  std::string& problem) const = 0;
-  /// Reads the configuration of a view. On failure, or if this build lacks OpenColorIO, returns null and sets
-  /// `problem`.
-  virtual std::unique_ptr<ColorProcessor> display_view(const DisplayView& view, std::string& problem) const = 0;
 };
 
-/// Returns the library, which the first call loads and keeps: from sheaf_image_io.so next to the program or, if that is
-/// installed, in ../lib/sheaf. Throws Error (exit code 1) if the file is missing or cannot be loaded.
+/// The library that links OpenImageIO.
+inline constexpr char kImageLibrary[] = "sheaf_image_io.so";
+
+/// Returns the library, which the first call loads and keeps. Throws Error (exit code 1) if it is missing or cannot be
+/// loaded.
 const ImageLibrary& image_library();
 
 /// Returns the library's name for the format of an image file. Formats are recognized by their magic number; TGA, which

@@ -3,7 +3,7 @@
 #include "core/io/error.h"
 #include "core/io/file_cache.h"
 #include "core/io/memory.h"
-#include "core/io/program_file.h"
+#include "core/io/module.h"
 #include "scene/formats/model_formats.h"
 
 #include <fcntl.h>
@@ -27,14 +27,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kImporter = "sheaf_import_model";
-
-fs::path importer() {
-  std::error_code error;
-  const fs::path folder = program_file().parent_path();
-  for (const fs::path& file : {folder / kImporter, folder.parent_path() / "lib/sheaf" / kImporter})
-    if (fs::exists(file, error)) return file;
-  return {};
-}
 
 /// A process whose standard output is read. The destructor ends it.
 class Process {
@@ -128,7 +120,7 @@ Limits limits_for(std::uintmax_t file_size) {
 
 std::string run_importer(const fs::path& file) {
   const SourceLocation where{file.string(), 0};
-  const fs::path program = importer();
+  const fs::path program = shipped_file(kImporter);
   if (program.empty())
     throw SceneError(
         where,
@@ -159,7 +151,7 @@ bool is_imported_model(const fs::path& file) {
   return format != nullptr && format->is_imported;
 }
 
-bool can_import_models() { return !importer().empty(); }
+bool can_import_models() { return !shipped_file(kImporter).empty(); }
 
 std::string import_model(const fs::path& file) {
   std::error_code failure;

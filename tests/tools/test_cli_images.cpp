@@ -72,6 +72,24 @@ TEST_CASE("images: OpenEXR, PNG and JPEG need no image library, and TIFF is reje
   CHECK_FALSE(std::filesystem::exists(folder / "second.exr"));
 }
 
+TEST_CASE("images: views of OpenColorIO need their own library alone") {
+  const TemporaryFolder folder;
+  const std::filesystem::path library = module_file().replace_filename("sheaf_color_io.so");
+  write_bytes(folder / "scene.xml", kScene);
+  const Copied alone(folder, "alone/sheaf");
+  const std::string command = "render scene.xml --quiet --ocio-config raw -o out.png";
+  const Outcome missing = alone.run(command);
+  if (!std::filesystem::exists(library)) {
+    CHECK(contains(missing.err, "lacks OpenColorIO"));
+    return;
+  }
+  CHECK(missing.code == 1);
+  CHECK(contains(missing.err, "cannot use OpenColorIO configurations: "));
+  CHECK(contains(missing.err, "(expected sheaf_color_io.so next to the program or in ../lib/sheaf)"));
+  std::filesystem::copy_file(library, folder / "alone/sheaf_color_io.so");
+  CHECK(alone.run(command).code == 0);
+}
+
 TEST_CASE("images: the image library is found beside the program and in lib/sheaf of an installation") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

@@ -1,6 +1,6 @@
 #include "tools/job/output_options.h"
 
-#include "core/image/image_library.h"
+#include "core/image/display_view.h"
 #include "core/io/error.h"
 #include "core/io/name_table.h"
 
@@ -66,7 +66,7 @@ std::shared_ptr<const ColorProcessor> open_view(const OutputArguments& arguments
                 "--tone-map and a view of OpenColorIO exclude each other: the view maps tones itself");
   std::string problem;
   std::shared_ptr<const ColorProcessor> view =
-      image_library().display_view({arguments.ocio_config, arguments.ocio_display, arguments.ocio_view}, problem);
+      open_display_view({arguments.ocio_config, arguments.ocio_display, arguments.ocio_view}, problem);
   if (view) return view;
   const std::string config = arguments.ocio_config.empty() ? "" : fmt::format(" '{}'", arguments.ocio_config);
   std::replace(problem.begin(), problem.end(), '\n', ' ');

@@ -36,7 +36,7 @@ struct OutputSettings {
 };
 
 /// Converts the options, and reads the OpenColorIO configuration if a view is requested. Throws Error: exit code 2 for
-/// malformed options, unreadable configurations and builds without OpenColorIO, 1 if the image library is missing.
+/// malformed options, unreadable configurations and builds without OpenColorIO, 1 if the color library is missing.
 OutputSettings output_settings(const OutputArguments& arguments);
 
 /// "+1.25 stops".

@@ -22,8 +22,8 @@ mkdir -p "$contents/sheaf"
 cp tools/python/sheaf/*.py tools/python/sheaf/*.pyi tools/python/sheaf/py.typed "$contents/sheaf"
 for level in "${levels[@]}"; do
   mkdir "$contents/sheaf/$level"
-  # The library and the helper are links in the build folder
-  for file in _sheaf.so sheaf_image_io.so sheaf_import_model; do
+  # The libraries and the helper are links in the build folder
+  for file in _sheaf.so sheaf_image_io.so sheaf_color_io.so sheaf_import_model; do
     [ ! -e "$folder/$level/python/sheaf/$file" ] || cp -L "$folder/$level/python/sheaf/$file" "$contents/sheaf/$level"
   done
   strip --strip-unneeded "$contents/sheaf/$level"/*

@@ -1,7 +1,6 @@
 // Views of OpenColorIO configurations: the only file that includes OpenColorIO, which is optional when building.
-#include "core/image/plugin/opencolorio.h"
-
-#ifdef SHEAF_HAS_OPENCOLORIO
+// Defines the entry point of sheaf_color_io.so.
+#include "core/image/display_view.h"
 
 #include <OpenColorIO/OpenColorIO.h>
 
@@ -123,10 +122,11 @@ std::unique_ptr<ColorProcessor> open_view(const DisplayView& requested) {
 
 }  // namespace
 
-std::unique_ptr<ColorProcessor> open_display_view(const DisplayView& view, std::string& problem) {
+extern "C" [[gnu::visibility("default")]] ColorProcessor* sheaf_display_view(const DisplayView& view,
+                                                                             std::string& problem) {
   ocio::SetLoggingLevel(ocio::LOGGING_LEVEL_NONE);
   try {
-    return open_view(view);
+    return open_view(view).release();
   } catch (const std::exception& error) {
     problem = error.what();
     return nullptr;
@@ -134,16 +134,3 @@ std::unique_ptr<ColorProcessor> open_display_view(const DisplayView& view, std::
 }
 
 }  // namespace sheaf
-
-#else
-
-namespace sheaf {
-
-std::unique_ptr<ColorProcessor> open_display_view(const DisplayView&, std::string& problem) {
-  problem = "this build of Sheaf lacks OpenColorIO (install libopencolorio-dev and build again)";
-  return nullptr;
-}
-
-}  // namespace sheaf
-
-#endif

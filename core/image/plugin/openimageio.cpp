@@ -1,6 +1,6 @@
 // Reading and encoding of image files: the only file that includes OpenImageIO. Defines the entry point of
 // sheaf_image_io.so.
-#include "core/image/plugin/opencolorio.h"
+#include "core/image/image_library.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -173,10 +173,6 @@ class Library final : public ImageLibrary {
     const bool written = output->write_image(type, pixels.values);
     if (!output->close() || !written) return fail(output->geterror());
     return file.bytes();
-  }
-
-  std::unique_ptr<ColorProcessor> display_view(const DisplayView& view, std::string& problem) const override {
-    return open_display_view(view, problem);
   }
 
  private:

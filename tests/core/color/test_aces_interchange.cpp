@@ -47,7 +47,7 @@ std::array<float, 3> displayed(const std::string& config, Vec3f color) {
   write_bytes(folder / "tiny.ocio", config);
   std::string problem;
   DisplaySettings settings;
-  settings.display_view = image_library().display_view({(folder / "tiny.ocio").string(), "", ""}, problem);
+  settings.display_view = open_display_view({(folder / "tiny.ocio").string(), "", ""}, problem);
   REQUIRE_MESSAGE(settings.display_view, problem);
   Image image(1, 1, {"R", "G", "B"});
   image.data = {color.x, color.y, color.z};
@@ -57,7 +57,7 @@ std::array<float, 3> displayed(const std::string& config, Vec3f color) {
 
 bool has_opencolorio() {
   std::string problem;
-  const bool has = image_library().display_view({"raw", "", ""}, problem) != nullptr;
+  const bool has = open_display_view({"raw", "", ""}, problem) != nullptr;
   if (!has) CHECK(test::contains(problem, "lacks OpenColorIO"));
   return has;
 }

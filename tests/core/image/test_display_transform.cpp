@@ -96,7 +96,7 @@ TEST_CASE("display: tone maps act on straight colors and keep alpha") {
 
 TEST_CASE("display: views of OpenColorIO configurations") {
   std::string problem;
-  if (!image_library().display_view({"raw", "", ""}, problem)) {
+  if (!open_display_view({"raw", "", ""}, problem)) {
     CHECK(contains(problem, "lacks OpenColorIO"));
     return;
   }
@@ -105,7 +105,7 @@ TEST_CASE("display: views of OpenColorIO configurations") {
   write_bytes(folder / "tiny.ocio", kConfig);
   const auto displayed = [&](const DisplayView& view, std::vector<float> pixels) {
     DisplaySettings settings;
-    settings.display_view = image_library().display_view(view, problem);
+    settings.display_view = open_display_view(view, problem);
     REQUIRE_MESSAGE(settings.display_view, problem);
     return DisplayTransform(settings).apply(image_of({"R", "G", "B"}, std::move(pixels))).data;
   };
@@ -120,11 +120,11 @@ TEST_CASE("display: views of OpenColorIO configurations") {
 
 TEST_CASE("display: errors in OpenColorIO configurations") {
   std::string problem;
-  if (!image_library().display_view({"raw", "", ""}, problem)) return;
+  if (!open_display_view({"raw", "", ""}, problem)) return;
   const TemporaryFolder folder;
   const auto problem_of = [&](const DisplayView& view) {
     problem.clear();
-    CHECK(image_library().display_view(view, problem) == nullptr);
+    CHECK(open_display_view(view, problem) == nullptr);
     return problem;
   };
   const std::string file = (folder / "tiny.ocio").string();
