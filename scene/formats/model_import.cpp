@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kImporter = "sheaf_import_model";
-
 /// A process whose standard output is read. The destructor ends it.
 class Process {
  public:
@@ -120,13 +118,13 @@ Limits limits_for(std::uintmax_t file_size) {
 
 std::string run_importer(const fs::path& file) {
   const SourceLocation where{file.string(), 0};
-  const fs::path program = shipped_file(kImporter);
+  const fs::path program = shipped_file(kModelImporter);
   if (program.empty())
     throw SceneError(
         where,
         fmt::format("this build of Sheaf cannot read {} files: it was built without Assimp (package libassimp-dev), or "
                     "{} is missing next to the program; convert the file to glTF, for example with Blender",
-                    file.extension().string(), kImporter));
+                    file.extension().string(), kModelImporter));
   std::error_code failure;
   const std::uintmax_t size = fs::file_size(file, failure);
   constexpr std::uintmax_t kMaxSize = std::uintmax_t{1} << 30;
@@ -151,7 +149,7 @@ bool is_imported_model(const fs::path& file) {
   return format != nullptr && format->is_imported;
 }
 
-bool can_import_models() { return !shipped_file(kImporter).empty(); }
+bool can_import_models() { return !shipped_file(kModelImporter).empty(); }
 
 std::string import_model(const fs::path& file) {
   std::error_code failure;

@@ -12,6 +12,9 @@ namespace sheaf {
 /// Whether a file has such a format by its extension; see ModelFormat::is_imported.
 bool is_imported_model(const std::filesystem::path& file);
 
+/// The program that imports models.
+inline constexpr char kModelImporter[] = "sheaf_import_model";
+
 /// Whether sheaf_import_model exists, next to the program or in ../lib/sheaf. Builds without Assimp lack it.
 bool can_import_models();
 

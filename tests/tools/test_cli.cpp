@@ -34,6 +34,31 @@ TEST_CASE("version and help are printed") {
   CHECK(run(folder, "--help").code == 0);
 }
 
+TEST_CASE("version: -v lists the libraries, the image formats and the optional parts") {
+  const TemporaryFolder folder;
+  const std::string version = run(folder, "--version").out, details = run(folder, "--version -v").out;
+  CHECK(details.starts_with(version + "libraries: libpng 1."));
+  for (const char* const library :
+       {"libjpeg-turbo ", "Embree ", "oneTBB 20", "OpenEXR 3.", "xsimd ", "OpenImageIO ", "fmt "})
+    CHECK(contains(details, library));
+  CHECK(contains(details, "\nimages: OpenEXR, PNG, JPEG\n"));
+  const std::string place = std::filesystem::path(SHEAF_EXECUTABLE).parent_path().string();
+  CHECK(contains(details, "\nimages by sheaf_image_io.so (" + place + "/sheaf_image_io.so): TIFF; read only: WebP, "));
+  CHECK(contains(details, "\nOpenColorIO by sheaf_color_io.so ("));
+  CHECK(contains(details, " models by sheaf_import_model ("));
+  CHECK(run(folder, "render --verbose --version").out == details);
+  std::filesystem::copy_file(SHEAF_EXECUTABLE, folder / "alone");
+  REQUIRE(std::system(("'" + (folder / "alone").string() + "' --version -v >'" + (folder / "out.txt").string() + "'")
+                          .c_str()) == 0);
+  CHECK(contains(read_bytes(folder / "out.txt"), "\nimages by sheaf_image_io.so (missing): TIFF"));
+  CHECK(contains(read_bytes(folder / "out.txt"), "\nOpenColorIO by sheaf_color_io.so (missing)\n"));
+  // The option belongs to --version
+  CHECK(contains(run(folder, "--help").out, "With --version: also print the libraries"));
+  const Outcome misplaced = run(folder, "-v render scene.xml");
+  CHECK(misplaced.code == 2);
+  CHECK(contains(misplaced.err, "requires --version"));
+}
+
 TEST_CASE("wrong usage has exit code 2") {
   const TemporaryFolder folder;
   write_bytes(folder / "scene.xml", kScene);

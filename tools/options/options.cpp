@@ -359,7 +359,10 @@ Program::~Program() = default;
 
 void Program::set_footer(const std::string& text) { help_->footer = text; }
 
-void Program::set_version(const std::string& text) { version_ = text; }
+void Program::set_version(const std::string& text, std::function<std::string()> details) {
+  version_ = text;
+  version_details_ = std::move(details);
+}
 
 void Program::require_command() { app_->require_subcommand(1); }
 
@@ -409,6 +412,11 @@ const CommandHelp& Program::help() {
   help_->has_common_options = true;
   add_common_help(*help_, !version_.empty());
   for (CommandHelp& command : help_->commands) add_common_help(command, !version_.empty());
+  if (version_details_) {
+    OptionHelp& option = help_->options.emplace_back();
+    option.names = {"-v", "--verbose"};
+    option.text = "With --version: also print the libraries and the image formats";
+  }
   return *help_;
 }
 
@@ -427,7 +435,8 @@ void Program::parse(const std::vector<std::string>& words) {
 
 std::optional<int> Program::parse(int argc, char** argv) {
   if (!version_.empty()) {
-    app_->set_version_flag("--version", version_);
+    CLI::Option* const version = app_->set_version_flag("--version", version_);
+    if (version_details_) app_->add_flag("-v,--verbose")->needs(version);
     for (CLI::App* command : app_->get_subcommands({})) command->set_version_flag("--version", version_);
   }
   try {
@@ -444,6 +453,8 @@ std::optional<int> Program::parse(int argc, char** argv) {
     return 0;
   } catch (const CLI::CallForVersion&) {
     std::cout << version_ << '\n';
+    const auto is_verbose = [](std::string_view word) { return word == "-v" || word == "--verbose"; };
+    if (version_details_ && std::any_of(argv + 1, argv + argc, is_verbose)) std::cout << version_details_();
     return 0;
   } catch (const CLI::ParseError& problem) {
     std::cerr << app_->get_name() << ": " << printable_usage_message(*app_, problem) << " (see '"

@@ -115,8 +115,8 @@ class Program : public Command {
 
   /// Sets the text at the end of --help.
   void set_footer(const std::string& text);
-  /// Sets the output of --version.
-  void set_version(const std::string& text);
+  /// Sets the output of --version, and the lines that follow it with -v.
+  void set_version(const std::string& text, std::function<std::string()> details);
   /// Requires exactly one subcommand.
   void require_command();
   /// Sets the variables and runs the subcommand. Returns an exit code if the program should end: 0 after --help or
@@ -132,6 +132,7 @@ class Program : public Command {
  private:
   std::unique_ptr<CommandHelp> owned_help_;
   std::string version_;
+  std::function<std::string()> version_details_;
   std::unique_ptr<CLI::App> app_;
 };
 
