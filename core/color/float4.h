@@ -34,10 +34,10 @@ SHEAF_INLINE Float4 operator+(Float4 a, Float4 b) { return a.v + b.v; }
 SHEAF_INLINE Float4 operator-(Float4 a, Float4 b) { return a.v - b.v; }
 SHEAF_INLINE Float4 operator*(Float4 a, Float4 b) { return a.v * b.v; }
 SHEAF_INLINE Float4 operator*(Float4 a, float s) { return a.v * Float4Batch(s); }
-SHEAF_INLINE Float4 operator/(Float4 a, Float4 b) { return a.v / b.v; }
-SHEAF_INLINE Float4 max(Float4 a, Float4 b) { return xsimd::max(a.v, b.v); }
-SHEAF_INLINE Float4 min(Float4 a, Float4 b) { return xsimd::min(a.v, b.v); }
-SHEAF_INLINE Float4 sqrt(Float4 a) { return xsimd::sqrt(a.v); }
+SHEAF_INLINE Float4 operator/(Float4 a, Float4 b) { return batch::divide(a.v, b.v); }
+SHEAF_INLINE Float4 max(Float4 a, Float4 b) { return batch::max(a.v, b.v); }
+SHEAF_INLINE Float4 min(Float4 a, Float4 b) { return batch::min(a.v, b.v); }
+SHEAF_INLINE Float4 sqrt(Float4 a) { return batch::sqrt(a.v); }
 SHEAF_INLINE Float4 exp(Float4 a) { return xsimd::exp(a.v); }
 
 /// The sum of all four lanes.

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "core/color/sigmoid_polynomial.h"
+#include "core/simd/simd_rows.h"
 #include "core/soa/lane_array.h"
 
 #include <vector>

@@ -3,7 +3,7 @@
 // WideFloat, WideUint and WideMask hold kWidth lanes of the widest vector of the machine. Every operation also exists
 // for float, std::uint32_t and bool. So code that is generic in the lane policy (core/simd/lanes.h) compiles for one
 // path at a time and for kWidth paths at a time. xsimd 8.1 lacks some operations of xsimd 13 (gather, transpose). These
-// are implemented here, with intrinsics if they are faster and with plain loops otherwise.
+// are implemented here and in simd_*.h, with intrinsics if they are faster and with plain loops otherwise.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -82,11 +82,32 @@ template <class To, class From> SHEAF_INLINE To cast_bits(From a) {
 #endif
 }
 
+// ---- batches --------------------------------------------------------------------------------------------------------
+/// Operations on batches with the results of those on floats. On NEON, xsimd 8.1 approximates quotients and roots, and
+/// the minimum and maximum of NaN and a number are NaN.
+namespace batch {
+
+#if defined(__ARM_NEON)
+SHEAF_INLINE FloatBatch divide(FloatBatch a, FloatBatch b) { return vdivq_f32(a, b); }
+SHEAF_INLINE FloatBatch sqrt(FloatBatch a) { return vsqrtq_f32(a); }
+SHEAF_INLINE FloatBatch floor(FloatBatch a) { return vrndmq_f32(a); }
+SHEAF_INLINE FloatBatch min(FloatBatch a, FloatBatch b) { return vbslq_f32(vcltq_f32(a, b), a, b); }
+SHEAF_INLINE FloatBatch max(FloatBatch a, FloatBatch b) { return vbslq_f32(vcgtq_f32(a, b), a, b); }
+#else
+template <class Batch> SHEAF_INLINE Batch divide(Batch a, Batch b) { return a / b; }
+template <class Batch> SHEAF_INLINE Batch sqrt(Batch a) { return xsimd::sqrt(a); }
+template <class Batch> SHEAF_INLINE Batch floor(Batch a) { return xsimd::floor(a); }
+template <class Batch> SHEAF_INLINE Batch min(Batch a, Batch b) { return xsimd::min(a, b); }
+template <class Batch> SHEAF_INLINE Batch max(Batch a, Batch b) { return xsimd::max(a, b); }
+#endif
+
+}  // namespace batch
+
 // ---- WideFloat ------------------------------------------------------------------------------------------------------
 SHEAF_INLINE WideFloat operator+(WideFloat a, WideFloat b) { return a.v + b.v; }
 SHEAF_INLINE WideFloat operator-(WideFloat a, WideFloat b) { return a.v - b.v; }
 SHEAF_INLINE WideFloat operator*(WideFloat a, WideFloat b) { return a.v * b.v; }
-SHEAF_INLINE WideFloat operator/(WideFloat a, WideFloat b) { return a.v / b.v; }
+SHEAF_INLINE WideFloat operator/(WideFloat a, WideFloat b) { return batch::divide(a.v, b.v); }
 SHEAF_INLINE WideFloat operator-(WideFloat a) { return -a.v; }
 SHEAF_INLINE WideFloat& operator+=(WideFloat& a, WideFloat b) { return a = a + b; }
 SHEAF_INLINE WideFloat& operator-=(WideFloat& a, WideFloat b) { return a = a - b; }
@@ -125,8 +146,10 @@ SHEAF_INLINE WideMask float_mask(xsimd::batch_bool<std::uint32_t> m) {
   return MaskBatch(static_cast<__mmask16>(m));
 #elif defined(__AVX__)
   return MaskBatch(_mm256_castsi256_ps(m));
+#elif defined(__SSE2__)
+  return MaskBatch(_mm_castsi128_ps(m));
 #else
-  return cast_bits<FloatBatch>(xsimd::select(m, UintBatch(0x3f800000u), UintBatch(0u))) != FloatBatch(0.0f);
+  return MaskBatch(static_cast<uint32x4_t>(m));
 #endif
 }
 SHEAF_INLINE WideMask operator==(WideUint a, WideUint b) { return float_mask(a.v == b.v); }
@@ -141,8 +164,8 @@ template <class U> SHEAF_INLINE U reverse_bits_stepwise(U x) {
   x = ((x >> 2) & U(0x33333333u)) | ((x & U(0x33333333u)) << 2);
   return ((x >> 1) & U(0x55555555u)) | ((x & U(0x55555555u)) << 1);
 }
-/// Reverses the 32 bits. On machines with byte shuffles, reverses the bits of each byte, by a matrix product or by
-/// tables of half bytes, and then the bytes.
+/// Reverses the 32 bits. On machines with byte shuffles, reverses the bits of each byte, by an instruction, by a matrix
+/// product or by tables of half bytes, and then the bytes.
 SHEAF_INLINE WideUint reverse_bits(WideUint a) {
 #if defined(__AVX512BW__)
   const __m512i bytes = _mm512_broadcast_i32x4(_mm_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
@@ -171,6 +194,8 @@ SHEAF_INLINE WideUint reverse_bits(WideUint a) {
       _mm256_or_si256(_mm256_shuffle_epi8(upper, _mm256_and_si256(a.v, half)),
                       _mm256_shuffle_epi8(lower, _mm256_and_si256(_mm256_srli_epi32(a.v, 4), half)));
   return UintBatch(_mm256_shuffle_epi8(rotated, bytes));
+#elif defined(__ARM_NEON)
+  return UintBatch(vreinterpretq_u32_u8(vrev32q_u8(vrbitq_u8(vreinterpretq_u8_u32(a.v)))));
 #else
   return reverse_bits_stepwise(a);
 #endif
@@ -204,12 +229,12 @@ SHEAF_INLINE WideUint to_uint(WideFloat a) { return cast_bits<UintBatch>(xsimd::
 SHEAF_INLINE std::uint32_t to_uint(float a) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(a)); }
 
 // ---- mathematics ----------------------------------------------------------------------------------------------------
-SHEAF_INLINE WideFloat min(WideFloat a, WideFloat b) { return xsimd::min(a.v, b.v); }
-SHEAF_INLINE WideFloat max(WideFloat a, WideFloat b) { return xsimd::max(a.v, b.v); }
+SHEAF_INLINE WideFloat min(WideFloat a, WideFloat b) { return batch::min(a.v, b.v); }
+SHEAF_INLINE WideFloat max(WideFloat a, WideFloat b) { return batch::max(a.v, b.v); }
 SHEAF_INLINE WideUint min(WideUint a, WideUint b) { return xsimd::min(a.v, b.v); }
 SHEAF_INLINE WideFloat abs(WideFloat a) { return xsimd::abs(a.v); }
-SHEAF_INLINE WideFloat sqrt(WideFloat a) { return xsimd::sqrt(a.v); }
-SHEAF_INLINE WideFloat floor(WideFloat a) { return xsimd::floor(a.v); }
+SHEAF_INLINE WideFloat sqrt(WideFloat a) { return batch::sqrt(a.v); }
+SHEAF_INLINE WideFloat floor(WideFloat a) { return batch::floor(a.v); }
 SHEAF_INLINE WideFloat exp(WideFloat a) { return xsimd::exp(a.v); }
 SHEAF_INLINE WideFloat log(WideFloat a) { return xsimd::log(a.v); }
 SHEAF_INLINE WideFloat pow(WideFloat a, WideFloat b) { return xsimd::pow(a.v, b.v); }
@@ -247,7 +272,7 @@ SHEAF_INLINE float acos(float a) { return std::acos(a); }
 SHEAF_INLINE float atan2(float y, float x) { return std::atan2(y, x); }
 SHEAF_INLINE bool is_finite(float a) { return std::fabs(a) <= 3.4028234e38f; }
 SHEAF_INLINE float fma(float a, float b, float c) {
-#if defined(__FMA__)
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
   return std::fma(a, b, c);
 #else
   return a * b + c;
@@ -315,167 +340,16 @@ SHEAF_INLINE std::uint32_t mask_bits(WideMask m) {
   return static_cast<std::uint32_t>(static_cast<__mmask16>(m.v));
 #elif defined(__AVX__)
   return static_cast<std::uint32_t>(_mm256_movemask_ps(m.v));
+#elif defined(__SSE2__)
+  return static_cast<std::uint32_t>(_mm_movemask_ps(m.v));
 #else
-  alignas(kSimdAlignment) std::uint32_t lanes[kWidth];
-  store(lanes, select(m, WideUint(1u), WideUint(0u)));
-  std::uint32_t bits = 0;
-  for (int lane = 0; lane < kWidth; ++lane) bits |= lanes[lane] << lane;
-  return bits;
+  return vaddvq_u32(vandq_u32(m.v, uint32x4_t{1, 2, 4, 8}));
 #endif
 }
 SHEAF_INLINE std::uint32_t mask_bits(bool m) { return m ? 1u : 0u; }
 
 /// The lanes [0, count).
 SHEAF_INLINE WideMask first_lanes(int count) { return lane_index() < WideUint(static_cast<std::uint32_t>(count)); }
-
-// ---- records of four words, one pointer per lane --------------------------------------------------------------------
-/// Reads four consecutive floats per lane, lane k from rows[k], and transposes them: out[j] holds word j of every lane.
-/// Rows need no alignment.
-SHEAF_INLINE void load_rows4(const float* const* rows, WideFloat* out) {
-#if defined(__AVX512F__)
-  // Load rows q, q + 4, q + 8, q + 12 into one register
-  __m512 quad[4];
-  for (int q = 0; q < 4; ++q) {
-    __m512 r = _mm512_castps128_ps512(_mm_loadu_ps(rows[q]));
-    r = _mm512_insertf32x4(r, _mm_loadu_ps(rows[q + 4]), 1);
-    r = _mm512_insertf32x4(r, _mm_loadu_ps(rows[q + 8]), 2);
-    quad[q] = _mm512_insertf32x4(r, _mm_loadu_ps(rows[q + 12]), 3);
-  }
-  const __m512 t0 = _mm512_unpacklo_ps(quad[0], quad[1]), t1 = _mm512_unpackhi_ps(quad[0], quad[1]);
-  const __m512 t2 = _mm512_unpacklo_ps(quad[2], quad[3]), t3 = _mm512_unpackhi_ps(quad[2], quad[3]);
-  out[0] = FloatBatch(_mm512_shuffle_ps(t0, t2, 0x44));
-  out[1] = FloatBatch(_mm512_shuffle_ps(t0, t2, 0xee));
-  out[2] = FloatBatch(_mm512_shuffle_ps(t1, t3, 0x44));
-  out[3] = FloatBatch(_mm512_shuffle_ps(t1, t3, 0xee));
-#elif defined(__AVX__)
-  __m256 pair[4];
-  for (int q = 0; q < 4; ++q)
-    pair[q] = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(rows[q])), _mm_loadu_ps(rows[q + 4]), 1);
-  const __m256 t0 = _mm256_unpacklo_ps(pair[0], pair[1]), t1 = _mm256_unpackhi_ps(pair[0], pair[1]);
-  const __m256 t2 = _mm256_unpacklo_ps(pair[2], pair[3]), t3 = _mm256_unpackhi_ps(pair[2], pair[3]);
-  out[0] = FloatBatch(_mm256_shuffle_ps(t0, t2, 0x44));
-  out[1] = FloatBatch(_mm256_shuffle_ps(t0, t2, 0xee));
-  out[2] = FloatBatch(_mm256_shuffle_ps(t1, t3, 0x44));
-  out[3] = FloatBatch(_mm256_shuffle_ps(t1, t3, 0xee));
-#else
-  alignas(kSimdAlignment) float t[4][kWidth];
-  for (int lane = 0; lane < kWidth; ++lane)
-    for (int j = 0; j < 4; ++j) t[j][lane] = rows[lane][j];
-  for (int j = 0; j < 4; ++j) load(t[j], out[j]);
-#endif
-}
-SHEAF_INLINE void load_rows4(const float* const* rows, float* out) { std::memcpy(out, rows[0], 4 * sizeof(float)); }
-
-/// The inverse of load_rows4: writes four consecutive floats to rows[k] for every lane k < count.
-SHEAF_INLINE void store_rows4(float* const* rows, const WideFloat* in, int count) {
-#if defined(__AVX512F__)
-  const __m512 t0 = _mm512_unpacklo_ps(in[0].v, in[1].v), t1 = _mm512_unpackhi_ps(in[0].v, in[1].v);
-  const __m512 t2 = _mm512_unpacklo_ps(in[2].v, in[3].v), t3 = _mm512_unpackhi_ps(in[2].v, in[3].v);
-  __m512 quad[4];
-  quad[0] = _mm512_shuffle_ps(t0, t2, 0x44);
-  quad[1] = _mm512_shuffle_ps(t0, t2, 0xee);
-  quad[2] = _mm512_shuffle_ps(t1, t3, 0x44);
-  quad[3] = _mm512_shuffle_ps(t1, t3, 0xee);
-  if (count >= kWidth) {
-    for (int q = 0; q < 4; ++q) {
-      _mm_storeu_ps(rows[q], _mm512_castps512_ps128(quad[q]));
-      _mm_storeu_ps(rows[q + 4], _mm512_extractf32x4_ps(quad[q], 1));
-      _mm_storeu_ps(rows[q + 8], _mm512_extractf32x4_ps(quad[q], 2));
-      _mm_storeu_ps(rows[q + 12], _mm512_extractf32x4_ps(quad[q], 3));
-    }
-    return;
-  }
-  alignas(kSimdAlignment) float parts[4][kWidth];
-  for (int q = 0; q < 4; ++q) _mm512_store_ps(parts[q], quad[q]);
-  for (int lane = 0; lane < count; ++lane) _mm_storeu_ps(rows[lane], _mm_load_ps(parts[lane & 3] + 4 * (lane >> 2)));
-#elif defined(__AVX__)
-  const __m256 t0 = _mm256_unpacklo_ps(in[0].v, in[1].v), t1 = _mm256_unpackhi_ps(in[0].v, in[1].v);
-  const __m256 t2 = _mm256_unpacklo_ps(in[2].v, in[3].v), t3 = _mm256_unpackhi_ps(in[2].v, in[3].v);
-  __m256 pair[4];
-  pair[0] = _mm256_shuffle_ps(t0, t2, 0x44);
-  pair[1] = _mm256_shuffle_ps(t0, t2, 0xee);
-  pair[2] = _mm256_shuffle_ps(t1, t3, 0x44);
-  pair[3] = _mm256_shuffle_ps(t1, t3, 0xee);
-  if (count >= kWidth) {
-    for (int q = 0; q < 4; ++q) {
-      _mm_storeu_ps(rows[q], _mm256_castps256_ps128(pair[q]));
-      _mm_storeu_ps(rows[q + 4], _mm256_extractf128_ps(pair[q], 1));
-    }
-    return;
-  }
-  for (int lane = 0; lane < count; ++lane)
-    _mm_storeu_ps(rows[lane], lane < 4 ? _mm256_castps256_ps128(pair[lane]) : _mm256_extractf128_ps(pair[lane - 4], 1));
-#else
-  alignas(kSimdAlignment) float t[4][kWidth];
-  for (int j = 0; j < 4; ++j) store(t[j], in[j]);
-  for (int lane = 0; lane < count && lane < kWidth; ++lane)
-    for (int j = 0; j < 4; ++j) rows[lane][j] = t[j][lane];
-#endif
-}
-SHEAF_INLINE void store_rows4(float* const* rows, const float* in, int count) {
-  if (count > 0) std::memcpy(rows[0], in, 4 * sizeof(float));
-}
-
-// ---- compaction -----------------------------------------------------------------------------------------------------
-#if defined(__AVX2__) && !defined(__AVX512F__)
-/// For each mask of eight lanes, the permutation that moves the set lanes to the front.
-struct CompressTable {
-  alignas(kSimdAlignment) std::uint32_t lanes[256][8];
-  constexpr CompressTable() : lanes{} {
-    for (unsigned bits = 0; bits < 256; ++bits)
-      for (unsigned lane = 0, n = 0; lane < 8; ++lane)
-        if (bits >> lane & 1u) lanes[bits][n++] = lane;
-  }
-};
-inline constexpr CompressTable kCompressTable{};
-#endif
-
-/// Writes the lanes set in `bits` next to each other, in lane order. Writes up to kWidth values at `p` (no alignment
-/// needed), of which the first popcount(bits) are valid.
-SHEAF_INLINE void compress_store(float* p, WideFloat a, std::uint32_t bits) {
-#if defined(__AVX512F__)
-  // Compressing to memory is microcoded on some machines; compressing to a register never is.
-  _mm512_storeu_ps(p, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), a.v));
-#elif defined(__AVX2__)
-  const __m256i lanes = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompressTable.lanes[bits]));
-  _mm256_storeu_ps(p, _mm256_permutevar8x32_ps(a.v, lanes));
-#else
-  alignas(kSimdAlignment) float t[kWidth];
-  store(t, a);
-  for (int lane = 0; lane < kWidth; ++lane)
-    if (bits >> lane & 1u) *p++ = t[lane];
-#endif
-}
-SHEAF_INLINE void compress_store(std::uint32_t* p, WideUint a, std::uint32_t bits) {
-  compress_store(reinterpret_cast<float*>(p), bits_float(a), bits);
-}
-SHEAF_INLINE void compress_store(float* p, float a, std::uint32_t bits) {
-  if (bits & 1u) *p = a;
-}
-SHEAF_INLINE void compress_store(std::uint32_t* p, std::uint32_t a, std::uint32_t bits) {
-  if (bits & 1u) *p = a;
-}
-
-/// Copies from[lane] for each lane set in `bits` next to each other, in lane order. Reads kWidth values at `from` and
-/// writes up to kWidth at `to` (no alignment needed), of which the first popcount(bits) are valid.
-SHEAF_INLINE void compress_copy(std::uint16_t* to, const std::uint16_t* from, std::uint32_t bits) {
-#if defined(__AVX512VBMI2__) && defined(__AVX512VL__)
-  const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_maskz_compress_epi16(static_cast<__mmask16>(bits), all));
-#elif defined(__AVX512F__)
-  const __m512i all = _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from)));
-  const __m512i chosen = _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), all);
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm512_cvtepi32_epi16(chosen));
-#elif defined(__AVX2__)
-  const __m256i all = _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)));
-  const __m256i lanes = _mm256_load_si256(reinterpret_cast<const __m256i*>(kCompressTable.lanes[bits]));
-  const __m256i chosen = _mm256_permutevar8x32_epi32(all, lanes);
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(to),
-                   _mm_packus_epi32(_mm256_castsi256_si128(chosen), _mm256_extracti128_si256(chosen, 1)));
-#else
-  for (; bits != 0; bits &= bits - 1) *to++ = from[std::countr_zero(bits)];
-#endif
-}
 
 /// The instruction set that Wide compiles to.
 inline constexpr const char* kIsaName =

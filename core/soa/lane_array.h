@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/simd/lanes.h"
+#include "core/simd/simd_rows.h"
 #include "core/soa/column_tile.h"
 
 namespace sheaf {

@@ -8,6 +8,7 @@
 
 #include "core/math/frame.h"
 #include "core/sampling/warp.h"
+#include "core/simd/simd_rows.h"
 
 #include <bit>
 #include <cmath>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/sampling/octahedral.h"
+#include "core/simd/simd_compress.h"
 #include "core/simd/simd_small_integers.h"
 #include "kernels/photons/photon_map.h"
 

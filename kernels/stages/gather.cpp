@@ -12,6 +12,7 @@
 // for each wavelength.
 #include "core/sampling/octahedral.h"
 #include "core/simd/prefetch.h"
+#include "core/simd/simd_compress.h"
 #include "core/soa/lane_array.h"
 #include "kernels/bsdf/list.h"
 #include "kernels/photons/photon_kernel.h"

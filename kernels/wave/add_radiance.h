@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/color/float4.h"
+#include "core/simd/simd_rows.h"
 #include "core/soa/lane_array.h"
 #include "kernels/wave/wave.h"
 

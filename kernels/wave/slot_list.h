@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/simd/lanes.h"
+#include "core/simd/simd_compress.h"
 #include "core/soa/arena.h"
 
 #include <bit>

@@ -4,6 +4,7 @@
 // per path. A row touches one, and its transpose to registers costs a few shuffles (bench/bench_core.cpp).
 #pragma once
 
+#include "core/simd/simd_rows.h"
 #include "core/soa/record_table.h"
 #include "kernels/wave/slot_list.h"
 

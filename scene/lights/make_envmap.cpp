@@ -6,6 +6,7 @@
 #include "core/image/image_channels.h"
 #include "core/io/file_cache.h"
 #include "core/simd/lanes.h"
+#include "core/simd/simd_rows.h"
 #include "core/soa/large_pages.h"
 
 #include <tbb/blocked_range.h>

@@ -40,7 +40,7 @@ TEST_CASE("a product is rounded before an addition in SIMD registers") {
   }
 }
 
-#ifdef __FMA__
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
 TEST_CASE("a fused multiply-add rounds once") {
   const float a = opaque(kRoot), c = opaque(-kSquare);
   CHECK(fma(a, a, c) == 0x1p-24f);

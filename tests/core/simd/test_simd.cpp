@@ -1,5 +1,7 @@
 // The SIMD layer: every function in wide registers against its scalar version, lane by lane.
 #include "core/simd/flush_denormals.h"
+#include "core/simd/simd_compress.h"
+#include "core/simd/simd_rows.h"
 #include "tests/support/lanes_testing.h"
 
 #include <doctest/doctest.h>
@@ -273,7 +275,22 @@ TEST_CASE("simd: compress_store keeps the selected lanes for every mask") {
   CHECK((x == 2.0f && n == 2u));
 }
 
-#if defined(__SSE__)
+TEST_CASE("simd: compress_copy keeps the selected integers for every mask") {
+  std::uint16_t from[kWidth + 1], to[kWidth + 2];
+  for (int lane = 0; lane <= kWidth; ++lane) from[lane] = static_cast<std::uint16_t>(65535 - 257 * lane);
+  int wrong = 0;
+  for (std::uint32_t bits = 0; bits < 1u << kWidth; ++bits) {
+    std::fill_n(to, kWidth + 2, std::uint16_t{7});
+    compress_copy(to + 1, from + 1, bits);
+    int n = 1;
+    for (int lane = 0; lane < kWidth; ++lane)
+      if (bits >> lane & 1u) wrong += to[n++] != from[lane + 1];
+    wrong += to[0] != 7 || to[kWidth + 1] != 7;
+  }
+  CHECK(wrong == 0);
+}
+
+#if defined(__SSE__) || defined(__aarch64__)
 TEST_CASE("simd: FlushDenormals flushes tiny operands and results to zero during its lifetime") {
   volatile float tiny = 1e-30f, denormal = bits_float(1u);
   {
