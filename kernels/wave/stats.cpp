@@ -3,6 +3,8 @@
 
 #include "core/simd/simd.h"
 
+#include <chrono>
+
 namespace sheaf {
 
 namespace {
@@ -10,7 +12,6 @@ namespace {
 double ratio(double a, double b) { return b > 0 ? a / b : 0.0; }
 
 double measure_seconds_per_tick() {
-#if defined(__x86_64__) || defined(__i386__)
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kSpan{5};
   const Clock::time_point start = Clock::now();
@@ -19,10 +20,6 @@ double measure_seconds_per_tick() {
   while (now - start < kSpan) now = Clock::now();
   const std::uint64_t last = timestamp();
   return std::chrono::duration<double>(now - start).count() / static_cast<double>(last - first);
-#else
-  using Period = std::chrono::steady_clock::period;
-  return static_cast<double>(Period::num) / static_cast<double>(Period::den);
-#endif
 }
 
 }  // namespace

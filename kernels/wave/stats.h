@@ -1,23 +1,11 @@
-// Time stamps, timers, and the counters of one stage.
+// Timers, and the counters of one stage.
 #pragma once
 
-#include <chrono>
+#include "core/simd/timestamp.h"
+
 #include <cstdint>
 
-#if defined(__x86_64__) || defined(__i386__)
-#include <x86intrin.h>
-#endif
-
 namespace sheaf {
-
-/// A fast time stamp in ticks of unspecified length. Monotonic on one thread; costs a few nanoseconds.
-inline std::uint64_t timestamp() {
-#if defined(__x86_64__) || defined(__i386__)
-  return __rdtsc();
-#else
-  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
-#endif
-}
 
 /// The length of one tick of timestamp() in seconds. The first call measures it for 5 ms; thread-safe.
 double seconds_per_tick();

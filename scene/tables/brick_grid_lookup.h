@@ -1,6 +1,7 @@
 // Lookups in brick grids, for single points and for many points at a time.
 #pragma once
 
+#include "core/simd/truncate.h"
 #include "scene/tables/brick_grid.h"
 
 #include <bit>
@@ -49,15 +50,6 @@ SHEAF_INLINE float wrap_grid_coordinate(GridBorder border, bool nearest, float x
     if (nearest) return x > 0.0f ? (x < n ? x : last) : 0.0f;
   }
   return x > 0.0f ? (x < last ? x : last) : 0.0f;
-}
-
-/// Truncates towards zero. NaN and out-of-range values become a number that is at least 2^31 when read as unsigned.
-SHEAF_INLINE std::int32_t truncate(float x) {
-#if defined(__SSE__)
-  return _mm_cvttss_si32(_mm_set_ss(x));
-#else
-  return x < 2147483648.0f && x >= -2147483648.0f ? static_cast<std::int32_t>(x) : std::int32_t{-1};
-#endif
 }
 
 /// Finds the cell at world-space point `p`. Returns false outside the grid, where the background applies.

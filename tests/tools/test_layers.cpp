@@ -1,5 +1,5 @@
-// The layering of the repository: includes point only from later to earlier layers, and each external library is
-// wrapped in one file.
+// The layering of the repository: includes point only from later to earlier layers, each external library is wrapped in
+// one file, and only core/simd names instruction sets.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -230,6 +230,13 @@ std::vector<std::string> find_breaches(const std::vector<Include>& includes) {
   return breaches;
 }
 
+/// Whether a line names an instruction set: a macro of the compiler, an intrinsic, or the header of one.
+bool names_instruction_set(std::string_view line) {
+  constexpr std::array<std::string_view, 9> kNames = {"__AVX", "__SSE",    "__FMA__",  "__ARM_",  "__x86_64__",
+                                                      " _mm_", " _mm256_", " _mm512_", "intrin.h"};
+  return std::any_of(kNames.begin(), kNames.end(), [&](std::string_view name) { return line.find(name) != line.npos; });
+}
+
 bool is_source(const fs::path& file) { return file.extension() == ".h" || file.extension() == ".cpp"; }
 
 /// Names of the folders of a layer that contain sources.
@@ -269,6 +276,23 @@ TEST_CASE("every include respects the layers") {
   const auto includes = read_includes(SHEAF_SOURCE_DIR);
   REQUIRE(includes.size() > 10);
   for (const std::string& breach : find_breaches(includes)) FAIL_CHECK(breach);
+}
+
+TEST_CASE("only core/simd names instruction sets") {
+  CHECK(names_instruction_set("#if defined(__AVX2__)"));
+  CHECK(names_instruction_set("  return _mm_cvttss_si32(x);"));
+  CHECK_FALSE(names_instruction_set("#if defined(__linux__)"));
+  // Its filter of system calls names the processor.
+  const std::string allowed = "tools/importer/sandbox.cpp";
+  for (const std::string_view layer : kLayers) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SHEAF_SOURCE_DIR) / layer)) {
+      const std::string file = fs::relative(entry.path(), SHEAF_SOURCE_DIR).generic_string();
+      if (!is_source(entry.path()) || file.starts_with("core/simd/") || file == allowed) continue;
+      std::ifstream stream(entry.path());
+      for (std::string line; std::getline(stream, line);)
+        if (names_instruction_set(line)) FAIL_CHECK(file << ": " << line);
+    }
+  }
 }
 
 TEST_CASE("the folders of each layer are listed") {
