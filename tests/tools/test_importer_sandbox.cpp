@@ -30,7 +30,7 @@ template <class Call> int status_of(Call&& call) {
 
 /// Whether this program has no sanitizers, for a processor with a filter of system calls.
 constexpr bool has_filter() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__x86_64__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !(defined(__x86_64__) || defined(__aarch64__))
   return false;
 #else
   return true;

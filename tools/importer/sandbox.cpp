@@ -30,7 +30,13 @@ void limit(decltype(RLIMIT_AS) resource, std::uint64_t value) {
   setrlimit(resource, &both);
 }
 
-#if defined(__x86_64__) && !defined(SHEAF_SANITIZED)
+#if (defined(__x86_64__) || defined(__aarch64__)) && !defined(SHEAF_SANITIZED)
+
+#if defined(__x86_64__)
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
+#else
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
+#endif
 
 /// Allocation, open files, synchronization, and the end of the process.
 constexpr int kAllowed[] = {
@@ -42,7 +48,7 @@ constexpr int kAllowed[] = {
 void filter_system_calls() {
   std::vector<sock_filter> program = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, arch)),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AUDIT_ARCH_X86_64, 1, 0),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 1, 0),
       BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS),
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
   };
