@@ -1,3 +1,13 @@
+# Flags for the processor. On ARM64, char is unsigned by default, and Clang 14 lacks -march=native.
+set(march "")
+if(SHEAF_MARCH)
+  set(march -march=${SHEAF_MARCH})
+endif()
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  string(REPLACE "-march=native" "-mcpu=native" march "${march}")
+  list(APPEND march -fsigned-char)
+endif()
+
 # sheaf_flags: include folders, definitions and compiler flags of all code of this project. Optimization and sanitizers
 # come with the build type; see CMakePresets.json.
 add_library(sheaf_flags INTERFACE)
@@ -10,12 +20,10 @@ target_compile_options(sheaf_flags INTERFACE
   -fno-math-errno -fno-trapping-math -ffp-contract=off
   -Wall -Wextra -Wshadow
   $<$<BOOL:${SHEAF_WERROR}>:-Werror>
-  $<$<BOOL:${SHEAF_MARCH}>:-march=${SHEAF_MARCH}>)
+  ${march})
 include(CheckCXXCompilerFlag)
 include(CheckCXXSymbolExists)
-if(SHEAF_MARCH)
-  set(CMAKE_REQUIRED_FLAGS "-march=${SHEAF_MARCH}")
-endif()
+string(JOIN " " CMAKE_REQUIRED_FLAGS ${march})
 check_cxx_symbol_exists(__AVX512F__ "" SHEAF_TARGET_AVX512)
 check_cxx_compiler_flag("-mmove-max=256 -mstore-max=256" SHEAF_HAS_MOVE_MAX)
 unset(CMAKE_REQUIRED_FLAGS)

@@ -52,7 +52,7 @@ function(sheaf_install)
     set(manual "${PROJECT_BINARY_DIR}/manual")
     add_custom_command(OUTPUT "${manual}/sheaf.fish" DEPENDS sheaf "${PROJECT_SOURCE_DIR}/tools/documentation/make_manual.py"
       COMMAND "${SHEAF_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/documentation/make_manual.py" --sheaf "$<TARGET_FILE:sheaf>"
-        --output "${manual}"
+        --output "${manual}" -- ${CMAKE_CROSSCOMPILING_EMULATOR}
       COMMENT "Writing manual pages and completion" VERBATIM)
     # Only release builds make the manual by default. In sanitizer builds the program would report leaks in libraries.
     set(always "")

@@ -71,7 +71,7 @@ def generate_pages():
     if not sheaf.exists():
         raise PluginError(f"{sheaf} does not exist: build Sheaf, or set SHEAF to the executable")
     pages = {f"command-line/{name}": text
-             for name, text in command_pages.command_pages(*make_manual.read_all_help(sheaf)).items()}
+             for name, text in command_pages.command_pages(*make_manual.read_all_help([sheaf])).items()}
     pages |= {page: (ROOT / path).read_text() for page, path in OUTSIDE.items()}
     for name, text in pages.items():
         path = Path(GENERATED.name, name)

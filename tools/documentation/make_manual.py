@@ -72,14 +72,15 @@ def make_help(description):
     return page
 
 
-def output_of(sheaf, *words):
-    return subprocess.run([sheaf, *words], check=True, capture_output=True, text=True).stdout
+def output_of(program, *words):
+    """Runs the program, a list of words, with arguments. Returns what it prints."""
+    return subprocess.run([*program, *words], check=True, capture_output=True, text=True).stdout
 
 
-def read_all_help(sheaf):
-    """Returns the help of the program, and that of each subcommand by its name."""
-    program = make_help(json.loads(output_of(sheaf, "help", "--json")))
-    return program, {command.name: command for command in program.commands}
+def read_all_help(program):
+    """Returns the help of the program, a list of words, and that of each subcommand by its name."""
+    page = make_help(json.loads(output_of(program, "help", "--json")))
+    return page, {command.name: command for command in page.commands}
 
 
 def roff(text):
@@ -136,15 +137,17 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sheaf", required=True, help="the sheaf executable")
     parser.add_argument("--output", type=Path, required=True, help="output folder, created if missing")
+    parser.add_argument("emulator", nargs="*", help="command that runs the executable")
     arguments = parser.parse_args()
-    version = " ".join(output_of(arguments.sheaf, "--version").split()[:2])
-    program, pages = read_all_help(arguments.sheaf)
+    program = [*arguments.emulator, arguments.sheaf]
+    version = " ".join(output_of(program, "--version").split()[:2])
+    page, pages = read_all_help(program)
     arguments.output.mkdir(parents=True, exist_ok=True)
-    for command, page in {"": program, **pages}.items():
+    for command, page in {"": page, **pages}.items():
         name = f"sheaf-{command}.1" if command else "sheaf.1"
         (arguments.output / name).write_text(manual_page(version, page, command, pages))
     for shell in SHELLS:
-        (arguments.output / f"sheaf.{shell}").write_text(output_of(arguments.sheaf, "completion", shell))
+        (arguments.output / f"sheaf.{shell}").write_text(output_of(program, "completion", shell))
 
 
 if __name__ == "__main__":
