@@ -20,20 +20,20 @@ constexpr int kMaxCut = 3;
 constexpr int kMaxBaseCellsLog2 = 4;
 
 /// Minimum and maximum of some values.
-struct Range {
+struct ValueRange {
   float low = kInfinity, high = -kInfinity;
 
   void add(float value) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  void add(const Range& other) {
+  void add(const ValueRange& other) {
     low = std::min(low, other.low);
     high = std::max(high, other.high);
   }
 };
 
-MajorantBounds bounds_of(const Range& range, bool minorants) {
+MajorantBounds bounds_of(const ValueRange& range, bool minorants) {
   const float largest = std::max(range.high, 0.0f), smallest = minorants ? std::max(range.low, 0.0f) : 0.0f;
   return MajorantBounds::around(smallest * (2.0f - kBoundMargin), largest * kBoundMargin);
 }
@@ -47,16 +47,16 @@ std::size_t at(const std::array<int, 3>& size, int x, int y, int z) {
 /// Ranges of the cubes of side 2^log2 voxels in a base cell, x fastest.
 struct Level {
   int log2 = 0, side = 0;  ///< side: cubes along an edge of the base cell
-  std::vector<Range> ranges;
+  std::vector<ValueRange> ranges;
 
-  Range& range(int x, int y, int z) { return ranges[static_cast<std::size_t>((z * side + y) * side + x)]; }
+  ValueRange& range(int x, int y, int z) { return ranges[static_cast<std::size_t>((z * side + y) * side + x)]; }
 };
 
 /// Ranges of all bricks of a grid.
-std::vector<Range> brick_ranges(const MajorantSource& source) {
+std::vector<ValueRange> brick_ranges(const MajorantSource& source) {
   const BrickGrid& grid = *source.grid;
   const std::size_t size = grid.brick_size(), voxel = grid.channels == 1 ? 1 : kColorVoxel;
-  std::vector<Range> ranges(grid.values.size() / size);
+  std::vector<ValueRange> ranges(grid.values.size() / size);
   for (std::size_t brick = 0; brick < ranges.size(); ++brick)
     for (std::size_t i = 0; i < size; i += voxel)
       for (std::size_t c = 0; c < static_cast<std::size_t>(grid.channels); ++c)
@@ -75,7 +75,7 @@ class BaseCellRanges {
     for (const MajorantSource& source : sources) brick_ranges_.push_back(brick_ranges(source));
     for (int cut = max_cut; cut >= 0; --cut) {
       const int side = 1 << cut;
-      levels_.push_back({base_log2 - cut, side, std::vector<Range>(static_cast<std::size_t>(side * side * side))});
+      levels_.push_back({base_log2 - cut, side, std::vector<ValueRange>(static_cast<std::size_t>(side * side * side))});
     }
   }
 
@@ -83,7 +83,7 @@ class BaseCellRanges {
   std::span<const Level> levels() const { return levels_; }
 
   /// Selects a base cell and returns its range.
-  Range look(const std::array<int, 3>& cell) {
+  ValueRange look(const std::array<int, 3>& cell) {
     const int bricks = 1 << (base_log2_ - kBrickLog2);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       first_[axis] = cell[axis] * bricks;
@@ -95,14 +95,14 @@ class BaseCellRanges {
   /// Computes the ranges of the selected base cell's cubes, from levels()[level] to the coarsest.
   void fill(std::size_t level) {
     Level& finest = levels_[level];
-    std::fill(finest.ranges.begin(), finest.ranges.end(), Range());
+    std::fill(finest.ranges.begin(), finest.ranges.end(), ValueRange());
     for (std::size_t i = 0; i < sources_.size(); ++i)
       for (int z = first_[2]; z < last_[2]; ++z)
         for (int y = first_[1]; y < last_[1]; ++y)
           for (int x = first_[0]; x < last_[0]; ++x) add_brick(i, {x, y, z}, finest);
     add_repeated(finest);
     // Cubes beyond the last brick are outside the box.
-    for (Range& range : finest.ranges)
+    for (ValueRange& range : finest.ranges)
       if (range.high < range.low) range = {0.0f, 0.0f};
     for (std::size_t i = level + 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
   }
@@ -121,8 +121,8 @@ class BaseCellRanges {
   }
 
   /// Range of the base cell's bricks, and of the bricks that wrap around along the axes of `wrapped`.
-  Range range_of_bricks(unsigned wrapped) const {
-    Range range;
+  ValueRange range_of_bricks(unsigned wrapped) const {
+    ValueRange range;
     const auto each = [&](std::size_t axis, auto&& f) {
       for (int i = first_[axis]; i < last_[axis]; ++i) f(i);
       if ((wrapped >> axis & 1u) != 0) f(layout_.bricks[axis] - 1);
@@ -146,7 +146,7 @@ class BaseCellRanges {
   }
 
   static void halve(const Level& from, Level& to) {
-    std::fill(to.ranges.begin(), to.ranges.end(), Range());
+    std::fill(to.ranges.begin(), to.ranges.end(), ValueRange());
     std::size_t i = 0;
     for (int z = 0; z < from.side; ++z)
       for (int y = 0; y < from.side; ++y)
@@ -156,13 +156,13 @@ class BaseCellRanges {
   /// Adds a brick's voxels to the cubes whose interpolation reads them.
   void add_brick(std::size_t source, const std::array<int, 3>& b, Level& finest) const {
     const std::size_t index = brick(source, b[0], b[1], b[2]);
-    const Range& whole = brick_ranges_[source][index];
+    const ValueRange& whole = brick_ranges_[source][index];
     const int log2 = std::min(finest.log2, kBrickLog2), side = 1 << log2, cubes = kBrickSide >> log2;
     const int shift = finest.log2 - log2;
     for (int z = 0; z < cubes; ++z)
       for (int y = 0; y < cubes; ++y)
         for (int x = 0; x < cubes; ++x) {
-          Range& range =
+          ValueRange& range =
               finest.range(((b[0] - first_[0]) * cubes + x) >> shift, ((b[1] - first_[1]) * cubes + y) >> shift,
                            ((b[2] - first_[2]) * cubes + z) >> shift);
           const bool is_whole = cubes == 1 || whole.low == whole.high;
@@ -171,12 +171,13 @@ class BaseCellRanges {
   }
 
   /// Range of the brick's voxels that lookups in the `side`^3 cells from `first` read.
-  Range cube_range(const MajorantSource& source, std::size_t brick, const std::array<int, 3>& first, int side) const {
+  ValueRange cube_range(const MajorantSource& source, std::size_t brick, const std::array<int, 3>& first,
+                        int side) const {
     const BrickGrid& grid = *source.grid;
     const float* const values = &grid.values[brick * grid.brick_size()];
     const int voxel = grid.channels == 1 ? 1 : kColorVoxel;
     const int count = side + voxels_beyond_;
-    Range range;
+    ValueRange range;
     for (int z = first[2]; z < first[2] + count; ++z)
       for (int y = first[1]; y < first[1] + count; ++y) {
         const float* const row = values + ((z * kBrickStride + y) * kBrickStride + first[0]) * voxel;
@@ -190,7 +191,7 @@ class BaseCellRanges {
   const BrickGrid& layout_;
   int voxels_beyond_;  ///< voxels beyond a cell that interpolation in it reads
   int base_log2_;
-  std::vector<std::vector<Range>> brick_ranges_;  ///< per source
+  std::vector<std::vector<ValueRange>> brick_ranges_;  ///< per source
   std::vector<Level> levels_;
   std::array<int, 3> first_{}, last_{};  ///< bricks of the base cell
 };
@@ -216,7 +217,7 @@ class Builder {
  private:
   /// A cube whose leaves have been chosen; cost and volume are relative to that of the whole cube.
   struct Node {
-    Range range;
+    ValueRange range;
     double cost = 0, volume = 0;
   };
 
@@ -246,7 +247,7 @@ class Builder {
   }
 
   Node add_base_cell(const std::array<int, 3>& cell) {
-    const Range range = ranges_.look(cell);
+    const ValueRange range = ranges_.look(cell);
     double cost = leaf_cost(range, out_.base_log2);
     const Level* best = nullptr;
     if (!is_uniform() && range.low < range.high) {
@@ -254,7 +255,7 @@ class Builder {
       ranges_.fill(first);
       for (const Level& level : ranges_.levels().subspan(first)) {
         double sum = 0;
-        for (const Range& part : level.ranges) sum += leaf_cost(part, level.log2);
+        for (const ValueRange& part : level.ranges) sum += leaf_cost(part, level.log2);
         sum /= static_cast<double>(level.ranges.size());
         if (sum < cost) cost = sum, best = &level;
       }
@@ -263,14 +264,14 @@ class Builder {
       set_leaf(cell, 0, range);
     } else {
       out_.entries[at(out_.cells, cell[0], cell[1], cell[2])] = make_entry(out_.bounds.size(), best->log2);
-      for (const Range& part : best->ranges) out_.bounds.push_back(bounds_of(part, needs_.minorants));
+      for (const ValueRange& part : best->ranges) out_.bounds.push_back(bounds_of(part, needs_.minorants));
     }
     return {range, cost, 1.0};
   }
 
   /// The finest level that may be worth its cost: halving the side doubles the cost of steps, and saves at most the
   /// whole cost of the bounds' difference.
-  std::size_t first_level(const Range& range) const {
+  std::size_t first_level(const ValueRange& range) const {
     const auto levels = ranges_.levels();
     const double max_cost = leaf_cost(range, 30);
     std::size_t first = 0;
@@ -279,14 +280,14 @@ class Builder {
   }
 
   /// Cost of a leaf per volume.
-  double leaf_cost(const Range& range, int log2) const {
+  double leaf_cost(const ValueRange& range, int log2) const {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     return 1.5 / static_cast<double>(1 << log2) +
            static_cast<double>(kLookupCost * needs_.thickness) * static_cast<double>(b.majorant() - b.minorant());
   }
 
   /// Makes a cube of base cells one leaf.
-  void set_leaf(const std::array<int, 3>& first, int log2, const Range& range) {
+  void set_leaf(const std::array<int, 3>& first, int log2, const ValueRange& range) {
     const MajorantBounds b = bounds_of(range, needs_.minorants);
     std::size_t index = 0;
     if (b.bits != 0) {
@@ -322,7 +323,7 @@ float MajorantGrid::max_value() const {
 MajorantGrid make_majorant_grid(std::span<const MajorantSource> sources, GridFilter filter, MajorantNeeds needs) {
   MajorantGrid result;
   // Bound the values outside
-  Range outside;
+  ValueRange outside;
   for (const MajorantSource& source : sources) {
     const BrickGrid& grid = *source.grid;
     if (grid.border != GridBorder::kBackground)
