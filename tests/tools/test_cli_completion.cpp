@@ -34,7 +34,8 @@ TEST_CASE("completion: bash completes commands, options and values") {
   write_bytes(folder / "sheaf.bash", run(folder, "completion bash").out);
   write_bytes(folder / "scene.xml", "");
   for (const auto& [line, words] : {std::pair{"sheaf re", "render"},
-                                    {"sheaf --ver", "--version"},
+                                    {"sheaf --ver", "--version --verbose"},
+                                    {"sheaf --vers", "--version"},
                                     {"sheaf render --den", "--denoise"},
                                     {"sheaf render --color ''", "rgb spectral"},
                                     {"sheaf render --color s", "spectral"},
