@@ -1,5 +1,5 @@
-# Cross-compilation for ARM64 by Clang; see tools/packaging/check_arm64.sh. -DCMAKE_SYSROOT names a folder with the
-# packages of Debian for arm64. Programs that the build runs are run by QEMU.
+# Cross-compilation for ARM64 by Clang: cmake --preset release --toolchain cmake/toolchains/aarch64.cmake
+# -DCMAKE_SYSROOT=ROOT, where ROOT holds Debian's packages for arm64. QEMU runs the programs that the build runs.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_CXX_COMPILER clang++)

@@ -38,7 +38,7 @@ struct JpegErrors : jpeg_error_mgr {
   jump_after_jpeg_error(info, message);
 }
 
-/// libjpeg decodes damaged files as far as it can. Files of which it fills a part with gray are rejected.
+/// libjpeg fills missing parts of damaged files with gray and only warns. Such files are rejected.
 void handle_warning(j_common_ptr info, int /*level*/) {
   if (info->err->msg_code == JWRN_HIT_MARKER) jump_after_jpeg_error(info, "the file is damaged or ends too early");
 }

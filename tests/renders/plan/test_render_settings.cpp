@@ -119,6 +119,30 @@ TEST_CASE("render settings: other numbers of replicates are derived with the oth
   CHECK_THROWS_AS(with_replicates(settings, 3), Error);  // sets of 22 samples
 }
 
+TEST_CASE("render settings: samples are divided among parts by whole sets") {
+  const RenderSettings settings = resolved(scene_settings());  // 2 sets of 32 samples
+  for (const std::uint32_t parts : {1u, 2u, 3u, 7u, 64u}) {
+    const RenderSettings divided = with_replicates(settings, replicates_for_parts(settings, parts));
+    const std::vector<SampleRange> ranges = divide_samples(divided, parts);
+    REQUIRE(ranges.size() == parts);
+    std::uint32_t first = 0;
+    for (const SampleRange& range : ranges) {
+      CHECK(range.first == first);
+      CHECK(range.count > 0);
+      CHECK(range.first % divided.replicate_samples == 0);
+      first = range.end();
+    }
+    CHECK(first == 64);
+  }
+  RenderRequest request;
+  request.replicates = 2;
+  CHECK(replicates_for_parts(resolved(scene_settings(), request), 3) == 2);
+  CHECK_THROWS_AS(divide_samples(resolved(scene_settings(), request), 3), Error);
+  // A single set is split anywhere
+  request.replicates = 1;
+  CHECK(divide_samples(resolved(scene_settings(), request), 3)[1] == SampleRange{21, 21});
+}
+
 TEST_CASE("render settings: requests that are not possible are refused") {
   const auto error = [](auto change) {
     RenderRequest request;

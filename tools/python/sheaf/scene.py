@@ -132,7 +132,7 @@ class Object:
                 raise UsageError("the object has no id, to which another one could refer")
             value = {"type": "ref", "id": value.id}
         choices = [tree.property_of(found[2].get("name", name) if found else name, value, element, place, now)]
-        if choices[0][0] == "vector" and now is None:  # a color or a vector: what the reader accepts
+        if choices[0][0] == "vector" and now is None:  # the reader may expect a color or a vector
             choices.insert(0, ("rgb", *choices[0][1:]))
         for last, choice in zip([*[False] * (len(choices) - 1), True], choices):
             try:
