@@ -1,13 +1,13 @@
 // Parser of Mitsuba's ".vol" grid volumes.
 #include "scene/formats/vol_file.h"
 
+#include "core/math/half.h"
 #include "scene/formats/little_endian.h"
 #include "scene/formats/mesh_io.h"
 
 #include <bit>
 #include <cmath>
 #include <concepts>
-#include <limits>
 #include <string>
 
 namespace sheaf {
@@ -20,15 +20,6 @@ constexpr std::size_t kHeaderSize = 48;
 
 std::int32_t int_at(const char* bytes) { return static_cast<std::int32_t>(little_endian<std::uint32_t>(bytes)); }
 float float_at(const char* bytes) { return std::bit_cast<float>(little_endian<std::uint32_t>(bytes)); }
-
-/// Converts IEEE 754 binary16.
-float half_to_float(std::uint16_t half) {
-  const int exponent = half >> 10 & 31, fraction = half & 1023;
-  const float sign = (half & 0x8000u) != 0 ? -1.0f : 1.0f;
-  if (exponent == 31) return fraction != 0 ? std::numeric_limits<float>::quiet_NaN() : sign * kInfinity;
-  if (exponent == 0) return sign * std::ldexp(static_cast<float>(fraction), -24);
-  return sign * std::ldexp(static_cast<float>(fraction + 1024), exponent - 25);
-}
 
 /// Contents of the file header.
 struct VolHeader {
